@@ -1,0 +1,289 @@
+//! The general perspective camera of the lecture, in f64 on the host.
+//!
+//! Step by step: the *canonical camera* has its eye at the origin and looks down -z through a viewport of 1 x 1 at
+//! distance 1. A *distance* d and a *viewport* of vw x vh generalise the lens; the *eye* e and the *basis* u, v, w
+//! (right, up, back) generalise the pose. For row i and column j, counted from 0, of an image of W x H pixels
+//!
+//! ```text
+//! u = ((j + 1/2)/W - 1/2) vw        v = -((i + 1/2)/H - 1/2) vh
+//! origin = e                        direction = u u + v v - d w
+//! ```
+
+use crate::dd::{self, Dd, Dd3};
+use crate::error::{Error, Place, Result};
+use glam::DVec3;
+
+/// Pose and lens. Every number is taken as exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// The point all viewing rays leave from.
+    pub eye: DVec3,
+    /// Where it looks.
+    pub look: Look,
+    /// Points up in the scene, not necessarily in the image; any length.
+    pub up: DVec3,
+    /// What the viewport measures.
+    pub lens: Lens,
+}
+
+/// Where a camera looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Look {
+    /// Straight at this point.
+    At(DVec3),
+    /// In this direction, of any length but zero.
+    View(DVec3),
+}
+
+/// How the viewport is given. It stands at `distance` in front of the eye, in any unit: only ratios matter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lens {
+    /// The lecture's numbers: vw x vh at distance d.
+    Viewport {
+        /// Width, vw.
+        vw: f64,
+        /// Height, vh.
+        vh: f64,
+        /// d.
+        distance: f64,
+    },
+    /// Full height as an angle; the width follows from the image's shape.
+    Vfov {
+        /// Degrees between 0 and 180.
+        degrees: f64,
+        /// d.
+        distance: f64,
+    },
+    /// NFF's angle: from the centre of the top row of pixels to the centre of the bottom row, at distance 1.
+    RowCentres {
+        /// Degrees between 0 and 180.
+        degrees: f64,
+    },
+}
+
+/// The basis of the lecture: e and the orthonormal u (right), v (up), w (back), each component within 2^-52 of the
+/// exact one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Basis {
+    /// The eye.
+    pub e: DVec3,
+    /// Right.
+    pub u: DVec3,
+    /// Up in the image.
+    pub v: DVec3,
+    /// Back, against the view.
+    pub w: DVec3,
+}
+
+/// `up` and `view` count as parallel when |up x view| <= PARALLEL |up||view|.
+///
+/// Half an ulp in every component of both vectors moves up x view by at most 2 sqrt(3) 2^-53 |up||view|; nearer than
+/// twice that (8 2^-53, about 9e-16 rad) the roll of the camera would be decided by the last digits of the input.
+pub const PARALLEL: f64 = 8.0 / (1u64 << 53) as f64;
+
+impl Camera {
+    /// The canonical camera of the lecture: eye at the origin, looking down -z, viewport 1 x 1 at distance 1.
+    pub const CANONICAL: Self = Self {
+        eye: DVec3::ZERO,
+        look: Look::View(DVec3::NEG_Z),
+        up: DVec3::Y,
+        lens: Lens::Viewport { vw: 1.0, vh: 1.0, distance: 1.0 },
+    };
+
+    /// The basis from eye + view + up, or from eye + at + up with view = at - eye: w against the view, u = up x w and
+    /// v = w x u, normalised. Computed in double-double after scaling by powers of two, so a scene may live at 1e-20.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for numbers that are not finite, eye = at, a zero view, a zero up, and up parallel to the view
+    /// within [`PARALLEL`].
+    pub fn basis(&self) -> Result<Basis> {
+        let name = |field: &str| format!("camera.{field}");
+        let (look, target) = match self.look {
+            Look::At(p) => ("at", p),
+            Look::View(p) => ("view", p),
+        };
+        for (field, vector) in [("eye", self.eye), (look, target), ("up", self.up)] {
+            if !vector.is_finite() {
+                let problem = format!("({}, {}, {}) is not finite", vector.x, vector.y, vector.z);
+                return Err(Error::scene(Place::field(name(field)), problem, "give three finite numbers"));
+            }
+        }
+        let view = match self.look {
+            // Halved before the difference, so that it cannot overflow; a view has any length.
+            Look::At(at) => unit_scale(std::array::from_fn(|k| half(at[k]) - half(self.eye[k]))),
+            Look::View(view) => unit_scale(view.to_array().map(Dd::from)),
+        };
+        let up = unit_scale(self.up.to_array().map(Dd::from));
+        let zero = |field: &str, problem: &str, mend: &str| Err(Error::scene(Place::field(name(field)), problem, mend));
+        let Some(view) = view else {
+            return match self.look {
+                Look::At(_) => zero("at", "eye and at are the same point", "look at another point, or give a view"),
+                Look::View(_) => zero("view", "a view of length zero looks nowhere", "give a direction"),
+            };
+        };
+        let Some(up) = up else {
+            return zero("up", "an up of length zero points nowhere", "give a direction");
+        };
+        let back = view.map(|x| -x);
+        let right = dd::cross(up, back);
+        let lengths = dd::dot(up, up).sqrt() * dd::dot(view, view).sqrt();
+        let sine = (dd::dot(right, right).sqrt() / lengths).value();
+        if sine <= PARALLEL {
+            let problem = format!("up is parallel to the view (sine of their angle {sine:.1e}, least {PARALLEL:.1e})");
+            return Err(Error::scene(Place::field(name("up")), problem, "give an up that points elsewhere"));
+        }
+        let unit = |a: Dd3| {
+            let length = dd::dot(a, a).sqrt();
+            DVec3::from_array(a.map(|x| (x / length).value()))
+        };
+        Ok(Basis { e: self.eye, u: unit(right), v: unit(dd::cross(back, right)), w: unit(back) })
+    }
+
+    /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are the exact ones from
+    /// here on, however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a viewport, distance or angle that is not positive and finite, or an angle of 180 and more.
+    pub fn viewport(&self, width: u32, height: u32) -> Result<Viewport> {
+        let positive = |field: &str, x: f64| {
+            if x > 0.0 && x.is_finite() {
+                return Ok(x);
+            }
+            let problem = format!("{x} is not positive and finite");
+            Err(Error::scene(Place::field(format!("camera.{field}")), problem, "give a positive number"))
+        };
+        let tall = |field: &str, degrees: f64, distance: f64| {
+            if !(degrees > 0.0 && degrees < 180.0) {
+                let problem = format!("{degrees} degrees open no viewport");
+                let place = Place::field(format!("camera.{field}"));
+                return Err(Error::scene(place, problem, "give an angle between 0 and 180"));
+            }
+            Ok(2.0 * distance * (degrees.to_radians() / 2.0).tan())
+        };
+        let shaped = |vh: f64| vh * f64::from(width) / f64::from(height);
+        let (vw, vh, d) = match self.lens {
+            Lens::Viewport { vw, vh, distance } => (vw, vh, distance),
+            Lens::Vfov { degrees, distance } => {
+                let vh = tall("vfov", degrees, positive("distance", distance)?)?;
+                (shaped(vh), vh, distance)
+            }
+            Lens::RowCentres { degrees } => {
+                let rows = f64::from(height);
+                let centres = tall("angle", degrees, 1.0)?;
+                let vh = if height == 1 { centres } else { centres * rows / (rows - 1.0) };
+                (shaped(vh), vh, 1.0)
+            }
+        };
+        Ok(Viewport { vw: positive("viewport", vw)?, vh: positive("viewport", vh)?, d: positive("distance", d)? })
+    }
+}
+
+/// The viewport of the lecture: vw x vh at distance d.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewport {
+    /// Width.
+    pub vw: f64,
+    /// Height.
+    pub vh: f64,
+    /// Distance from the eye.
+    pub d: f64,
+}
+
+/// x/2; exact but for the last bit of a subnormal, which no scene can tell.
+fn half(x: f64) -> Dd {
+    Dd::from(x * 0.5)
+}
+
+/// The vector times the power of two that brings its largest component into [1, 2); `None` for the zero vector.
+fn unit_scale(a: Dd3) -> Option<Dd3> {
+    let largest = a.iter().fold(0.0f64, |m, x| m.max(x.hi.abs()));
+    (largest > 0.0).then(|| a.map(|x| x.ldexp(-dd::exponent(largest))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(eye: [f64; 3], look: Look, up: [f64; 3]) -> Camera {
+        Camera { eye: eye.into(), look, up: up.into(), lens: Camera::CANONICAL.lens }
+    }
+
+    #[test]
+    fn the_canonical_basis_is_the_axes() {
+        let b = Camera::CANONICAL.basis().expect("canonical");
+        assert_eq!((b.e, b.u, b.v, b.w), (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z));
+    }
+
+    #[test]
+    fn any_basis_is_orthonormal_right_handed_and_looks_along_the_view() {
+        for scale in [1e-300, 1e-20, 1.0, 1e20, 1e300] {
+            for view in [[1.0, 2.0, 3.0], [-1.0, 0.0, 1e-9], [0.0, 1.0, 1e-12], [3.0, -4.0, 5e5]] {
+                let view = DVec3::from_array(view) * scale;
+                let b = camera([1.0, -2.0, 3.0], Look::View(view), [0.0, 1.0, 0.0]).basis().expect("a basis");
+                // 2^-50: three products of components that are each within 2^-52.
+                let tiny = 2f64.powi(-50);
+                for (a, c) in [(b.u, b.v), (b.v, b.w), (b.w, b.u)] {
+                    assert!(a.dot(c).abs() <= tiny, "{b:?}");
+                    assert!((a.length() - 1.0).abs() <= tiny, "{b:?}");
+                }
+                assert!((b.u.cross(b.v) - b.w).length() <= tiny, "right-handed {b:?}");
+                assert!((b.w + view / scale / (view / scale).length()).length() <= tiny, "against the view {b:?}");
+                assert!(b.v.y > 0.0, "up points up {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn at_and_view_agree_also_far_away_and_at_the_ends_of_the_range() {
+        let eye = DVec3::new(1e9, -2e9, 3e9);
+        let look = DVec3::new(3.0, -5.0, 7.0);
+        let at = camera(eye.into(), Look::At(eye + look), [0.0, 0.0, 1.0]).basis().expect("at");
+        let view = camera(eye.into(), Look::View(look), [0.0, 0.0, 1.0]).basis().expect("view");
+        assert_eq!(at, view);
+        let far = camera([-1.7e308, 0.0, 0.0], Look::At(DVec3::new(1.7e308, 0.0, 0.0)), [0.0, 1.0, 0.0]);
+        assert_eq!(far.basis().expect("no overflow").w, DVec3::NEG_X);
+    }
+
+    #[test]
+    fn degenerate_cameras_are_refused_with_the_field() {
+        let y = [0.0, 1.0, 0.0];
+        for (camera, field) in [
+            (camera([1.0; 3], Look::At(DVec3::ONE), y), "camera.at"),
+            (camera([1.0; 3], Look::View(DVec3::ZERO), y), "camera.view"),
+            (camera([1.0; 3], Look::View(DVec3::X), [0.0; 3]), "camera.up"),
+            (camera([1.0; 3], Look::View(DVec3::NEG_Y * 1e-20), y), "camera.up"),
+            (camera([f64::NAN, 0.0, 0.0], Look::View(DVec3::X), y), "camera.eye"),
+            (camera([0.0; 3], Look::View(DVec3::new(f64::INFINITY, 0.0, 0.0)), y), "camera.view"),
+        ] {
+            let error = camera.basis().expect_err(field).to_string();
+            assert!(error.contains(field), "{error}");
+        }
+    }
+
+    #[test]
+    fn nearly_parallel_is_judged_relative_to_the_lengths() {
+        let up = |x: f64| camera([0.0; 3], Look::View(DVec3::Y * 1e-20), [x * 1e20, 1e20, 0.0]).basis();
+        assert!(up(0.9 * PARALLEL).is_err());
+        assert!(up(1.1 * PARALLEL).is_ok());
+    }
+
+    #[test]
+    fn lenses_give_the_viewport() {
+        let lens = |lens| Camera { lens, ..Camera::CANONICAL }.viewport(200, 100);
+        let square = lens(Lens::Vfov { degrees: 90.0, distance: 3.0 }).expect("vfov");
+        // tan(45 degrees) rounds to within an ulp of 1.
+        assert!((square.vh - 6.0).abs() < 1e-14 && (square.vw - 12.0).abs() < 1e-14, "{square:?}");
+        let rows = lens(Lens::RowCentres { degrees: 90.0 }).expect("rows");
+        assert!((rows.vh * 99.0 / 100.0 - 2.0).abs() < 1e-14, "{rows:?}");
+        for bad in [
+            Lens::Vfov { degrees: 180.0, distance: 1.0 },
+            Lens::Vfov { degrees: 0.0, distance: 1.0 },
+            Lens::Vfov { degrees: 40.0, distance: -1.0 },
+            Lens::Viewport { vw: 0.0, vh: 1.0, distance: 1.0 },
+            Lens::Viewport { vw: 1.0, vh: f64::INFINITY, distance: 1.0 },
+            Lens::RowCentres { degrees: f64::NAN },
+        ] {
+            lens(bad).expect_err("a lens that opens no viewport");
+        }
+    }
+}

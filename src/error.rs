@@ -1,0 +1,156 @@
+//! What can go wrong, sorted by who can mend it.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The underlying error, kept so that a caller can walk the chain.
+pub type Source = Box<dyn std::error::Error + Send + Sync>;
+
+/// `Result` with halfline's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Every failure of the library. The variants say whose turn it is: the author of the scene, the caller, the machine.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene cannot be rendered as it stands: malformed text, a negative radius, a degenerate camera.
+    #[error("{place}: {problem}; {mend}")]
+    Scene {
+        /// Where in the scene: file, line, column, field.
+        place: Place,
+        /// What is wrong with it.
+        problem: String,
+        /// What to write instead.
+        mend: String,
+        /// The parser's own error, if there was one.
+        #[source]
+        source: Option<Source>,
+    },
+    /// The caller asked for something that does not exist or does not go together.
+    #[error("{problem}; {mend}")]
+    Settings {
+        /// What does not go together.
+        problem: String,
+        /// What to ask for instead.
+        mend: String,
+    },
+    /// No adapter fits the request.
+    #[error("{problem}; {mend}")]
+    Adapter {
+        /// What was looked for and what was found.
+        problem: String,
+        /// What to install or ask for.
+        mend: String,
+    },
+    /// The work does not fit the adapter or the memory.
+    #[error("{problem}; {mend}")]
+    Limits {
+        /// What is too large, with the numbers.
+        problem: String,
+        /// What would fit.
+        mend: String,
+    },
+    /// The device went away in the middle of the work.
+    #[error("the device was lost: {0}; try again, with a smaller --size or another --adapter")]
+    DeviceLost(String),
+    /// The promised accuracy cannot be had here.
+    #[error("{problem}; {mend}")]
+    Accuracy {
+        /// Which promise failed and why.
+        problem: String,
+        /// What would reach it.
+        mend: String,
+    },
+    /// A file could not be read or written.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// `read` or `write`.
+        action: &'static str,
+        /// Which file; `-` is standard input or output.
+        path: PathBuf,
+        /// The system's error.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The caller cancelled the work.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Error {
+    /// A fault of the scene at `place`.
+    pub fn scene(place: impl Into<Place>, problem: impl Into<String>, mend: impl Into<String>) -> Self {
+        Self::Scene { place: place.into(), problem: problem.into(), mend: mend.into(), source: None }
+    }
+
+    /// A fault of the request.
+    pub fn settings(problem: impl Into<String>, mend: impl Into<String>) -> Self {
+        Self::Settings { problem: problem.into(), mend: mend.into() }
+    }
+
+    /// A file that cannot be read.
+    pub fn read(path: impl AsRef<Path>, source: std::io::Error) -> Self {
+        Self::Io { action: "read", path: path.as_ref().to_path_buf(), source }
+    }
+
+    /// A file that cannot be written.
+    pub fn write(path: impl AsRef<Path>, source: std::io::Error) -> Self {
+        Self::Io { action: "write", path: path.as_ref().to_path_buf(), source }
+    }
+}
+
+/// A place in a scene: as much as is known of file, line, column and field. Lines and columns count from 1.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The file's name as the user gave it; `None` for a scene made in memory.
+    pub file: Option<String>,
+    /// Line, from 1.
+    pub line: Option<u64>,
+    /// Column in characters, from 1.
+    pub column: Option<u64>,
+    /// The field, such as `camera.up` or `sphere 7 radius`.
+    pub field: Option<String>,
+}
+
+impl Place {
+    /// A place known by its field alone.
+    pub fn field(field: impl Into<String>) -> Self {
+        Self { field: Some(field.into()), ..Self::default() }
+    }
+
+    /// A place known by its file alone.
+    pub fn file(file: impl Into<String>) -> Self {
+        Self { file: Some(file.into()), ..Self::default() }
+    }
+
+    /// The same place with line and column.
+    pub fn at(mut self, line: u64, column: u64) -> Self {
+        (self.line, self.column) = (Some(line), Some(column));
+        self
+    }
+
+    /// The same place with the field's name.
+    pub fn named(mut self, field: impl Into<String>) -> Self {
+        self.field = Some(field.into());
+        self
+    }
+}
+
+impl From<&str> for Place {
+    fn from(field: &str) -> Self {
+        Self::field(field)
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.as_deref().unwrap_or("scene"))?;
+        for number in [self.line, self.column].into_iter().flatten() {
+            write!(f, ":{number}")?;
+        }
+        match &self.field {
+            Some(field) => write!(f, ": {field}"),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
+
+/// The buffers a frame can hold (arbitrary output variables), by the names of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Aov {
+    /// Shaded colour, H,W,3 f32, linear RGB; the background on a miss.
+    Color,
+    /// Euclidean length from the ray's origin to the hit, H,W f64, scene units; +inf on a miss.
+    Distance,
+    /// Distance along the view axis (planar z), H,W f64, scene units; +inf on a miss.
+    Depth,
+    /// Unit normal in world space, against the ray, H,W,3 f32; 0,0,0 on a miss.
+    Normal,
+    /// Hit point in world space, H,W,3 f64, scene units; NaN on a miss.
+    Position,
+    /// Index of the sphere in the scene's order, H,W i32; -1 on a miss.
+    Id,
+    /// 1 hit, 0 miss, H,W u8.
+    Mask,
+    /// 0 answered and certified in f32, 1 settled, 255 not certified, H,W u8; a miss is answered like a hit.
+    Certainty,
+    /// Proven bound of the distance's error, H,W f64, scene units; 0 on a miss, +inf where nothing is proven.
+    Bound,
+}
+
+impl Aov {
+    /// Every buffer, in the order of the documentation.
+    pub const ALL: [Self; 9] = [
+        Self::Color,
+        Self::Distance,
+        Self::Depth,
+        Self::Normal,
+        Self::Position,
+        Self::Id,
+        Self::Mask,
+        Self::Certainty,
+        Self::Bound,
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Color => "color",
+            Self::Distance => "distance",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Position => "position",
+            Self::Id => "id",
+            Self::Mask => "mask",
+            Self::Certainty => "certainty",
+            Self::Bound => "bound",
+        }
+    }
+
+    /// Components per pixel.
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Color | Self::Normal | Self::Position => 3,
+            _ => 1,
+        }
+    }
+}
+
+/// The values of one buffer, row by row from the top, components innermost.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Data {
+    /// Color, normal.
+    F32(Vec<f32>),
+    /// Distance, depth, position, bound.
+    F64(Vec<f64>),
+    /// Id.
+    I32(Vec<i32>),
+    /// Mask, certainty.
+    U8(Vec<u8>),
+}
+
+/// One buffer of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Buffer {
+    /// Which one.
+    pub aov: Aov,
+    /// `[H, W]` or `[H, W, 3]`.
+    pub shape: Vec<usize>,
+    /// The values, in C order.
+    pub data: Data,
+}

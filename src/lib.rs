@@ -1,0 +1,6 @@
+//! halfline (skeleton)
+pub mod camera;
+mod dd;
+pub mod error;
+pub mod frame;
+pub mod scene;

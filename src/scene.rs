@@ -1,0 +1,177 @@
+//! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact;
+//! the readers below make scenes, nothing else does.
+
+use crate::camera::Camera;
+use crate::error::{Error, Place, Result};
+
+/// Linear RGB of a sphere that names no colour.
+pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
+
+/// What is to be rendered. World coordinates, in whatever length unit the user likes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// Where the picture is taken from.
+    pub camera: Camera,
+    /// What the picture is taken on.
+    pub image: ImagePlane,
+    /// What the picture is taken of.
+    pub spheres: Spheres,
+    /// What the reader met and left out.
+    pub skipped: Skipped,
+}
+
+/// Size of the image in pixels and the colour of a ray that hits nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImagePlane {
+    /// Columns, W.
+    pub width: u32,
+    /// Rows, H.
+    pub height: u32,
+    /// Linear RGB; black unless the scene says otherwise.
+    pub background: [f32; 3],
+}
+
+impl Default for ImagePlane {
+    /// 512 x 512 pixels on black.
+    fn default() -> Self {
+        Self { width: 512, height: 512, background: [0.0; 3] }
+    }
+}
+
+/// The spheres in the scene's order: a sphere's id is its index here.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Spheres {
+    /// World centres.
+    pub centers: Vec<[f64; 3]>,
+    /// Radii, positive and finite.
+    pub radii: Vec<f64>,
+    /// Linear RGB per sphere; `None` when no sphere of the scene names a colour, so that none is uploaded.
+    pub colors: Option<Vec<[f32; 3]>>,
+}
+
+impl Spheres {
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.radii.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.radii.is_empty()
+    }
+
+    /// Adds one sphere. The first colour given makes a colour list; spheres without one get [`DEFAULT_COLOR`] in it.
+    pub fn push(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) {
+        match (&mut self.colors, color) {
+            (Some(colors), color) => colors.push(color.unwrap_or(DEFAULT_COLOR)),
+            (None, Some(color)) => {
+                let mut colors = vec![DEFAULT_COLOR; self.len()];
+                colors.push(color);
+                self.colors = Some(colors);
+            }
+            (None, None) => {}
+        }
+        self.centers.push(center);
+        self.radii.push(radius);
+    }
+}
+
+/// What a reader met that is no sphere, counted by kind, in the file's order of first meeting.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// Kind in the singular (`polygon`) and how many.
+    pub kinds: Vec<(&'static str, u64)>,
+}
+
+impl Skipped {
+    /// Counts one more of `kind`.
+    pub fn add(&mut self, kind: &'static str) {
+        match self.kinds.iter_mut().find(|(k, _)| *k == kind) {
+            Some((_, n)) => *n += 1,
+            None => self.kinds.push((kind, 1)),
+        }
+    }
+
+    /// All kinds together.
+    pub fn total(&self) -> u64 {
+        self.kinds.iter().map(|(_, n)| n).sum()
+    }
+}
+
+impl Scene {
+    /// Checks what a reader checks, for a scene made in memory: sizes, radii, finite numbers, the camera.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] naming the first field that cannot be rendered.
+    pub fn check(&self) -> Result<()> {
+        let s = &self.spheres;
+        if s.centers.len() != s.radii.len() || s.colors.as_ref().is_some_and(|c| c.len() != s.radii.len()) {
+            let problem = format!(
+                "{} centres, {} radii and {} colours do not make spheres",
+                s.centers.len(),
+                s.radii.len(),
+                s.colors.as_ref().map_or(0, Vec::len)
+            );
+            return Err(Error::scene("spheres", problem, "give as many of each"));
+        }
+        for (index, (center, radius)) in s.centers.iter().zip(&s.radii).enumerate() {
+            check_sphere(*center, *radius, || Place::field(format!("sphere {index}")))?;
+        }
+        self.image.check()?;
+        self.camera.basis().map(drop)?;
+        self.camera.viewport(self.image.width, self.image.height).map(drop)
+    }
+}
+
+impl ImagePlane {
+    fn check(&self) -> Result<()> {
+        check_size([i64::from(self.width), i64::from(self.height)], || Place::field("image.size")).map(drop)?;
+        check_color(self.background, || Place::field("image.background"))
+    }
+}
+
+/// Largest number of columns or rows: 2j + 1 - W stays exact in f32 far beyond it, and id buffers stay addressable.
+pub const MAX_SIDE: i64 = 1 << 20;
+
+/// A size in pixels that is positive and not absurd, as (W, H). One place for every reader and the command line.
+///
+/// # Errors
+/// [`Error::Scene`] at `place`.
+pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> Result<(u32, u32)> {
+    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
+        return Ok((width as u32, height as u32));
+    }
+    let problem = format!("an image of {width} x {height} pixels cannot be made");
+    Err(Error::scene(place(), problem, format!("give two whole numbers between 1 and {MAX_SIDE}")))
+}
+
+/// A sphere that can be rendered: finite centre, positive finite radius. One place for every reader.
+///
+/// # Errors
+/// [`Error::Scene`] at `place`, with the field appended.
+pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) -> Result<()> {
+    let inside = |field: &str| {
+        let place = place();
+        let name = place.field.as_ref().map_or_else(|| field.to_owned(), |outer| format!("{outer} {field}"));
+        place.named(name)
+    };
+    if let Some(bad) = center.iter().find(|x| !x.is_finite()) {
+        return Err(Error::scene(inside("center"), format!("{bad} is not a place"), "give three finite numbers"));
+    }
+    if !(radius > 0.0 && radius.is_finite()) {
+        let problem = format!("a radius of {radius} makes no sphere");
+        return Err(Error::scene(inside("radius"), problem, "give a positive finite number"));
+    }
+    Ok(())
+}
+
+/// A colour that can be shown: three finite numbers, none negative. One place for every reader.
+///
+/// # Errors
+/// [`Error::Scene`] at `place`.
+pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()> {
+    match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
+        None => Ok(()),
+        Some(bad) => Err(Error::scene(place(), format!("{bad} is no colour component"), "give linear RGB, 0 or more")),
+    }
+}
