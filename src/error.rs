@@ -17,7 +17,7 @@ pub enum Error {
     #[error("{place}: {problem}; {mend}")]
     Scene {
         /// Where in the scene: file, line, column, field.
-        place: Place,
+        place: Box<Place>,
         /// What is wrong with it.
         problem: String,
         /// What to write instead.
@@ -80,7 +80,7 @@ pub enum Error {
 impl Error {
     /// A fault of the scene at `place`.
     pub fn scene(place: impl Into<Place>, problem: impl Into<String>, mend: impl Into<String>) -> Self {
-        Self::Scene { place: place.into(), problem: problem.into(), mend: mend.into(), source: None }
+        Self::Scene { place: Box::new(place.into()), problem: problem.into(), mend: mend.into(), source: None }
     }
 
     /// A fault of the request.
