@@ -154,3 +154,11 @@ impl fmt::Display for Place {
         }
     }
 }
+
+/// The one of `all` that bears this name.
+pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
+    all.iter().copied().find(|x| of(*x) == name).ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(|x| of(*x)).collect();
+        Error::settings(format!("there is no {kind} '{name}'"), format!("choose from {}", names.join(", ")))
+    })
+}

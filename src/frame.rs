@@ -1,5 +1,7 @@
 //! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
 
+pub(crate) mod raw;
+
 /// The buffers a frame can hold (arbitrary output variables), by the names of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Aov {
@@ -84,4 +86,64 @@ pub struct Buffer {
     pub shape: Vec<usize>,
     /// The values, in C order.
     pub data: Data,
+}
+
+/// A rendered frame: its buffers and its report.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// W, pixels.
+    pub width: u32,
+    /// H, pixels.
+    pub height: u32,
+    /// The buffers asked for and the ids, in the order of [`Aov::ALL`].
+    pub buffers: Vec<Buffer>,
+    /// Who computed it, how and how long.
+    pub report: crate::report::Report,
+}
+
+impl Frame {
+    /// The buffer, if it was asked for.
+    #[must_use]
+    pub fn get(&self, aov: Aov) -> Option<&Buffer> {
+        self.buffers.iter().find(|buffer| buffer.aov == aov)
+    }
+
+    /// The values of an f32 buffer (colour, normal), if it was asked for.
+    #[must_use]
+    pub fn f32(&self, aov: Aov) -> Option<&[f32]> {
+        match &self.get(aov)?.data {
+            Data::F32(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// The values of an f64 buffer (distance, depth, position, bound), if it was asked for.
+    #[must_use]
+    pub fn f64(&self, aov: Aov) -> Option<&[f64]> {
+        match &self.get(aov)?.data {
+            Data::F64(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Index of the sphere each pixel shows, -1 on a miss; H x W, always there.
+    #[must_use]
+    pub fn ids(&self) -> &[i32] {
+        match self.get(Aov::Id).map(|buffer| &buffer.data) {
+            Some(Data::I32(ids)) => ids,
+            _ => &[],
+        }
+    }
+
+    /// The picture in 8-bit sRGB, alpha 255, if colour was asked for.
+    #[must_use]
+    pub fn image(&self) -> Option<image::RgbaImage> {
+        let bytes: Vec<u8> =
+            self.f32(Aov::Color)?.chunks_exact(3).flat_map(|c| [srgb8(c[0]), srgb8(c[1]), srgb8(c[2]), 255]).collect();
+        image::RgbaImage::from_raw(self.width, self.height, bytes)
+    }
+}
+
+fn srgb8(x: f32) -> u8 {
+    (x.clamp(0.0, 1.0) * 255.0) as u8
 }

@@ -60,6 +60,19 @@ impl Spheres {
         self.radii.is_empty()
     }
 
+    /// Where the spheres are, in words.
+    pub fn extent(&self) -> String {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for (center, radius) in self.centers.iter().zip(&self.radii) {
+            for k in 0..3 {
+                low[k] = low[k].min(center[k] - radius);
+                high[k] = high[k].max(center[k] + radius);
+            }
+        }
+        let point = |p: [f64; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
+        format!("the spheres lie between {} and {}", point(low), point(high))
+    }
+
     /// Adds one sphere. The first colour given makes a colour list; spheres without one get [`DEFAULT_COLOR`] in it.
     pub fn push(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) {
         match (&mut self.colors, color) {
@@ -90,6 +103,15 @@ impl Skipped {
             Some((_, n)) => *n += 1,
             None => self.kinds.push((kind, 1)),
         }
+    }
+
+    /// A warning for each kind, for people.
+    pub fn warnings(&self) -> Vec<String> {
+        let plural = |n: u64| if n == 1 { "" } else { "s" };
+        self.kinds
+            .iter()
+            .map(|(kind, n)| format!("{n} {kind}{} skipped: only spheres are rendered", plural(*n)))
+            .collect()
     }
 
     /// All kinds together.

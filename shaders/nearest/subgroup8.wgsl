@@ -1,0 +1,17 @@
+// The closest hit among all spheres, each loaded once per subgroup of 8 and shared. Lanes past the end repeat the last
+// sphere, which cannot win against itself. A broadcast takes constant lanes only, hence the 8 lines.
+fn nearest(ray: Ray) -> Hit {
+    var hit = Hit(MISS, NONE);
+    for (var first = 0u; first < view.spheres; first += 8u) {
+        let mine = spheres[min(first + lane, view.spheres - 1u)];
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 0u), subgroupBroadcast(mine.power, 0u), subgroupBroadcast(mine.scale, 0u)), first + 0u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 1u), subgroupBroadcast(mine.power, 1u), subgroupBroadcast(mine.scale, 1u)), first + 1u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 2u), subgroupBroadcast(mine.power, 2u), subgroupBroadcast(mine.scale, 2u)), first + 2u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 3u), subgroupBroadcast(mine.power, 3u), subgroupBroadcast(mine.scale, 3u)), first + 3u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 4u), subgroupBroadcast(mine.power, 4u), subgroupBroadcast(mine.scale, 4u)), first + 4u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 5u), subgroupBroadcast(mine.power, 5u), subgroupBroadcast(mine.scale, 5u)), first + 5u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 6u), subgroupBroadcast(mine.power, 6u), subgroupBroadcast(mine.scale, 6u)), first + 6u);
+        hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 7u), subgroupBroadcast(mine.power, 7u), subgroupBroadcast(mine.scale, 7u)), first + 7u);
+    }
+    return hit;
+}

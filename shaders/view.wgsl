@@ -1,0 +1,35 @@
+// What every stage knows: the view and its spheres, already in the canonical camera. No world coordinate comes here.
+
+// The canonical camera of the lecture, its viewport and distance scaled by one power of two.
+struct View {
+    right: vec4<f32>,      // basis u, v, w in world space, for normals; w unused
+    up: vec4<f32>,
+    back: vec4<f32>,
+    background: vec4<f32>, // linear RGB; w unused
+    width: u32,            // W, pixels
+    height: u32,           // H, pixels
+    first_row: u32,        // of the band that this dispatch renders
+    rows: u32,             // in the band
+    half_du: f32,          // vw / (2 W)
+    half_dv: f32,          // vh / (2 H)
+    d: f32,                // distance of the viewport
+    spheres: u32,          // how many
+}
+
+// A sphere in the canonical camera, scaled by its own power of two 2^-k so that squares neither overflow nor vanish.
+struct Sphere {
+    ball: vec4<f32>,       // centre minus eye and radius, 2^-k
+    power: f32,            // of the eye: |c - e|^2 - r^2 in better arithmetic, 2^-2k
+    scale: f32,            // t of this record times scale is t in the frame's unit
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> spheres: array<Sphere>;
+
+fn center(s: Sphere) -> vec3<f32> {
+    return s.ball.xyz;
+}
+
+fn radius(s: Sphere) -> f32 {
+    return s.ball.w;
+}

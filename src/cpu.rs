@@ -1,0 +1,79 @@
+//! The CPU reference path: the kernels' stages over rows, in f32, operation for operation.
+
+use crate::frame::raw::Raw;
+use crate::intersect::{Intersect, Visit};
+use crate::nearest::nearest;
+use crate::plan::Kernel;
+use crate::ray::{Hit, NONE, Ray, viewing_ray};
+use crate::shade::Surface;
+use crate::view::{Sphere, View};
+use rayon::prelude::*;
+
+/// What the reference path is called where an adapter's name is expected.
+pub(crate) const NAME: &str = "cpu";
+
+/// And where a driver's is.
+pub(crate) fn driver() -> String {
+    format!("halfline reference path, f32, {} threads", rayon::current_num_threads())
+}
+
+/// Fills `raw` by `kernel`'s method. `go_on` is asked before every row; rows after a `false` are left alone.
+pub(crate) fn render(
+    kernel: &Kernel,
+    view: &View,
+    colors: Option<&[[f32; 3]]>,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) {
+    kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
+}
+
+struct Frame<'a> {
+    kernel: &'a Kernel,
+    view: &'a View,
+    colors: Option<&'a [[f32; 3]]>,
+    raw: &'a mut Raw,
+    go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Visit for Frame<'_> {
+    type Output = ();
+
+    fn visit<V: Intersect>(self) {
+        let Self { kernel, view, colors, raw, go_on } = self;
+        let spheres: Vec<Sphere<f32>> = view.spheres.iter().map(Sphere::from).collect();
+        let surface = Surface { view: &view.record, spheres: &spheres, colors };
+        let width = view.record.width as usize;
+        // t is what the normals of the lecture's forms start from, asked for or not.
+        raw.t.resize(raw.id.len(), f32::MAX);
+        let rows = raw.id.par_chunks_mut(width).zip(raw.t.par_chunks_mut(width)).enumerate();
+        rows.filter(|_| go_on()).for_each(|(i, (ids, ts))| {
+            for (j, (id, t)) in ids.iter_mut().zip(ts).enumerate() {
+                let hit = nearest::<V, f32>(&viewing_ray(&view.record, i as u32, j as u32), &spheres);
+                (*id, *t) = (hit.id, hit.t);
+            }
+        });
+        let (id, t) = (&raw.id, &raw.t);
+        let each = |out: &mut [f32], value: &(dyn Fn(&Ray<f32>, Hit<f32>) -> [f32; 3] + Sync)| {
+            out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
+                for (j, out) in row.chunks_exact_mut(3).enumerate() {
+                    let hit = Hit { t: t[i * width + j], id: id[i * width + j] };
+                    out.copy_from_slice(&value(&viewing_ray(&view.record, i as u32, j as u32), hit));
+                }
+            });
+        };
+        if kernel.normal {
+            each(&mut raw.normal, &|ray, hit| match hit.id {
+                NONE => [0.0; 3],
+                _ => surface.world_normal::<V>(ray, hit),
+            });
+        }
+        if let Some(shade) = kernel.shade {
+            let [r, g, b, _] = view.record.background;
+            each(&mut raw.color, &|ray, hit| match hit.id {
+                NONE => [r, g, b],
+                _ => surface.shade::<V>(shade, ray, hit),
+            });
+        }
+    }
+}

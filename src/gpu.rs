@@ -1,0 +1,8 @@
+//! The device side: which adapter, which shader text, and the dispatches of a frame.
+
+pub(crate) mod compose;
+pub(crate) mod device;
+pub(crate) mod dispatch;
+pub(crate) mod layout;
+
+pub(crate) use dispatch::Gpu;

@@ -1,0 +1,173 @@
+//! Adapters: finding, naming, choosing and opening them.
+
+use crate::error::{Error, Result};
+use serde::Serialize;
+use std::sync::{Arc, Mutex};
+
+/// What is said of an adapter. The index is its place in the list and what `--adapter` takes.
+#[derive(Debug, Clone, Serialize)]
+pub struct AdapterSummary {
+    /// Place in the list, from 0.
+    pub index: usize,
+    /// The driver's name for the device.
+    pub name: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    pub kind: &'static str,
+    /// `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// Driver and its version.
+    pub driver: String,
+    /// Smallest and largest number of lanes of a subgroup; `None` without subgroups.
+    pub subgroup: Option<[u32; 2]>,
+    /// Whether shaders may use f64.
+    pub f64: bool,
+    /// Largest storage buffer a shader can bind, bytes.
+    pub max_binding: u64,
+    /// Largest buffer, bytes.
+    pub max_buffer: u64,
+}
+
+impl AdapterSummary {
+    /// What a caller's own device tells of itself.
+    pub(crate) fn of_device(device: &wgpu::Device) -> Self {
+        summary(0, device.adapter_info(), device.features(), &device.limits())
+    }
+}
+
+/// An adapter and what is said of it.
+pub(crate) struct Found {
+    pub(crate) adapter: wgpu::Adapter,
+    pub(crate) summary: AdapterSummary,
+}
+
+/// Every adapter of the backends that WGPU_BACKEND admits, hardware before software.
+pub(crate) fn find() -> Result<Vec<Found>> {
+    let wanted = wgpu::Backends::from_env();
+    if wanted.is_some_and(|b| b.is_empty()) {
+        let asked = std::env::var("WGPU_BACKEND").unwrap_or_default();
+        let problem = format!("WGPU_BACKEND={asked} names no backend");
+        return Err(Error::Adapter { problem, mend: "name vulkan, metal or dx12, or leave it unset".into() });
+    }
+    let backends = wanted.unwrap_or(wgpu::Backends::PRIMARY);
+    let descriptor = wgpu::InstanceDescriptor {
+        backends,
+        // Not the build's default: a debug build must not look for validation layers on a user's machine.
+        flags: wgpu::InstanceFlags::empty().with_env(),
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    };
+    let instance = wgpu::Instance::new(descriptor);
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
+    adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
+    let found = |(index, adapter): (usize, wgpu::Adapter)| Found {
+        summary: summary(index, adapter.get_info(), adapter.features(), &adapter.limits()),
+        adapter,
+    };
+    Ok(adapters.into_iter().enumerate().map(found).collect())
+}
+
+/// Every adapter, in the order of their indices.
+///
+/// # Errors
+/// [`Error::Adapter`] when WGPU_BACKEND names no backend.
+pub fn adapters() -> Result<Vec<AdapterSummary>> {
+    Ok(find()?.into_iter().map(|found| found.summary).collect())
+}
+
+fn rank(kind: wgpu::DeviceType) -> u8 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+fn summary(index: usize, info: wgpu::AdapterInfo, features: wgpu::Features, limits: &wgpu::Limits) -> AdapterSummary {
+    let kind = match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => "discrete",
+        wgpu::DeviceType::IntegratedGpu => "integrated",
+        wgpu::DeviceType::VirtualGpu => "virtual",
+        wgpu::DeviceType::Cpu => "software",
+        wgpu::DeviceType::Other => "other",
+    };
+    AdapterSummary {
+        index,
+        kind,
+        backend: info.backend.to_string(),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        subgroup: features
+            .contains(wgpu::Features::SUBGROUP)
+            .then_some([info.subgroup_min_size, info.subgroup_max_size]),
+        f64: features.contains(wgpu::Features::SHADER_F64),
+        max_binding: limits.max_storage_buffer_binding_size,
+        max_buffer: limits.max_buffer_size,
+        name: info.name,
+    }
+}
+
+/// Chooses among what was found: by index, by a part of the name in any case, or the first.
+/// `None` when nothing was asked for and nothing is there.
+pub(crate) fn choose(mut found: Vec<Found>, asked: Option<&str>) -> Result<Option<Found>> {
+    let Some(asked) = asked else {
+        return Ok(if found.is_empty() { None } else { Some(found.swap_remove(0)) });
+    };
+    let by_name = |f: &Found| f.summary.name.to_lowercase().contains(&asked.to_lowercase());
+    let place = match asked.parse::<usize>() {
+        Ok(index) => (index < found.len()).then_some(index),
+        Err(_) => found.iter().position(by_name),
+    };
+    if let Some(place) = place {
+        return Ok(Some(found.swap_remove(place)));
+    }
+    let list: Vec<_> = found.iter().map(|f| format!("{}: {}", f.summary.index, f.summary.name)).collect();
+    let problem = match list.as_slice() {
+        [] => format!("no adapter matches '{asked}': none was found"),
+        list => format!("no adapter matches '{asked}'; found {}", list.join(", ")),
+    };
+    Err(Error::Adapter { problem, mend: "name one of these by index or part of its name (halfline adapters)".into() })
+}
+
+/// What to say when a GPU is demanded and there is none.
+pub(crate) fn none_found() -> Error {
+    Error::Adapter {
+        problem: "no Vulkan, Metal or DX12 adapter was found".into(),
+        mend:
+            "install a driver (software Vulkan on Debian or Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1), \
+               or use --backend cpu"
+                .into(),
+    }
+}
+
+/// A device with what its losing leaves behind.
+pub(crate) struct Open {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) lost: Arc<Mutex<Option<String>>>,
+}
+
+/// Opens a device with all the adapter's limits and the features the kernels know how to use.
+pub(crate) fn open(found: &Found) -> Result<Open> {
+    let wanted = wgpu::Features::SUBGROUP;
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("halfline"),
+        required_features: found.adapter.features() & wanted,
+        required_limits: found.adapter.limits(),
+        ..Default::default()
+    };
+    let (device, queue) =
+        pollster::block_on(found.adapter.request_device(&descriptor)).map_err(|e| Error::Adapter {
+            problem: format!("{} does not open: {e}", found.summary.name),
+            mend: "choose another --adapter, or --backend cpu".into(),
+        })?;
+    let lost = Arc::new(Mutex::new(None));
+    let note = Arc::clone(&lost);
+    device.set_device_lost_callback(move |reason, message| {
+        if reason != wgpu::DeviceLostReason::Destroyed
+            && let Ok(mut note) = note.lock()
+        {
+            *note = Some(message);
+        }
+    });
+    Ok(Open { device, queue, lost })
+}

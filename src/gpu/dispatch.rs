@@ -1,0 +1,324 @@
+//! One frame on the device: upload, dispatch band by band, read back.
+
+use crate::error::{Error, Result};
+use crate::frame::raw::Raw;
+use crate::gpu::compose::{compose, constants};
+use crate::gpu::device::{AdapterSummary, Open};
+use crate::gpu::layout::{Binding, bindings, validate};
+use crate::plan::{Kernel, Rays};
+use crate::report::Stages;
+use crate::view::{SphereRecord, View, ViewRecord};
+use bytemuck::Zeroable;
+use std::collections::HashMap;
+use std::num::NonZeroU64;
+
+/// Pixels along a side of a workgroup's tile, and invocations in it; layout tests hold them against the shaders.
+pub(crate) const TILE: u32 = 8;
+
+/// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
+const TESTS_PER_DISPATCH: u64 = 1 << 32;
+
+/// An opened device, its pipelines and its buffers, kept from frame to frame.
+pub(crate) struct Gpu {
+    pub(crate) summary: AdapterSummary,
+    open: Open,
+    limits: wgpu::Limits,
+    pipelines: HashMap<Kernel, Pipeline>,
+    buffers: HashMap<&'static str, wgpu::Buffer>,
+}
+
+struct Pipeline {
+    compute: wgpu::ComputePipeline,
+    bindings: Vec<Binding>,
+}
+
+/// What the kernels read besides the view, by the name of the binding.
+pub(crate) struct Input<'a> {
+    pub(crate) view: &'a View,
+    /// Linear RGB per sphere.
+    pub(crate) colors: Option<&'a [[f32; 3]]>,
+    /// Records of given rays; empty for viewing rays.
+    pub(crate) rays: &'a [crate::trace::RayRecord],
+}
+
+/// A band of the frame: rows of pixels, or a run of given rays in one row.
+struct Band {
+    first: u32,
+    count: u32,
+}
+
+impl Gpu {
+    pub(crate) fn new(open: Open, summary: AdapterSummary) -> Self {
+        let limits = open.device.limits();
+        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new() }
+    }
+
+    /// Fills `raw` by `kernel`. `go_on` is asked between bands.
+    pub(crate) fn run(
+        &mut self,
+        kernel: &Kernel,
+        input: &Input<'_>,
+        raw: &mut Raw,
+        stages: &mut Stages,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<()> {
+        let device = self.open.device.clone();
+        let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
+            .map(|filter| device.push_error_scope(filter));
+        let outcome = self.run_unguarded(kernel, input, raw, stages, go_on);
+        let mut failure = None;
+        for scope in scopes.into_iter().rev() {
+            failure = pollster::block_on(scope.pop()).or(failure);
+        }
+        if let Some(message) = self.open.lost.lock().ok().and_then(|lost| lost.clone()) {
+            return Err(Error::DeviceLost(message));
+        }
+        match failure {
+            None => outcome,
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
+                problem: format!("{} is out of memory", self.summary.name),
+                mend: "render fewer spheres or a smaller --size".into(),
+            }),
+            Some(error) => Err(Error::Adapter {
+                problem: format!("{} refused the work: {error}", self.summary.name),
+                mend: "choose another --adapter or --backend cpu, and report it".into(),
+            }),
+        }
+    }
+
+    fn run_unguarded(
+        &mut self,
+        kernel: &Kernel,
+        input: &Input<'_>,
+        raw: &mut Raw,
+        stages: &mut Stages,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<()> {
+        let record = input.view.record;
+        self.check_limits(kernel, &record)?;
+        stages.time("pipeline", || self.pipeline(kernel))?;
+        stages.time("upload", || self.upload(kernel, input))?;
+        for band in self.bands(kernel, &record, input.rays.len() as u32) {
+            if !go_on() {
+                return Err(Error::Interrupted);
+            }
+            stages.time("trace", || self.dispatch(kernel, &record, &band))?;
+            stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
+        }
+        Ok(())
+    }
+
+    /// Refuses, before any work, what the adapter cannot hold.
+    fn check_limits(&self, kernel: &Kernel, record: &ViewRecord) -> Result<()> {
+        let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
+        let fit = largest / size_of::<SphereRecord>() as u64;
+        if u64::from(record.spheres) > fit {
+            return Err(Error::Limits {
+                problem: format!(
+                    "{} spheres need {} bytes in one buffer and {} binds {largest}",
+                    record.spheres,
+                    u64::from(record.spheres) * size_of::<SphereRecord>() as u64,
+                    self.summary.name
+                ),
+                mend: format!("render at most {fit} spheres, or use --backend cpu"),
+            });
+        }
+        let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
+            .min((largest / (3 * 4 * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
+        if kernel.rays == Rays::Camera && record.width > widest {
+            return Err(Error::Limits {
+                problem: format!(
+                    "{} columns are more than {} can write in one dispatch",
+                    record.width, self.summary.name
+                ),
+                mend: format!("render at most {widest} columns, or use --backend cpu"),
+            });
+        }
+        Ok(())
+    }
+
+    fn pipeline(&mut self, kernel: &Kernel) -> Result<()> {
+        if self.pipelines.contains_key(kernel) {
+            return Ok(());
+        }
+        let source = compose(kernel);
+        let (module, info) = validate(&source, crate::gpu::layout::capabilities(kernel))?;
+        let shader = self.open.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(kernel.method.name()),
+            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
+        });
+        let compute = self.open.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(kernel.method.name()),
+            layout: None,
+            module: &shader,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants(kernel),
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        self.pipelines.insert(*kernel, Pipeline { compute, bindings: bindings(&module, &info) });
+        Ok(())
+    }
+
+    fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
+        // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
+        let nothing = [SphereRecord::zeroed()];
+        let spheres = if input.view.spheres.is_empty() { &nothing[..] } else { &input.view.spheres };
+        self.fill("spheres", bytemuck::cast_slice(spheres))?;
+        if let (true, Some(colors)) = (kernel.colors, input.colors) {
+            self.fill("colors", bytemuck::cast_slice(colors))?;
+        }
+        if kernel.rays != Rays::Camera {
+            self.fill("rays", bytemuck::cast_slice(input.rays))?;
+        }
+        if kernel.rays == Rays::Spread {
+            let lows = if input.view.lows.is_empty() { &[[0.0f32; 4]][..] } else { &input.view.lows };
+            self.fill("lows", bytemuck::cast_slice(lows))?;
+        }
+        Ok(())
+    }
+
+    /// The rays in pieces that fit the adapter's bindings and its patience.
+    fn bands(&self, kernel: &Kernel, record: &ViewRecord, rays: u32) -> Vec<Band> {
+        let binding = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
+        let pixels = (binding / 12).min(TESTS_PER_DISPATCH / u64::from(record.spheres.max(1)));
+        let (total, step) = match kernel.rays {
+            Rays::Camera => {
+                let tiles = (pixels / u64::from(record.width * TILE)).max(1);
+                let most = u64::from(self.limits.max_compute_workgroups_per_dimension);
+                (record.height, tiles.min(most) as u32 * TILE)
+            }
+            _ => {
+                let groups = (pixels / 64).max(1).min(u64::from(self.limits.max_compute_workgroups_per_dimension));
+                (rays, groups as u32 * 64)
+            }
+        };
+        (0..total).step_by(step as usize).map(|first| Band { first, count: step.min(total - first) }).collect()
+    }
+
+    fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
+        let (record, pixels, groups) = match kernel.rays {
+            Rays::Camera => {
+                let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
+                let groups = (record.width.div_ceil(TILE), band.count.div_ceil(TILE));
+                (record, u64::from(record.width) * u64::from(band.count), groups)
+            }
+            _ => {
+                let record = ViewRecord { first_row: band.first, rows: 1, width: band.count, ..*record };
+                (record, u64::from(band.count), (band.count.div_ceil(64), 1))
+            }
+        };
+        self.fill("view", bytemuck::bytes_of(&record))?;
+        for output in outputs(kernel) {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+            let reading = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+            let bytes = pixels * output.bytes;
+            self.reserve(output.name, bytes, usage);
+            self.reserve(output.staging, bytes, reading);
+        }
+        let pipeline = &self.pipelines[kernel];
+        let entries: Vec<_> = pipeline
+            .bindings
+            .iter()
+            .map(|b| wgpu::BindGroupEntry { binding: b.binding, resource: self.bound(b.name, kernel, pixels) })
+            .collect();
+        let group = self.open.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.compute.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline.compute);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(groups.0, groups.1, 1);
+        }
+        for output in outputs(kernel) {
+            let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
+        }
+        self.open.queue.submit([encoder.finish()]);
+        self.wait()
+    }
+
+    fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
+        let row = if kernel.rays == Rays::Camera { record.width as usize } else { 1 };
+        let (first, pixels) = (band.first as usize * row, band.count as usize * row);
+        let read: Vec<_> = outputs(kernel).collect();
+        for output in &read {
+            self.buffers[output.staging].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
+        }
+        self.wait()?;
+        for output in &read {
+            let staging = &self.buffers[output.staging];
+            {
+                let mapped = staging
+                    .get_mapped_range(0..pixels as u64 * output.bytes)
+                    .map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))?;
+                raw.store(output.name, first, pixels, &mapped);
+            }
+            staging.unmap();
+        }
+        Ok(())
+    }
+
+    fn wait(&self) -> Result<()> {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
+        self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
+    }
+
+    /// The part of a buffer that belongs to this dispatch: buffers are kept, so they may be larger.
+    fn bound(&self, name: &'static str, kernel: &Kernel, pixels: u64) -> wgpu::BindingResource<'_> {
+        let buffer = &self.buffers[name];
+        let size = outputs(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes));
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+    }
+
+    fn fill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        let usage = if name == "view" { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+        let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
+        if bytes.len() as u64 > largest {
+            return Err(Error::Limits {
+                problem: format!(
+                    "{} bytes of {name} are more than {} binds ({largest})",
+                    bytes.len(),
+                    self.summary.name
+                ),
+                mend: "render fewer at a time, or use --backend cpu".into(),
+            });
+        }
+        self.reserve(name, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
+        self.open.queue.write_buffer(&self.buffers[name], 0, bytes);
+        Ok(())
+    }
+
+    fn reserve(&mut self, name: &'static str, size: u64, usage: wgpu::BufferUsages) {
+        if self.buffers.get(name).is_none_or(|buffer| buffer.size() < size) {
+            let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
+            self.buffers.insert(name, self.open.device.create_buffer(&descriptor));
+        }
+    }
+}
+
+/// An output buffer: its binding, where it is read from, bytes per pixel.
+struct Output {
+    name: &'static str,
+    staging: &'static str,
+    bytes: u64,
+}
+
+/// The buffers that a kernel writes.
+fn outputs(kernel: &Kernel) -> impl Iterator<Item = Output> {
+    [
+        (true, "frame_id", "read frame_id", 4),
+        (kernel.t, "frame_t", "read frame_t", 4),
+        (kernel.normal, "frame_normal", "read frame_normal", 12),
+        (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
+    ]
+    .into_iter()
+    .filter(|(written, ..)| *written)
+    .map(|(_, name, staging, bytes)| Output { name, staging, bytes })
+}

@@ -1,0 +1,80 @@
+//! THE list of intersection variants. Each line has one .rs in intersect/ and one .wgsl of the same name in
+//! shaders/intersect/; every test and every measurement takes them from here.
+
+mod geometric;
+mod roots;
+mod stable;
+mod textbook;
+mod unit;
+
+use crate::error::Error;
+use crate::ray::Ray;
+use crate::real::Real;
+use crate::view::Sphere;
+use std::str::FromStr;
+
+/// A form of the ray-sphere intersection: the CPU twin of shaders/intersect/NAME.wgsl.
+pub trait Intersect {
+    /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Real::MISS`] if nowhere. A tangent ray hits.
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R;
+    /// The unit normal at t in the canonical camera, against the ray.
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3];
+}
+
+/// Work to be done with the type of a variant: how a [`Method`] becomes static dispatch.
+pub(crate) trait Visit {
+    /// What the work gives.
+    type Output;
+    /// The work.
+    fn visit<V: Intersect>(self) -> Self::Output;
+}
+
+macro_rules! variants {
+    ($($name:ident $file:ident $about:literal)*) => {
+        /// The form of the quadratic, by its name on the command line.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Method {
+            $(#[doc = $about] $name,)*
+        }
+
+        impl Method {
+            /// All of them, in the order of the list.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+
+            /// The name on the command line and of the files.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$name => stringify!($file),)* }
+            }
+
+            /// What it computes, in words.
+            #[must_use]
+            pub fn about(self) -> &'static str {
+                match self { $(Self::$name => $about,)* }
+            }
+
+            /// The variant's part of a shader: file name and text.
+            pub(crate) fn wgsl(self) -> (&'static str, &'static str) {
+                match self { $(Self::$name => crate::gpu::compose::part!(concat!("intersect/", stringify!($file), ".wgsl")),)* }
+            }
+
+            /// Does `work` with the variant's type.
+            pub(crate) fn dispatch<W: Visit>(self, work: W) -> W::Output {
+                match self { $(Self::$name => work.visit::<$file::$name>(),)* }
+            }
+        }
+    };
+}
+variants! {
+    Textbook textbook "the general quadratic with d.d"
+    Unit unit "the quadratic for d of unit length"
+    Geometric geometric "closest approach t_m, its distance l_m, half the chord delta t"
+    Stable stable "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+}
+
+impl FromStr for Method {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self, Error> {
+        crate::error::by_name("method", name, Self::ALL, |m| m.name())
+    }
+}

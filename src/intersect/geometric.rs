@@ -1,0 +1,30 @@
+//! The geometric intuition: t_m, the ray's closest approach to the centre; l_m, its distance there; delta t, half the
+//! chord. d of unit length, and t/|d| for the ray as it came.
+
+use super::Intersect;
+use super::roots::{closest, normal_from_point};
+use crate::ray::{Ray, center, dot3, negated, radius};
+use crate::real::Real;
+use crate::view::Sphere;
+
+pub(crate) struct Geometric;
+
+impl Intersect for Geometric {
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+        let p = negated(center(s));
+        let length = dot3(ray.d, ray.d).sqrt();
+        let d = ray.d.map(|x| x / length);
+        let t_m = -dot3(p, d);
+        let l_m2 = dot3(p, p) - t_m * t_m;
+        let r2 = radius(s) * radius(s);
+        if l_m2 > r2 {
+            return R::MISS;
+        }
+        let delta_t = (r2 - l_m2).sqrt();
+        closest((t_m - delta_t) / length, (t_m + delta_t) / length)
+    }
+
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+        normal_from_point(ray, s, t)
+    }
+}

@@ -1,0 +1,51 @@
+//! The perpendicular form. With p from the ray's origin to the centre, g = p x d and Lagrange's identity
+//! (p.d)^2 = |p|^2 |d|^2 - |g|^2 the discriminant is a r^2 - g.g: no difference of two large squares. The power of the
+//! origin, c = |p|^2 - r^2, comes from the host; the root whose sum does not cancel is taken first, the other is c/q.
+//!
+//! Sources: Hearn and Baker's discriminant as in Haines, Guenther, Akenine-Moeller, *Precision improvements for
+//! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
+
+use super::Intersect;
+use crate::ray::{Ray, center, cross3, dot3, minus, negated, radius, times, unit3};
+use crate::real::Real;
+use crate::view::Sphere;
+
+pub(crate) struct Stable;
+
+fn discriminant<R: Real>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
+    dot3(ray.d, ray.d) * (radius(s) * radius(s)) - dot3(g, g)
+}
+
+impl Intersect for Stable {
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+        let p = center(s);
+        let g = cross3(p, ray.d);
+        let disc = discriminant(ray, s, g);
+        if disc < R::ZERO {
+            return R::MISS;
+        }
+        let b = dot3(p, ray.d);
+        let root = disc.sqrt();
+        if b > R::ZERO {
+            let q = b + root;
+            if s.power > R::ZERO {
+                return s.power / q;
+            }
+            return q / dot3(ray.d, ray.d);
+        }
+        if s.power < R::ZERO {
+            return s.power / (b - root);
+        }
+        R::MISS
+    }
+
+    /// From the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, upper sign outside. Nothing
+    /// cancels, however far the sphere; t is not used.
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, _t: R) -> [R; 3] {
+        let g = cross3(center(s), ray.d);
+        let root = discriminant(ray, s, g).max(R::ZERO).sqrt();
+        let across = cross3(ray.d, g);
+        let side = if s.power > R::ZERO { negated(across) } else { across };
+        unit3(minus(side, times(root, ray.d)))
+    }
+}

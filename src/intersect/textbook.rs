@@ -1,0 +1,28 @@
+//! The general quadratic: |p + t d|^2 = r^2 with p from the centre to the ray's origin, d of any length.
+
+use super::Intersect;
+use super::roots::{closest, normal_from_point};
+use crate::ray::{Ray, center, dot3, negated, radius};
+use crate::real::Real;
+use crate::view::Sphere;
+
+pub(crate) struct Textbook;
+
+impl Intersect for Textbook {
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+        let p = negated(center(s));
+        let a = dot3(ray.d, ray.d);
+        let b = dot3(ray.d, p);
+        let c = dot3(p, p) - radius(s) * radius(s);
+        let discriminant = b * b - a * c;
+        if discriminant < R::ZERO {
+            return R::MISS;
+        }
+        let root = discriminant.sqrt();
+        closest((-b - root) / a, (-b + root) / a)
+    }
+
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+        normal_from_point(ray, s, t)
+    }
+}

@@ -1,0 +1,28 @@
+//! The quadratic for d of unit length: t = -d.p +- sqrt((d.p)^2 - p.p + r^2), and t/|d| for the ray as it came.
+
+use super::Intersect;
+use super::roots::{closest, normal_from_point};
+use crate::ray::{Ray, center, dot3, negated, radius};
+use crate::real::Real;
+use crate::view::Sphere;
+
+pub(crate) struct Unit;
+
+impl Intersect for Unit {
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+        let p = negated(center(s));
+        let length = dot3(ray.d, ray.d).sqrt();
+        let d = ray.d.map(|x| x / length);
+        let b = dot3(d, p);
+        let discriminant = b * b - dot3(p, p) + radius(s) * radius(s);
+        if discriminant < R::ZERO {
+            return R::MISS;
+        }
+        let root = discriminant.sqrt();
+        closest((-b - root) / length, (-b + root) / length)
+    }
+
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+        normal_from_point(ray, s, t)
+    }
+}

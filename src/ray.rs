@@ -1,0 +1,78 @@
+//! Viewing rays and hits: the twin of ray.wgsl.
+
+use crate::real::Real;
+use crate::view::{Sphere, ViewRecord};
+
+/// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts: a ray is half a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray<R> {
+    /// Direction.
+    pub d: [R; 3],
+}
+
+/// The closest hit of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit<R> {
+    /// t in the frame's unit; [`Real::MISS`] on a miss.
+    pub t: R,
+    /// Index of the sphere in the scene's order; [`NONE`] on a miss.
+    pub id: u32,
+}
+
+/// id of a ray that hits nothing.
+pub const NONE: u32 = u32::MAX;
+
+impl<R: Real> Hit<R> {
+    /// No hit.
+    pub const NONE: Self = Self { t: R::MISS, id: NONE };
+}
+
+/// The viewing ray of row `i` and column `j`, both from 0: u = (2j + 1 - W) vw/(2W), v = (H - 1 - 2i) vh/(2H), -d.
+#[must_use]
+pub fn viewing_ray<R: Real>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
+    let odd = |x: i64| R::exact(x as f32);
+    let u = odd(2 * i64::from(j) + 1 - i64::from(view.width)) * R::exact(view.half_du);
+    let v = odd(i64::from(view.height) - 1 - 2 * i64::from(i)) * R::exact(view.half_dv);
+    Ray { d: [u, v, -R::exact(view.d)] }
+}
+
+/// a . b, summed x, y, z: the order is part of the answer's last bit.
+pub fn dot3<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a x b
+pub fn cross3<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// a / |a|
+pub fn unit3<R: Real>(a: [R; 3]) -> [R; 3] {
+    let length = dot3(a, a).sqrt();
+    a.map(|x| x / length)
+}
+
+/// s a
+pub fn times<R: Real>(s: R, a: [R; 3]) -> [R; 3] {
+    a.map(|x| s * x)
+}
+
+/// a - b
+pub fn minus<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// -a
+pub fn negated<R: Real>(a: [R; 3]) -> [R; 3] {
+    a.map(|x| -x)
+}
+
+/// The centre of a sphere's record.
+pub fn center<R: Real>(s: &Sphere<R>) -> [R; 3] {
+    [s.ball[0], s.ball[1], s.ball[2]]
+}
+
+/// The radius of a sphere's record.
+pub fn radius<R: Real>(s: &Sphere<R>) -> R {
+    s.ball[3]
+}

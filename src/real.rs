@@ -1,0 +1,45 @@
+//! The numbers of the CPU twins: one body of code, several arithmetics.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number type for the twins of the kernels. f32 mirrors the device bit for bit where the device rounds as IEEE does.
+pub trait Real:
+    Copy
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// t of a ray that hits nothing: the largest finite f32, as in ray.wgsl.
+    const MISS: Self;
+    /// 0.
+    const ZERO: Self;
+    /// 1/2.
+    const HALF: Self;
+    /// Exactly this number.
+    fn exact(x: f32) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// The larger of two numbers.
+    fn max(self, other: Self) -> Self {
+        if self < other { other } else { self }
+    }
+}
+
+impl Real for f32 {
+    const MISS: Self = f32::MAX;
+    const ZERO: Self = 0.0;
+    const HALF: Self = 0.5;
+    fn exact(x: f32) -> Self {
+        x
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}

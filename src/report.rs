@@ -1,0 +1,76 @@
+//! What is told of a rendering: who computed it, how, how long, and what to be careful about.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The report of a frame; the command line prints it as one JSON object.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// `halfline-render`.
+    pub schema: &'static str,
+    /// Version of this object's shape.
+    pub version: u32,
+    /// The program that wrote it.
+    pub halfline: &'static str,
+    /// Spheres in the scene.
+    pub spheres: u64,
+    /// Things in the scene file that are no spheres and were left out.
+    pub skipped: u64,
+    /// Viewing rays: pixels.
+    pub rays: u64,
+    /// Rays that hit something.
+    pub hits: u64,
+    /// The adapter's name; `cpu` for the reference path.
+    pub adapter: String,
+    /// Driver and its version; threads for the reference path.
+    pub driver: String,
+    /// `gpu` or `cpu`.
+    pub backend: &'static str,
+    /// The form of the quadratic.
+    pub method: &'static str,
+    /// `fast`.
+    pub accuracy: &'static str,
+    /// How colour was made; `None` when nobody asked for colour.
+    pub shade: Option<&'static str>,
+    /// How candidates were found.
+    pub search: &'static str,
+    /// Share of the pixels whose answer is certified in f32.
+    pub certified: f64,
+    /// Pixels settled in better arithmetic.
+    pub settled: u64,
+    /// Largest proven relative error of t; `None` when nothing is proven.
+    pub bound: Option<f64>,
+    /// Opening the device, milliseconds.
+    pub setup_ms: f64,
+    /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first
+    /// includes compiling the kernel.
+    pub frame_ms: Vec<f64>,
+    /// Where the last frame's time went.
+    pub stages_ms: BTreeMap<&'static str, f64>,
+    /// What to be careful about, in whole sentences.
+    pub warnings: Vec<String>,
+}
+
+/// A stopwatch with names.
+#[derive(Debug, Default)]
+pub(crate) struct Stages(BTreeMap<&'static str, f64>);
+
+impl Stages {
+    /// Does `work` and adds its wall time to `stage`.
+    pub(crate) fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        *self.0.entry(stage).or_default() += milliseconds(start);
+        result
+    }
+
+    pub(crate) fn into_map(self) -> BTreeMap<&'static str, f64> {
+        self.0
+    }
+}
+
+/// Milliseconds since `start`.
+pub(crate) fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}

@@ -1,0 +1,91 @@
+//! From a hit to a colour: the twin of shade.wgsl and shade/.
+
+use crate::error::Error;
+use crate::intersect::Intersect;
+use crate::ray::{Hit, Ray, dot3, unit3};
+use crate::real::Real;
+use crate::scene::DEFAULT_COLOR;
+use crate::view::{Sphere, ViewRecord};
+use std::str::FromStr;
+
+/// How a hit becomes a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Shade {
+    /// The sphere's own colour.
+    Flat,
+    /// The world normal as a colour, (n + 1)/2.
+    Normal,
+    /// Lambert with the light at the eye.
+    #[default]
+    Headlight,
+}
+
+impl Shade {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::Flat, Self::Normal, Self::Headlight];
+
+    /// The name on the command line and of the file in shaders/shade/.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Normal => "normal",
+            Self::Headlight => "headlight",
+        }
+    }
+
+    /// Whether the spheres' colours are looked at.
+    #[must_use]
+    pub fn needs_colors(self) -> bool {
+        self != Self::Normal
+    }
+}
+
+impl FromStr for Shade {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self, Error> {
+        crate::error::by_name("shading", name, Self::ALL, Self::name)
+    }
+}
+
+/// What shading looks at, in the arithmetic of a twin.
+pub(crate) struct Surface<'a, R> {
+    pub(crate) view: &'a ViewRecord,
+    pub(crate) spheres: &'a [Sphere<R>],
+    pub(crate) colors: Option<&'a [[f32; 3]]>,
+}
+
+impl<R: Real> Surface<'_, R> {
+    /// Unit normal at a hit, in the canonical camera, against the ray.
+    fn surface_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+        let s = &self.spheres[hit.id as usize];
+        V::normal_at(ray, s, hit.t / s.scale)
+    }
+
+    /// A direction of the canonical camera in world space.
+    fn to_world(&self, a: [R; 3]) -> [R; 3] {
+        let ViewRecord { right, up, back, .. } = *self.view;
+        std::array::from_fn(|k| a[0] * R::exact(right[k]) + a[1] * R::exact(up[k]) + a[2] * R::exact(back[k]))
+    }
+
+    /// Unit normal at a hit, in world space, against the ray.
+    pub(crate) fn world_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+        self.to_world(self.surface_normal::<V>(ray, hit))
+    }
+
+    fn sphere_color(&self, id: u32) -> [R; 3] {
+        self.colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize]).map(R::exact)
+    }
+
+    /// Linear RGB of a hit.
+    pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+        match shade {
+            Shade::Flat => self.sphere_color(hit.id),
+            Shade::Normal => self.world_normal::<V>(ray, hit).map(|x| R::HALF * x + R::HALF),
+            Shade::Headlight => {
+                let cosine = (-dot3(self.surface_normal::<V>(ray, hit), unit3(ray.d))).max(R::ZERO);
+                self.sphere_color(hit.id).map(|x| cosine * x)
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Given rays instead of viewing rays: beams of a lidar, secondary rays, a debugger's questions.
+//!
+//! Rays that share an origin see the world moved there in f64, like viewing rays. Rays from many points (spread over
+//! 1e6 units, say) carry their origins in a high and a low f32 part, and so do the centres: the kernel subtracts high
+//! from high and low from low. Rays are grouped by origin where the groups are large enough to pay for moving the world.
+
+use crate::dd;
+use crate::error::{Error, Place as Where, Result};
+use crate::frame::Aov;
+use crate::frame::raw::Raw;
+use crate::gpu::dispatch::Input;
+use crate::intersect::{Intersect, Visit};
+use crate::nearest::nearest_of;
+use crate::plan::{Kernel, Plan, Rays, Settings, Sharing};
+use crate::ray::{Hit, NONE, Ray, center, dot3, radius};
+use crate::render::{Place, Renderer};
+use crate::report::Stages;
+use crate::scene::{Spheres, check_sphere};
+use crate::shade::Surface;
+use crate::view::{Sphere, View};
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A given ray as the kernel sees it; trace.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct RayRecord {
+    /// Direction, its largest component in [1, 2); the fourth number is unused.
+    pub direction: [f32; 4],
+    /// Origin minus the view's eye, in the frame's unit.
+    pub origin: [f32; 4],
+    /// What rounding took from it.
+    pub origin_low: [f32; 4],
+}
+
+/// The answers to given rays, in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hits {
+    /// Index of the sphere; -1 on a miss.
+    pub id: Vec<i32>,
+    /// The hit is at origin + t direction, in the direction's own length; +inf on a miss.
+    pub t: Vec<f64>,
+    /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`Aov::Normal`] was asked for.
+    pub normal: Option<Vec<[f32; 3]>>,
+}
+
+/// A group smaller than this is not worth moving the world for: its rays fill one workgroup.
+const GROUP: usize = 64;
+
+/// Traces given rays once. For many calls keep a [`Renderer`].
+///
+/// # Errors
+/// As [`Renderer::trace`].
+pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], settings: &Settings) -> Result<Hits> {
+    Renderer::new(settings)?.trace(spheres, origins, directions, settings)
+}
+
+impl Renderer {
+    /// The closest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single
+    /// one for all. Directions have any length but zero. Of `settings`, `method` counts, and `aovs` for the normals.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for rays that are no rays, [`Error::Scene`] for spheres that are no spheres, and what
+    /// [`Renderer::render`] returns.
+    pub fn trace(
+        &mut self,
+        spheres: &Spheres,
+        origins: &[[f64; 3]],
+        directions: &[[f64; 3]],
+        settings: &Settings,
+    ) -> Result<Hits> {
+        check(spheres, origins, directions)?;
+        let plan = Plan::for_rays(settings)?;
+        let origin = |n: usize| if origins.len() == 1 { origins[0] } else { origins[n] };
+        let mut hits = Hits {
+            id: vec![-1; directions.len()],
+            t: vec![f64::INFINITY; directions.len()],
+            normal: plan.kernel.normal.then(|| vec![[0.0; 3]; directions.len()]),
+        };
+        for group in groups(directions.len(), origin) {
+            let view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
+            let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
+            let records: Vec<_> = group.rays.par_iter().map(record).collect();
+            let kernel = Kernel { rays: group.kind, ..plan.kernel };
+            let mut raw = Raw::new(&kernel, records.len())?;
+            match &mut self.place {
+                Place::Gpu(gpu) => {
+                    let input = Input { view: &view, colors: None, rays: &records };
+                    gpu.run(&kernel, &input, &mut raw, &mut Stages::default(), &|| true)?;
+                }
+                Place::Cpu => {
+                    kernel.method.dispatch(Traced { kernel: &kernel, view: &view, rays: &records, raw: &mut raw })
+                }
+            }
+            for (k, &n) in group.rays.iter().enumerate() {
+                let n = n as usize;
+                if raw.id[k] == NONE {
+                    continue;
+                }
+                hits.id[n] = raw.id[k] as i32;
+                hits.t[n] = dd::ldexp(f64::from(raw.t[k]), view.unit - scale(directions[n]));
+                if let Some(normal) = &mut hits.normal {
+                    normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
+                }
+            }
+        }
+        Ok(hits)
+    }
+}
+
+impl Plan {
+    /// The plan for given rays: no pixels, no colour.
+    fn for_rays(settings: &Settings) -> Result<Self> {
+        let mut plan = Self::for_method(settings)?;
+        plan.kernel.t = true;
+        plan.kernel.normal = settings.aovs.contains(&Aov::Normal);
+        plan.kernel.sharing = Sharing::None;
+        Ok(plan)
+    }
+}
+
+fn check(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Result<()> {
+    for (index, (c, r)) in spheres.centers.iter().zip(&spheres.radii).enumerate() {
+        check_sphere(*c, *r, || Where::field(format!("sphere {index}")))?;
+    }
+    if origins.len() != 1 && origins.len() != directions.len() {
+        let problem = format!("{} origins for {} directions", origins.len(), directions.len());
+        return Err(Error::settings(problem, "give one origin, or one for each direction"));
+    }
+    if let Some(n) = origins.iter().position(|o| o.iter().any(|x| !x.is_finite())) {
+        return Err(Error::settings(format!("origin {n} is not finite"), "give three finite numbers"));
+    }
+    let no_direction = |d: &[f64; 3]| d.iter().any(|x| !x.is_finite()) || d.iter().all(|x| *x == 0.0);
+    if let Some(n) = directions.iter().position(no_direction) {
+        return Err(Error::settings(format!("direction {n} is zero or not finite"), "give a finite direction"));
+    }
+    Ok(())
+}
+
+/// Rays that are traced together.
+struct Group {
+    kind: Rays,
+    eye: DVec3,
+    rays: Vec<u32>,
+}
+
+/// By origin where that pays, else all together about the middle of their origins.
+fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
+    let mut by_origin: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
+    for n in 0..count {
+        // + 0.0 makes -0.0 and 0.0 one origin.
+        by_origin.entry(origin(n).map(|x| (x + 0.0).to_bits())).or_default().push(n as u32);
+    }
+    if by_origin.len() == 1 || by_origin.len() * GROUP <= count {
+        let group = |(bits, rays): ([u64; 3], _)| Group {
+            kind: Rays::SharedOrigin,
+            eye: DVec3::from_array(bits.map(f64::from_bits)),
+            rays,
+        };
+        let mut groups: Vec<_> = by_origin.into_iter().map(group).collect();
+        groups.sort_by_key(|g| g.rays[0]);
+        return groups;
+    }
+    let (low, high) = (0..count).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), n| {
+        let o = DVec3::from_array(origin(n));
+        (low.min(o), high.max(o))
+    });
+    let eye = low * 0.5 + high * 0.5;
+    (count > 0).then(|| Group { kind: Rays::Spread, eye, rays: (0..count as u32).collect() }).into_iter().collect()
+}
+
+/// The exponent that brings a direction's largest component into [1, 2).
+fn scale(direction: [f64; 3]) -> i32 {
+    dd::exponent(DVec3::from_array(direction).abs().max_element())
+}
+
+fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
+    let f = scale(direction);
+    let d = direction.map(|x| dd::ldexp(x, -f) as f32);
+    let away: [f64; 3] = std::array::from_fn(|k| dd::ldexp(origin[k] - view.basis.e[k], -view.unit));
+    let high = away.map(|x| x as f32);
+    let low: [f32; 3] = std::array::from_fn(|k| (away[k] - f64::from(high[k])) as f32);
+    let four = |a: [f32; 3]| [a[0], a[1], a[2], 0.0];
+    RayRecord { direction: four(d), origin: four(high), origin_low: four(low) }
+}
+
+/// A sphere moved to the origin of a ray: the twin of origin/spread.wgsl.
+fn sphere_for(s: &Sphere<f32>, low: &[f32; 4], ray: &RayRecord) -> Sphere<f32> {
+    let shrink = 1.0 / s.scale;
+    let p: [f32; 3] = std::array::from_fn(|k| {
+        let high = s.ball[k] - shrink * ray.origin[k];
+        high + (low[k] - shrink * ray.origin_low[k])
+    });
+    let moved = Sphere { ball: [p[0], p[1], p[2], s.ball[3]], ..*s };
+    let power = dot3(center(&moved), center(&moved)) - radius(&moved) * radius(&moved);
+    Sphere { power, ..moved }
+}
+
+/// The CPU path of [`Renderer::trace`].
+struct Traced<'a> {
+    kernel: &'a Kernel,
+    view: &'a View,
+    rays: &'a [RayRecord],
+    raw: &'a mut Raw,
+}
+
+impl Visit for Traced<'_> {
+    type Output = ();
+
+    fn visit<V: Intersect>(self) {
+        let Self { kernel, view, rays, raw } = self;
+        let spheres: Vec<Sphere<f32>> = view.spheres.iter().map(Sphere::from).collect();
+        let moved = |ray: &RayRecord, id: usize| match kernel.rays {
+            Rays::Spread => sphere_for(&spheres[id], &view.lows[id], ray),
+            _ => spheres[id],
+        };
+        let direction = |r: &RayRecord| Ray { d: [r.direction[0], r.direction[1], r.direction[2]] };
+        raw.id.par_iter_mut().zip(&mut raw.t).zip(rays).for_each(|((id, t), r)| {
+            let hit = nearest_of::<V, f32>(&direction(r), spheres.len(), |k| moved(r, k));
+            (*id, *t) = (hit.id, hit.t);
+        });
+        if kernel.normal {
+            let hits = raw.id.par_iter().zip(&raw.t).zip(rays);
+            raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, &t), r))| {
+                if id != NONE {
+                    let own = [moved(r, id as usize)];
+                    let surface = Surface { view: &view.record, spheres: &own, colors: None };
+                    out.copy_from_slice(&surface.world_normal::<V>(&direction(r), Hit { t, id: 0 }));
+                }
+            });
+        }
+    }
+}

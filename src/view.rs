@@ -1,0 +1,234 @@
+//! The view: the scene moved into the canonical camera (eye at the origin, looking down -z), in f64, rounded once.
+//!
+//! *Move the world, not the ray*: c - e and the rotation happen here, once per sphere and frame, so a viewing ray has
+//! origin 0 and direction (u, v, -d) and small numbers stay small. Powers of two, chosen here and exact, keep every
+//! square of the kernels in range: one for the rays (the largest of vw/2, vh/2, d lies in [1, 2)) and one for each sphere
+//! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
+
+use crate::camera::{Basis, Viewport};
+use crate::dd::{self, Dd};
+use crate::error::{Error, Place, Result};
+use crate::real::Real;
+use crate::scene::Scene;
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The uniform of every kernel; view.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct ViewRecord {
+    /// Basis u in world space; the fourth number is unused.
+    pub right: [f32; 4],
+    /// Basis v.
+    pub up: [f32; 4],
+    /// Basis w.
+    pub back: [f32; 4],
+    /// Linear RGB of a miss; the fourth number is unused.
+    pub background: [f32; 4],
+    /// W.
+    pub width: u32,
+    /// H.
+    pub height: u32,
+    /// First row of the band that a dispatch renders.
+    pub first_row: u32,
+    /// Rows in the band.
+    pub rows: u32,
+    /// vw/(2W), scaled.
+    pub half_du: f32,
+    /// vh/(2H), scaled.
+    pub half_dv: f32,
+    /// d, scaled.
+    pub d: f32,
+    /// How many spheres.
+    pub spheres: u32,
+}
+
+/// A sphere as the kernels see it; view.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct SphereRecord {
+    /// Centre minus eye in the canonical camera, and radius; times 2^-k.
+    pub ball: [f32; 4],
+    /// Power of the eye, |c - e|^2 - r^2, from double-double; times 2^-2k. Its sign is exact.
+    pub power: f32,
+    /// t of this record times scale is t in the frame's unit.
+    pub scale: f32,
+    /// WGSL rounds the size up to the alignment of ball.
+    pub unused: [f32; 2],
+}
+
+/// [`SphereRecord`] in the arithmetic of a twin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere<R> {
+    /// Centre and radius.
+    pub ball: [R; 4],
+    /// Power of the eye.
+    pub power: R,
+    /// Unit of t.
+    pub scale: R,
+}
+
+impl<R: Real> From<&SphereRecord> for Sphere<R> {
+    fn from(s: &SphereRecord) -> Self {
+        Self { ball: s.ball.map(R::exact), power: R::exact(s.power), scale: R::exact(s.scale) }
+    }
+}
+
+/// The scene in the canonical camera.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// What the kernels get.
+    pub record: ViewRecord,
+    /// One record per sphere, in the scene's order.
+    pub spheres: Vec<SphereRecord>,
+    /// What rounding took from each ball's centre, where rays from many points will move the spheres again; else empty.
+    pub lows: Vec<[f32; 4]>,
+    /// The basis, in f64.
+    pub basis: Basis,
+    /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's.
+    pub pitch: [f64; 3],
+    /// The frame's unit of t is 2^unit: a hit lies at t 2^unit (u, v, -d), with u, v, d as scaled.
+    pub unit: i32,
+}
+
+/// The widest span of exponents that one frame's unit can hold with room for the roots themselves.
+const WIDEST: i32 = 240;
+
+impl View {
+    /// Moves the world: spheres into the canonical camera of `scene`, pixels into a pitch.
+    ///
+    /// # Errors
+    /// Whatever [`Scene::check`] finds; [`Error::Scene`] for numbers so far apart that c - e overflows or that the
+    /// sizes span more than 2^240.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        scene.check()?;
+        let basis = scene.camera.basis()?;
+        let (width, height) = (scene.image.width, scene.image.height);
+        let (pitch, pixel) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let background = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
+        let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
+        let mut view = Self {
+            record: ViewRecord {
+                right: axis(basis.u),
+                up: axis(basis.v),
+                back: axis(basis.w),
+                background: background(scene.image.background),
+                width,
+                height,
+                first_row: 0,
+                rows: height,
+                half_du: pixel[0],
+                half_dv: pixel[1],
+                d: pixel[2],
+                spheres: scene.spheres.len() as u32,
+            },
+            spheres: Vec::new(),
+            lows: Vec::new(),
+            basis,
+            pitch,
+            unit: 0,
+        };
+        view.move_world(&scene.spheres.centers, &scene.spheres.radii)?;
+        Ok(view)
+    }
+
+    /// A view along the world's axes from `eye`: what given rays are traced in.
+    pub(crate) fn along_axes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<Self> {
+        let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
+        let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
+        let mut view = Self {
+            record: ViewRecord {
+                right: axis(basis.u),
+                up: axis(basis.v),
+                back: axis(basis.w),
+                spheres: radii.len() as u32,
+                ..ViewRecord::zeroed()
+            },
+            spheres: Vec::new(),
+            lows: Vec::new(),
+            basis,
+            pitch: [0.0; 3],
+            unit: 0,
+        };
+        view.move_world(centers, radii)?;
+        view.lows = view.spheres.par_iter().zip(centers).map(|(s, c)| low_part(&view, s, *c)).collect();
+        Ok(view)
+    }
+
+    /// The viewing direction (u, v, -d) of row i and column j in f64, scaled like the record's.
+    pub(crate) fn direction(&self, i: usize, j: usize) -> [f64; 3] {
+        let odd = |n: u32, k: usize| 2.0 * k as f64 + 1.0 - f64::from(n);
+        [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
+    }
+
+    /// The world point at `t` along a direction of the canonical camera.
+    pub(crate) fn point(&self, d: [f64; 3], t: f64) -> [f64; 3] {
+        let Basis { e, u, v, w } = self.basis;
+        (e + (u * d[0] + v * d[1] + w * d[2]) * t).to_array()
+    }
+
+    fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) -> Result<()> {
+        let basis = self.basis;
+        let exponents = |(center, radius): (&[f64; 3], &f64)| {
+            let away = (DVec3::from_array(*center) - basis.e).abs().max_element();
+            dd::exponent(away.max(*radius))
+        };
+        let span = centers.par_iter().zip(radii).map(exponents).map(|k| (k, k));
+        let Some((least, most)) = span.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            return Ok(());
+        };
+        // c - e must not overflow, and squares of what 2^-k leaves must not vanish in double-double.
+        if most >= 1000 || most - least > WIDEST {
+            let problem = format!("sizes and distances from 2^{least} to 2^{most} do not fit one frame");
+            let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
+            return Err(Error::scene(Place::field("spheres"), problem, mend));
+        }
+        self.unit = least + (most - least) / 2;
+        let unit = self.unit;
+        self.spheres = centers.par_iter().zip(radii).map(|(c, r)| sphere_record(&basis, unit, *c, *r)).collect();
+        Ok(())
+    }
+}
+
+/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64 and f32.
+fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3]) {
+    let largest = (viewport.vw / 2.0).max(viewport.vh / 2.0).max(viewport.d);
+    let shift = -dd::exponent(largest);
+    let pitch = [
+        dd::ldexp(viewport.vw, shift) / (2.0 * f64::from(width)),
+        dd::ldexp(viewport.vh, shift) / (2.0 * f64::from(height)),
+        dd::ldexp(viewport.d, shift),
+    ];
+    (pitch, pitch.map(|x| x as f32))
+}
+
+/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) in f64, and the eye's power from exact differences.
+fn sphere_record(basis: &Basis, unit: i32, center: [f64; 3], radius: f64) -> SphereRecord {
+    let away: [Dd; 3] = std::array::from_fn(|k| Dd::diff(center[k], basis.e[k]));
+    let p = DVec3::from_array(away.map(|x| x.hi));
+    let k = dd::exponent(p.abs().max_element().max(radius));
+    let shrink = |x: f64| dd::ldexp(x, -k) as f32;
+    let away = away.map(|x| x.ldexp(-k));
+    let r = Dd::from(dd::ldexp(radius, -k));
+    let power = dd::dot(away, away) - r * r;
+    SphereRecord {
+        ball: [shrink(p.dot(basis.u)), shrink(p.dot(basis.v)), shrink(p.dot(basis.w)), shrink(radius)],
+        power: nonzero_f32(power.value()),
+        scale: f32::from_bits(((k - unit + 127) as u32) << 23),
+        unused: [0.0; 2],
+    }
+}
+
+/// What rounding to f32 took from the centre of a sphere that was moved along the world's axes.
+fn low_part(view: &View, s: &SphereRecord, center: [f64; 3]) -> [f32; 4] {
+    let k = dd::exponent(f64::from(s.scale)) + view.unit;
+    let low = |n: usize| (dd::ldexp(center[n] - view.basis.e[n], -k) - f64::from(s.ball[n])) as f32;
+    [low(0), low(1), low(2), 0.0]
+}
+
+/// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
+fn nonzero_f32(x: f64) -> f32 {
+    let rounded = x as f32;
+    if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }
+}
