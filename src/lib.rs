@@ -3,4 +3,5 @@ pub mod camera;
 mod dd;
 pub mod error;
 pub mod frame;
+pub mod measure;
 pub mod scene;
