@@ -228,7 +228,8 @@ fn the_same_frame_gives_the_same_bytes() {
 #[test]
 fn png_of_any_colour_type_is_read() {
     use png::{BitDepth, ColorType};
-    let cases: [(ColorType, BitDepth, &[u8], &[usize], Values); 7] = [
+    type Case<'a> = (ColorType, BitDepth, &'a [u8], &'a [usize], Values);
+    let cases: [Case; 7] = [
         (ColorType::Grayscale, BitDepth::One, &[0b0100_0000], &[1, 2], Values::U8(vec![0, 255])),
         (ColorType::Grayscale, BitDepth::Eight, &[3, 4], &[1, 2], Values::U8(vec![3, 4])),
         (ColorType::Grayscale, BitDepth::Sixteen, &[1, 2, 3, 4], &[1, 2], Values::U16(vec![258, 772])),

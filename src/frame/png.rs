@@ -48,6 +48,8 @@ pub(crate) fn write_levels(
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder.set_compression(png::Compression::Fast);
+    // On shaded spheres smaller than the adaptive choice, and a third faster.
+    encoder.set_filter(png::Filter::Paeth);
     for (keyword, text) in provenance {
         encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
     }
@@ -165,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "every f32 in [0, 1], a minute in release"]
+    #[ignore = "every f32 in [0, 1]: a thousand million"]
     fn level_equals_the_formula_everywhere() {
         (0..=1f32.to_bits()).into_par_iter().map(f32::from_bits).for_each(|x| {
             assert_eq!(level(x), level_by_formula(x), "{x:e}");
