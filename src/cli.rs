@@ -1,10 +1,16 @@
 //! The command line: one file per subcommand, exit codes in one place.
 
+mod adapters;
 mod compare;
+mod render;
 
 use clap::{Parser, Subcommand};
 use halfline::error::{Error, Result};
+use std::fmt;
+use std::io::IsTerminal;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use tracing_subscriber::EnvFilter;
 
 /// Renders spheres, from atoms to planets, and says how far from exact the answers are.
 #[derive(Debug, Parser)]
@@ -16,14 +22,40 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Render(Box<render::Render>),
+    Adapters(adapters::Adapters),
     Compare(compare::Compare),
 }
 
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
 /// Runs the chosen subcommand.
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("off"));
+    let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(std::io::stderr).init();
+    // The first interrupt lets the work end tidily; a second one does not wait. Without a handler the system's
+    // default ends the process, which is right too.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+    });
     match &arguments.command {
+        Command::Render(render) => render.run(),
+        Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
     }
+}
+
+/// Whether nobody pressed ctrl-C.
+fn go_on() -> bool {
+    !INTERRUPTED.load(Ordering::SeqCst)
+}
+
+/// Talk for people: one line on stderr.
+fn say(message: fmt::Arguments<'_>) {
+    eprintln!("halfline: {message}");
 }
 
 /// What a shell script may rely on. 0 is success, 1 a difference found by `compare`, 2 also what clap uses.

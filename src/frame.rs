@@ -1,4 +1,13 @@
 //! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
+//! The modules below write them to files.
+
+pub mod file;
+pub mod npy;
+pub mod png;
+
+use crate::error::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
 
 pub(crate) mod raw;
 
@@ -61,6 +70,34 @@ impl Aov {
             _ => 1,
         }
     }
+
+    /// The type of its values, by NumPy's name: `float32`, `float64`, `int32` or `uint8`.
+    pub fn dtype(self) -> &'static str {
+        match self {
+            Self::Color | Self::Normal => "float32",
+            Self::Distance | Self::Depth | Self::Position | Self::Bound => "float64",
+            Self::Id => "int32",
+            Self::Mask | Self::Certainty => "uint8",
+        }
+    }
+}
+
+impl fmt::Display for Aov {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Aov {
+    type Err = Error;
+
+    /// The buffer of that name; [`Error::Settings`] lists the names there are.
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|aov| aov.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::settings(format!("there is no buffer named {name:?}"), format!("choose from {names}"))
+        })
+    }
 }
 
 /// The values of one buffer, row by row from the top, components innermost.
@@ -75,6 +112,33 @@ pub enum Data {
     I32(Vec<i32>),
     /// Mask, certainty.
     U8(Vec<u8>),
+}
+
+impl Data {
+    /// How many values.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(values) => values.len(),
+            Self::F64(values) => values.len(),
+            Self::I32(values) => values.len(),
+            Self::U8(values) => values.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The type of the values, by NumPy's name.
+    pub fn dtype(&self) -> &'static str {
+        match self {
+            Self::F32(_) => "float32",
+            Self::F64(_) => "float64",
+            Self::I32(_) => "int32",
+            Self::U8(_) => "uint8",
+        }
+    }
 }
 
 /// One buffer of a frame.
@@ -138,12 +202,45 @@ impl Frame {
     /// The picture in 8-bit sRGB, alpha 255, if colour was asked for.
     #[must_use]
     pub fn image(&self) -> Option<image::RgbaImage> {
-        let bytes: Vec<u8> =
-            self.f32(Aov::Color)?.chunks_exact(3).flat_map(|c| [srgb8(c[0]), srgb8(c[1]), srgb8(c[2]), 255]).collect();
+        let bytes: Vec<u8> = self
+            .f32(Aov::Color)?
+            .chunks_exact(3)
+            .flat_map(|c| [png::level(c[0]), png::level(c[1]), png::level(c[2]), 255])
+            .collect();
         image::RgbaImage::from_raw(self.width, self.height, bytes)
     }
 }
 
-fn srgb8(x: f32) -> u8 {
-    (x.clamp(0.0, 1.0) * 255.0) as u8
+impl Buffer {
+    /// A buffer of `width` columns and `height` rows.
+    ///
+    /// # Errors
+    /// See [`Buffer::check`].
+    pub fn new(aov: Aov, width: usize, height: usize, data: Data) -> Result<Self> {
+        let mut shape = vec![height, width];
+        if aov.channels() > 1 {
+            shape.push(aov.channels());
+        }
+        let buffer = Self { aov, shape, data };
+        buffer.check().map(|()| buffer)
+    }
+
+    /// Whether shape, type and number of values are those the buffer's name promises; the writers ask this first.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with what was found and what was promised.
+    pub fn check(&self) -> Result<()> {
+        let (aov, channels) = (self.aov, self.aov.channels());
+        let tail: &[usize] = if channels > 1 { &[channels] } else { &[] };
+        // A product that overflows belongs to no buffer that fits the memory.
+        let values = self.shape.iter().try_fold(1usize, |n, side| n.checked_mul(*side));
+        let shaped = self.shape.len() >= 2 && &self.shape[2..] == tail && values == Some(self.data.len());
+        if shaped && self.data.dtype() == aov.dtype() {
+            return Ok(());
+        }
+        let (dtype, len) = (self.data.dtype(), self.data.len());
+        let problem = format!("{len} values of {dtype} in the shape {:?} are no {aov} buffer", self.shape);
+        let axes = if channels > 1 { "[H, W, 3]" } else { "[H, W]" };
+        Err(Error::settings(problem, format!("give {axes} of {}", aov.dtype())))
+    }
 }

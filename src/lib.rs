@@ -6,6 +6,7 @@ pub mod error;
 pub mod frame;
 mod gpu;
 pub mod intersect;
+pub mod measure;
 mod nearest;
 pub mod plan;
 pub mod ray;
@@ -16,3 +17,5 @@ pub mod scene;
 pub mod shade;
 pub mod trace;
 pub mod view;
+
+pub use gpu::device::{AdapterSummary, adapters};

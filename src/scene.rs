@@ -145,6 +145,22 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// A fingerprint of everything that decides the picture: the same for the same numbers, wherever they came from.
+    /// 32 hexadecimal digits of BLAKE3.
+    pub fn fingerprint(&self) -> String {
+        let mut hash = blake3::Hasher::new();
+        hash.update(format!("{:?} {:?}", self.camera, self.image).as_bytes());
+        hash.update_rayon(bytemuck::cast_slice(&self.spheres.centers));
+        hash.update_rayon(bytemuck::cast_slice(&self.spheres.radii));
+        if let Some(colors) = &self.spheres.colors {
+            hash.update(b"colors");
+            hash.update_rayon(bytemuck::cast_slice(colors));
+        }
+        hash.finalize().to_hex()[..32].to_owned()
+    }
+}
+
 impl ImagePlane {
     fn check(&self) -> Result<()> {
         check_size([i64::from(self.width), i64::from(self.height)], || Place::field("image.size")).map(drop)?;

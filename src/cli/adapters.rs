@@ -1,0 +1,54 @@
+//! `halfline adapters`.
+
+use halfline::adapters;
+use halfline::error::{Error, Result};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+/// Lists every adapter: driver, limits, subgroups, f64.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Adapters {
+    /// Prints one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Adapters {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        let found = adapters()?;
+        let text = if self.json {
+            let object = serde_json::json!({ "schema": "halfline-adapters", "version": 1, "adapters": found });
+            format!("{object}\n")
+        } else if found.is_empty() {
+            "no Vulkan, Metal or DX12 adapter was found; rendering falls back to the CPU path\n\
+             software Vulkan on Debian or Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1\n"
+                .to_owned()
+        } else {
+            let mut text = String::new();
+            for a in &found {
+                let subgroup = a.subgroup.map_or("none".into(), |[least, most]| match least == most {
+                    true => format!("{least}"),
+                    false => format!("{least} to {most}"),
+                });
+                let f64 = if a.f64 { "yes" } else { "no" };
+                let mib = |bytes: u64| bytes >> 20;
+                // Writing to a String cannot fail.
+                let _ = writeln!(
+                    text,
+                    "{}: {} ({}, {})\n   driver {}\n   subgroup {subgroup}, f64 {f64}, {} MiB a binding, {} MiB a buffer",
+                    a.index,
+                    a.name,
+                    a.kind,
+                    a.backend,
+                    a.driver,
+                    mib(a.max_binding),
+                    mib(a.max_buffer),
+                );
+            }
+            text
+        };
+        std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
