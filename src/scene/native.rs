@@ -53,10 +53,15 @@ impl Document<'_> {
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
-        let place = Box::new(error.span().map_or_else(|| self.file.clone(), |span| self.place(span.start)));
+        let span = error.span().unwrap_or_default();
+        let mut place = self.place(span.start);
         let problem = error.message().lines().collect::<Vec<_>>().join(", ");
+        // Only here does the parser point at a whole key.
+        if problem == "duplicate key" {
+            place.field = self.text.get(span).map(str::to_owned);
+        }
         let mend = "mend the TOML there".into();
-        Error::Scene { place, problem, mend, source: Some(Box::new(error)) }
+        Error::Scene { place: Box::new(place), problem, mend, source: Some(Box::new(error)) }
     }
 
     fn image(&self, table: &Table<'_>) -> Result<ImagePlane> {

@@ -34,7 +34,8 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
         let text = nff.text(word);
         let Some(directive) = DIRECTIVES.into_iter().find(|d| *d == text) else {
             return match VIEW.contains(&text) {
-                true => unknown(format!("`{text}` stands outside of a v block, or twice in it")),
+                true => unknown(format!("`{text}` stands outside of a v block")),
+                false if text.parse::<f64>().is_ok() => unknown(format!("`{text}` is a number too many")),
                 false => unknown(format!("`{text}` begins no statement")),
             };
         };
@@ -262,8 +263,12 @@ impl<R: BufRead> Reader<R> {
             let Some(key) = VIEW.iter().position(|key| *key == text) else { break };
             let done =
                 [from.is_some(), look.is_some(), up.is_some(), angle.is_some(), hither.is_some(), size.is_some()];
-            if !self.begins_line(word) || done[key] {
+            if !self.begins_line(word) {
                 break;
+            }
+            if done[key] {
+                let place = self.spot(word).of(self.lines.file()).named(NAMES[key]);
+                return Err(Error::scene(place, "said twice in one v block", "say it once"));
             }
             spots[key] = self.spot(word);
             self.take(word);
