@@ -1,8 +1,17 @@
 //! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact;
 //! the readers below make scenes, nothing else does.
 
+mod csv;
+mod lines;
+mod native;
+mod nff;
+mod npy;
+
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::path::Path;
 
 /// Linear RGB of a sphere that names no colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -114,13 +123,67 @@ impl Skipped {
             .collect()
     }
 
+    /// Counts one more of `kind`, or refuses it where the caller is strict.
+    fn meet(&mut self, kind: &'static str, options: &ReadOptions, place: impl FnOnce() -> Place) -> Result<()> {
+        if options.strict {
+            let mend = "take it out, or read without strict to leave it out";
+            return Err(Error::scene(place(), format!("a {kind} is no sphere"), mend));
+        }
+        self.add(kind);
+        Ok(())
+    }
+
     /// All kinds together.
     pub fn total(&self) -> u64 {
         self.kinds.iter().map(|(_, n)| n).sum()
     }
 }
 
+/// How a scene is read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Whether an item that is no sphere is an error; otherwise it is counted in [`Skipped`].
+    pub strict: bool,
+}
+
+/// The formats that hold a whole scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Native,
+    Nff,
+}
+
 impl Scene {
+    /// Reads a scene file, or standard input when `path` is `-`. The ending `.toml` or `.nff` names the format; any
+    /// other is told by the first line that is neither blank nor a comment.
+    ///
+    /// Spheres are named by their id, counted from 0 in the file's order, also in errors.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that makes no scene.
+    pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
+        let stdin = path == Path::new("-");
+        let mut reader: Box<dyn BufRead> = match stdin {
+            true => Box::new(io::stdin().lock()),
+            false => Box::new(open(path)?),
+        };
+        let (format, start) = match ending(path).as_str() {
+            "toml" => (Format::Native, Vec::new()),
+            "nff" => (Format::Nff, Vec::new()),
+            "csv" | "npy" => {
+                let place = Place::file(path.display().to_string());
+                let mend = "name it in a [[spheres]] table of a .toml scene";
+                return Err(Error::scene(place, "a file of spheres alone has no camera", mend));
+            }
+            _ => sniff(&mut reader).map_err(|e| Error::read(path, e))?,
+        };
+        let reader = Cursor::new(start).chain(reader);
+        match format {
+            Format::Native => native::read(reader, path),
+            Format::Nff => nff::read(reader, path, options),
+        }
+    }
+
     /// Checks what a reader checks, for a scene made in memory: sizes, radii, finite numbers, the camera.
     ///
     /// # Errors
@@ -211,5 +274,44 @@ pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()>
     match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
         None => Ok(()),
         Some(bad) => Err(Error::scene(place(), format!("{bad} is no colour component"), "give linear RGB, 0 or more")),
+    }
+}
+
+/// The same fault, found by a check that knows only the field, at the place of that field in the file.
+fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
+    match error {
+        Error::Scene { place: old, problem, mend, source } => {
+            let place = Box::new(place(old.field.as_deref().unwrap_or_default()));
+            Error::Scene { place, problem, mend, source }
+        }
+        other => other,
+    }
+}
+
+fn open(path: &Path) -> Result<BufReader<File>> {
+    let file = File::open(path).map_err(|e| Error::read(path, e))?;
+    Ok(BufReader::with_capacity(1 << 16, file))
+}
+
+/// The ending in lower case, empty if there is none.
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The format by the first line that says something, and the bytes read to find it.
+fn sniff(reader: &mut dyn BufRead) -> io::Result<(Format, Vec<u8>)> {
+    let mut start = Vec::new();
+    loop {
+        let from = start.len();
+        if reader.read_until(b'\n', &mut start)? == 0 {
+            return Ok((Format::Native, start));
+        }
+        let line = String::from_utf8_lossy(&start[from..]);
+        let mut words =
+            line.trim_start_matches('\u{feff}').split_whitespace().take_while(|word| !word.starts_with('#'));
+        if let Some(first) = words.next() {
+            let nff = nff::DIRECTIVES.contains(&first) && words.all(|word| word.parse::<f64>().is_ok());
+            return Ok((if nff { Format::Nff } else { Format::Native }, start));
+        }
     }
 }

@@ -1,0 +1,94 @@
+//! Text line by line, with the place of every byte. The line formats share it, so that byte order marks, CRLF and
+//! bytes that are no UTF-8 are met in one place.
+
+use crate::error::{Error, Place, Result};
+use std::io::BufRead;
+use std::path::{Path, PathBuf};
+
+/// One line at a time, in one reused buffer.
+pub(super) struct Lines<R> {
+    reader: R,
+    path: PathBuf,
+    text: String,
+    number: u64,
+}
+
+impl<R: BufRead> Lines<R> {
+    pub(super) fn new(reader: R, path: &Path) -> Self {
+        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0 }
+    }
+
+    /// Reads the next line; false at the end of the file, where the last line stays.
+    pub(super) fn advance(&mut self) -> Result<bool> {
+        let mut bytes = std::mem::take(&mut self.text).into_bytes();
+        bytes.clear();
+        if self.reader.read_until(b'\n', &mut bytes).map_err(|e| Error::read(&self.path, e))? == 0 {
+            return Ok(false);
+        }
+        self.number += 1;
+        self.text = String::from_utf8(bytes).map_err(|e| not_utf8(self.file(), self.number - 1, e))?;
+        let kept = self.text.trim_end_matches(['\n', '\r']).len();
+        self.text.truncate(kept);
+        if self.number == 1 && self.text.starts_with('\u{feff}') {
+            self.text.remove(0);
+        }
+        Ok(true)
+    }
+
+    /// The line without its end.
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The file alone.
+    pub(super) fn file(&self) -> Place {
+        Place::file(self.path.display().to_string())
+    }
+
+    /// Line and column of a byte of this line.
+    pub(super) fn spot(&self, byte: usize) -> Spot {
+        Spot { line: self.number, column: column(&self.text, byte) }
+    }
+
+    /// The place of a byte of this line.
+    pub(super) fn place(&self, byte: usize) -> Place {
+        self.spot(byte).of(self.file())
+    }
+}
+
+/// Line and column, from 1, kept for an error that may come later.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Spot {
+    line: u64,
+    column: u64,
+}
+
+impl Spot {
+    /// This spot of `file`.
+    pub(super) fn of(self, file: Place) -> Place {
+        file.at(self.line, self.column)
+    }
+
+    /// Line and column of a byte in a text of many lines.
+    pub(super) fn in_text(text: &str, byte: usize) -> Self {
+        let before = text.get(..byte).unwrap_or(text);
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.bytes().filter(|b| *b == b'\n').count() as u64 + 1;
+        Self { line, column: column(&before[start..], byte) }
+    }
+}
+
+/// Characters before `byte`, plus one.
+fn column(line: &str, byte: usize) -> u64 {
+    line.get(..byte).unwrap_or(line).chars().count() as u64 + 1
+}
+
+/// The error for a text, beginning after `lines` whole lines, that is no UTF-8.
+pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Error) -> Error {
+    let valid = error.utf8_error().valid_up_to();
+    let bytes = error.as_bytes();
+    let before = String::from_utf8_lossy(&bytes[..valid]);
+    let Spot { line, column } = Spot::in_text(&before, before.len());
+    let byte = bytes.get(valid).copied().unwrap_or_default();
+    Error::scene(file.at(lines + line, column), format!("byte 0x{byte:02x} is no UTF-8 text"), "save the file as UTF-8")
+}

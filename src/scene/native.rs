@@ -1,0 +1,335 @@
+//! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]` and `[[spheres]]`. Every fault is told with
+//! the line, column and key of what is wrong.
+
+use super::lines::{Spot, not_utf8};
+use super::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere, csv, ending, npy, relocate};
+use crate::camera::{Camera, Lens, Look};
+use crate::error::{Error, Place, Result};
+use glam::DVec3;
+use std::io::Read;
+use std::path::Path;
+use toml::Spanned;
+use toml::de::{DeInteger, DeTable, DeValue};
+
+/// Reads a scene from the stream; `path` is for errors, and its folder holds the files that `[[spheres]]` name.
+pub(super) fn read(mut reader: impl Read, path: &Path) -> Result<Scene> {
+    let mut bytes = Vec::new();
+    reader.read_to_end(&mut bytes).map_err(|e| Error::read(path, e))?;
+    let file = Place::file(path.display().to_string());
+    let text = String::from_utf8(bytes).map_err(|e| not_utf8(file.clone(), 0, e))?;
+    // The byte order mark is no character of the first line.
+    let text = text.trim_start_matches('\u{feff}');
+    Document { file, text, path }.scene()
+}
+
+struct Document<'a> {
+    file: Place,
+    text: &'a str,
+    path: &'a Path,
+}
+
+impl Document<'_> {
+    fn place(&self, byte: usize) -> Place {
+        Spot::in_text(self.text, byte).of(self.file.clone())
+    }
+
+    fn scene(&self) -> Result<Scene> {
+        let root = DeTable::parse(self.text).map_err(|e| self.syntax(e))?;
+        let root = Table { doc: self, name: Name::TOP, keys: root.get_ref(), start: 0 };
+        root.allow(&["camera", "image", "sphere", "spheres"])?;
+        let image = match root.get("image") {
+            Some(image) => self.image(&image.table(Name::part("image"))?)?,
+            None => ImagePlane::default(),
+        };
+        let camera = self.camera(&root.need("camera")?.table(Name::part("camera"))?, &image)?;
+        let mut spheres = Spheres::default();
+        for table in root.tables("sphere")? {
+            self.sphere(&table?, &mut spheres)?;
+        }
+        for table in root.tables("spheres")? {
+            self.spheres(&table?, &mut spheres)?;
+        }
+        Ok(Scene { camera, image, spheres, skipped: Skipped::default() })
+    }
+
+    fn syntax(&self, error: toml::de::Error) -> Error {
+        let span = error.span().unwrap_or_default();
+        let mut place = self.place(span.start);
+        let problem = error.message().lines().collect::<Vec<_>>().join(", ");
+        // Only here does the parser point at a whole key.
+        if problem == "duplicate key" {
+            place.field = self.text.get(span).map(str::to_owned);
+        }
+        let mend = "mend the TOML there".into();
+        Error::Scene { place: Box::new(place), problem, mend, source: Some(Box::new(error)) }
+    }
+
+    fn image(&self, table: &Table<'_>) -> Result<ImagePlane> {
+        table.allow(&["size", "background"])?;
+        let mut image = ImagePlane::default();
+        if let Some(size) = table.get("size") {
+            (image.width, image.height) = check_size(size.whole_numbers()?, || size.place())?;
+        }
+        if let Some(background) = table.get("background") {
+            image.background = background.color()?;
+        }
+        Ok(image)
+    }
+
+    fn camera(&self, table: &Table<'_>, image: &ImagePlane) -> Result<Camera> {
+        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance"])?;
+        let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
+        let look = match table.one_of("at", "view")? {
+            "at" => Look::At(vector("at")?),
+            _ => Look::View(vector("view")?),
+        };
+        let distance = table.get("distance").map_or(Ok(1.0), |d| d.number())?;
+        let lens = match table.one_of("vfov", "viewport")? {
+            "vfov" => Lens::Vfov { degrees: table.need("vfov")?.number()?, distance },
+            _ => {
+                let [vw, vh] = table.need("viewport")?.numbers()?;
+                Lens::Viewport { vw, vh, distance }
+            }
+        };
+        let camera = Camera { eye: vector("eye")?, look, up: vector("up")?, lens };
+        let locate = |error| {
+            relocate(error, |field| {
+                let key = field.trim_start_matches("camera.");
+                // A viewport that overflows came from the angle.
+                let value = table.keys.get(key).or_else(|| table.keys.get("vfov"));
+                self.place(value.map_or(table.start, |value| value.span().start)).named(field)
+            })
+        };
+        camera.basis().map_err(locate)?;
+        camera.viewport(image.width, image.height).map_err(locate)?;
+        Ok(camera)
+    }
+
+    fn sphere(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<()> {
+        table.allow(&["center", "radius", "color"])?;
+        let center = table.need("center")?.numbers()?;
+        let radius = table.need("radius")?;
+        let length = radius.number()?;
+        check_sphere(center, length, || radius.place().named(format!("sphere {}", spheres.len())))?;
+        let color = table.get("color").map(|color| color.color()).transpose()?;
+        spheres.push(center, length, color);
+        Ok(())
+    }
+
+    fn spheres(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<()> {
+        table.allow(&["file"])?;
+        let file = table.need("file")?;
+        let name = file.string()?;
+        let path = self.path.parent().unwrap_or(Path::new("")).join(name);
+        match ending(&path).as_str() {
+            "csv" => csv::read(&path, spheres),
+            "npy" => npy::read(&path, spheres),
+            _ => {
+                let problem = format!("`{name}` is no kind of file that holds spheres");
+                Err(Error::scene(file.place(), problem, "name a .csv or a .npy file"))
+            }
+        }
+    }
+}
+
+/// What a table is called in errors: `camera`, `sphere 3`, or nothing at the top.
+#[derive(Clone, Copy)]
+struct Name {
+    part: &'static str,
+    index: Option<usize>,
+}
+
+impl Name {
+    const TOP: Self = Self::part("");
+
+    const fn part(part: &'static str) -> Self {
+        Self { part, index: None }
+    }
+
+    fn field(self, key: &str) -> String {
+        match self {
+            Self { part: "", .. } => key.to_owned(),
+            Self { part, index: Some(index) } => format!("{part} {index} {key}"),
+            Self { part, index: None } => format!("{part}.{key}"),
+        }
+    }
+}
+
+/// A table, and where it begins.
+struct Table<'a> {
+    doc: &'a Document<'a>,
+    name: Name,
+    keys: &'a DeTable<'a>,
+    start: usize,
+}
+
+impl<'a> Table<'a> {
+    /// Refuses the first key that is none of `known`.
+    fn allow(&self, known: &[&str]) -> Result<()> {
+        let unknown = self.keys.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
+        let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
+        let place = self.doc.place(key.span().start).named(self.name.field(key.get_ref()));
+        Err(Error::scene(place, "unknown key", format!("the keys here are {}", known.join(", "))))
+    }
+
+    fn get(&self, key: &'static str) -> Option<Value<'a>> {
+        self.keys.get(key).map(|value| Value { doc: self.doc, name: self.name, key, value })
+    }
+
+    fn need(&self, key: &'static str) -> Result<Value<'a>> {
+        self.get(key).ok_or_else(|| self.missing(key, format!("add {}", example(key))))
+    }
+
+    fn missing(&self, key: &str, mend: String) -> Error {
+        Error::scene(self.doc.place(self.start).named(self.name.field(key)), "missing", mend)
+    }
+
+    /// Which of two keys is there; exactly one must be.
+    fn one_of(&self, a: &'static str, b: &'static str) -> Result<&'static str> {
+        match (self.get(a), self.get(b)) {
+            (Some(_), None) => Ok(a),
+            (None, Some(_)) => Ok(b),
+            (None, None) => Err(self.missing(a, format!("add {} or {}", example(a), example(b)))),
+            (Some(first), Some(second)) => {
+                let later = if first.value.span().start > second.value.span().start { first } else { second };
+                Err(Error::scene(later.place(), format!("{a} and {b} say it twice"), format!("give {a} or {b}")))
+            }
+        }
+    }
+
+    /// The tables of an array of tables, none where the key is not there.
+    fn tables(&self, key: &'static str) -> Result<impl Iterator<Item = Result<Table<'a>>>> {
+        let items: &'a [Spanned<DeValue<'a>>] = match self.get(key) {
+            None => &[],
+            Some(value) => value.array()?,
+        };
+        let (doc, name) = (self.doc, self.name);
+        Ok(items.iter().enumerate().map(move |(index, value)| {
+            let name = Value { doc, name, key, value };
+            name.table(Name { part: key, index: Some(index) })
+        }))
+    }
+}
+
+/// The value of a key, and what it is called.
+#[derive(Clone, Copy)]
+struct Value<'a> {
+    doc: &'a Document<'a>,
+    name: Name,
+    key: &'static str,
+    value: &'a Spanned<DeValue<'a>>,
+}
+
+impl<'a> Value<'a> {
+    fn place(&self) -> Place {
+        self.doc.place(self.value.span().start).named(self.name.field(self.key))
+    }
+
+    /// The fault of this value, or of `part` of it.
+    fn wrong(&self, part: &Spanned<DeValue<'_>>, problem: String) -> Error {
+        let place = self.doc.place(part.span().start).named(self.name.field(self.key));
+        Error::scene(place, problem, format!("write {}", example(self.key)))
+    }
+
+    fn mistyped(&self, part: &Spanned<DeValue<'_>>, wanted: &str) -> Error {
+        self.wrong(part, format!("found a value of type {}, wanted {wanted}", part.get_ref().type_str()))
+    }
+
+    fn table(&self, name: Name) -> Result<Table<'a>> {
+        match self.value.get_ref() {
+            DeValue::Table(keys) => Ok(Table { doc: self.doc, name, keys, start: self.value.span().start }),
+            _ => Err(self.mistyped(self.value, "a table")),
+        }
+    }
+
+    fn array(&self) -> Result<&'a [Spanned<DeValue<'a>>]> {
+        match self.value.get_ref() {
+            DeValue::Array(items) => Ok(items),
+            _ => Err(self.mistyped(self.value, "an array")),
+        }
+    }
+
+    fn string(&self) -> Result<&'a str> {
+        self.value.get_ref().as_str().ok_or_else(|| self.mistyped(self.value, "a string"))
+    }
+
+    fn number(&self) -> Result<f64> {
+        self.to_number(self.value)
+    }
+
+    fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
+        self.items(Self::to_number)
+    }
+
+    fn whole_numbers<const N: usize>(&self) -> Result<[i64; N]> {
+        self.items(|this, part| match part.get_ref() {
+            DeValue::Integer(i) => {
+                i64::from_str_radix(i.as_str(), i.radix()).map_err(|_| this.wrong(part, format!("{i} is out of range")))
+            }
+            _ => Err(this.mistyped(part, "a whole number")),
+        })
+    }
+
+    fn color(&self) -> Result<[f32; 3]> {
+        let color = self.numbers()?.map(|c: f64| c as f32);
+        check_color(color, || self.place())?;
+        Ok(color)
+    }
+
+    /// An array of exactly N, each converted.
+    fn items<T: Copy + Default, const N: usize>(
+        &self,
+        convert: impl Fn(&Self, &Spanned<DeValue<'_>>) -> Result<T>,
+    ) -> Result<[T; N]> {
+        let items = self.array()?;
+        if items.len() != N {
+            return Err(self.wrong(self.value, format!("found {} values, wanted {N}", items.len())));
+        }
+        let mut out = [T::default(); N];
+        for (out, item) in out.iter_mut().zip(items) {
+            *out = convert(self, item)?;
+        }
+        Ok(out)
+    }
+
+    /// A finite number; TOML has words for the others.
+    fn to_number(&self, part: &Spanned<DeValue<'_>>) -> Result<f64> {
+        let number = match part.get_ref() {
+            DeValue::Float(x) => x.as_str().parse().ok(),
+            DeValue::Integer(i) => integer(i),
+            _ => return Err(self.mistyped(part, "a number")),
+        };
+        number.filter(|x: &f64| x.is_finite()).ok_or_else(|| self.wrong(part, "not a finite number".into()))
+    }
+}
+
+/// The nearest f64. Decimals of any length are read as the float they would be with a point.
+fn integer(i: &DeInteger<'_>) -> Option<f64> {
+    match i.radix() {
+        10 => i.as_str().parse().ok(),
+        radix => i128::from_str_radix(i.as_str(), radix).ok().map(|i| i as f64),
+    }
+}
+
+/// How a key is written, for what is to be mended.
+fn example(key: &str) -> &'static str {
+    match key {
+        "camera" => "a [camera] table",
+        "image" => "an [image] table",
+        "sphere" => "[[sphere]] tables",
+        "spheres" => "[[spheres]] tables",
+        "eye" => "eye = [0.0, 0.0, 5.0]",
+        "at" => "at = [0.0, 0.0, 0.0]",
+        "view" => "view = [0.0, 0.0, -1.0]",
+        "up" => "up = [0.0, 1.0, 0.0]",
+        "vfov" => "vfov = 40.0",
+        "viewport" => "viewport = [1.0, 1.0]",
+        "distance" => "distance = 1.0",
+        "size" => "size = [512, 512]",
+        "center" => "center = [0.0, 0.0, 0.0]",
+        "radius" => "radius = 1.0",
+        "file" => "file = \"spheres.csv\"",
+        "background" => "background = [0.0, 0.0, 0.0]",
+        _ => "color = [0.8, 0.8, 0.8]",
+    }
+}

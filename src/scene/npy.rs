@@ -1,0 +1,181 @@
+//! Spheres from a NumPy array file: float64 (or float32, widened exactly) of shape (n, 4) = x, y, z, radius or
+//! (n, 7) = also r, g, b, in C or Fortran order and either byte order. Rows count from 0, as NumPy's do.
+
+use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
+use crate::error::{Error, Place, Result};
+use npyz::{NpyFile, NpyHeader, Order};
+use std::io::{self, BufRead};
+use std::path::Path;
+
+const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
+
+/// Appends the spheres of the file. Memory grows with what the file holds, never with what its header claims.
+pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
+    Npy { path, reader: super::open(path)? }.read(spheres)
+}
+
+struct Npy<'p, R> {
+    path: &'p Path,
+    reader: R,
+}
+
+impl<R: BufRead> Npy<'_, R> {
+    fn read(&mut self, spheres: &mut Spheres) -> Result<()> {
+        let header = self.header()?;
+        let (rows, width) = match *header.shape() {
+            [n, width @ (4 | 7)] => (n, width as usize),
+            ref other => return Err(self.fail("shape", format!("found {other:?}, wanted (n, 4) or (n, 7)"))),
+        };
+        let order = header.order();
+        let file = match NpyFile::with_header(header, &mut self.reader).try_data::<f64>() {
+            Ok(numbers) => {
+                let row = fill(numbers, order, rows, width, spheres);
+                return self.finish(row, rows);
+            }
+            Err(file) => file,
+        };
+        let found = file.header().dtype().descr();
+        let row = match file.try_data::<f32>() {
+            Ok(numbers) => fill(numbers.map(|x| x.map(f64::from)), order, rows, width, spheres),
+            Err(_) => return Err(self.fail("dtype", format!("found {found}, wanted float64 or float32"))),
+        };
+        self.finish(row, rows)
+    }
+
+    /// The header, once it is known to be small and simple. npyz would allocate what a damaged header claims, multiply
+    /// its shape without looking, and descend into nested brackets as deep as they go.
+    fn header(&mut self) -> Result<NpyHeader> {
+        let mut bytes = vec![0; 10];
+        self.exact(&mut bytes)?;
+        if !bytes.starts_with(b"\x93NUMPY") {
+            return Err(self.fail("magic", "this is no NumPy array file"));
+        }
+        let length = match bytes[6] {
+            1 => usize::from(u16::from_le_bytes([bytes[8], bytes[9]])),
+            _ => {
+                bytes.resize(12, 0);
+                self.exact(&mut bytes[10..])?;
+                u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]) as usize
+            }
+        };
+        if length > MAX_HEADER {
+            return Err(self.fail("header", format!("{length} bytes of header are more than {MAX_HEADER}")));
+        }
+        let start = bytes.len();
+        bytes.resize(start + length, 0);
+        self.exact(&mut bytes[start..])?;
+        let text = String::from_utf8_lossy(&bytes[start..]);
+        // The parser's own words draw the header over several lines; quoting it says as much.
+        let header = if is_simple(&text) { NpyHeader::from_reader(&bytes[..]).ok() } else { None };
+        header.ok_or_else(|| {
+            let quoted: String = text.trim_end().chars().take(120).collect();
+            self.fail("header", format!("{quoted:?} describes no such array"))
+        })
+    }
+
+    fn exact(&mut self, bytes: &mut [u8]) -> Result<()> {
+        self.reader.read_exact(bytes).map_err(|e| match e.kind() {
+            io::ErrorKind::UnexpectedEof => self.fail("header", "the file ends within its header"),
+            _ => Error::read(self.path, e),
+        })
+    }
+
+    /// Turns a row's fault into an error, and sees to it that nothing follows the last row.
+    fn finish(&mut self, outcome: Result<(), Fault>, rows: u64) -> Result<()> {
+        match outcome {
+            Ok(()) => {}
+            Err(Fault::Numbers(found, e)) if e.kind() == io::ErrorKind::UnexpectedEof => {
+                return Err(self.fail("data", format!("the file ends after {found} of {rows} rows")));
+            }
+            Err(Fault::Numbers(_, e)) => return Err(Error::read(self.path, e)),
+            Err(Fault::Row(row, error)) => {
+                return Err(relocate(error, |field| self.place(format!("row {row} {field}"))));
+            }
+        }
+        match self.reader.fill_buf() {
+            Ok([]) => Ok(()),
+            Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows that the header announces"))),
+            Err(e) => Err(Error::read(self.path, e)),
+        }
+    }
+
+    fn place(&self, field: impl Into<String>) -> Place {
+        Place::file(self.path.display().to_string()).named(field)
+    }
+
+    fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
+        Error::scene(self.place(field), problem, MEND)
+    }
+}
+
+/// NumPy itself refuses longer headers; ours need about a hundred bytes.
+const MAX_HEADER: usize = 10_000;
+
+/// Whether the header holds nothing but plain words, few brackets, and so few digits that no shape made of them
+/// overflows: a product of numbers of 19 decimal digits in all is below 10^19 < 2^64.
+fn is_simple(text: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || " \n\t_'\"(){}[],:<>|=.".contains(c);
+    let count = |set: fn(char) -> bool| text.chars().filter(|c| set(*c)).count();
+    text.chars().all(plain)
+        && !text.contains("0x")
+        && !text.contains("0X")
+        && count(|c| "([{".contains(c)) <= 4
+        && count(|c| c.is_ascii_digit()) <= 19
+}
+
+/// Why the rows could not be taken over.
+enum Fault {
+    /// The stream gave no more numbers after so many whole rows.
+    Numbers(u64, io::Error),
+    /// The row holds no sphere.
+    Row(u64, Error),
+}
+
+fn fill(
+    mut numbers: impl Iterator<Item = io::Result<f64>>,
+    order: Order,
+    rows: u64,
+    width: usize,
+    spheres: &mut Spheres,
+) -> Result<(), Fault> {
+    let mut next = |row| match numbers.next() {
+        Some(Ok(x)) => Ok(x),
+        Some(Err(e)) => Err(Fault::Numbers(row, e)),
+        None => Err(Fault::Numbers(row, io::ErrorKind::UnexpectedEof.into())),
+    };
+    let mut values = [0.0; 7];
+    if order == Order::C {
+        for row in 0..rows {
+            for value in &mut values[..width] {
+                *value = next(row)?;
+            }
+            push(values, width, spheres).map_err(|e| Fault::Row(row, e))?;
+        }
+        return Ok(());
+    }
+    // Column by column: no row is whole before the last column has begun.
+    let mut columns = Vec::new();
+    for column in 0..width {
+        for row in 0..rows {
+            columns.push(next(if column + 1 == width { row } else { 0 })?);
+        }
+    }
+    let rows = columns.len() / width;
+    for row in 0..rows {
+        for (column, value) in values[..width].iter_mut().enumerate() {
+            *value = columns[column * rows + row];
+        }
+        push(values, width, spheres).map_err(|e| Fault::Row(row as u64, e))?;
+    }
+    Ok(())
+}
+
+fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
+    check_sphere([x, y, z], radius, Place::default)?;
+    let color = (width == COLUMNS.len()).then_some([r as f32, g as f32, b as f32]);
+    if let Some(color) = color {
+        check_color(color, || Place::field("color"))?;
+    }
+    spheres.push([x, y, z], radius, color);
+    Ok(())
+}
