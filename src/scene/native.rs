@@ -254,11 +254,11 @@ impl<'a> Value<'a> {
     }
 
     fn number(&self) -> Result<f64> {
-        self.to_number(self.value)
+        self.finite(self.value)
     }
 
     fn numbers<const N: usize>(&self) -> Result<[f64; N]> {
-        self.items(Self::to_number)
+        self.items(Self::finite)
     }
 
     fn whole_numbers<const N: usize>(&self) -> Result<[i64; N]> {
@@ -293,7 +293,7 @@ impl<'a> Value<'a> {
     }
 
     /// A finite number; TOML has words for the others.
-    fn to_number(&self, part: &Spanned<DeValue<'_>>) -> Result<f64> {
+    fn finite(&self, part: &Spanned<DeValue<'_>>) -> Result<f64> {
         let number = match part.get_ref() {
             DeValue::Float(x) => x.as_str().parse().ok(),
             DeValue::Integer(i) => integer(i),
