@@ -21,6 +21,11 @@ fn viewing_ray(i: u32, j: u32) -> Ray {
     return Ray(vec3<f32>(u, v, -view.d));
 }
 
+// x where it is positive, else 0; unlike max it says which zero.
+fn positive(x: f32) -> f32 {
+    return select(0.0, x, x > 0.0);
+}
+
 // Spelled out: the order of the sum is part of the answer's last bit.
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -28,6 +28,9 @@ pub(crate) fn render(
     kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
 }
 
+/// What becomes of a hit: three numbers per pixel.
+type Value<'a> = &'a (dyn Fn(&Ray<f32>, Hit<f32>) -> [f32; 3] + Sync);
+
 struct Frame<'a> {
     kernel: &'a Kernel,
     view: &'a View,
@@ -54,7 +57,7 @@ impl Visit for Frame<'_> {
             }
         });
         let (id, t) = (&raw.id, &raw.t);
-        let each = |out: &mut [f32], value: &(dyn Fn(&Ray<f32>, Hit<f32>) -> [f32; 3] + Sync)| {
+        let each = |out: &mut [f32], value: Value<'_>| {
             out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
                     let hit = Hit { t: t[i * width + j], id: id[i * width + j] };

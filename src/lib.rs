@@ -1,4 +1,41 @@
-//! halfline (skeleton)
+//! halfline renders spheres, from atoms to planets, headless, on any GPU, on software Vulkan or on the CPU.
+//!
+//! The data's way, one direction, and the files follow it:
+//!
+//! ```text
+//! scene file -> Scene (f64, world) -> View (canonical camera) -> rays -> nearest hit -> shade -> Frame -> files
+//! ```
+//!
+//! - [`scene`]: spheres, colours, camera, image; f64 and taken as exact. Readers make it.
+//! - [`camera`]: the general perspective camera, by the names of the lecture: eye, view, up; basis u, v, w; viewport
+//!   vw x vh at distance d.
+//! - [`view`]: *move the world, not the ray*. Spheres come into the canonical camera in f64 and are rounded once.
+//! - [`ray`]: one viewing ray per pixel, (u, v, -d) from the origin; only t > 0 counts.
+//! - [`intersect`]: THE list of forms of the ray-sphere quadratic, each a WGSL file with a CPU twin.
+//! - [`shade`]: a hit becomes a colour.
+//! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their files.
+//! - [`render`](mod@render): one frame the whole way; a [`Renderer`] keeps device and kernels for many.
+//! - [`trace`](mod@trace): the same for given rays.
+//! - [`plan`]: the one place that decides what a scene requires.
+//! - [`measure`]: how far apart two frames are.
+//!
+//! # Ten lines
+//!
+//! ```
+//! use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+//!
+//! let mut spheres = Spheres::default();
+//! spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
+//! let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
+//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+//! let settings = Settings { aovs: vec![Aov::Color, Aov::Depth], ..Settings::default() };
+//! let frame = halfline::render(&scene, &settings)?;
+//! assert_eq!(frame.ids()[32 * 64 + 32], 0, "the middle pixel shows sphere 0");
+//! assert!((frame.f64(Aov::Depth).unwrap()[32 * 64 + 32] - 2.0).abs() < 1e-3, "its front is 2 away");
+//! frame.image().unwrap().save(std::env::temp_dir().join("halfline.png"))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod camera;
 mod cpu;
 mod dd;
@@ -18,4 +55,15 @@ pub mod shade;
 pub mod trace;
 pub mod view;
 
+pub use camera::{Camera, Lens, Look};
+pub use error::{Error, Result};
+pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
+pub use intersect::Method;
+pub use plan::{Accuracy, Backend, Settings};
+pub use render::{Renderer, render};
+pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+pub use shade::Shade;
+pub use trace::trace;
+/// The wgpu that [`Renderer::with_device`] takes its device from.
+pub use wgpu;

@@ -36,6 +36,11 @@ pub fn viewing_ray<R: Real>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
     Ray { d: [u, v, -R::exact(view.d)] }
 }
 
+/// x where it is positive, else 0.
+pub fn positive<R: Real>(x: R) -> R {
+    if x > R::ZERO { x } else { R::ZERO }
+}
+
 /// a . b, summed x, y, z: the order is part of the answer's last bit.
 pub fn dot3<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -25,11 +25,6 @@ pub trait Real:
     fn exact(x: f32) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-
-    /// The larger of two numbers.
-    fn max(self, other: Self) -> Self {
-        if self < other { other } else { self }
-    }
 }
 
 impl Real for f32 {

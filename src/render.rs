@@ -2,8 +2,8 @@
 
 use crate::cpu;
 use crate::error::{Error, Result};
+use crate::frame::Frame;
 use crate::frame::raw::Raw;
-use crate::frame::{Aov, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::Input;
@@ -165,6 +165,3 @@ fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
     }
     warnings
 }
-
-/// The buffers that a picture needs.
-pub const PICTURE: [Aov; 1] = [Aov::Color];

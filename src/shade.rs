@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::intersect::Intersect;
-use crate::ray::{Hit, Ray, dot3, unit3};
+use crate::ray::{Hit, Ray, dot3, positive, unit3};
 use crate::real::Real;
 use crate::scene::DEFAULT_COLOR;
 use crate::view::{Sphere, ViewRecord};
@@ -83,7 +83,7 @@ impl<R: Real> Surface<'_, R> {
             Shade::Flat => self.sphere_color(hit.id),
             Shade::Normal => self.world_normal::<V>(ray, hit).map(|x| R::HALF * x + R::HALF),
             Shade::Headlight => {
-                let cosine = (-dot3(self.surface_normal::<V>(ray, hit), unit3(ray.d))).max(R::ZERO);
+                let cosine = positive(-dot3(self.surface_normal::<V>(ray, hit), unit3(ray.d)));
                 self.sphere_color(hit.id).map(|x| cosine * x)
             }
         }

@@ -31,7 +31,7 @@ fn intersect(ray: Ray, s: Sphere) -> f32 {
 // upper sign outside. Nothing cancels, however far the sphere; t is not used.
 fn normal_at(ray: Ray, s: Sphere, t: f32) -> vec3<f32> {
     let g = cross3(center(s), ray.d);
-    let root = sqrt(max(discriminant(ray, s, g), 0.0));
+    let root = sqrt(positive(discriminant(ray, s, g)));
     let across = cross3(ray.d, g);
     return unit3(select(across, -across, s.power > 0.0) - root * ray.d);
 }

@@ -8,7 +8,7 @@ use crate::view::View;
 use rayon::prelude::*;
 
 /// The kernel's own buffers, row by row; those nobody asked for are empty.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct Raw {
     /// Index of the sphere, [`NONE`] on a miss.
     pub(crate) id: Vec<u32>,

@@ -12,8 +12,11 @@ use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 
-/// Pixels along a side of a workgroup's tile, and invocations in it; layout tests hold them against the shaders.
+/// Pixels along a side of a workgroup's tile; a layout test holds it against the shaders.
 pub(crate) const TILE: u32 = 8;
+
+/// Invocations in a workgroup, rays in a group; the same test.
+pub(crate) const GROUP: u32 = 64;
 
 /// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
 const TESTS_PER_DISPATCH: u64 = 1 << 32;
@@ -191,8 +194,9 @@ impl Gpu {
                 (record.height, tiles.min(most) as u32 * TILE)
             }
             _ => {
-                let groups = (pixels / 64).max(1).min(u64::from(self.limits.max_compute_workgroups_per_dimension));
-                (rays, groups as u32 * 64)
+                let groups =
+                    (pixels / u64::from(GROUP)).max(1).min(u64::from(self.limits.max_compute_workgroups_per_dimension));
+                (rays, groups as u32 * GROUP)
             }
         };
         (0..total).step_by(step as usize).map(|first| Band { first, count: step.min(total - first) }).collect()
@@ -207,7 +211,7 @@ impl Gpu {
             }
             _ => {
                 let record = ViewRecord { first_row: band.first, rows: 1, width: band.count, ..*record };
-                (record, u64::from(band.count), (band.count.div_ceil(64), 1))
+                (record, u64::from(band.count), (band.count.div_ceil(GROUP), 1))
             }
         };
         self.fill("view", bytemuck::bytes_of(&record))?;
@@ -321,4 +325,57 @@ fn outputs(kernel: &Kernel) -> impl Iterator<Item = Output> {
     .into_iter()
     .filter(|(written, ..)| *written)
     .map(|(_, name, staging, bytes)| Output { name, staging, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::device;
+    use crate::intersect::Method;
+    use crate::plan::Sharing;
+    use crate::scene::{ReadOptions, Scene};
+    use crate::shade::Shade;
+    use std::path::Path;
+
+    /// Whichever way invocations share the spheres they load, the answers are the same bits.
+    #[test]
+    fn every_way_of_sharing_gives_the_same_frame() {
+        if std::env::var_os("HALFLINE_NO_GPU").is_some() {
+            println!("SKIPPED: HALFLINE_NO_GPU is set");
+            return;
+        }
+        let found = device::choose(device::find().expect("adapters"), None).expect("a choice");
+        let found = found.expect("an adapter; tests/run installs and pins one");
+        println!("adapter: {} ({})", found.summary.name, found.summary.driver);
+        let lanes = found.summary.subgroup.map_or(0, |[least, _]| least);
+        let mut gpu = Gpu::new(device::open(&found).expect("a device"), found.summary);
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        (scene.image.width, scene.image.height) = (131, 74);
+        let view = View::new(&scene).expect("a view");
+        let mut answers = Vec::new();
+        for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
+            if lanes < least {
+                println!("SKIPPED: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
+                continue;
+            }
+            let kernel = Kernel {
+                method: Method::Stable,
+                rays: Rays::Camera,
+                sharing,
+                shade: Some(Shade::Headlight),
+                colors: true,
+                t: true,
+                normal: true,
+            };
+            let mut raw = Raw::new(&kernel, 131 * 74).expect("room");
+            let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[] };
+            gpu.run(&kernel, &input, &mut raw, &mut Stages::default(), &|| true).expect("a frame");
+            answers.push((sharing, raw));
+        }
+        assert!(answers[0].1.hits() > 1000, "the scene shows something");
+        for (sharing, raw) in &answers[1..] {
+            assert!(raw == &answers[0].1, "{sharing:?} differs");
+        }
+    }
 }

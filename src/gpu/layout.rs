@@ -48,3 +48,160 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
     if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::compose::{compose, constants};
+    use crate::gpu::dispatch::{GROUP, TILE};
+    use crate::intersect::Method;
+    use crate::plan::Rays;
+    use crate::ray::NONE;
+    use crate::shade::Shade;
+    use crate::trace::RayRecord;
+    use crate::view::{SphereRecord, ViewRecord};
+    use std::collections::BTreeSet;
+    use std::mem::offset_of;
+
+    /// Every kernel that any plan can ask for.
+    fn kernels() -> Vec<Kernel> {
+        let both = [false, true];
+        let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
+        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
+        let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
+        let mut kernels = Vec::new();
+        for &method in Method::ALL {
+            for (rays, sharing) in camera.into_iter().chain(given) {
+                for shade in shades {
+                    for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
+                        let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
+                        kernels.extend(colors.map(|colors| Kernel { method, rays, sharing, shade, colors, t, normal }));
+                    }
+                }
+            }
+        }
+        kernels
+    }
+
+    fn module(kernel: &Kernel) -> (naga::Module, naga::valid::ModuleInfo) {
+        let checked = validate(&compose(kernel), capabilities(kernel));
+        checked.unwrap_or_else(|error| panic!("{kernel:?}: {error}"))
+    }
+
+    #[test]
+    fn every_composed_shader_validates_with_what_the_device_will_have() {
+        let kernels = kernels();
+        assert_eq!(kernels.len(), Method::ALL.len() * 6 * 4 * (1 + 2 + 1 + 2), "the list is whole");
+        for kernel in &kernels {
+            module(kernel);
+        }
+    }
+
+    #[test]
+    fn a_kernel_binds_what_it_needs_and_nothing_else() {
+        for kernel in kernels() {
+            let (module, info) = module(&kernel);
+            let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
+            let given = kernel.rays != Rays::Camera;
+            let wanted: BTreeSet<_> = [
+                (true, "view"),
+                (true, "spheres"),
+                (true, "frame_id"),
+                (kernel.t, "frame_t"),
+                (kernel.normal, "frame_normal"),
+                (kernel.shade.is_some(), "frame_color"),
+                (kernel.colors, "colors"),
+                (given, "rays"),
+                (kernel.rays == Rays::Spread, "lows"),
+            ]
+            .into_iter()
+            .filter_map(|(wanted, name)| wanted.then_some(name))
+            .collect();
+            assert_eq!(bound, wanted, "{kernel:?}");
+            let declared: BTreeSet<_> = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
+            let given: BTreeSet<_> = constants(&kernel).into_iter().map(|(name, _)| name.to_owned()).collect();
+            assert_eq!(declared, given, "override constants of {kernel:?}");
+        }
+    }
+
+    #[test]
+    fn subgroups_are_asked_of_the_device_exactly_where_they_are_used() {
+        let sharing = kernels().into_iter().filter(|k| k.sharing != Sharing::None);
+        for kernel in sharing {
+            validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
+        }
+    }
+
+    #[test]
+    fn structs_have_one_layout_on_both_sides() {
+        let any = Kernel {
+            method: Method::Stable,
+            rays: Rays::Spread,
+            sharing: Sharing::None,
+            shade: None,
+            colors: false,
+            t: true,
+            normal: true,
+        };
+        let (module, _) = module(&any);
+        macro_rules! same {
+            ($wgsl:literal, $host:ty, $($field:ident)*) => {
+                let host: Vec<(&str, usize)> = vec![$((stringify!($field), offset_of!($host, $field))),*];
+                assert_eq!(members(&module, $wgsl), (host, size_of::<$host>()), $wgsl);
+            };
+        }
+        same!("View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres);
+        same!("Sphere", SphereRecord, ball power scale);
+        same!("GivenRay", RayRecord, direction origin origin_low);
+        let tile = constant(&module, "NONE");
+        assert_eq!(tile, f64::from(NONE));
+        assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
+        assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));
+    }
+
+    #[test]
+    fn workgroups_are_tiles() {
+        for kernel in kernels() {
+            let (module, _) = module(&kernel);
+            assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
+            assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
+            if kernel.rays == Rays::Camera {
+                assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
+            }
+        }
+        assert_eq!(TILE * TILE, GROUP);
+    }
+
+    #[test]
+    fn an_error_names_the_file_and_the_line() {
+        let mut source = compose(&kernels()[0]);
+        let at = source.text.find("fn nearest").expect("every kernel has it");
+        let line = source.text[..at].lines().count() + 1;
+        assert_eq!(source.place(line), "shaders/nearest/plain.wgsl:2");
+        source.text.replace_range(at..at + 2, "fm");
+        let error = validate(&source, Capabilities::empty()).expect_err("broken on purpose").to_string();
+        assert!(error.contains("shaders/nearest/plain.wgsl:2:1"), "{error}");
+    }
+
+    /// Name and offset of each member, and the size, of a struct in WGSL.
+    fn members<'a>(module: &'a naga::Module, name: &str) -> (Vec<(&'a str, usize)>, usize) {
+        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
+        match &found.expect("the struct is declared").1.inner {
+            naga::TypeInner::Struct { members, span } => {
+                let member = |m: &'a naga::StructMember| (m.name.as_deref().unwrap_or("?"), m.offset as usize);
+                (members.iter().map(member).collect(), *span as usize)
+            }
+            other => panic!("{name} is no struct but {other:?}"),
+        }
+    }
+
+    /// The value of a WGSL constant.
+    fn constant(module: &naga::Module, name: &str) -> f64 {
+        let found = module.constants.iter().find(|(_, c)| c.name.as_deref() == Some(name));
+        match module.global_expressions[found.expect("the constant is declared").1.init] {
+            naga::Expression::Literal(naga::Literal::U32(x)) => f64::from(x),
+            naga::Expression::Literal(naga::Literal::F32(x)) => f64::from(x),
+            ref other => panic!("{name} is {other:?}"),
+        }
+    }
+}

@@ -6,7 +6,7 @@
 //! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
 
 use super::Intersect;
-use crate::ray::{Ray, center, cross3, dot3, minus, negated, radius, times, unit3};
+use crate::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
 use crate::real::Real;
 use crate::view::Sphere;
 
@@ -43,7 +43,7 @@ impl Intersect for Stable {
     /// cancels, however far the sphere; t is not used.
     fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, _t: R) -> [R; 3] {
         let g = cross3(center(s), ray.d);
-        let root = discriminant(ray, s, g).max(R::ZERO).sqrt();
+        let root = positive(discriminant(ray, s, g)).sqrt();
         let across = cross3(ray.d, g);
         let side = if s.power > R::ZERO { negated(across) } else { across };
         unit3(minus(side, times(root, ray.d)))

@@ -1,0 +1,46 @@
+//! What every test that needs an adapter begins with.
+
+use halfline::plan::{Backend, Settings};
+use halfline::render::Renderer;
+use std::sync::Once;
+
+/// A renderer on the pinned adapter, or `None` where HALFLINE_NO_GPU says that there shall be none. A missing adapter
+/// fails the test; HALFLINE_TEST_ADAPTER names what the adapter must be.
+pub(crate) fn gpu() -> Option<Renderer> {
+    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
+        println!("SKIPPED: HALFLINE_NO_GPU is set");
+        return None;
+    }
+    let settings = Settings { backend: Backend::Gpu, ..Settings::default() };
+    let renderer = Renderer::new(&settings).expect("an adapter; tests/run installs and pins one");
+    static SAID: Once = Once::new();
+    SAID.call_once(|| println!("adapter: {} ({})", renderer.adapter(), renderer.driver()));
+    if let Ok(wanted) = std::env::var("HALFLINE_TEST_ADAPTER") {
+        assert!(renderer.adapter().contains(&wanted), "{} is not {wanted}", renderer.adapter());
+    }
+    Some(renderer)
+}
+
+/// The CPU reference path.
+pub(crate) fn cpu() -> Renderer {
+    let settings = Settings { backend: Backend::Cpu, ..Settings::default() };
+    Renderer::new(&settings).expect("the CPU path is always there")
+}
+
+/// xorshift64* (Vigna 2016), so that every run sees the same cases.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    /// Uniform in [0, 1).
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in [-1, 1)^3.
+    pub(crate) fn cube(&mut self) -> [f64; 3] {
+        std::array::from_fn(|_| 2.0 * self.unit() - 1.0)
+    }
+}
