@@ -27,13 +27,18 @@ fn ahead(balls: &[Ball]) -> Option<Truth> {
 /// View (1, 1, 0) and up z make alpha = beta = sqrt(2). The right pixel of three looks along A3 + 2 view = (3, 1, 0)
 /// in whole numbers, but its discriminants have a part with alpha beta that only a squaring can weigh.
 fn oblique(balls: &[Ball]) -> Option<Truth> {
+    slanted([5.0, -7.0, 11.0], balls).pixel(0, 2)
+}
+
+/// The same camera at another eye.
+fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
     let camera = Camera {
-        eye: [5.0, -7.0, 11.0].into(),
+        eye: eye.into(),
         look: Look::View([1.0, 1.0, 0.0].into()),
         up: [0.0, 0.0, 1.0].into(),
         lens: crate::camera::Lens::Viewport { vw: 3.0, vh: 1.0, distance: 2.0 },
     };
-    judge(camera, [3, 1], balls).pixel(0, 2)
+    judge(camera, [3, 1], balls)
 }
 
 /// The eye of [`oblique`] plus m (3, 1, 0) plus `q`.
@@ -203,6 +208,44 @@ fn the_filter_says_what_exact_signs_say() {
             }
         }
     }
+}
+
+#[test]
+fn the_filter_leaves_close_calls_to_exact_signs() {
+    // Double-doubles hold a shift of 2^-k beside a 3, but not what it does to a discriminant.
+    for k in 40..130 {
+        let shift = 2f64.powi(-k);
+        for m in [3.0, 1000.0, 2f64.powi(30) + 1.0] {
+            let touch = ([3.0 * m - 2.0, m + 6.0, 3.0], 7.0);
+            let see = |eye: [f64; 3]| slanted(eye, &[touch]).pixel(0, 2).map(|truth| truth.tangent);
+            assert_eq!(see([0.0, 0.0, shift]), Some(false), "nearer the middle: 2^-{k}, {m}");
+            assert_eq!(see([0.0, 0.0, -shift]), None, "past the edge: 2^-{k}, {m}");
+            assert_eq!(see([3.0 * shift, shift, 0.0]), Some(true), "along the ray: 2^-{k}, {m}");
+            let [near, far] = [([3.0 * m + 1.0, m + 2.0, 2.0], 3.0), ([3.0 * m + 2.0, m + 3.0, 6.0], 7.0)];
+            for eye in [[0.0, 0.0, shift], [0.0, 0.0, -shift], [-shift, 3.0 * shift, 0.0]] {
+                let judge = slanted(eye, &[near, far]);
+                let truth = exactly(&judge.bench, &judge.ray(0, 2)).map(|truth| truth.id);
+                assert_eq!(judge.pixel(0, 2).map(|truth| truth.id), truth, "{eye:?}, {m}");
+                let back = slanted(eye, &[far, near]).pixel(0, 2).map(|truth| 1 - truth.id);
+                assert_eq!(back, truth, "no tie: {eye:?}, {m}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_eye_a_hair_off_the_surface_is_on_its_side() {
+    // |p|^2 - r^2 is the square of the shift, which no double-double keeps beside 1.
+    for k in [-30, -60, -500] {
+        let spheres = Spheres { centers: vec![[1.0, 2f64.powi(k), 0.0]], radii: vec![1.0], colors: None };
+        let outside = judge_ray([0.0; 3], [1.0, 0.0, 0.0], &spheres).expect("looking in");
+        // t = c/(b + sqrt(D)) for c = 2^2k, b = 1 and D = 1 - 2^2k.
+        assert_eq!((outside.root, outside.t), (Root::Near, 2f64.powi(2 * k - 1)), "2^{k}");
+        assert_eq!(judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &spheres), None, "looking out");
+    }
+    let inside = Spheres { centers: vec![[1.0 - 2f64.powi(-53), 2f64.powi(-60), 0.0]], radii: vec![1.0], colors: None };
+    let truth = judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &inside).expect("inside");
+    assert_eq!((truth.root, truth.distance), (Root::Far, 2f64.powi(-53)));
 }
 
 #[test]
