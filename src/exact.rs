@@ -127,13 +127,7 @@ pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Op
     if !finite || direction == [0.0; 3] {
         return None;
     }
-    let rays = Rays {
-        quick: filter::Ray::along(direction),
-        direction: dyadic::vector(direction),
-        stretch: Dyadic::from(1),
-        planar: false,
-        exact: OnceCell::new(),
-    };
+    let rays = Rays::along(direction);
     let bench = Bench::new(Frame::world(origin), origin, spheres);
     bench.nearest(&rays, 0..bench.bodies.len() as u32)
 }
@@ -150,6 +144,17 @@ struct Rays {
 }
 
 impl Rays {
+    /// A direction of its own; finite and not zero.
+    fn along(direction: [f64; 3]) -> Self {
+        Self {
+            quick: filter::Ray::along(direction),
+            direction: dyadic::vector(direction),
+            stretch: Dyadic::from(1),
+            planar: false,
+            exact: OnceCell::new(),
+        }
+    }
+
     fn exact(&self, frame: &Frame) -> &decide::Ray {
         self.exact.get_or_init(|| frame.ray(self.direction.clone()))
     }

@@ -243,9 +243,29 @@ fn an_eye_a_hair_off_the_surface_is_on_its_side() {
         assert_eq!((outside.root, outside.t), (Root::Near, 2f64.powi(2 * k - 1)), "2^{k}");
         assert_eq!(judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &spheres), None, "looking out");
     }
+    // p = (3 + 4 x, 4 - 3 x, 0) and r = 5: c = 25 x^2, which a product of double-doubles drops.
+    for k in 30..60 {
+        let x = 2f64.powi(-k);
+        let spheres = Spheres { centers: vec![[3.0, 4.0, 0.0]], radii: vec![5.0], colors: None };
+        let outside = judge_ray([-4.0 * x, 3.0 * x, 0.0], [3.0, 4.0, 0.0], &spheres).expect("looking in");
+        assert_eq!((outside.root, outside.t), (Root::Near, x * x / 2.0), "2^-{k}");
+    }
     let inside = Spheres { centers: vec![[1.0 - 2f64.powi(-53), 2f64.powi(-60), 0.0]], radii: vec![1.0], colors: None };
     let truth = judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &inside).expect("inside");
     assert_eq!((truth.root, truth.distance), (Root::Far, 2f64.powi(-53)));
+}
+
+#[test]
+fn underflow_is_no_decision() {
+    // The squares of the central ray, (0, 0, -2^-520), are subnormal beside a viewport of 1.
+    let lens = crate::camera::Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2f64.powi(-520) };
+    let mut dice = Dice(6);
+    for n in 0..200 {
+        let [x, y, _] = dice.vector(1.0);
+        let radius = x.hypot(y) * (1.0 + f64::from(n % 2 * 2 - 1) * 2f64.powi(-40));
+        let truth = judge(Camera { lens, ..Camera::CANONICAL }, [1, 1], &[([x, y, -5.0], radius)]).pixel(0, 0);
+        assert_eq!(truth.is_some(), n % 2 == 1, "{x:e} {y:e}");
+    }
 }
 
 #[test]
