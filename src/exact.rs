@@ -95,11 +95,15 @@ impl Judge {
 
     /// (t - t*)/t* where t* is the real t of that root of sphere `id`: what an f64 result is off by.
     ///
-    /// NaN when the line misses the sphere; where t* is 0, 0 for a `t` of 0 and infinite for any other.
+    /// NaN when the line misses the sphere or `t` is NaN, infinite for an infinite `t`; where t* is 0, 0 for a `t` of
+    /// 0 and infinite for any other.
     pub fn relative_error_of_t(&self, i: u32, j: u32, id: u32, root: Root, t: f64) -> f64 {
-        let Some(real) = self.bench.t(&self.ray(i, j), id, root).filter(|_| t.is_finite()) else {
-            return if t.is_infinite() { t.abs() } else { f64::NAN };
+        let Some(real) = self.bench.t(&self.ray(i, j), id, root) else {
+            return f64::NAN;
         };
+        if !t.is_finite() {
+            return t.abs();
+        }
         let error = &Dyadic::of(t) - &real;
         match (error.is_zero(), real.is_zero()) {
             (true, _) => 0.0,

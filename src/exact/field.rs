@@ -12,7 +12,7 @@ pub(crate) struct Field {
     pub(crate) beta2: Dyadic,
 }
 
-/// An index into [`Element`]: 1, alpha, beta or alpha beta.
+/// An index into [`Element`]; no axis needs the fourth, alpha beta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Unit {
     One = 0,

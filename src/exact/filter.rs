@@ -221,7 +221,8 @@ impl Ray {
     /// t and its relative error for a line that meets the sphere.
     ///
     /// |b| + sqrt(D) = q is a sum of like signs; one root is q/a, the other |power|/q. Where D > E its root errs by at
-    /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q.
+    /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q. An a that is itself next
+    /// to underflow has fewer bits than that.
     fn parameter(&self, s: &Body, b: Dd, e: f64, (disc, error): (Dd, f64)) -> (Dd, f64) {
         let magnitude = if b.hi < 0.0 { -b } else { b };
         let (q, loss) = if s.side == Ordering::Equal {
@@ -231,7 +232,7 @@ impl Ray {
             (magnitude + half, e + if disc.hi > error { error / half.hi } else { error.sqrt() })
         };
         let loss = (loss + power_of_two(-98) * q.hi) * ROUNDED;
-        let q_error = if q.hi > 2.0 * loss { loss / (q.hi - loss) } else { f64::INFINITY };
+        let q_error = if q.hi > 2.0 * loss && self.a.hi > TINY { loss / (q.hi - loss) } else { f64::INFINITY };
         // The quotients and a itself add less than 2^-96.
         if s.side == Ordering::Equal || (s.side == Ordering::Less && b.hi >= 0.0) {
             return (q / self.a, (q_error + power_of_two(-96)) * ROUNDED);

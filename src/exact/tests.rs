@@ -332,6 +332,15 @@ fn a_ray_of_its_own_agrees_with_the_pixel_it_goes_through() {
 }
 
 #[test]
+fn rows_may_be_judged_in_parallel() {
+    let scene = Dice(7).scene(1.0);
+    let judge = Judge::new(&scene).expect("a scene");
+    let row = |i: u32| -> Vec<_> { (0..scene.image.width).map(|j| judge.pixel(i, j)).collect() };
+    let together: Vec<_> = (0..scene.image.height).into_par_iter().map(row).collect();
+    assert_eq!(together, (0..scene.image.height).map(row).collect::<Vec<_>>());
+}
+
+#[test]
 fn the_error_of_a_t_is_exact() {
     let balls = [([0.0, 0.0, -5.0], 1.0), ([0.0, 2.0, -5.0], 1.0), ([0.0, 0.0, -1.0], 1.0)];
     let judge = judge(Camera::CANONICAL, [1, 1], &balls);
@@ -339,6 +348,7 @@ fn the_error_of_a_t_is_exact() {
     assert_eq!((error(0, Root::Near, 4.0), error(0, Root::Far, 6.0)), (0.0, 0.0));
     assert_eq!(error(0, Root::Near, 4.0 + 4.0 * f64::EPSILON), f64::EPSILON);
     assert_eq!(error(0, Root::Far, 3.0), -0.5);
+    assert!(error(0, Root::Near, f64::NEG_INFINITY) == f64::INFINITY && error(0, Root::Near, f64::NAN).is_nan());
     assert!(error(1, Root::Near, 4.0).is_nan() && judge.t(0, 0, 1, Root::Near).is_none(), "a miss");
     assert_eq!((error(2, Root::Near, 0.0), error(2, Root::Near, 1e-300)), (0.0, f64::INFINITY));
     assert_eq!(judge.t(0, 0, 0, Root::Far), Some([6.0, 0.0]));
