@@ -3,7 +3,7 @@
 use super::decide::{Frame, Meeting, Root};
 use super::dyadic::{Dyadic, Dyadic3};
 use super::field::Element;
-use super::filter::{Basis, Body, Hit};
+use super::filter::{Basis, Body, Hit, TINY};
 use super::{Rays, Truth};
 use crate::dd::{self, Dd};
 
@@ -25,9 +25,10 @@ pub(crate) struct Name {
 pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body: &Body, hit: &Hit) -> Option<Truth> {
     let ray = &rays.quick;
     let distance = hit.t * ray.a.sqrt();
-    // The hit point errs by its t; its place on the sphere also by p.
+    // The hit point errs by its t; its place on the sphere also by p. A depth next to underflow has too few bits.
     let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
-        && STEPS * (distance.hi + body.size) <= CLOSE * body.r;
+        && STEPS * (distance.hi + body.size) <= CLOSE * body.r
+        && (!rays.planar || hit.t.hi * ray.dir[2].hi > TINY);
     if !good {
         return None;
     }

@@ -29,7 +29,7 @@ const SQUARES: f64 = power_of_two(-96);
 const ROUNDED: f64 = 1.0 + power_of_two(-40);
 /// Far above what any underflow loses (2^-1074 a product, operands below 2^7 but for quotients by a small a, which are
 /// not products) and far below what a decision needs; a D above it keeps 2^-100 in its root.
-const TINY: f64 = power_of_two(-900);
+pub(crate) const TINY: f64 = power_of_two(-900);
 /// Relative error of the power of the eye: see [`Body::new`].
 const POWER: f64 = power_of_two(-86);
 /// The f64 pass: cross products of rounded operands are within 4 sqrt(2) 2^-53 N (two roundings in, two on the way, on
