@@ -136,6 +136,13 @@ pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Op
     bench.nearest(&rays, 0..bench.bodies.len() as u32)
 }
 
+/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value: it is
+/// zero only where the eye is exactly on the surface.
+pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> f64 {
+    let p = dyadic::minus(&dyadic::vector(center), &dyadic::vector(eye));
+    decide::power(&p, radius).ldexp(2 * i64::from(k)).to_f64()
+}
+
 /// One ray in both arithmetics; the exact one is made when first asked for.
 struct Rays {
     quick: filter::Ray,

@@ -37,6 +37,7 @@
 //! ```
 
 pub mod camera;
+mod certify;
 mod cpu;
 mod dd;
 pub mod error;

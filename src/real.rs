@@ -21,16 +21,24 @@ pub trait Real:
     const ZERO: Self;
     /// 1/2.
     const HALF: Self;
+    /// 1.
+    const ONE: Self;
     /// Exactly this number.
     fn exact(x: f32) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
+
+    /// |x|
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
 }
 
 impl Real for f32 {
     const MISS: Self = f32::MAX;
     const ZERO: Self = 0.0;
     const HALF: Self = 0.5;
+    const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
         x
     }

@@ -228,7 +228,7 @@ fn low_part(view: &View, s: &SphereRecord, center: [f64; 3]) -> [f32; 4] {
 }
 
 /// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
-fn nonzero_f32(x: f64) -> f32 {
+pub(crate) fn nonzero_f32(x: f64) -> f32 {
     let rounded = x as f32;
     if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }
 }
