@@ -40,12 +40,15 @@ impl Renderer {
     /// honoured where the settings leave a choice.
     ///
     /// # Errors
-    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for an adapter on the CPU path.
+    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for what does not go together, such as an adapter on the
+    /// CPU path, [`Error::Accuracy`] for a promise that cannot be kept.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
         if settings.backend == Backend::Cpu && settings.adapter.is_some() {
             return Err(Error::settings("the cpu backend has no adapters", "leave out --adapter or use --backend gpu"));
         }
+        // What no device can mend is told before one is opened.
+        Plan::for_method(settings)?;
         let place = match settings.backend {
             Backend::Cpu => Place::Cpu,
             Backend::Gpu | Backend::Auto => {
@@ -73,6 +76,12 @@ impl Renderer {
     pub fn cancelled_by(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         self.go_on = Arc::new(go_on);
         self
+    }
+
+    /// Whether an adapter computes the frames; the CPU reference path does otherwise.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self.place, Place::Gpu(_))
     }
 
     /// The adapter's name, `cpu` for the reference path.
@@ -120,7 +129,7 @@ impl Renderer {
         }
         let hits = raw.hits();
         let buffers = stages.time("assemble", || raw.assemble(&view, &settings.aovs))?;
-        let backend = if matches!(self.place, Place::Gpu(_)) { "gpu" } else { "cpu" };
+        let backend = if self.is_gpu() { "gpu" } else { "cpu" };
         let report = Report {
             schema: "halfline-render",
             version: 1,
