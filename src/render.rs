@@ -7,6 +7,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::Input;
+use crate::memory;
 use crate::plan::{Backend, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
@@ -112,6 +113,7 @@ impl Renderer {
         let start = Instant::now();
         let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
+        memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         let view = stages.time("view", || View::new(scene))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
