@@ -163,11 +163,15 @@ impl Renderer {
 fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
     if scene.spheres.is_empty() {
-        warnings.push("the scene has no spheres: the picture is background".into());
+        warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {
-        let (n, e) = (scene.spheres.len(), scene.camera.eye);
+        let e = scene.camera.eye;
+        let spheres = match scene.spheres.len() {
+            1 => "the 1 sphere".to_owned(),
+            n => format!("any of the {n} spheres"),
+        };
         warnings.push(format!(
-            "no ray hits any of the {n} spheres: the picture is background; the eye is at ({}, {}, {}), {}",
+            "no ray hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
             e.x,
             e.y,
             e.z,
