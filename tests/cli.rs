@@ -1,6 +1,6 @@
 //! The promise of the command: its exit codes, what it writes and where, and that a failure leaves nothing behind.
 //!
-//! Codes 6 (device lost) and 7 (accuracy not reached) cannot be provoked from outside.
+//! Code 6 (device lost) cannot be provoked from outside; 7 (accuracy not reached) belongs to the tests of accuracy.
 
 #[expect(dead_code, reason = "the helpers of tests that render by themselves")]
 mod common;
