@@ -40,6 +40,7 @@ pub mod camera;
 mod cpu;
 mod dd;
 pub mod error;
+pub mod exact;
 pub mod frame;
 mod gpu;
 pub mod intersect;
