@@ -46,6 +46,7 @@ pub mod frame;
 mod gpu;
 pub mod intersect;
 pub mod measure;
+mod memory;
 mod nearest;
 pub mod plan;
 pub mod ray;

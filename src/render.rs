@@ -7,6 +7,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::Input;
+use crate::memory;
 use crate::plan::{Backend, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
@@ -40,12 +41,15 @@ impl Renderer {
     /// honoured where the settings leave a choice.
     ///
     /// # Errors
-    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for an adapter on the CPU path.
+    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for what does not go together, such as an adapter on the
+    /// CPU path, [`Error::Accuracy`] for a promise that cannot be kept.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
         if settings.backend == Backend::Cpu && settings.adapter.is_some() {
             return Err(Error::settings("the cpu backend has no adapters", "leave out --adapter or use --backend gpu"));
         }
+        // What no device can mend is told before one is opened.
+        Plan::for_method(settings)?;
         let place = match settings.backend {
             Backend::Cpu => Place::Cpu,
             Backend::Gpu | Backend::Auto => {
@@ -73,6 +77,12 @@ impl Renderer {
     pub fn cancelled_by(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         self.go_on = Arc::new(go_on);
         self
+    }
+
+    /// Whether an adapter computes the frames; the CPU reference path does otherwise.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self.place, Place::Gpu(_))
     }
 
     /// The adapter's name, `cpu` for the reference path.
@@ -103,6 +113,7 @@ impl Renderer {
         let start = Instant::now();
         let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
+        memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         let view = stages.time("view", || View::new(scene))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
@@ -120,7 +131,7 @@ impl Renderer {
         }
         let hits = raw.hits();
         let buffers = stages.time("assemble", || raw.assemble(&view, &settings.aovs))?;
-        let backend = if matches!(self.place, Place::Gpu(_)) { "gpu" } else { "cpu" };
+        let backend = if self.is_gpu() { "gpu" } else { "cpu" };
         let report = Report {
             schema: "halfline-render",
             version: 1,
@@ -152,11 +163,15 @@ impl Renderer {
 fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
     if scene.spheres.is_empty() {
-        warnings.push("the scene has no spheres: the picture is background".into());
+        warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {
-        let (n, e) = (scene.spheres.len(), scene.camera.eye);
+        let e = scene.camera.eye;
+        let spheres = match scene.spheres.len() {
+            1 => "the 1 sphere".to_owned(),
+            n => format!("any of the {n} spheres"),
+        };
         warnings.push(format!(
-            "no ray hits any of the {n} spheres: the picture is background; the eye is at ({}, {}, {}), {}",
+            "no ray hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
             e.x,
             e.y,
             e.z,
