@@ -8,7 +8,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::file::Target;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::plan::{Accuracy, Backend, Settings};
+use halfline::plan::{Accuracy, Backend, Settings, Tolerance};
 use halfline::render::Renderer;
 use halfline::scene::{ReadOptions, Scene};
 use halfline::shade::Shade;
@@ -43,6 +43,9 @@ pub(crate) struct Render {
     /// How sure the answers must be: auto, fast, certified, exact.
     #[arg(long, value_name = "A", default_value = "auto")]
     accuracy: Accuracy,
+    /// Promised relative error of the distance where answers are certified; at least 2^-50.
+    #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: Tolerance,
     /// How a hit becomes a colour: flat, normal, headlight.
     #[arg(long, value_name = "S", default_value = "headlight")]
     shade: Shade,
@@ -102,6 +105,7 @@ impl Render {
             method: self.method,
             accuracy: self.accuracy,
             shade: self.shade,
+            tolerance: self.tolerance,
             aovs: targets.iter().map(Target::aov).collect(),
         };
         // A camera that cannot see is the scene's fault, whatever adapters there are.
@@ -226,6 +230,11 @@ fn vector(text: &str) -> Result<DVec3, String> {
         Ok(v) if v.iter().all(|x| x.is_finite()) => Ok(v.into()),
         _ => Err("write three finite numbers, such as 1,-2,3.5".into()),
     }
+}
+
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let number = text.parse().map_err(|_| "a tolerance is a number".to_owned())?;
+    Tolerance::new(number).map_err(|e| e.to_string())
 }
 
 fn angle(text: &str) -> Result<f64, String> {

@@ -1,7 +1,7 @@
 //! WGSL from whole files: explicit part lists, numbers as `override` constants, and a line map so that an error names
 //! the file and the line. A missing or doubled part is an error of naga's.
 
-use crate::plan::{Kernel, Rays, Sharing};
+use crate::plan::{Kernel, Pass, Rays, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 
@@ -54,7 +54,20 @@ impl Source {
 
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
-    let mut parts = vec![part!("view.wgsl"), part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()];
+    let mut parts = vec![part!("view.wgsl"), part!("ray.wgsl")];
+    match kernel.certify {
+        None => search(kernel, &mut parts),
+        Some(pass) => certify(kernel, pass, &mut parts),
+    }
+    if kernel.certify != Some(Pass::Emit) {
+        frame(kernel, &mut parts);
+    }
+    Source::new(parts)
+}
+
+/// The nearest hit by one form of the quadratic.
+fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
     parts.extend(match kernel.rays {
         Rays::Camera => [part!("origin/shared.wgsl"), part!("render.wgsl")],
         Rays::SharedOrigin => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
@@ -67,6 +80,31 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
         Sharing::Subgroup8 => [part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::Shuffle => [part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
+    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+        parts.push(part!("surface.wgsl"));
+    }
+}
+
+/// The nearest hit with its proof, or the candidates of pixels without one.
+fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
+    parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl"), part!("certify/near.wgsl")]);
+    parts.extend(match kernel.sharing {
+        Sharing::None => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => vec![part!("certify/subgroup4.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => vec![part!("certify/subgroup8.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Shuffle => vec![part!("certify/shuffle.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    match pass {
+        Pass::Emit => parts.push(part!("certify/emit.wgsl")),
+        Pass::Judge => {
+            parts.extend([part!("certify/keep.wgsl"), part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
+            parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
+        }
+    }
+}
+
+/// What is written, and how colour is made.
+fn frame(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.push(part!("frame/id.wgsl"));
     parts.push(if kernel.t { part!("frame/t.wgsl") } else { part!("frame/no_t.wgsl") });
     parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
@@ -87,7 +125,6 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
             }
         }
     }
-    Source::new(parts)
 }
 
 /// The values of the `override` constants that the kernel's parts declare.
