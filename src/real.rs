@@ -25,6 +25,8 @@ pub trait Real:
     const ONE: Self;
     /// Exactly this number.
     fn exact(x: f32) -> Self;
+    /// This integer, rounded once.
+    fn whole(x: i32) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
 
@@ -41,6 +43,9 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
         x
+    }
+    fn whole(x: i32) -> Self {
+        x as f32
     }
     fn sqrt(self) -> Self {
         self.sqrt()

@@ -1,11 +1,11 @@
 //! What a kernel leaves behind, and the frame made of it.
 
 use crate::error::{Error, Result};
-use crate::frame::{Aov, Buffer, Data};
 use crate::exact::Truth;
+use crate::frame::{Aov, Buffer, Data};
 use crate::plan::Kernel;
-use crate::settle::Settled;
 use crate::ray::NONE;
+use crate::settle::Settled;
 use crate::view::View;
 use rayon::prelude::*;
 
@@ -50,11 +50,6 @@ impl Raw {
         };
         let size = 4 * channels;
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
-    }
-
-    /// How many rays hit something.
-    pub(crate) fn hits(&self) -> u64 {
-        self.id.par_iter().filter(|id| **id != NONE).count() as u64
     }
 }
 
@@ -144,7 +139,9 @@ impl Answers<'_> {
                 let id = self.raw.id[pixel];
                 let values = values.first_chunk_mut::<N>();
                 if let Some(values) = values {
-                    *values = if id == NONE { [missed; N] } else {
+                    *values = if id == NONE {
+                        [missed; N]
+                    } else {
                         let [u, v, w] = self.view.direction(i, j);
                         let t = self.raw.t.get(pixel).map_or(0.0, |t| f64::from(*t)) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
