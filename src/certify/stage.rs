@@ -247,10 +247,11 @@ impl Lens {
         }
         let length2 = x * x + y * y + z * z;
         let front = z > 1.001 * radius && length2 > 4.0 * radius * radius && length2 < 4096.0 * z * z;
-        if front && self.widest <= WIDEST {
-            if let Some(staged) = self.project(id, away, p, error, radius) {
-                return staged;
-            }
+        if front
+            && self.widest <= WIDEST
+            && let Some(staged) = self.project(id, away, p, error, radius)
+        {
+            return staged;
         }
         Staged::Near(self.near(id, away, p, center, radius))
     }

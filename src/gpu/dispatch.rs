@@ -443,7 +443,10 @@ mod tests {
             }
             answers.push((sharing, raws));
         }
-        assert!(answers[0].1.iter().all(|(raw, _)| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000), "the scene shows something");
+        assert!(
+            answers[0].1.iter().all(|(raw, _)| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000),
+            "the scene shows something"
+        );
         assert!(!answers[0].1[1].1.pairs.is_empty(), "something is left to settle");
         for (sharing, raws) in &answers[1..] {
             assert!(raws == &answers[0].1, "{sharing:?} differs");
