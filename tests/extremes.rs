@@ -1,0 +1,264 @@
+//! The promise of certified answers where renderers break: mask and id are the exact ones at every pixel, the distance
+//! is within the tolerance and within its stated bound, on an adapter and on the CPU.
+//!
+//! Gold standard: `--accuracy exact`, which tests/truth.rs holds against a program that shares nothing with it. The
+//! tolerances, all against it:
+//!
+//! | buffer | tolerance | why |
+//! |---|---|---|
+//! | id, mask | none | the promise |
+//! | distance, depth | `tolerance` x itself, and the bound | the promise; 2^-50 where settled |
+//! | normal | 1e-3 rad | the promise; the length is 1 within 2^-20, a handful of roundings in f32 |
+//! | position | bound + 2^-48 (|e| + distance) | the basis is good to 2^-52, three products and sums |
+//! | GPU against CPU | none on adapters known to be strict | the twin rounds alike |
+//!
+//! A case that fails is printed with the bits of its scene, so that it can be rebuilt anywhere.
+
+mod common;
+#[path = "extremes/families.rs"]
+mod families;
+#[path = "extremes/score.rs"]
+mod score;
+
+use common::{cpu, gpu};
+use families::FAMILIES;
+use glam::DVec3;
+use halfline::camera::Look;
+use halfline::frame::{Aov, Data, Frame};
+use halfline::plan::{Accuracy, Settings, Tolerance};
+use halfline::render::Renderer;
+use halfline::scene::Scene;
+use score::{Score, settled};
+
+/// The same cases in every run.
+const SEED: u64 = 0x5eed_0003;
+
+/// Adapters whose every f32 operation was seen to round as IEEE 754 does.
+const STRICT: [&str; 2] = ["llvmpipe", "SwiftShader"];
+
+/// All that is judged.
+const AOVS: [Aov; 7] = [Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Mask, Aov::Certainty, Aov::Bound];
+
+/// Radians promised of a normal.
+const NORMAL: f64 = 1e-3;
+
+/// Relative rounding of a unit vector's length in f32: some ten roundings of 2^-24.
+const UNIT_LENGTH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Of a world point: the basis within 2^-52 a component, times sqrt(3), three products and three sums.
+const POINT: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// What a settled number is off by, and the rounding of every f64 answer.
+const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
+
+fn settings(accuracy: Accuracy, tolerance: f64) -> Settings {
+    let tolerance = Tolerance::new(tolerance).expect("a tolerance that can be promised");
+    Settings { accuracy, tolerance, aovs: AOVS.to_vec(), ..Settings::default() }
+}
+
+/// The judge's frame.
+fn exact(scene: &Scene) -> Frame {
+    cpu().render(scene, &settings(Accuracy::Exact, 1e-5)).expect("an exact frame")
+}
+
+fn f64s(frame: &Frame, aov: Aov) -> &[f64] {
+    frame.f64(aov).expect("asked for")
+}
+
+/// A vector of a buffer with three numbers a pixel.
+fn vector(values: &[f64], pixel: usize) -> DVec3 {
+    DVec3::from_slice(&values[3 * pixel..])
+}
+
+fn normal(frame: &Frame, pixel: usize) -> DVec3 {
+    let n = &frame.f32(Aov::Normal).expect("asked for")[3 * pixel..];
+    DVec3::new(f64::from(n[0]), f64::from(n[1]), f64::from(n[2]))
+}
+
+/// What is wrong with one pixel of a certified frame.
+fn fault(scene: &Scene, frame: &Frame, exact: &Frame, tolerance: f64, k: usize) -> Option<String> {
+    let (id, truth) = (frame.ids()[k], exact.ids()[k]);
+    if id != truth {
+        return Some(format!("shows {id}, exact is {truth}"));
+    }
+    let mask = match &frame.get(Aov::Mask)?.data {
+        Data::U8(mask) => mask[k],
+        _ => 2,
+    };
+    if mask != u8::from(truth >= 0) {
+        return Some(format!("mask {mask}, exact id {truth}"));
+    }
+    let again = settled(frame).map_or(255, |settled| settled[k]);
+    if again > 1 {
+        return Some(format!("certainty {again}"));
+    }
+    let at = |frame: &Frame, aov| f64s(frame, aov)[k];
+    let [distance, depth, bound] = [Aov::Distance, Aov::Depth, Aov::Bound].map(|aov| at(frame, aov));
+    let [real, deep] = [Aov::Distance, Aov::Depth].map(|aov| at(exact, aov));
+    let (point, place) = (vector(f64s(frame, Aov::Position), k), vector(f64s(exact, Aov::Position), k));
+    if truth < 0 {
+        let nothing =
+            distance == f64::INFINITY && depth == f64::INFINITY && bound == 0.0 && normal(frame, k) == DVec3::ZERO;
+        return (!nothing || !point.is_nan()).then(|| "a miss with numbers".to_owned());
+    }
+    let most = (tolerance * real).min(bound);
+    if !(bound > 0.0 && bound <= tolerance * real * (1.0 + SETTLED)) {
+        return Some(format!("bound {bound:e} of distance {real:e}"));
+    }
+    if !((distance - real).abs() <= most) {
+        return Some(format!("distance {distance:e} is off by {:e}, bound {bound:e}", (distance - real).abs()));
+    }
+    // The same depth, seen along the axis.
+    if !((depth - deep).abs() <= most * (deep / real) * (1.0 + SETTLED) + SETTLED * deep) {
+        return Some(format!("depth {depth:e} is off by {:e}, distance bound {bound:e}", (depth - deep).abs()));
+    }
+    let (n, m) = (normal(frame, k), normal(exact, k));
+    if !((n.length() - 1.0).abs() <= UNIT_LENGTH && n.cross(m).length().atan2(n.dot(m)) <= NORMAL) {
+        return Some(format!("normal {n}, exact {m}"));
+    }
+    if !((point - place).length() <= bound + POINT * (scene.camera.eye.length() + real)) {
+        return Some(format!("position {point}, exact {place}, bound {bound:e}"));
+    }
+    // What was settled was decided by the judge itself.
+    let same = distance == real && depth == deep && point == place && n == m;
+    (again == 1 && !same).then(|| "settled, but not as the judge settles it".to_owned())
+}
+
+/// The bits of everything that decides the pixel; the sphere shown and the exact one only, where there are many.
+fn bits(scene: &Scene, frame: &Frame, exact: &Frame, k: usize) -> String {
+    let hex = |v: &[f64]| v.iter().map(|x| format!("{:016x}", x.to_bits())).collect::<Vec<_>>().join(" ");
+    let Scene { camera, image, spheres, .. } = scene;
+    let (Look::At(look) | Look::View(look)) = camera.look;
+    let lens = camera.viewport(image.width, image.height).expect("a good lens");
+    let mut text = format!(
+        "pixel {} {} of {} x {}; eye {}; {} {}; up {}; vw vh d {}",
+        k / image.width as usize,
+        k % image.width as usize,
+        image.width,
+        image.height,
+        hex(&camera.eye.to_array()),
+        if matches!(camera.look, Look::At(_)) { "at" } else { "view" },
+        hex(&look.to_array()),
+        hex(&camera.up.to_array()),
+        hex(&[lens.vw, lens.vh, lens.d]),
+    );
+    for id in [frame.ids()[k], exact.ids()[k]] {
+        if let Some(id) = usize::try_from(id).ok().filter(|id| *id < spheres.len()) {
+            text += &format!(
+                "; sphere {id} of {}: {} {}",
+                spheres.len(),
+                hex(&spheres.centers[id]),
+                hex(&[spheres.radii[id]])
+            );
+        }
+    }
+    text
+}
+
+/// Faults of a whole frame, in words; the first few of them.
+fn faults(what: &str, scene: &Scene, frame: &Frame, exact: &Frame, tolerance: f64) -> Vec<String> {
+    let pixels = exact.ids().len();
+    assert_eq!(frame.ids().len(), pixels, "{what}");
+    let mut found: Vec<String> = (0..pixels)
+        .filter_map(|k| Some((k, fault(scene, frame, exact, tolerance, k)?)))
+        .map(|(k, fault)| format!("{what}: {fault}; {}", bits(scene, frame, exact, k)))
+        .collect();
+    let count = settled(frame).map_or(0, |settled| settled.iter().filter(|x| **x == 1).count() as u64);
+    if count != frame.report.settled || frame.report.certified != (pixels as u64 - count) as f64 / pixels as f64 {
+        // A lens beyond f32 has everything settled by the judge, and says so.
+        found.push(format!(
+            "{what}: {count} pixels settled, reported {} and {}",
+            frame.report.settled, frame.report.certified
+        ));
+    }
+    if frame.report.bound.is_none_or(|bound| bound > tolerance * (1.0 + SETTLED)) {
+        found.push(format!("{what}: reports the bound {:?}", frame.report.bound));
+    }
+    let all = found.len();
+    found.truncate(3);
+    if all > 3 {
+        found.push(format!("{what}: and {} more", all - 3));
+    }
+    found
+}
+
+/// The first difference in bits, if the adapter is known to leave none.
+fn differs(a: &Frame, b: &Frame) -> Option<String> {
+    let words = |frame: &Frame, aov: Aov| -> Vec<u64> {
+        match &frame.get(aov).expect("asked for").data {
+            Data::F32(v) => v.iter().map(|x| u64::from(x.to_bits())).collect(),
+            Data::F64(v) => v.iter().map(|x| x.to_bits()).collect(),
+            Data::I32(v) => v.iter().map(|x| *x as u64).collect(),
+            Data::U8(v) => v.iter().map(|x| u64::from(*x)).collect(),
+            _ => panic!("a new type of data"),
+        }
+    };
+    AOVS.iter().chain([&Aov::Id]).find_map(|&aov| {
+        let (a, b) = (words(a, aov), words(b, aov));
+        let k = (0..a.len().max(b.len())).find(|&k| a.get(k) != b.get(k))?;
+        Some(format!("{aov}[{k}] differs in bits: {:x?} and {:x?}", a.get(k), b.get(k)))
+    })
+}
+
+/// Every backend there is, the CPU first.
+fn backends() -> Vec<(&'static str, Renderer)> {
+    [("cpu", Some(cpu())), ("gpu", gpu())].into_iter().filter_map(|(name, r)| Some((name, r?))).collect()
+}
+
+/// Judges one scene on every backend at one tolerance.
+fn judge(
+    what: &str,
+    scene: &Scene,
+    exact: &Frame,
+    tolerance: f64,
+    backends: &mut [(&str, Renderer)],
+) -> (Score, Vec<String>) {
+    let mut faulty = Vec::new();
+    let mut frames: Vec<Frame> = Vec::new();
+    let mut score = Score::default();
+    for (backend, renderer) in backends {
+        let strict = STRICT.iter().any(|name| renderer.adapter().contains(name));
+        let frame = renderer.render(scene, &settings(Accuracy::Certified, tolerance));
+        let frame = frame.unwrap_or_else(|e| panic!("{what}, {backend}: {e}"));
+        assert_eq!(frame.report.backend, *backend, "not one frame compared with itself");
+        let what = format!("{what}, {backend}");
+        faulty.extend(faults(&what, scene, &frame, exact, tolerance));
+        if let (true, Some(first)) = (strict, frames.first()) {
+            faulty.extend(differs(first, &frame).map(|d| format!("{what}, {d}")));
+        }
+        score = score.and(Score::of(&frame, exact));
+        frames.push(frame);
+    }
+    (score, faulty)
+}
+
+#[test]
+fn certified_is_exact_in_every_family() {
+    let mut backends = backends();
+    let (mut faulty, mut total, mut hits) = (Vec::new(), Score::default(), 0);
+    for family in FAMILIES {
+        let begun = std::time::Instant::now();
+        let mut sum = Score::default();
+        for (n, scene) in (family.make)(SEED).iter().enumerate() {
+            let exact = exact(scene);
+            hits += exact.report.hits;
+            let (score, faults) = judge(&format!("{} [{n}]", family.name), scene, &exact, 1e-5, &mut backends);
+            sum = sum.and(score);
+            faulty.extend(faults);
+        }
+        println!(
+            "{:30} {:7} pixels judged, {} wrong, error {:.1e}, {:.4} in f32, error / bound {:.2}, {:.1} s",
+            family.name,
+            sum.pixels,
+            sum.wrong,
+            sum.error,
+            sum.certified as f64 / sum.pixels as f64,
+            sum.ratio,
+            begun.elapsed().as_secs_f64(),
+        );
+        total = total.and(sum);
+    }
+    println!("{total:?}, {hits} hits");
+    assert!(faulty.is_empty(), "{} faults:\n{}", faulty.len(), faulty.join("\n"));
+    assert!(hits > 100_000 && total.pixels > 400_000, "the families show something: {hits} hits");
+}

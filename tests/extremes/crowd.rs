@@ -1,0 +1,180 @@
+//! Many at once: in each other, on each other, around the eye; and scenes that nobody here wrote.
+
+use super::{aslant, cloud, filled_by, one, picture};
+use crate::common::Random;
+use glam::DVec3;
+use halfline::camera::{Lens, Look};
+use halfline::scene::{ReadOptions, Scene, Spheres};
+use std::path::PathBuf;
+
+const LENS: Lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
+
+/// Concentric spheres 1e-9 r apart, in either order, from outside and inside; and pairs shifted by as much.
+pub(super) fn shells(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for gap in [1e-9, -1e-9, 1e-15] {
+        for away in [3.0, 100.0, 0.3] {
+            let mut spheres = Spheres::default();
+            for _ in 0..12 {
+                let center = DVec3::from_array(random.cube()) * 0.8;
+                let radius = 0.2 + 0.3 * random.unit();
+                spheres.push(center.to_array(), radius, None);
+                // The same centre, or one as far off as the radii could differ.
+                let shift = if random.unit() < 0.5 { DVec3::ZERO } else { gap * DVec3::from_array(random.cube()) };
+                let thick = if shift == DVec3::ZERO { radius * (1.0 + gap) } else { radius };
+                spheres.push((center + shift).to_array(), thick, None);
+            }
+            let lens = if away < 1.0 { LENS } else { filled_by(1.0 / away) };
+            scenes.push(picture(away * aslant(), Look::At(DVec3::ZERO), lens, [32, 24], spheres));
+        }
+    }
+    scenes
+}
+
+/// Every sphere three times, among others: the lowest index is what is seen.
+pub(super) fn coincident(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for away in [4.0, 1e4, 0.1] {
+        let once = cloud(&mut random, 20, DVec3::ZERO, 1.0, [0.2, 0.5]);
+        let mut spheres = Spheres::default();
+        for n in 0..60 {
+            // 7 is prime to 20: each comes three times.
+            let k = (7 * n + n / 20) % 20;
+            spheres.push(once.centers[k], once.radii[k], None);
+        }
+        let lens = if away < 1.0 { LENS } else { filled_by(1.0 / away) };
+        scenes.push(picture(away * aslant(), Look::At(DVec3::ZERO), lens, [32, 24], spheres));
+    }
+    scenes
+}
+
+/// Pairs that mirror each other in the plane of the middle column: there both are exactly as near.
+pub(super) fn ties(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for distance in [4.0, 1e6] {
+        let mut spheres = Spheres::default();
+        for n in 0..12 {
+            let [_, y, z] = random.cube();
+            let x = 0.1 + 0.1 * random.unit();
+            let x = if n % 2 == 0 { x } else { -x };
+            for side in [1.0, -1.0] {
+                spheres.push([side * x, 1.5 * y, z - distance], 0.3, None);
+            }
+        }
+        let mut scene = picture(DVec3::ZERO, Look::View(DVec3::NEG_Z), filled_by(1.5 / distance), [33, 24], spheres);
+        scene.camera.up = DVec3::Y;
+        scenes.push(scene);
+    }
+    // The same in the plane of a view (1, 2, 2) and an up (2, -2, 1), which (2, 1, -2) is perpendicular to: irrational
+    // neither here nor there. Coordinates are whole, so the mirror image is exact.
+    for distance in [100.0, 1e9] {
+        let (view, up, side) = (DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, -2.0, 1.0), DVec3::new(2.0, 1.0, -2.0));
+        let eye = DVec3::new(3.0, -5.0, 7.0);
+        let mut spheres = Spheres::default();
+        for _ in 0..12 {
+            let [y, z, _] = random.cube().map(|x| (8.0 * x).round());
+            let middle = eye + (distance + z) * view + y * up;
+            for x in [1.0, -1.0] {
+                spheres.push((middle + x * side).to_array(), 5.0, None);
+            }
+        }
+        let mut scene = picture(eye, Look::View(view), filled_by(9.0 / distance), [33, 24], spheres);
+        scene.camera.up = up + view;
+        scenes.push(scene);
+    }
+    scenes
+}
+
+/// Straddling the eye's plane, behind it, holding the eye, in front: each in its form of the discriminant.
+pub(super) fn around(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for degrees in [30.0, 90.0, 140.0, 170.0] {
+        for (count, size) in [(30, 1.0), (150, 0.3)] {
+            let eye = DVec3::new(0.3, -0.2, 0.1);
+            let mut spheres = cloud(&mut random, count, eye, 2.0, [0.05 * size, 0.8 * size]);
+            // Two that hold the eye, one of them hardly; they hide what is behind them.
+            if count == 30 {
+                spheres.push([50.0, 20.0, -10.0], 56.0, None);
+                spheres.push((eye + DVec3::new(0.0, 1.0, 0.0)).to_array(), 1.0 + 1e-7, None);
+            }
+            let lens = Lens::Vfov { degrees, distance: 1.0 };
+            scenes.push(picture(eye, Look::View(DVec3::from_array(random.cube())), lens, [48, 36], spheres));
+        }
+    }
+    scenes
+}
+
+/// A ground that fills the picture's lower half, and crumbs lying on it.
+pub(super) fn ground(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for radius in [1e3, 1e6, 1e9] {
+        let mut spheres = one(DVec3::new(0.0, -radius, 0.0), radius);
+        for _ in 0..150 {
+            let [x, y, z] = random.cube();
+            let r = 0.02 + 0.2 * y * y;
+            spheres.push([8.0 * x, r, 8.0 * z], r, None);
+        }
+        let eye = DVec3::new(13.0, 2.0, 3.0);
+        scenes.push(picture(
+            eye,
+            Look::At(DVec3::ZERO),
+            Lens::Vfov { degrees: 25.0, distance: 1.0 },
+            [64, 48],
+            spheres,
+        ));
+    }
+    scenes
+}
+
+/// A file of the folder with other people's scenes, or `None`, aloud.
+fn data(name: &str) -> Option<PathBuf> {
+    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
+    let folder = std::env::var_os("HALFLINE_DATA").map_or(beside, PathBuf::from);
+    let path = folder.join(name);
+    if !path.is_file() {
+        println!("SKIPPED: {} is not there; HALFLINE_DATA names the folder", path.display());
+        return None;
+    }
+    Some(path)
+}
+
+/// A spiral of 5,761 spheres that overlap heavily: the whole and a corner.
+pub(super) fn spiral(_: u64) -> Vec<Scene> {
+    let Some(path) = data("shells.nff") else { return Vec::new() };
+    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("shells.nff");
+    (scene.image.width, scene.image.height) = (48, 48);
+    let mut close = scene.clone();
+    (close.camera.look, close.camera.lens) = (Look::At(DVec3::new(0.0, 2.0, -12.0)), filled_by(0.06));
+    vec![scene, close]
+}
+
+/// Jupiter and all else from the Earth's surface: the day side and the night side, wide and through a long lens.
+pub(super) fn solar(_: u64) -> Vec<Scene> {
+    let Some(path) = data("solar_system.csv") else { return Vec::new() };
+    let text = std::fs::read_to_string(path).expect("solar_system.csv");
+    let mut bodies = Spheres::default();
+    for line in text.lines().skip(1) {
+        let numbers: Vec<f64> = line.split(',').skip(1).map(|x| x.parse().expect("a number")).collect();
+        bodies.push([numbers[0], numbers[1], numbers[2]], numbers[3], None);
+    }
+    // In the file's order: sun, mercury, venus, earth, moon, mars, jupiter, ...
+    let place = |k: usize| DVec3::from_array(bodies.centers[k]);
+    let mut scenes = Vec::new();
+    for target in [6, 0, 4, 7] {
+        let p = place(target) - place(3);
+        // A metre and a half above the ground, the target 25 degrees above the horizon.
+        let up = (p.normalize() + 2.0 * p.cross(DVec3::Z).normalize()).normalize();
+        let eye = place(3) + up * (bodies.radii[3] + 1.5e-3);
+        let view = place(target) - eye;
+        let angle = bodies.radii[target] / view.length();
+        for lens in [filled_by(angle), filled_by(40.0 * angle), Lens::Vfov { degrees: 90.0, distance: 1.0 }] {
+            scenes.push(picture(eye, Look::At(place(target)), lens, [48, 36], bodies.clone()));
+        }
+    }
+    scenes
+}

@@ -1,0 +1,114 @@
+//! THE table of extremes: small pictures of what breaks ray tracers. A test and an example walk it; the modules make
+//! the scenes. Oblique views unless a case needs the axes: an axis-aligned view hides what rounded directions do.
+//!
+//! Sources named in the comments: *peers* are the failures of other renderers, measured 2026-11 with their own
+//! programs (Embree, Cycles, OVITO, POV-Ray, Mitsuba, Tachyon); *numerics* are measurements of the forms of the
+//! quadratic in f32, f64 and big floats for this project; issues are named by repository and number.
+
+mod crowd;
+mod distance;
+mod scale;
+mod touching;
+
+use crate::common::Random;
+use glam::DVec3;
+use halfline::camera::{Camera, Lens, Look};
+use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+
+/// Scenes that are hard for one reason.
+pub(crate) struct Family {
+    pub(crate) name: &'static str,
+    /// The scenes of a seed.
+    pub(crate) make: fn(u64) -> Vec<Scene>,
+}
+
+/// All of them. A family whose data is absent says so and is empty.
+pub(crate) const FAMILIES: &[Family] = &[
+    // pbrt-v3#44 (a unit sphere 1e4 away shrinks), mitsuba3#512 (rings), pytracer#22 (missed at 4e3 radii).
+    Family { name: "far, on the axis", make: distance::on_axis },
+    Family { name: "far, oblique", make: distance::oblique },
+    Family { name: "far, off the axis", make: distance::off_axis },
+    // numerics: from 1e7 on the order of hits, not hit or miss, is what f32 gets wrong.
+    Family { name: "clusters 1e3 to 1e9 away", make: distance::clusters },
+    // OVITO: 50 % of the pixels of 300 spheres at 1e7 wrong; pbrt-v3#265 (dark ring 8e5 from the origin).
+    Family { name: "offsets 1e3 to 1e12", make: distance::offsets },
+    // peers: OVITO's picture is empty at 800 scene radii; Embree's 1,405 + 1,607 wrong pixels at 1e6.
+    Family { name: "peers' failures", make: distance::peers },
+    // numerics: f32 decides nothing from k = 24 on, the stable forms in f64 from 48.
+    Family { name: "grazing, b = r(1 +- 2^-k)", make: touching::grazing },
+    Family { name: "grazing a large disc", make: touching::grazing_large },
+    // A tangent ray hits (aardvark.base#127); D = 0 by Pythagorean triples and quadruples.
+    Family { name: "exact tangency", make: touching::touched },
+    // peers: Embree loses 40 % of the inward rays there, and 13 % of the outward rays hit what they leave.
+    Family { name: "eye on a surface", make: touching::on_surface },
+    Family { name: "eye just off a surface", make: touching::off_surface },
+    // OSPRay's comment on large spheres (Intersect.ih); peers: Embree's horizon, 512 false hits.
+    Family { name: "planet with pebbles", make: touching::planet },
+    Family { name: "horizon in a long lens", make: touching::horizon },
+    // numerics: without scaling 29 % wrong at r = 1e20, everything at |d| = 1e20.
+    Family { name: "r = 1e-30 to 1e30", make: scale::sizes },
+    Family { name: "sizes 1e-9 to 1e9 at once", make: scale::mixed },
+    Family { name: "viewport 1e-20 to 1e20", make: scale::viewports },
+    Family { name: "wide lenses", make: scale::wide },
+    Family { name: "long lenses", make: scale::long },
+    Family { name: "1 x 1, 1 x N, N x 1", make: scale::slivers },
+    Family { name: "spheres of 1e-3 pixels", make: scale::dust },
+    // mitsuba3#1871: an epsilon thicker than a shell.
+    Family { name: "shells 1e-9 r apart", make: crowd::shells },
+    Family { name: "coincident spheres", make: crowd::coincident },
+    Family { name: "mirror-symmetric ties", make: crowd::ties },
+    // numerics: one bound for a ray and one for a sphere differ most on wide lenses, near the eye plane.
+    Family { name: "around the eye", make: crowd::around },
+    // The cover of Ray Tracing in One Weekend and worse.
+    Family { name: "ground and crumbs", make: crowd::ground },
+    // Haines' Standard Procedural Databases.
+    Family { name: "shells.nff", make: crowd::spiral },
+    // JPL ephemeris DE421.
+    Family { name: "Jupiter from the Earth", make: crowd::solar },
+];
+
+/// The oblique direction of the measurements, unit length within rounding.
+fn aslant() -> DVec3 {
+    DVec3::new(1.0, 2.0, 3.0).normalize()
+}
+
+/// A picture of `spheres` from `eye`, rolled a little.
+fn picture(eye: DVec3, look: Look, lens: Lens, size: [u32; 2], spheres: Spheres) -> Scene {
+    let camera = Camera { eye, look, up: DVec3::new(0.1, 1.0, 0.2), lens };
+    let image = ImagePlane { width: size[0], height: size[1], background: [0.0; 3] };
+    Scene { camera, image, spheres, skipped: Skipped::default() }
+}
+
+/// The lens for a picture of 4:3 in which a sphere of tangent-of-angular-radius `tangent` fills half: its disc has the
+/// radius 0.46 of the height.
+fn filled_by(tangent: f64) -> Lens {
+    let vh = tangent / 0.46;
+    Lens::Viewport { vw: vh * 4.0 / 3.0, vh, distance: 1.0 }
+}
+
+/// Tangent of the angular radius of a sphere of radius 1 whose centre is `distance` away.
+fn tangent(distance: f64) -> f64 {
+    1.0 / ((distance - 1.0) * (distance + 1.0)).sqrt()
+}
+
+/// `count` spheres of radius `radii` in a cube of half side `side` about `at`.
+fn cloud(random: &mut Random, count: usize, at: DVec3, side: f64, radii: [f64; 2]) -> Spheres {
+    let mut spheres = Spheres::default();
+    for _ in 0..count {
+        let center = at + side * DVec3::from_array(random.cube());
+        spheres.push(center.to_array(), radii[0] + (radii[1] - radii[0]) * random.unit(), None);
+    }
+    spheres
+}
+
+/// One sphere.
+fn one(center: DVec3, radius: f64) -> Spheres {
+    let mut spheres = Spheres::default();
+    spheres.push(center.to_array(), radius, None);
+    spheres
+}
+
+/// 10^k for k from `from` in steps of `step` up to `to`.
+fn decades(from: i32, to: i32, step: usize) -> impl Iterator<Item = f64> {
+    (from..=to).step_by(step).map(|k| 10f64.powi(k))
+}
