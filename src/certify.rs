@@ -75,7 +75,7 @@ pub(crate) struct Terms {
 pub(crate) const TERMS: Terms = Terms {
     ball: [8.0, 12.0],
     offset: [9.0, 16.2],
-    depth: [11.0, 6.0, 6.0, 5.2, 2.5],
+    depth: [11.0, 6.0, 6.0, 6.2, 2.5],
     along: [2.5, 3.5],
     power: [2.0, 6.0, -1.5],
     cross: [6.0, 2.0, 4.0, 4.0],

@@ -11,9 +11,10 @@ fn front_low(s: Slopes, f: Front) -> f32 {
     let o = vec2<f32>(f32(s.fixed_column - f.x) * lens.fixed_x, f32(f.y - s.fixed_row) * lens.fixed_y);
     let disc = front_discriminant(s, f.rho, o);
     let error = lens.error0 + f.rho * (lens.error1 + f.rho * lens.error2);
-    let along = s.x * o.x + s.y * o.y;
+    // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
+    let total = s.x * o.x + (s.y * o.y + sqrt(positive(disc + error)));
     let size = (f.low + lens.depth) * lens.unit;
-    let low = f.low - (along + sqrt(positive(disc + error))) * (size * s.inverse);
+    let low = f.low - total * (size * s.inverse);
     return select(low, MISS, disc < -error);
 }
 
@@ -36,7 +37,7 @@ fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
     let total = abs(along) + most;
     let depth = lens.depth + more.center;
     let length = depth * lens.unit * s.inverse;
-    let mixed = UNIT * ((11.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 5.2 * most) + slant * e;
+    let mixed = UNIT * ((11.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 6.2 * most) + slant * e;
     let blur = (mixed * length + UNIT * 2.5 * abs(more.center)) * INFLATE + DEPTH * depth;
     let low = more.center - (along + most) * length - blur;
     let high = more.center - (along + least) * length + blur;

@@ -71,9 +71,10 @@ pub(crate) fn front_low<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>)
     if disc < -error {
         return R::MISS;
     }
-    let along = s.x * o[0] + s.y * o[1];
+    // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
+    let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
     let size = (f.low + c(lens.depth)) * c(lens.unit);
-    f.low - (along + positive(disc + error).sqrt()) * (size * s.inverse)
+    f.low - total * (size * s.inverse)
 }
 
 /// The same sphere with all it has, and bounds for this ray: docs/certificate.md, section 2.
