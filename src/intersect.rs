@@ -1,6 +1,7 @@
 //! THE list of intersection variants. Each line has one .rs in intersect/ and one .wgsl of the same name in
 //! shaders/intersect/; every test and every measurement takes them from here.
 
+pub(crate) mod double_float;
 mod geometric;
 mod roots;
 mod stable;

@@ -42,6 +42,14 @@ pub struct ViewRecord {
     pub d: f32,
     /// How many spheres.
     pub spheres: u32,
+    /// 0: what no compiler knows (opaque.wgsl).
+    pub zero: u32,
+    /// What rounding took from half_du.
+    pub half_du_low: f32,
+    /// What rounding took from half_dv.
+    pub half_dv_low: f32,
+    /// What rounding took from d.
+    pub d_low: f32,
 }
 
 /// A sphere as the kernels see it; view.wgsl declares it.
@@ -105,7 +113,7 @@ impl View {
         scene.check()?;
         let basis = scene.camera.basis()?;
         let (width, height) = (scene.image.width, scene.image.height);
-        let (pitch, pixel) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
         let background = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let mut view = Self {
@@ -122,6 +130,10 @@ impl View {
                 half_dv: pixel[1],
                 d: pixel[2],
                 spheres: scene.spheres.len() as u32,
+                zero: 0,
+                half_du_low: low[0],
+                half_dv_low: low[1],
+                d_low: low[2],
             },
             spheres: Vec::new(),
             lows: Vec::new(),
@@ -191,8 +203,9 @@ impl View {
     }
 }
 
-/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64 and f32.
-fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3]) {
+/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64, in f32, and
+/// what rounding took.
+fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3], [f32; 3]) {
     let largest = (viewport.vw / 2.0).max(viewport.vh / 2.0).max(viewport.d);
     let shift = -dd::exponent(largest);
     let pitch = [
@@ -200,7 +213,7 @@ fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32
         dd::ldexp(viewport.vh, shift) / (2.0 * f64::from(height)),
         dd::ldexp(viewport.d, shift),
     ];
-    (pitch, pitch.map(|x| x as f32))
+    (pitch, pitch.map(|x| x as f32), pitch.map(|x| (x - f64::from(x as f32)) as f32))
 }
 
 /// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) in f64, and the eye's power from exact differences.

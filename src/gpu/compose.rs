@@ -26,7 +26,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    fn new(parts: impl IntoIterator<Item = Part>) -> Self {
+    pub(crate) fn new(parts: impl IntoIterator<Item = Part>) -> Self {
         let mut source = Self { text: String::new(), starts: Vec::new() };
         let mut line = 1;
         for (name, text) in parts {

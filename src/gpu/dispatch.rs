@@ -5,6 +5,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::layout::{Binding, bindings, validate};
+use crate::gpu::selftest::Verdict;
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
 use crate::view::{SphereRecord, View, ViewRecord};
@@ -24,10 +25,11 @@ const TESTS_PER_DISPATCH: u64 = 1 << 32;
 /// An opened device, its pipelines and its buffers, kept from frame to frame.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
-    open: Open,
+    pub(super) open: Open,
     limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
+    pub(super) verdict: Option<Verdict>,
 }
 
 struct Pipeline {
@@ -53,7 +55,7 @@ struct Band {
 impl Gpu {
     pub(crate) fn new(open: Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
-        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new() }
+        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
     }
 
     /// Fills `raw` by `kernel`. `go_on` is asked between bands.
@@ -65,10 +67,15 @@ impl Gpu {
         stages: &mut Stages,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
+        self.guarded(|gpu| gpu.run_unguarded(kernel, input, raw, stages, go_on))
+    }
+
+    /// Does `work` and turns what the device complains of meanwhile into errors of ours.
+    pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
         let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
             .map(|filter| device.push_error_scope(filter));
-        let outcome = self.run_unguarded(kernel, input, raw, stages, go_on);
+        let outcome = work(self);
         let mut failure = None;
         for scope in scopes.into_iter().rev() {
             failure = pollster::block_on(scope.pop()).or(failure);
@@ -269,7 +276,7 @@ impl Gpu {
         Ok(())
     }
 
-    fn wait(&self) -> Result<()> {
+    pub(super) fn wait(&self) -> Result<()> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }

@@ -150,7 +150,8 @@ mod tests {
                 assert_eq!(members(&module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!("View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres);
+        same!("View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres zero
+            half_du_low half_dv_low d_low);
         same!("Sphere", SphereRecord, ball power scale);
         same!("GivenRay", RayRecord, direction origin origin_low);
         let tile = constant(&module, "NONE");

@@ -1,0 +1,72 @@
+//! The production kernels against their CPU twins, bit for bit, on a random cloud.
+
+use super::Check;
+use crate::camera::Camera;
+use crate::cpu;
+use crate::error::Result;
+use crate::frame::raw::Raw;
+use crate::gpu::Gpu;
+use crate::gpu::dispatch::Input;
+use crate::intersect::Method;
+use crate::plan::{Kernel, Rays, Sharing};
+use crate::report::Stages;
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::shade::Shade;
+use crate::view::View;
+
+/// The check's name.
+pub(super) const NAME: &str = "kernels as their twins";
+
+/// Pixels along a side.
+const SIDE: u32 = 64;
+
+/// 97 spheres about the eye's way; no multiple of any subgroup.
+fn scene() -> Scene {
+    let mut spheres = Spheres::default();
+    // A Weyl sequence: fractions of multiples of irrationals fill the cube evenly (Roberts 2018, the plastic number).
+    let weyl = |n: f64, x: f64| 2.0 * (n * x).fract() - 1.0;
+    for n in 1..=97 {
+        let n = f64::from(n);
+        let [x, y, z] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|irrational| weyl(n, irrational));
+        spheres.push([x, y, -1.5 + z], 0.05 + 0.1 * z.abs(), None);
+    }
+    let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
+    Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() }
+}
+
+impl Gpu {
+    /// The kernels that are compared.
+    pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
+        let kernel = |&method: &Method| Kernel {
+            method,
+            rays: Rays::Camera,
+            sharing: Sharing::on(&self.summary),
+            shade: Some(Shade::Headlight),
+            colors: false,
+            t: true,
+            normal: true,
+        };
+        Method::ALL.iter().map(kernel).collect()
+    }
+
+    pub(super) fn compare_twins(&mut self) -> Result<Check> {
+        let view = View::new(&scene())?;
+        let (mut values, mut different) = (0.0, 0.0);
+        for kernel in self.twin_kernels() {
+            let pixels = (SIDE * SIDE) as usize;
+            let (mut device, mut host) = (Raw::new(&kernel, pixels)?, Raw::new(&kernel, pixels)?);
+            let input = Input { view: &view, colors: None, rays: &[] };
+            self.run(&kernel, &input, &mut device, &mut Stages::default(), &|| true)?;
+            cpu::render(&kernel, &view, None, &mut host, &|| true);
+            let bits = |raw: &Raw| -> Vec<u32> {
+                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.color);
+                raw.id.iter().copied().chain(numbers.map(|x| x.to_bits())).collect()
+            };
+            let (device, host) = (bits(&device), bits(&host));
+            values += host.len() as f64;
+            different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
+        }
+        let detail = [("values".to_owned(), values), ("different".to_owned(), different)].into();
+        Ok(Check { name: NAME.to_owned(), passed: different == 0.0 && values > 0.0, detail })
+    }
+}
