@@ -7,6 +7,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::Input;
+use crate::intersect::Method;
 use crate::plan::{Backend, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
@@ -93,6 +94,17 @@ impl Renderer {
         }
     }
 
+    /// Whether `method` can run here. On the CPU path all can.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it; what measuring it runs into.
+    pub fn admit(&mut self, method: Method) -> Result<()> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.admit(method),
+            Place::Cpu => Ok(()),
+        }
+    }
+
     /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
     /// looked at again.
     ///
@@ -103,7 +115,8 @@ impl Renderer {
         let start = Instant::now();
         let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
-        let view = stages.time("view", || View::new(scene))?;
+        self.admit(plan.kernel.method)?;
+        let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
         let colors = scene.spheres.colors.as_deref();

@@ -14,6 +14,8 @@ pub(crate) struct Raw {
     pub(crate) id: Vec<u32>,
     /// t in the frame's unit.
     pub(crate) t: Vec<f32>,
+    /// What t lacks, where the kernel computes in more than f32; else empty.
+    pub(crate) t_low: Vec<f32>,
     /// World normals, three numbers each.
     pub(crate) normal: Vec<f32>,
     /// Linear RGB.
@@ -29,6 +31,7 @@ impl Raw {
         Ok(Self {
             id: room(pixels)?,
             t: room(if kernel.t { pixels } else { 0 })?,
+            t_low: room(if kernel.t && kernel.method.is_wide() { pixels } else { 0 })?,
             normal: room(if kernel.normal { 3 * pixels } else { 0 })?,
             color: room(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
         })
@@ -38,12 +41,18 @@ impl Raw {
     pub(crate) fn store(&mut self, name: &str, first: usize, pixels: usize, bytes: &[u8]) {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
+            "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
             _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
         };
         let size = 4 * channels;
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
+    }
+
+    /// t of a hit in all its parts.
+    pub(crate) fn t(&self, pixel: usize) -> f64 {
+        f64::from(self.t[pixel]) + self.t_low.get(pixel).map_or(0.0, |low| f64::from(*low))
     }
 
     /// How many rays hit something.
@@ -95,7 +104,7 @@ impl Raw {
                 let pixel = i * width + j;
                 *x = match self.id[pixel] {
                     NONE => f64::INFINITY,
-                    _ => f64::from(self.t[pixel]) * along(view.direction(i, j)) * unit,
+                    _ => self.t(pixel) * along(view.direction(i, j)) * unit,
                 };
             }
         });
@@ -112,7 +121,7 @@ impl Raw {
                 let pixel = i * width + j;
                 let at = match self.id[pixel] {
                     NONE => [f64::NAN; 3],
-                    _ => view.point(view.direction(i, j), f64::from(self.t[pixel]) * unit),
+                    _ => view.point(view.direction(i, j), self.t(pixel) * unit),
                 };
                 point.copy_from_slice(&at);
             }

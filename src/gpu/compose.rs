@@ -54,13 +54,28 @@ impl Source {
 
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
-    let mut parts = vec![part!("view.wgsl"), part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()];
+    let wide = kernel.method.is_wide();
+    let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl"), kernel.method.wgsl()];
+    parts.extend(match wide {
+        false => vec![part!("ray.wgsl"), part!("intersect/roots.wgsl"), part!("nearest/consider.wgsl")],
+        true => vec![
+            part!("opaque.wgsl"),
+            part!("wide/ray.wgsl"),
+            part!("wide/intersect.wgsl"),
+            part!("wide/consider.wgsl"),
+            if kernel.rays == Rays::Spread { part!("wide/spread.wgsl") } else { part!("wide/shared.wgsl") },
+        ],
+    });
+    if wide || kernel.rays == Rays::Spread {
+        parts.push(part!("lows.wgsl"));
+    }
     parts.extend(match kernel.rays {
+        // What is loaded is moved in better arithmetic afterwards.
+        Rays::Spread if wide => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
         Rays::Camera => [part!("origin/shared.wgsl"), part!("render.wgsl")],
         Rays::SharedOrigin => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
         Rays::Spread => [part!("origin/spread.wgsl"), part!("trace.wgsl")],
     });
-    parts.push(part!("nearest/consider.wgsl"));
     parts.extend(match kernel.sharing {
         Sharing::None => [part!("nearest/plain.wgsl"), part!("entry/plain.wgsl")],
         Sharing::Subgroup4 => [part!("nearest/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
@@ -68,10 +83,14 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
         Sharing::Shuffle => [part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
     parts.push(part!("frame/id.wgsl"));
-    parts.push(if kernel.t { part!("frame/t.wgsl") } else { part!("frame/no_t.wgsl") });
+    parts.push(match kernel.t {
+        true if wide => part!("wide/t.wgsl"),
+        true => part!("frame/t.wgsl"),
+        false => part!("frame/no_t.wgsl"),
+    });
     parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
     if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
-        parts.push(part!("shade.wgsl"));
+        parts.push(if wide { part!("wide/surface.wgsl") } else { part!("shade.wgsl") });
     }
     match kernel.shade {
         None => parts.push(part!("frame/no_color.wgsl")),

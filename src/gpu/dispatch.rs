@@ -8,7 +8,7 @@ use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
-use crate::view::{SphereRecord, View, ViewRecord};
+use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
 use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -183,8 +183,9 @@ impl Gpu {
         if kernel.rays != Rays::Camera {
             self.fill("rays", bytemuck::cast_slice(input.rays))?;
         }
-        if kernel.rays == Rays::Spread {
-            let lows = if input.view.lows.is_empty() { &[[0.0f32; 4]][..] } else { &input.view.lows };
+        if kernel.rays == Rays::Spread || kernel.method.is_wide() {
+            let nothing = [SphereLow::zeroed()];
+            let lows = if input.view.lows.is_empty() { &nothing[..] } else { &input.view.lows };
             self.fill("lows", bytemuck::cast_slice(lows))?;
         }
         Ok(())
@@ -326,6 +327,7 @@ fn outputs(kernel: &Kernel) -> impl Iterator<Item = Output> {
     [
         (true, "frame_id", "read frame_id", 4),
         (kernel.t, "frame_t", "read frame_t", 4),
+        (kernel.t && kernel.method.is_wide(), "frame_t_low", "read frame_t_low", 4),
         (kernel.normal, "frame_normal", "read frame_normal", 12),
         (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
     ]

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
+use crate::intersect::Method;
 use crate::plan::{Kernel, Sharing};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -15,8 +16,8 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 9] =
-    ["view", "spheres", "colors", "frame_id", "frame_t", "frame_normal", "frame_color", "rays", "lows"];
+pub(crate) const BUFFERS: [&str; 10] =
+    ["view", "spheres", "colors", "frame_id", "frame_t", "frame_normal", "frame_color", "rays", "lows", "frame_t_low"];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
 pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
@@ -46,7 +47,8 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 
 /// What the device will have when it runs `kernel`: validated with nothing more.
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
-    if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
+    let wide = if kernel.method == Method::Native64 { Capabilities::FLOAT64 } else { Capabilities::empty() };
+    wide | if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
 }
 
 #[cfg(test)]
@@ -54,12 +56,11 @@ mod tests {
     use super::*;
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::{GROUP, TILE};
-    use crate::intersect::Method;
     use crate::plan::Rays;
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
-    use crate::view::{SphereRecord, ViewRecord};
+    use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
 
@@ -112,7 +113,8 @@ mod tests {
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
-                (kernel.rays == Rays::Spread, "lows"),
+                (kernel.rays == Rays::Spread || kernel.method.is_wide(), "lows"),
+                (kernel.t && kernel.method.is_wide(), "frame_t_low"),
             ]
             .into_iter()
             .filter_map(|(wanted, name)| wanted.then_some(name))
@@ -129,6 +131,14 @@ mod tests {
         let sharing = kernels().into_iter().filter(|k| k.sharing != Sharing::None);
         for kernel in sharing {
             validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
+        }
+    }
+
+    #[test]
+    fn f64_is_asked_of_the_device_exactly_where_it_is_used() {
+        for kernel in kernels() {
+            let without = validate(&compose(&kernel), Capabilities::SUBGROUP);
+            assert_eq!(without.is_err(), kernel.method == Method::Native64, "{kernel:?}");
         }
     }
 
@@ -153,6 +163,7 @@ mod tests {
         same!("View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres zero
             half_du_low half_dv_low d_low);
         same!("Sphere", SphereRecord, ball power scale);
+        same!("SphereLow", SphereLow, ball power);
         same!("GivenRay", RayRecord, direction origin origin_low);
         let tile = constant(&module, "NONE");
         assert_eq!(tile, f64::from(NONE));

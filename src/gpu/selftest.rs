@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::compose::{Part, Source, compose, part};
 use crate::gpu::layout::validate;
+use crate::intersect::Method;
 use crate::report::milliseconds;
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
@@ -116,11 +117,16 @@ fn trials(f64: bool) -> Vec<Trial> {
         judge,
     };
     let with = |part| [double_float(), vec![part]].concat();
+    let solve = [
+        double_float(),
+        vec![part!("vector.wgsl"), part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("selftest/solve.wgsl")],
+    ]
+    .concat();
     let mut trials = vec![
         trial("transforms", with(part!("selftest/transforms.wgsl")), [6, 27], cases::transforms(), judge::transforms),
         trial("operations", vec![part!("selftest/operations.wgsl")], [2, 11], cases::operations(), judge::operations),
         trial("double_float", with(part!("selftest/double_float.wgsl")), [6, 8], cases::pairs(), judge::pairs),
-        trial("solve", with(part!("selftest/solve.wgsl")), [7, 2], cases::solve(), judge::solve),
+        trial("solve", solve, [9, 2], cases::solve(), judge::solve),
     ];
     if f64 {
         let wide = trial("f64", vec![part!("selftest/f64.wgsl")], [4, 10], cases::wide(), judge::wide);
@@ -143,6 +149,26 @@ impl Gpu {
             }
         }
         self.verdict.as_ref().ok_or_else(nothing_measured)
+    }
+
+    /// Whether `method` may run here: one that needs more than WGSL promises runs where it was measured to be right.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] with the reason where it may not, and what the measurement runs into.
+    pub(crate) fn admit(&mut self, method: Method) -> Result<()> {
+        let reason = match method {
+            Method::Native64 if !self.has_f64() => no_f64().reason,
+            Method::Native64 => self.verdict()?.f64.reason.clone(),
+            Method::DoubleFloat => self.verdict()?.double_float.reason.clone(),
+            _ => None,
+        };
+        match reason {
+            None => Ok(()),
+            Some(reason) => Err(Error::Accuracy {
+                problem: format!("method {} cannot run on {}: {reason}", method.name(), self.summary.name),
+                mend: "leave out --method, or use --backend cpu".into(),
+            }),
+        }
     }
 
     /// Measures, whatever is known, and remembers.
@@ -256,6 +282,10 @@ fn nothing_measured() -> Error {
     Error::Adapter { problem: "the self-test measured nothing".into(), mend: "report it".into() }
 }
 
+fn no_f64() -> Usable {
+    Usable { by: None, reason: Some("its shaders have no f64".into()), worst: 0.0 }
+}
+
 /// The verdict that the checks add up to.
 fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
     let find = |name: &str| checks.iter().find(|check| check.name == name);
@@ -278,7 +308,7 @@ fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
     let double_float = usable("bits XOR 0, Dekker's split", failed(&judge::DOUBLE_FLOAT), judge::worst(&checks, "u2"));
     let f64 = match has_f64 {
         true => usable("native", failed(&judge::F64), judge::worst(&checks, "f64 ulp")),
-        false => usable("native", Some("shaders have no f64 there".into()), 0.0),
+        false => no_f64(),
     };
     Verdict {
         f32: f32_checks.iter().all(|name| passed(name)),

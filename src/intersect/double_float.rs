@@ -1,4 +1,5 @@
-//! Numbers as sums of two f32, about 48 bits: the twin of double_float.wgsl, operation for operation. Rust promises
+//! The perpendicular form in sums of two f32, about 48 bits: [`Stable`]'s text in another number, which is the twin of
+//! double_float.wgsl, operation for operation. Rust promises
 //! that every f32 operation rounds once, so nothing here needs the shader's barrier.
 //!
 //! Sources: Knuth (TwoSum), Dekker 1971 (FastTwoSum, split and product); Joldes, Muller, Popescu, *Tight and rigorous
@@ -7,7 +8,26 @@
 //! Muller, Picot, Rideau, *Accurate calculation of Euclidean norms using double-word arithmetic*, ACM TOMS 49 (2023)
 //! (square root, 25/8 u^2); u = 2^-24.
 
+use super::Intersect;
+use super::stable::Stable;
+use crate::ray::Ray;
+use crate::real::Real;
+use crate::view::Sphere;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+pub(crate) struct DoubleFloat;
+
+impl Intersect for DoubleFloat {
+    type Number = Pair;
+
+    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+        Stable::intersect(ray, s)
+    }
+
+    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+        Stable::normal_at(ray, s, t)
+    }
+}
 
 /// `hi + lo` with |lo| <= ulp(hi)/2.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -93,11 +113,32 @@ impl Div for Pair {
     }
 }
 
-impl Pair {
+impl Real for Pair {
+    const MISS: Self = Self { hi: f32::MAX, lo: 0.0 };
+    const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
+    const HALF: Self = Self { hi: 0.5, lo: 0.0 };
+
+    fn exact(x: f32) -> Self {
+        Self { hi: x, lo: 0.0 }
+    }
+
+    fn pair(hi: f32, lo: f32) -> Self {
+        Self { hi, lo }
+    }
+
+    fn parts(self) -> (f32, f32) {
+        (self.hi, self.lo)
+    }
+
+    /// Part by part: a split of the power could overflow.
+    fn scaled(self, power: Self) -> Self {
+        Self { hi: self.hi * power.hi, lo: self.lo * power.hi }
+    }
+
     /// Square root; 0 of what is not positive.
-    pub(crate) fn root(self) -> Self {
+    fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
-            return Self { hi: 0.0, lo: 0.0 };
+            return Self::ZERO;
         }
         let first = self.hi.sqrt();
         let p = two_product(first, first);

@@ -67,18 +67,18 @@ pub(super) const ROUNDING: [[f32; 4]; 4] = {
 };
 
 /// 2^k, for every f32 including the subnormal ones.
-pub(super) const fn power(k: i32) -> f32 {
+pub(super) const fn two_to(k: i32) -> f32 {
     if k >= -126 { f32::from_bits(((k + 127) as u32) << 23) } else { f32::from_bits(1 << (k + 149)) }
 }
 
 /// Pairs with subnormals: word of the answer (0 sum, 1 difference, 2 product, 6 store, 7 bitcast) and what it should be.
 pub(super) const SUBNORMAL: [(&str, [f32; 2], usize, f32); 6] = [
-    ("into sum", [power(-127), power(-126)], 0, 1.5 * power(-126)),
-    ("out of difference", [1.5 * power(-126), power(-126)], 1, power(-127)),
-    ("into product", [power(-130), power(20)], 2, power(-110)),
-    ("out of product", [power(-70), power(-60)], 2, power(-130)),
-    ("load and store", [power(-135), 1.0], 6, power(-135)),
-    ("bitcast", [power(-140), 1.0], 7, power(-140)),
+    ("into sum", [two_to(-127), two_to(-126)], 0, 1.5 * two_to(-126)),
+    ("out of difference", [1.5 * two_to(-126), two_to(-126)], 1, two_to(-127)),
+    ("into product", [two_to(-130), two_to(20)], 2, two_to(-110)),
+    ("out of product", [two_to(-70), two_to(-60)], 2, two_to(-130)),
+    ("load and store", [two_to(-135), 1.0], 6, two_to(-135)),
+    ("bitcast", [two_to(-140), 1.0], 7, two_to(-140)),
 ];
 
 /// Pairs that are or make infinities and no numbers, and the word that must say so (8 a, 9 a/b, 10 a b).
@@ -136,7 +136,11 @@ pub(super) fn solve() -> Vec<u32> {
         let d: [i64; 3] = std::array::from_fn(|_| i64::from(random.within(-(1 << 10), 1 << 10)));
         let (aa, gg) = quadratic(p, d);
         let r = (gg as f64 / aa.max(1) as f64).sqrt().round();
-        p.iter().chain(&d).map(|x| *x as f32).chain([r as f32]).collect::<Vec<_>>()
+        // The sphere lies ahead.
+        let d = if ahead(p, d) < 0 { d.map(|x| -x) } else { d };
+        let c = (power(p, r as i64)) as f64;
+        let [high, low] = [c as f32, (c - f64::from(c as f32)) as f32];
+        p.iter().chain(&d).map(|x| *x as f32).chain([r as f32, high, low]).collect::<Vec<_>>()
     }))
 }
 
@@ -145,6 +149,16 @@ pub(super) fn quadratic(p: [i64; 3], d: [i64; 3]) -> (i128, i128) {
     let minor = |i: usize, j: usize| i128::from(p[i]) * i128::from(d[j]) - i128::from(p[j]) * i128::from(d[i]);
     let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
     (d.iter().map(|x| i128::from(*x).pow(2)).sum(), g.iter().map(|x| x.pow(2)).sum())
+}
+
+/// p.d
+pub(super) fn ahead(p: [i64; 3], d: [i64; 3]) -> i128 {
+    (0..3).map(|k| i128::from(p[k]) * i128::from(d[k])).sum()
+}
+
+/// |p|^2 - r^2, below 2^48 and so exact in f64 and in two f32.
+pub(super) fn power(p: [i64; 3], r: i64) -> i128 {
+    p.iter().map(|x| i128::from(*x).pow(2)).sum::<i128>() - i128::from(r).pow(2)
 }
 
 /// Pairs of f64.
