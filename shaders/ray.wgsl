@@ -9,10 +9,6 @@ struct Hit {
     id: u32,
 }
 
-fn no_hit() -> Hit {
-    return Hit(MISS, NONE);
-}
-
 // A given ray. What rounding took from its direction is for better arithmetic than this.
 fn ray_along(d: vec3<f32>, low: vec3<f32>) -> Ray {
     return Ray(d);

@@ -1,7 +1,7 @@
 // The closest hit among all spheres, each loaded once per subgroup of 8 and shared. Lanes past the end repeat the last
 // sphere, which cannot win against itself. A broadcast takes constant lanes only, hence the 8 lines.
 fn nearest(ray: Ray) -> Hit {
-    var hit = no_hit();
+    var hit = Hit(MISS, NONE);
     for (var first = 0u; first < view.spheres; first += 8u) {
         let mine = spheres[min(first + lane, view.spheres - 1u)];
         hit = consider(hit, ray, Sphere(subgroupBroadcast(mine.ball, 0u), subgroupBroadcast(mine.power, 0u), subgroupBroadcast(mine.scale, 0u)), first + 0u);

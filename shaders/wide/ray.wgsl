@@ -17,10 +17,6 @@ struct Hit {
     id: u32,
 }
 
-fn no_hit() -> Hit {
-    return Hit(number(MISS), NONE);
-}
-
 fn ray_of(d: Number3) -> Ray {
     return Ray(rounded(d), d);
 }

@@ -11,7 +11,6 @@ use crate::intersect::Method;
 use crate::plan::{Kernel, Rays, Sharing};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
-use crate::shade::Shade;
 use crate::view::View;
 
 /// The check's name.
@@ -41,7 +40,7 @@ impl Gpu {
             method,
             rays: Rays::Camera,
             sharing: Sharing::on(&self.summary),
-            shade: Some(Shade::Headlight),
+            shade: None,
             colors: false,
             t: true,
             normal: true,
