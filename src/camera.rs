@@ -97,6 +97,12 @@ impl Camera {
     /// [`Error::Scene`] for numbers that are not finite, eye = at, a zero view, a zero up, and up parallel to the view
     /// within [`PARALLEL`].
     pub fn basis(&self) -> Result<Basis> {
+        let [u, v, w] = self.axes()?.map(|axis| DVec3::from_array(axis.map(Dd::value)));
+        Ok(Basis { e: self.eye, u, v, w })
+    }
+
+    /// u, v and w in double-double, each component within 2^-95.
+    pub(crate) fn axes(&self) -> Result<[Dd3; 3]> {
         let name = |field: &str| format!("camera.{field}");
         let (look, target) = match self.look {
             Look::At(p) => ("at", p),
@@ -134,9 +140,9 @@ impl Camera {
         }
         let unit = |a: Dd3| {
             let length = dd::dot(a, a).sqrt();
-            DVec3::from_array(a.map(|x| (x / length).value()))
+            a.map(|x| x / length)
         };
-        Ok(Basis { e: self.eye, u: unit(right), v: unit(dd::cross(back, right)), w: unit(back) })
+        Ok([unit(right), unit(dd::cross(back, right)), unit(back)])
     }
 
     /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are the exact ones from

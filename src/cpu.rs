@@ -1,6 +1,11 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
+use crate::certify::front::Front;
+use crate::certify::near::Near;
+use crate::certify::stage::Stage;
+use crate::certify::Certify;
 use crate::frame::raw::Raw;
+use crate::settle::Open;
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
 use crate::plan::Kernel;
@@ -27,6 +32,102 @@ pub(crate) fn render(
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
     kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
+}
+
+/// Fills `raw` with certified answers; what cannot be proved comes back with its candidates.
+pub(crate) fn certified(
+    kernel: &Kernel,
+    view: &View,
+    stage: &Stage,
+    colors: Option<&[[f32; 3]]>,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Open {
+    let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::<f32>::new(f, more)).collect();
+    let nears: Vec<_> = stage.nears.iter().map(Near::<f32>::new).collect();
+    let certify = Certify { view: &view.record, lens: &stage.lens, fronts: &fronts, nears: &nears };
+    let surface = Surface { view: &view.record, spheres: &[], colors };
+    let width = view.record.width as usize;
+    // The second number is 0 where nobody asked for that buffer.
+    let row_of = |buffer: &mut Vec<f32>, channels: usize| buffer.len().min(channels * width).max(1);
+    let sizes = [row_of(&mut raw.t, 1), row_of(&mut raw.width, 1), row_of(&mut raw.normal, 3), row_of(&mut raw.color, 3)];
+    let mut ts = raw.t.chunks_mut(sizes[0]);
+    let mut widths = raw.width.chunks_mut(sizes[1]);
+    let mut normals = raw.normal.chunks_mut(sizes[2]);
+    let mut rgbs = raw.color.chunks_mut(sizes[3]);
+    let rows: Vec<_> = raw
+        .id
+        .chunks_mut(width)
+        .map(|id| Row {
+            id,
+            t: ts.next().unwrap_or_default(),
+            width: widths.next().unwrap_or_default(),
+            normal: normals.next().unwrap_or_default(),
+            color: rgbs.next().unwrap_or_default(),
+        })
+        .collect();
+    let mut opens: Vec<Open> = Vec::new();
+    rows.into_par_iter()
+        .enumerate()
+        .map(|(i, row)| if go_on() { row.certify(i as u32, kernel, &certify, &surface) } else { Open::default() })
+        .collect_into_vec(&mut opens);
+    let mut all = Open::default();
+    for open in opens {
+        all.pixels.extend(open.pixels);
+        all.pairs.extend(open.pairs);
+    }
+    all
+}
+
+/// One row of the kernel's buffers; those nobody asked for are empty.
+struct Row<'a> {
+    id: &'a mut [u32],
+    t: &'a mut [f32],
+    width: &'a mut [f32],
+    normal: &'a mut [f32],
+    color: &'a mut [f32],
+}
+
+impl Row<'_> {
+    /// The twin of certify/render.wgsl over a row, and of certify/emit.wgsl for its unsure pixels.
+    fn certify(self, i: u32, kernel: &Kernel, certify: &Certify<'_, f32>, surface: &Surface<'_, f32>) -> Open {
+        let mut open = Open::default();
+        let background = certify.view.background;
+        for j in 0..self.id.len() {
+            let s = certify.slopes(i, j as u32);
+            let kept = certify.kept(&s);
+            let answer = (kept.slot != NONE).then(|| certify.judge(&s, &kept));
+            let hit = answer.map_or(Hit::NONE, |answer| Hit { t: answer.offset, id: answer.id });
+            if let Some(answer) = &answer
+                && !certify.certain(answer, &kept)
+            {
+                let pixel = i * certify.view.width + j as u32;
+                let limit = if answer.hits { answer.high } else { f32::MAX };
+                open.pixels.push(pixel);
+                certify.candidates(&s, |low, slot| {
+                    if low <= limit {
+                        open.pairs.push([pixel, certify.id(slot)]);
+                    }
+                });
+            }
+            let ray = Ray { d: [s.x, s.y, -1.0] };
+            self.id[j] = hit.id;
+            if let Some(t) = self.t.get_mut(j) {
+                *t = hit.t;
+            }
+            if let Some(width) = self.width.get_mut(j) {
+                *width = answer.map_or(0.0, |answer| answer.high - answer.low);
+            }
+            if let Some(normal) = self.normal.get_mut(3 * j..3 * j + 3) {
+                normal.copy_from_slice(&answer.map_or([0.0; 3], |answer| surface.to_world(answer.normal)));
+            }
+            if let (Some(shade), Some(color)) = (kernel.shade, self.color.get_mut(3 * j..3 * j + 3)) {
+                let rgb = answer.map(|answer| surface.shade_normal(shade, &ray, answer.normal, answer.id));
+                color.copy_from_slice(&rgb.unwrap_or([background[0], background[1], background[2]]));
+            }
+        }
+        open
+    }
 }
 
 /// What becomes of a hit: three numbers per pixel.

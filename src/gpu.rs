@@ -1,5 +1,6 @@
 //! The device side: which adapter, which shader text, and the dispatches of a frame.
 
+mod certified;
 pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;

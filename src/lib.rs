@@ -37,13 +37,16 @@
 //! ```
 
 pub mod camera;
+mod certify;
 mod cpu;
 mod dd;
 pub mod error;
+pub mod exact;
 pub mod frame;
 mod gpu;
 pub mod intersect;
 pub mod measure;
+mod memory;
 mod nearest;
 pub mod plan;
 pub mod ray;
@@ -51,6 +54,7 @@ pub mod real;
 pub mod render;
 pub mod report;
 pub mod scene;
+mod settle;
 pub mod shade;
 pub mod trace;
 pub mod view;
@@ -61,7 +65,7 @@ pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
-pub use plan::{Accuracy, Backend, Settings};
+pub use plan::{Accuracy, Backend, Settings, Tolerance};
 pub use render::{Renderer, render};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
 pub use shade::Shade;

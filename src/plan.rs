@@ -44,7 +44,8 @@ impl FromStr for Backend {
 }
 
 /// How sure the answers must be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Accuracy {
     /// What the outputs require.
     #[default]
@@ -95,6 +96,38 @@ pub struct Settings {
     pub shade: Shade,
     /// Which buffers the frame shall hold; ids are always computed.
     pub aovs: Vec<Aov>,
+    /// Promised relative error of t where answers are certified.
+    pub tolerance: Tolerance,
+}
+
+/// A promised relative error: at least 2^-50, the default 1e-5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance(f64);
+
+impl Tolerance {
+    /// The promise, if f64 can hold it.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for 0, less than 2^-50, and what is no number.
+    pub fn new(relative: f64) -> Result<Self> {
+        if relative >= 2f64.powi(-50) && relative.is_finite() {
+            return Ok(Self(relative));
+        }
+        let problem = format!("a tolerance of {relative} cannot be promised");
+        Err(Error::settings(problem, "give a relative error of 2^-50 (8.9e-16) or more"))
+    }
+
+    /// The number.
+    #[must_use]
+    pub fn relative(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self(1e-5)
+    }
 }
 
 /// Where a kernel's rays come from.
@@ -152,20 +185,52 @@ pub(crate) struct Kernel {
     pub(crate) t: bool,
     /// Normals are written.
     pub(crate) normal: bool,
+    /// With a certificate instead of `method`.
+    pub(crate) certify: Option<Pass>,
+    /// The width of the depth's interval is written.
+    pub(crate) width: bool,
+}
+
+impl Kernel {
+    /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
+    pub(crate) fn is_wide(&self) -> bool {
+        self.certify.is_none() && self.method.is_wide()
+    }
+}
+
+/// The two passes of a certified frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Pass {
+    /// Answers every pixel and lists those it cannot prove.
+    Judge,
+    /// Lists the candidates of those.
+    Emit,
 }
 
 /// The decisions for one scene and request, in words that can be printed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
-    /// The form of the quadratic.
+    /// The form of the quadratic; `certified` and `exact` choose their own.
     pub method: &'static str,
-    /// What the answers are worth: `fast`.
-    pub accuracy: &'static str,
+    /// What the answers are worth: fast, certified or exact.
+    pub accuracy: Accuracy,
     /// How candidates are found: `all` spheres.
     pub search: &'static str,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
 }
+
+/// The buffers that are answers, not looks: asking for one asks for a certificate.
+const ANSWERS: [Aov; 8] = [
+    Aov::Distance,
+    Aov::Depth,
+    Aov::Normal,
+    Aov::Position,
+    Aov::Id,
+    Aov::Mask,
+    Aov::Certainty,
+    Aov::Bound,
+];
 
 impl Plan {
     /// Decides what `scene` requires for the buffers asked for.
@@ -181,6 +246,16 @@ impl Plan {
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
         plan.kernel.t = asked(&[Aov::Distance, Aov::Depth, Aov::Position]);
         plan.kernel.normal = asked(&[Aov::Normal]);
+        plan.accuracy = match (settings.accuracy, settings.method) {
+            (Accuracy::Auto, None) if asked(&ANSWERS) => Accuracy::Certified,
+            (Accuracy::Auto, _) => Accuracy::Fast,
+            (stated, _) => stated,
+        };
+        if matches!(plan.accuracy, Accuracy::Certified | Accuracy::Exact) {
+            plan.method = plan.accuracy.name();
+            plan.kernel.certify = Some(Pass::Judge);
+            plan.kernel.width = asked(&[Aov::Bound]);
+        }
         Ok(plan)
     }
 
@@ -191,10 +266,6 @@ impl Plan {
             let problem = format!("method {} runs alone and cannot be {}", method.name(), settings.accuracy.name());
             return Err(Error::settings(problem, "leave out --method or --accuracy"));
         }
-        if promised {
-            let problem = format!("accuracy {} is not built yet", settings.accuracy.name());
-            return Err(Error::Accuracy { problem, mend: "use --accuracy fast".into() });
-        }
         let method = settings.method.unwrap_or(Method::Stable);
         let kernel = Kernel {
             method,
@@ -204,7 +275,9 @@ impl Plan {
             colors: false,
             t: false,
             normal: false,
+            certify: None,
+            width: false,
         };
-        Ok(Self { method: method.name(), accuracy: "fast", search: "all", kernel })
+        Ok(Self { method: method.name(), accuracy: Accuracy::Fast, search: "all", kernel })
     }
 }

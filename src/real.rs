@@ -21,6 +21,8 @@ pub trait Real:
     const ZERO: Self;
     /// 1/2.
     const HALF: Self;
+    /// 1.
+    const ONE: Self;
     /// Exactly this number.
     fn exact(x: f32) -> Self;
     /// hi and what rounding took from it, as far as this arithmetic can hold it.
@@ -33,12 +35,18 @@ pub trait Real:
     }
     /// Square root.
     fn sqrt(self) -> Self;
+
+    /// |x|
+    fn abs(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
 }
 
 impl Real for f32 {
     const MISS: Self = f32::MAX;
     const ZERO: Self = 0.0;
     const HALF: Self = 0.5;
+    const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
         x
     }
@@ -57,6 +65,7 @@ impl Real for f64 {
     const MISS: Self = f32::MAX as f64;
     const ZERO: Self = 0.0;
     const HALF: Self = 0.5;
+    const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
         x.into()
     }

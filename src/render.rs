@@ -2,14 +2,19 @@
 
 use crate::cpu;
 use crate::error::{Error, Result};
-use crate::frame::Frame;
-use crate::frame::raw::Raw;
+use crate::certify::stage::{Stage, TERMS};
+use crate::frame::raw::{Answers, Raw};
+use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
-use crate::gpu::dispatch::Input;
+use crate::gpu::dispatch::{Input, Output};
+use crate::memory;
 use crate::intersect::Method;
-use crate::plan::{Backend, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
+use crate::settle;
+use crate::shade;
+use rayon::prelude::*;
 use crate::scene::Scene;
 use crate::view::View;
 use std::sync::{Arc, Mutex};
@@ -41,12 +46,15 @@ impl Renderer {
     /// honoured where the settings leave a choice.
     ///
     /// # Errors
-    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for an adapter on the CPU path.
+    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for what does not go together, such as an adapter on the
+    /// CPU path, [`Error::Accuracy`] for a promise that cannot be kept.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
         if settings.backend == Backend::Cpu && settings.adapter.is_some() {
             return Err(Error::settings("the cpu backend has no adapters", "leave out --adapter or use --backend gpu"));
         }
+        // What no device can mend is told before one is opened.
+        Plan::for_method(settings)?;
         let place = match settings.backend {
             Backend::Cpu => Place::Cpu,
             Backend::Gpu | Backend::Auto => {
@@ -74,6 +82,12 @@ impl Renderer {
     pub fn cancelled_by(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         self.go_on = Arc::new(go_on);
         self
+    }
+
+    /// Whether an adapter computes the frames; the CPU reference path does otherwise.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self.place, Place::Gpu(_))
     }
 
     /// The adapter's name, `cpu` for the reference path.
@@ -115,25 +129,45 @@ impl Renderer {
         let start = Instant::now();
         let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
+        memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         self.admit(plan.kernel.method)?;
         let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
-        let colors = scene.spheres.colors.as_deref();
-        match &mut self.place {
-            Place::Gpu(gpu) => {
-                let kernel = crate::plan::Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel };
-                let input = Input { view: &view, colors, rays: &[] };
-                gpu.run(&kernel, &input, &mut raw, &mut stages, &*self.go_on)?;
+        let stage = match plan.accuracy {
+            Accuracy::Certified => {
+                stages.time("stage", || Stage::new(scene, &view, settings.tolerance.relative(), &TERMS))?
             }
-            Place::Cpu => stages.time("trace", || cpu::render(&plan.kernel, &view, colors, &mut raw, &*self.go_on)),
+            _ => None,
+        };
+        let mut settled = Vec::new();
+        if stage.is_some() || plan.accuracy == Accuracy::Fast {
+            let open = self.trace_frame(&plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+            if !(self.go_on)() {
+                return Err(Error::Interrupted);
+            }
+            settled = stages.time("settle", || settle::settle(scene, open))?;
+        } else {
+            settled.extend(stages.time("settle", || settle::exact(scene, &*self.go_on))?);
         }
         if !(self.go_on)() {
             return Err(Error::Interrupted);
         }
-        let hits = raw.hits();
-        let buffers = stages.time("assemble", || raw.assemble(&view, &settings.aovs))?;
-        let backend = if matches!(self.place, Place::Gpu(_)) { "gpu" } else { "cpu" };
+        if let Some(shade) = plan.kernel.shade {
+            stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
+        }
+        let depths = stage.as_ref().map(|stage| &stage.depths[..]);
+        let certify = plan.kernel.certify.is_some();
+        let depths = depths.or(certify.then_some(&[]));
+        let answers = Answers { view: &view, raw, depths, settled: &settled };
+        let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
+        let ids = buffers.iter().find_map(|b| match &b.data {
+            Data::I32(ids) => Some(ids),
+            _ => None,
+        });
+        let hits = ids.map_or(0, |ids| ids.par_iter().filter(|id| **id >= 0).count() as u64);
+        let judged = if stage.is_some() { pixels - settled.len() } else { 0 };
+        let backend = if self.is_gpu() { "gpu" } else { "cpu" };
         let report = Report {
             schema: "halfline-render",
             version: 1,
@@ -146,12 +180,12 @@ impl Renderer {
             driver: self.driver(),
             backend,
             method: plan.method,
-            accuracy: plan.accuracy,
+            accuracy: plan.accuracy.name(),
             shade: plan.kernel.shade.map(|shade| shade.name()),
             search: plan.search,
-            certified: 0.0,
-            settled: 0,
-            bound: None,
+            certified: judged as f64 / pixels as f64,
+            settled: settled.len() as u64,
+            bound: certify.then(|| bound(&buffers, settings.tolerance.relative())),
             setup_ms: self.setup_ms,
             frame_ms: vec![milliseconds(start)],
             stages_ms: stages.into_map(),
@@ -161,15 +195,61 @@ impl Renderer {
     }
 }
 
+impl Renderer {
+    /// The kernel's answers into `raw`; what a certified kernel leaves open comes back.
+    fn trace_frame(
+        &mut self,
+        plan: &Plan,
+        scene: &Scene,
+        view: &View,
+        stage: Option<&Stage>,
+        raw: &mut Raw,
+        stages: &mut Stages,
+    ) -> Result<settle::Open> {
+        let colors = scene.spheres.colors.as_deref();
+        match &mut self.place {
+            Place::Gpu(gpu) => {
+                let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel };
+                let input = Input { view, colors, rays: &[], stage };
+                let mut output = Output { raw, open: settle::Open::default(), stages };
+                gpu.run(&kernel, &input, &mut output, &*self.go_on)?;
+                Ok(output.open)
+            }
+            Place::Cpu => Ok(stages.time("trace", || match stage {
+                None => {
+                    cpu::render(&plan.kernel, view, colors, raw, &*self.go_on);
+                    settle::Open::default()
+                }
+                Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &*self.go_on),
+            })),
+        }
+    }
+}
+
+/// The largest proven relative error of the distance, where it was asked for; else what was promised of every pixel.
+fn bound(buffers: &[Buffer], promised: f64) -> f64 {
+    let values = |aov: Aov| buffers.iter().find(|b| b.aov == aov).map(|b| &b.data);
+    match (values(Aov::Bound), values(Aov::Distance)) {
+        (Some(Data::F64(bounds)), Some(Data::F64(distances))) => {
+            bounds.iter().zip(distances).map(|(b, d)| b / d).fold(0.0, f64::max)
+        }
+        _ => promised,
+    }
+}
+
 /// What the picture does not show by itself.
 fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
     if scene.spheres.is_empty() {
-        warnings.push("the scene has no spheres: the picture is background".into());
+        warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {
-        let (n, e) = (scene.spheres.len(), scene.camera.eye);
+        let e = scene.camera.eye;
+        let spheres = match scene.spheres.len() {
+            1 => "the 1 sphere".to_owned(),
+            n => format!("any of the {n} spheres"),
+        };
         warnings.push(format!(
-            "no ray hits any of the {n} spheres: the picture is background; the eye is at ({}, {}, {}), {}",
+            "no ray hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
             e.x,
             e.y,
             e.z,

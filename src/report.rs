@@ -29,7 +29,7 @@ pub struct Report {
     pub backend: &'static str,
     /// The form of the quadratic.
     pub method: &'static str,
-    /// `fast`.
+    /// `fast`, `certified` or `exact`.
     pub accuracy: &'static str,
     /// How colour was made; `None` when nobody asked for colour.
     pub shade: Option<&'static str>,
@@ -39,7 +39,7 @@ pub struct Report {
     pub certified: f64,
     /// Pixels settled in better arithmetic.
     pub settled: u64,
-    /// Largest proven relative error of t; `None` when nothing is proven.
+    /// Proven bound of t's relative error, the promised tolerance or less; `None` when nothing is proven.
     pub bound: Option<f64>,
     /// Opening the device, milliseconds.
     pub setup_ms: f64,

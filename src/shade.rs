@@ -4,8 +4,10 @@ use crate::error::Error;
 use crate::intersect::Intersect;
 use crate::ray::{Hit, Ray, dot3, positive, unit3};
 use crate::real::Real;
-use crate::scene::DEFAULT_COLOR;
-use crate::view::{Sphere, ViewRecord};
+use crate::scene::{DEFAULT_COLOR, Scene};
+use crate::settle::Settled;
+use crate::view::{Sphere, View, ViewRecord};
+use glam::DVec3;
 use std::str::FromStr;
 
 /// How a hit becomes a colour.
@@ -63,7 +65,7 @@ impl<R: Real> Surface<'_, R> {
     }
 
     /// A direction of the canonical camera in world space.
-    fn to_world(&self, a: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn to_world(&self, a: [f32; 3]) -> [f32; 3] {
         let ViewRecord { right, up, back, .. } = *self.view;
         std::array::from_fn(|k| a[0] * right[k] + a[1] * up[k] + a[2] * back[k])
     }
@@ -81,11 +83,43 @@ impl<R: Real> Surface<'_, R> {
     pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         match shade {
             Shade::Flat => self.sphere_color(hit.id),
-            Shade::Normal => self.world_normal::<V>(ray, hit).map(|x| 0.5 * x + 0.5),
+            _ => self.shade_normal(shade, ray, self.surface_normal::<V>(ray, hit), hit.id),
+        }
+    }
+
+    /// Linear RGB of a hit whose normal in the canonical camera is known.
+    pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
+        match shade {
+            Shade::Flat => self.sphere_color(id),
+            Shade::Normal => self.to_world(normal).map(|x| 0.5 * x + 0.5),
             Shade::Headlight => {
-                let cosine = positive(-dot3(self.surface_normal::<V>(ray, hit), unit3(ray.d.map(|x| x.parts().0))));
-                self.sphere_color(hit.id).map(|x| cosine * x)
+                let cosine = positive(-dot3(normal, unit3(ray.d.map(|x| x.parts().0))));
+                self.sphere_color(id).map(|x| cosine * x)
             }
         }
+    }
+}
+
+/// Colours what was settled, from its exact normal.
+pub(crate) fn settled(shade: Shade, scene: &Scene, view: &View, settled: &[Settled], color: &mut [f32]) {
+    let width = view.record.width;
+    for s in settled {
+        let rgb = match &s.truth {
+            None => scene.image.background,
+            Some(truth) => {
+                let own = || scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[truth.id as usize]);
+                match shade {
+                    Shade::Flat => own(),
+                    Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
+                    Shade::Headlight => {
+                        let direction = view.direction((s.pixel / width) as usize, (s.pixel % width) as usize);
+                        let along = view.to_world(direction);
+                        let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();
+                        own().map(|x| positive(cosine as f32) * x)
+                    }
+                }
+            }
+        };
+        color[3 * s.pixel as usize..][..3].copy_from_slice(&rgb);
     }
 }

@@ -8,7 +8,7 @@ use crate::dd;
 use crate::error::{Error, Place as Where, Result};
 use crate::frame::Aov;
 use crate::frame::raw::Raw;
-use crate::gpu::dispatch::Input;
+use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest_of;
 use crate::plan::{Kernel, Plan, Rays, Settings, Sharing};
@@ -16,6 +16,7 @@ use crate::ray::{Hit, NONE, Ray, center, dot3, radius};
 use crate::real::Real;
 use crate::render::{Place, Renderer};
 use crate::report::Stages;
+use crate::settle::Open;
 use crate::scene::{Spheres, check_sphere};
 use crate::shade::Surface;
 use crate::view::{Sphere, SphereLow, View};
@@ -90,8 +91,9 @@ impl Renderer {
             match &mut self.place {
                 Place::Gpu(gpu) => {
                     gpu.admit(kernel.method)?;
-                    let input = Input { view: &view, colors: None, rays: &records };
-                    gpu.run(&kernel, &input, &mut raw, &mut Stages::default(), &|| true)?;
+                    let input = Input { view: &view, colors: None, rays: &records, stage: None };
+                    let mut output = Output { raw: &mut raw, open: Open::default(), stages: &mut Stages::default() };
+                    gpu.run(&kernel, &input, &mut output, &|| true)?;
                 }
                 Place::Cpu => {
                     kernel.method.dispatch(Traced { kernel: &kernel, view: &view, rays: &records, raw: &mut raw })

@@ -229,8 +229,12 @@ impl View {
 
     /// The world point at `t` along a direction of the canonical camera.
     pub(crate) fn point(&self, d: [f64; 3], t: f64) -> [f64; 3] {
-        let Basis { e, u, v, w } = self.basis;
-        (e + (u * d[0] + v * d[1] + w * d[2]) * t).to_array()
+        (self.basis.e + self.to_world(d) * t).to_array()
+    }
+
+    /// A direction of the canonical camera in world space.
+    pub(crate) fn to_world(&self, d: [f64; 3]) -> DVec3 {
+        self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) -> Result<()> {
@@ -308,7 +312,7 @@ impl Moved {
 }
 
 /// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
-fn nonzero_f32(x: f64) -> f32 {
+pub(crate) fn nonzero_f32(x: f64) -> f32 {
     let rounded = x as f32;
     if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }
 }

@@ -8,7 +8,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::file::Target;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
-use halfline::plan::{Accuracy, Backend, Settings};
+use halfline::plan::{Accuracy, Backend, Settings, Tolerance};
 use halfline::render::Renderer;
 use halfline::scene::{ReadOptions, Scene};
 use halfline::shade::Shade;
@@ -44,6 +44,9 @@ pub(crate) struct Render {
     /// How sure the answers must be: auto, fast, certified, exact.
     #[arg(long, value_name = "A", default_value = "auto")]
     accuracy: Accuracy,
+    /// Promised relative error of the distance where answers are certified; at least 2^-50.
+    #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: Tolerance,
     /// How a hit becomes a colour: flat, normal, headlight.
     #[arg(long, value_name = "S", default_value = "headlight")]
     shade: Shade,
@@ -103,11 +106,15 @@ impl Render {
             method: self.method,
             accuracy: self.accuracy,
             shade: self.shade,
+            tolerance: self.tolerance,
             aovs: targets.iter().map(Target::aov).collect(),
         };
         // A camera that cannot see is the scene's fault, whatever adapters there are.
         scene.check()?;
         let mut renderer = Renderer::new(&settings)?.cancelled_by(go_on);
+        if self.backend == Backend::Auto && !renderer.is_gpu() {
+            say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+        }
         say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = renderer.render(&scene, &settings)?;
         let mut times = frame.report.frame_ms.clone();
@@ -143,7 +150,7 @@ impl Render {
             return Err(Error::settings(problem, "name files for the others"));
         }
         for (n, target) in targets.iter().enumerate() {
-            if !target.is_standard() && targets[..n].iter().any(|other| other.path() == target.path()) {
+            if !target.is_standard() && targets[..n].iter().any(|other| place(other.path()) == place(target.path())) {
                 let problem = format!("{} would be written twice", target.path().display());
                 return Err(Error::settings(problem, "name a file of its own for each buffer"));
             }
@@ -193,6 +200,13 @@ fn write(frame: &Frame, targets: &[Target], scene: &Scene) -> Result<()> {
     Ok(())
 }
 
+/// Where a file lies or will lie, the same however its name is written.
+fn place(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_path_buf())
+}
+
 fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
     let (name, file) = text.split_once('=').ok_or("write NAME=FILE, such as id=id.npy")?;
     if file.is_empty() {
@@ -204,7 +218,11 @@ fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
 fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let sides = sides.ok_or("write WxH, such as 1920x1080")?;
-    halfline::scene::check_size(sides, || "--size".into()).map_err(|e| e.to_string())
+    halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
+        // The option is named already.
+        Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
+        other => other.to_string(),
+    })
 }
 
 fn vector(text: &str) -> Result<DVec3, String> {
@@ -213,6 +231,11 @@ fn vector(text: &str) -> Result<DVec3, String> {
         Ok(v) if v.iter().all(|x| x.is_finite()) => Ok(v.into()),
         _ => Err("write three finite numbers, such as 1,-2,3.5".into()),
     }
+}
+
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let number = text.parse().map_err(|_| "a tolerance is a number".to_owned())?;
+    Tolerance::new(number).map_err(|e| e.to_string())
 }
 
 fn angle(text: &str) -> Result<f64, String> {

@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Buffer, Data};
+use crate::exact::Truth;
 use crate::plan::Kernel;
+use crate::settle::Settled;
 use crate::ray::NONE;
 use crate::view::View;
 use rayon::prelude::*;
@@ -12,7 +14,7 @@ use rayon::prelude::*;
 pub(crate) struct Raw {
     /// Index of the sphere, [`NONE`] on a miss.
     pub(crate) id: Vec<u32>,
-    /// t in the frame's unit.
+    /// t in the frame's unit; of a certified kernel, the depth relative to the centre's.
     pub(crate) t: Vec<f32>,
     /// What t lacks, where the kernel computes in more than f32; else empty.
     pub(crate) t_low: Vec<f32>,
@@ -20,6 +22,8 @@ pub(crate) struct Raw {
     pub(crate) normal: Vec<f32>,
     /// Linear RGB.
     pub(crate) color: Vec<f32>,
+    /// Width of the interval that holds the depth, in the frame's unit.
+    pub(crate) width: Vec<f32>,
 }
 
 impl Raw {
@@ -31,9 +35,10 @@ impl Raw {
         Ok(Self {
             id: room(pixels)?,
             t: room(if kernel.t { pixels } else { 0 })?,
-            t_low: room(if kernel.t && kernel.method.is_wide() { pixels } else { 0 })?,
+            t_low: room(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
             normal: room(if kernel.normal { 3 * pixels } else { 0 })?,
             color: room(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
+            width: room(if kernel.width { pixels } else { 0 })?,
         })
     }
 
@@ -41,6 +46,7 @@ impl Raw {
     pub(crate) fn store(&mut self, name: &str, first: usize, pixels: usize, bytes: &[u8]) {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
+            "frame_width" => (bytemuck::cast_slice_mut(&mut self.width), 1),
             "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
@@ -50,89 +56,125 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
-    /// t of a hit in all its parts.
+    /// t of a hit in all its parts; 0 where nobody asked for it.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
-        f64::from(self.t[pixel]) + self.t_low.get(pixel).map_or(0.0, |low| f64::from(*low))
+        let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
+        part(&self.t) + part(&self.t_low)
     }
 
     /// How many rays hit something.
+    #[cfg(test)]
     pub(crate) fn hits(&self) -> u64 {
         self.id.par_iter().filter(|id| **id != NONE).count() as u64
     }
+}
 
-    /// The buffers asked for, in f64 where the frame promises f64: t is all that f32 was needed for.
-    pub(crate) fn assemble(self, view: &View, aovs: &[Aov]) -> Result<Vec<Buffer>> {
-        let (w, h) = (view.record.width as usize, view.record.height as usize);
+/// A finished frame's answers: the kernel's, and over them what was settled.
+pub(crate) struct Answers<'a> {
+    pub(crate) view: &'a View,
+    pub(crate) raw: Raw,
+    /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for the others.
+    pub(crate) depths: Option<&'a [f64]>,
+    /// In the order of pixels.
+    pub(crate) settled: &'a [Settled],
+}
+
+/// Relative rounding of a distance made of a depth in f64, and of a settled one: 2^-50, several roundings.
+const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
+
+impl Answers<'_> {
+    /// The buffers asked for, in f64 where the frame promises f64.
+    pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
+        let (w, h) = (self.view.record.width as usize, self.view.record.height as usize);
+        self.settle_raw();
         let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
         wanted.sort_unstable();
         wanted.dedup();
+        let inf = f64::INFINITY;
         let mut buffers = Vec::with_capacity(wanted.len());
         for aov in wanted {
             let data = match aov {
-                Aov::Color | Aov::Normal | Aov::Id => continue,
-                Aov::Distance => Data::F64(self.lengths(view, |d| d.iter().map(|x| x * x).sum::<f64>().sqrt())?),
-                Aov::Depth => Data::F64(self.lengths(view, |d| -d[2])?),
-                Aov::Position => Data::F64(self.positions(view)?),
-                Aov::Mask => Data::U8(self.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
-                Aov::Certainty => Data::U8(vec![255; w * h]),
+                Aov::Color => Data::F32(std::mem::take(&mut self.raw.color)),
+                Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),
+                // Last of all: the others look at the ids. NONE and -1 are the same bits.
+                Aov::Id => continue,
+                Aov::Distance => Data::F64(self.fill(inf, |_, d, depth| [depth * length(d)], |t| [t.distance])?),
+                Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
+                Aov::Position => {
+                    let point = |_, d, depth| self.view.point(d, depth);
+                    Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
+                }
                 Aov::Bound => {
-                    let bound = |id: &u32| if *id == NONE { 0.0 } else { f64::INFINITY };
-                    Data::F64(self.id.par_iter().map(bound).collect())
+                    let unit = crate::dd::ldexp(1.0, self.view.unit);
+                    let bound = |pixel: usize, d: [f64; 3], depth: f64| match self.raw.width.get(pixel) {
+                        Some(width) => [(f64::from(*width) * unit + ROUNDED * depth) * length(d)],
+                        None => [inf],
+                    };
+                    Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance])?)
+                }
+                Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
+                Aov::Certainty => {
+                    let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
+                    self.settled.iter().for_each(|s| certainty[s.pixel as usize] = 1);
+                    Data::U8(certainty)
                 }
             };
-            buffers.push(buffer(aov, w, h, data));
+            buffers.push(Buffer::new(aov, w, h, data)?);
         }
-        if aovs.contains(&Aov::Color) {
-            buffers.push(buffer(Aov::Color, w, h, Data::F32(self.color)));
-        }
-        if aovs.contains(&Aov::Normal) {
-            buffers.push(buffer(Aov::Normal, w, h, Data::F32(self.normal)));
-        }
-        // NONE and -1 are the same bits.
-        buffers.push(buffer(Aov::Id, w, h, Data::I32(bytemuck::allocation::cast_vec(self.id))));
+        let ids = bytemuck::allocation::cast_vec(self.raw.id);
+        buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);
         buffers.sort_by_key(|b| b.aov);
         Ok(buffers)
     }
 
-    /// t times `along` of the viewing direction, in the scene's unit; +inf on a miss.
-    fn lengths(&self, view: &View, along: impl Fn([f64; 3]) -> f64 + Sync) -> Result<Vec<f64>> {
-        let width = view.record.width as usize;
-        let unit = crate::dd::ldexp(1.0, view.unit);
-        let mut out: Vec<f64> = room(self.id.len())?;
-        out.par_chunks_mut(width).enumerate().for_each(|(i, row)| {
-            for (j, x) in row.iter_mut().enumerate() {
-                let pixel = i * width + j;
-                *x = match self.id[pixel] {
-                    NONE => f64::INFINITY,
-                    _ => self.t(pixel) * along(view.direction(i, j)) * unit,
-                };
+    /// Ids and normals of what was settled.
+    fn settle_raw(&mut self) {
+        for s in self.settled {
+            let pixel = s.pixel as usize;
+            self.raw.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
+            if let Some(normal) = self.raw.normal.get_mut(3 * pixel..3 * pixel + 3) {
+                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
             }
-        });
-        Ok(out)
+        }
     }
 
-    /// Hit points in world space; NaN on a miss.
-    fn positions(&self, view: &View) -> Result<Vec<f64>> {
-        let width = view.record.width as usize;
-        let unit = crate::dd::ldexp(1.0, view.unit);
-        let mut out: Vec<f64> = room(3 * self.id.len())?;
-        out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
-            for (j, point) in row.chunks_exact_mut(3).enumerate() {
+    /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
+    /// `truth` where it was settled.
+    fn fill<const N: usize>(
+        &self,
+        missed: f64,
+        hit: impl Fn(usize, [f64; 3], f64) -> [f64; N] + Sync,
+        truth: impl Fn(&Truth) -> [f64; N],
+    ) -> Result<Vec<f64>> {
+        let width = self.view.record.width as usize;
+        let unit = crate::dd::ldexp(1.0, self.view.unit);
+        let mut out: Vec<f64> = room(N * self.raw.id.len())?;
+        out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
+            for (j, values) in row.chunks_exact_mut(N).enumerate() {
                 let pixel = i * width + j;
-                let at = match self.id[pixel] {
-                    NONE => [f64::NAN; 3],
-                    _ => view.point(view.direction(i, j), self.t(pixel) * unit),
-                };
-                point.copy_from_slice(&at);
+                let id = self.raw.id[pixel];
+                let values = values.first_chunk_mut::<N>();
+                if let Some(values) = values {
+                    *values = if id == NONE { [missed; N] } else {
+                        let [u, v, w] = self.view.direction(i, j);
+                        let t = self.raw.t(pixel) * unit;
+                        // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
+                        let depth = self.depths.map_or(-w * t, |depths| depths.get(id as usize).unwrap_or(&0.0) + t);
+                        hit(pixel, [u / -w, v / -w, -1.0], depth)
+                    };
+                }
             }
         });
+        for s in self.settled {
+            let values = s.truth.as_ref().map_or([missed; N], &truth);
+            out[N * s.pixel as usize..][..N].copy_from_slice(&values);
+        }
         Ok(out)
     }
 }
 
-fn buffer(aov: Aov, w: usize, h: usize, data: Data) -> Buffer {
-    let shape = if aov.channels() == 1 { vec![h, w] } else { vec![h, w, aov.channels()] };
-    Buffer { aov, shape, data }
+fn length(d: [f64; 3]) -> f64 {
+    d.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// A zeroed vector, or an error instead of an abort when the memory cannot be had.

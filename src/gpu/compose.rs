@@ -1,7 +1,7 @@
 //! WGSL from whole files: explicit part lists, numbers as `override` constants, and a line map so that an error names
 //! the file and the line. A missing or doubled part is an error of naga's.
 
-use crate::plan::{Kernel, Rays, Sharing};
+use crate::plan::{Kernel, Pass, Rays, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 
@@ -54,46 +54,87 @@ impl Source {
 
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
-    let wide = kernel.method.is_wide();
-    let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl"), kernel.method.wgsl()];
-    parts.extend(match wide {
-        false => vec![part!("ray.wgsl"), part!("intersect/roots.wgsl"), part!("nearest/consider.wgsl")],
-        true => vec![
-            part!("opaque.wgsl"),
-            part!("wide/ray.wgsl"),
-            part!("wide/intersect.wgsl"),
-            part!("wide/consider.wgsl"),
-            if kernel.rays == Rays::Spread { part!("wide/spread.wgsl") } else { part!("wide/shared.wgsl") },
-        ],
-    });
-    if wide || kernel.rays == Rays::Spread {
-        parts.push(part!("lows.wgsl"));
+    let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl")];
+    match kernel.certify {
+        None if kernel.is_wide() => wide(kernel, &mut parts),
+        None => search(kernel, &mut parts),
+        Some(pass) => certify(kernel, pass, &mut parts),
     }
+    if kernel.certify != Some(Pass::Emit) {
+        frame(kernel, &mut parts);
+    }
+    Source::new(parts)
+}
+
+/// The nearest hit by one form of the quadratic.
+fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
     parts.extend(match kernel.rays {
-        // What is loaded is moved in better arithmetic afterwards.
-        Rays::Spread if wide => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Camera => [part!("origin/shared.wgsl"), part!("render.wgsl")],
-        Rays::SharedOrigin => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Spread => [part!("origin/spread.wgsl"), part!("trace.wgsl")],
+        Rays::Camera => vec![part!("origin/shared.wgsl"), part!("render.wgsl")],
+        Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
+        Rays::Spread => vec![part!("lows.wgsl"), part!("origin/spread.wgsl"), part!("trace.wgsl")],
     });
+    parts.push(part!("nearest/consider.wgsl"));
     parts.extend(match kernel.sharing {
-        Sharing::None if wide => [part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
-        // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
-        _ if wide => [part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::None => [part!("nearest/plain.wgsl"), part!("entry/plain.wgsl")],
         Sharing::Subgroup4 => [part!("nearest/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::Subgroup8 => [part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::Shuffle => [part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
+    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+        parts.push(part!("surface.wgsl"));
+    }
+}
+
+/// The nearest hit in arithmetic beyond f32.
+fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl")]);
+    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("wide/consider.wgsl")]);
+    parts.extend(match kernel.rays {
+        Rays::Camera => [part!("wide/shared.wgsl"), part!("render.wgsl")],
+        Rays::SharedOrigin => [part!("wide/shared.wgsl"), part!("trace.wgsl")],
+        Rays::Spread => [part!("wide/spread.wgsl"), part!("trace.wgsl")],
+    });
+    parts.extend(match kernel.sharing {
+        Sharing::None => [part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
+        // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
+        _ => [part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+        parts.push(part!("wide/surface.wgsl"));
+    }
+}
+
+/// The nearest hit with its proof, or the candidates of pixels without one.
+fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
+    parts.push(part!("ray.wgsl"));
+    parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl"), part!("certify/near.wgsl")]);
+    parts.extend(match kernel.sharing {
+        Sharing::None => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => vec![part!("certify/subgroup4.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => vec![part!("certify/subgroup8.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Shuffle => vec![part!("certify/shuffle.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    match pass {
+        Pass::Emit => parts.push(part!("certify/emit.wgsl")),
+        Pass::Judge => {
+            parts.extend([part!("certify/keep.wgsl"), part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
+            parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
+        }
+    }
+}
+
+/// What is written, and how colour is made.
+fn frame(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.push(part!("frame/id.wgsl"));
     parts.push(match kernel.t {
-        true if wide => part!("wide/t.wgsl"),
+        true if kernel.is_wide() => part!("wide/t.wgsl"),
         true => part!("frame/t.wgsl"),
         false => part!("frame/no_t.wgsl"),
     });
     parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
     if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
-        parts.push(if wide { part!("wide/surface.wgsl") } else { part!("shade.wgsl") });
+        parts.push(part!("shade.wgsl"));
     }
     match kernel.shade {
         None => parts.push(part!("frame/no_color.wgsl")),
@@ -109,7 +150,6 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
             }
         }
     }
-    Source::new(parts)
 }
 
 /// The values of the `override` constants that the kernel's parts declare.

@@ -3,10 +3,12 @@
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
 use crate::gpu::compose::{compose, constants};
-use crate::gpu::device::{AdapterSummary, Open};
+use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
-use crate::plan::{Kernel, Rays};
+use crate::certify::stage::Stage;
+use crate::plan::{Kernel, Pass, Rays};
+use crate::settle::Open;
 use crate::report::Stages;
 use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
 use bytemuck::Zeroable;
@@ -25,7 +27,7 @@ const TESTS_PER_DISPATCH: u64 = 1 << 32;
 /// An opened device, its pipelines and its buffers, kept from frame to frame.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
-    pub(super) open: Open,
+    pub(super) open: device::Open,
     limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
@@ -44,30 +46,39 @@ pub(crate) struct Input<'a> {
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     /// Records of given rays; empty for viewing rays.
     pub(crate) rays: &'a [crate::trace::RayRecord],
+    /// What the certified kernels read instead of the view's spheres.
+    pub(crate) stage: Option<&'a Stage>,
+}
+
+/// What a run leaves behind.
+pub(crate) struct Output<'a> {
+    pub(crate) raw: &'a mut Raw,
+    /// What a certified kernel could not prove.
+    pub(crate) open: Open,
+    pub(crate) stages: &'a mut Stages,
 }
 
 /// A band of the frame: rows of pixels, or a run of given rays in one row.
-struct Band {
-    first: u32,
-    count: u32,
+pub(super) struct Band {
+    pub(super) first: u32,
+    pub(super) count: u32,
 }
 
 impl Gpu {
-    pub(crate) fn new(open: Open, summary: AdapterSummary) -> Self {
+    pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
         Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
     }
 
-    /// Fills `raw` by `kernel`. `go_on` is asked between bands.
+    /// Fills `output` by `kernel`. `go_on` is asked between bands.
     pub(crate) fn run(
         &mut self,
         kernel: &Kernel,
         input: &Input<'_>,
-        raw: &mut Raw,
-        stages: &mut Stages,
+        output: &mut Output<'_>,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
-        self.guarded(|gpu| gpu.run_unguarded(kernel, input, raw, stages, go_on))
+        self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
     }
 
     /// Does `work` and turns what the device complains of meanwhile into errors of ours.
@@ -100,10 +111,10 @@ impl Gpu {
         &mut self,
         kernel: &Kernel,
         input: &Input<'_>,
-        raw: &mut Raw,
-        stages: &mut Stages,
+        output: &mut Output<'_>,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
+        let Output { raw, open, stages } = output;
         let record = input.view.record;
         self.check_limits(kernel, &record)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
@@ -114,6 +125,9 @@ impl Gpu {
             }
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
             stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
+            if kernel.certify.is_some() {
+                stages.time("candidates", || self.follow_up(kernel, &record, &band, open))?;
+            }
         }
         Ok(())
     }
@@ -147,7 +161,7 @@ impl Gpu {
         Ok(())
     }
 
-    fn pipeline(&mut self, kernel: &Kernel) -> Result<()> {
+    pub(super) fn pipeline(&mut self, kernel: &Kernel) -> Result<()> {
         if self.pipelines.contains_key(kernel) {
             return Ok(());
         }
@@ -173,17 +187,21 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-        let nothing = [SphereRecord::zeroed()];
-        let spheres = if input.view.spheres.is_empty() { &nothing[..] } else { &input.view.spheres };
-        self.fill("spheres", bytemuck::cast_slice(spheres))?;
+        if kernel.certify.is_some() {
+            self.upload_stage(input)?;
+        } else {
+            // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
+            let nothing = [SphereRecord::zeroed()];
+            let spheres = if input.view.spheres.is_empty() { &nothing[..] } else { &input.view.spheres };
+            self.fill("spheres", bytemuck::cast_slice(spheres))?;
+        }
         if let (true, Some(colors)) = (kernel.colors, input.colors) {
             self.fill("colors", bytemuck::cast_slice(colors))?;
         }
         if kernel.rays != Rays::Camera {
             self.fill("rays", bytemuck::cast_slice(input.rays))?;
         }
-        if kernel.rays == Rays::Spread || kernel.method.is_wide() {
+        if kernel.rays == Rays::Spread || kernel.is_wide() {
             let nothing = [SphereLow::zeroed()];
             let lows = if input.view.lows.is_empty() { &nothing[..] } else { &input.view.lows };
             self.fill("lows", bytemuck::cast_slice(lows))?;
@@ -225,11 +243,18 @@ impl Gpu {
         self.fill("view", bytemuck::bytes_of(&record))?;
         for output in outputs(kernel) {
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-            let reading = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
             let bytes = pixels * output.bytes;
             self.reserve(output.name, bytes, usage);
-            self.reserve(output.staging, bytes, reading);
+            self.reserve(output.staging, bytes, READING);
         }
+        if kernel.certify.is_some() {
+            self.reserve_unsure(pixels);
+        }
+        self.submit(kernel, pixels, groups)
+    }
+
+    /// One dispatch, and copies of what it wrote to where they can be read.
+    pub(super) fn submit(&self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
         let pipeline = &self.pipelines[kernel];
         let entries: Vec<_> = pipeline
             .bindings
@@ -242,6 +267,11 @@ impl Gpu {
             entries: &entries,
         });
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        match kernel.certify {
+            None => {}
+            Some(Pass::Judge) => encoder.clear_buffer(&self.buffers["unsure"], 0, Some(8)),
+            Some(Pass::Emit) => encoder.clear_buffer(&self.buffers["pairs"], 0, Some(8)),
+        }
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(&pipeline.compute);
@@ -277,6 +307,26 @@ impl Gpu {
         Ok(())
     }
 
+    /// The first bytes of a buffer.
+    pub(super) fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u8>> {
+        self.reserve("read list", size, READING);
+        let staging = &self.buffers["read list"];
+        let mut encoder = self.open.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.buffers[name], 0, staging, 0, size);
+        self.open.queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, 0..size, |_| {});
+        self.wait()?;
+        let unreadable = |e| Error::DeviceLost(format!("a buffer cannot be read back: {e}"));
+        let bytes = staging.get_mapped_range(0..size).map_err(unreadable)?.to_vec();
+        staging.unmap();
+        Ok(bytes)
+    }
+
+    /// Bytes of a buffer, if it is there.
+    pub(super) fn size(&self, name: &str) -> Option<u64> {
+        self.buffers.get(name).map(wgpu::Buffer::size)
+    }
+
     pub(super) fn wait(&self) -> Result<()> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
@@ -289,25 +339,28 @@ impl Gpu {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
     }
 
-    fn fill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
-        let usage = if name == "view" { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+    /// Refuses a buffer that the adapter cannot bind.
+    pub(super) fn check_size(&self, name: &str, bytes: u64) -> Result<()> {
         let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        if bytes.len() as u64 > largest {
-            return Err(Error::Limits {
-                problem: format!(
-                    "{} bytes of {name} are more than {} binds ({largest})",
-                    bytes.len(),
-                    self.summary.name
-                ),
-                mend: "render fewer at a time, or use --backend cpu".into(),
-            });
+        if bytes <= largest {
+            return Ok(());
         }
+        Err(Error::Limits {
+            problem: format!("{bytes} bytes of {name} are more than {} binds ({largest})", self.summary.name),
+            mend: "render fewer at a time, or use --backend cpu".into(),
+        })
+    }
+
+    pub(super) fn fill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        let uniform = ["view", "lens"].contains(&name);
+        let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+        self.check_size(name, bytes.len() as u64)?;
         self.reserve(name, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
         self.open.queue.write_buffer(&self.buffers[name], 0, bytes);
         Ok(())
     }
 
-    fn reserve(&mut self, name: &'static str, size: u64, usage: wgpu::BufferUsages) {
+    pub(super) fn reserve(&mut self, name: &'static str, size: u64, usage: wgpu::BufferUsages) {
         if self.buffers.get(name).is_none_or(|buffer| buffer.size() < size) {
             let descriptor = wgpu::BufferDescriptor { label: Some(name), size, usage, mapped_at_creation: false };
             self.buffers.insert(name, self.open.device.create_buffer(&descriptor));
@@ -315,25 +368,29 @@ impl Gpu {
     }
 }
 
-/// An output buffer: its binding, where it is read from, bytes per pixel.
-struct Output {
+/// What a buffer is for that the host reads.
+const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
+
+/// A buffer that a kernel writes: its binding, where it is read from, bytes per pixel.
+struct Written {
     name: &'static str,
     staging: &'static str,
     bytes: u64,
 }
 
 /// The buffers that a kernel writes.
-fn outputs(kernel: &Kernel) -> impl Iterator<Item = Output> {
+fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
     [
-        (true, "frame_id", "read frame_id", 4),
+        (kernel.certify != Some(Pass::Emit), "frame_id", "read frame_id", 4),
+        (kernel.width, "frame_width", "read frame_width", 4),
         (kernel.t, "frame_t", "read frame_t", 4),
-        (kernel.t && kernel.method.is_wide(), "frame_t_low", "read frame_t_low", 4),
+        (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
         (kernel.normal, "frame_normal", "read frame_normal", 12),
         (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
     ]
     .into_iter()
     .filter(|(written, ..)| *written)
-    .map(|(_, name, staging, bytes)| Output { name, staging, bytes })
+    .map(|(_, name, staging, bytes)| Written { name, staging, bytes })
 }
 
 #[cfg(test)]
@@ -361,38 +418,48 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
-        for method in [Method::Stable, Method::Native64, Method::DoubleFloat] {
-            if method == Method::Native64 && !gpu.summary.f64 {
-                println!("SKIPPED: {} needs f64 in shaders", method.name());
+        // The low parts are there for those that read them.
+        let view = View::for_method(&scene, Method::DoubleFloat).expect("a view");
+        let stage = Stage::new(&scene, &view, 1e-5, &crate::certify::stage::TERMS).expect("a stage").expect("a lens");
+        let mut answers = Vec::new();
+        for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
+            if lanes < least {
+                println!("SKIPPED: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
                 continue;
             }
+            let kernel = Kernel {
+                method: Method::Stable,
+                rays: Rays::Camera,
+                sharing,
+                shade: Some(Shade::Headlight),
+                colors: true,
+                t: true,
+                normal: true,
+                certify: None,
+                width: false,
+            };
+            let certified = Kernel { certify: Some(Pass::Judge), width: true, ..kernel };
+            let mut raws = Vec::new();
             // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
-            let shade = if method.is_wide() { Shade::Flat } else { Shade::Headlight };
-            let view = View::for_method(&scene, method).expect("a view");
-            let mut answers = Vec::new();
-            for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
-                if lanes < least {
-                    println!("SKIPPED: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
-                    continue;
-                }
-                let kernel = Kernel {
-                    method,
-                    rays: Rays::Camera,
-                    sharing,
-                    shade: Some(shade),
-                    colors: true,
-                    t: true,
-                    normal: true,
-                };
+            let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
+            let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
+            for kernel in [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64) {
                 let mut raw = Raw::new(&kernel, 131 * 74).expect("room");
-                let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[] };
-                gpu.run(&kernel, &input, &mut raw, &mut Stages::default(), &|| true).expect("a frame");
-                answers.push((sharing, raw));
+                let stage = Some(&stage);
+                let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+                let mut output = Output { raw: &mut raw, open: Open::default(), stages: &mut Stages::default() };
+                gpu.run(&kernel, &input, &mut output, &|| true).expect("a frame");
+                let mut open = output.open;
+                open.pixels.sort_unstable();
+                open.pairs.sort_unstable();
+                raws.push((raw, open));
             }
-            assert!(answers[0].1.hits() > 1000, "the scene shows something");
-            for (sharing, raw) in &answers[1..] {
-                assert!(raw == &answers[0].1, "{}: {sharing:?} differs", method.name());
-            }
+            answers.push((sharing, raws));
+        }
+        assert!(answers[0].1.iter().all(|(raw, _)| raw.hits() > 1000), "the scene shows something");
+        assert!(!answers[0].1[1].1.pairs.is_empty(), "something is left to settle");
+        for (sharing, raws) in &answers[1..] {
+            assert!(raws == &answers[0].1, "{sharing:?} differs");
         }
     }
 }

@@ -16,8 +16,25 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 10] =
-    ["view", "spheres", "colors", "frame_id", "frame_t", "frame_normal", "frame_color", "rays", "lows", "frame_t_low"];
+pub(crate) const BUFFERS: [&str; 17] = [
+    "view",
+    "spheres",
+    "colors",
+    "frame_id",
+    "frame_t",
+    "frame_normal",
+    "frame_color",
+    "rays",
+    "lows",
+    "lens",
+    "fronts",
+    "front_mores",
+    "nears",
+    "unsure",
+    "pairs",
+    "frame_width",
+    "frame_t_low",
+];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
 pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
@@ -47,7 +64,8 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 
 /// What the device will have when it runs `kernel`: validated with nothing more.
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
-    let wide = if kernel.method == Method::Native64 { Capabilities::FLOAT64 } else { Capabilities::empty() };
+    let wide = kernel.is_wide() && kernel.method == Method::Native64;
+    let wide = if wide { Capabilities::FLOAT64 } else { Capabilities::empty() };
     wide | if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
 }
 
@@ -56,7 +74,10 @@ mod tests {
     use super::*;
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::{GROUP, TILE};
-    use crate::plan::Rays;
+    use crate::certify::LensRecord;
+    use crate::certify::front::{FrontMoreRecord, FrontRecord};
+    use crate::certify::near::NearRecord;
+    use crate::plan::{Pass, Rays};
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
@@ -71,17 +92,45 @@ mod tests {
         let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
         let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
         let mut kernels = Vec::new();
-        for &method in Method::ALL {
+        let plain = Method::ALL.iter().map(|&method| (method, None));
+        for (method, certify) in plain.chain([(Method::Stable, Some(Pass::Judge))]) {
             for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
                         let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
-                        kernels.extend(colors.map(|colors| Kernel { method, rays, sharing, shade, colors, t, normal }));
+                        let all = |colors| Kernel {
+                            method,
+                            rays,
+                            sharing,
+                            shade,
+                            colors,
+                            t,
+                            normal,
+                            certify,
+                            width: t && certify.is_some(),
+                        };
+                        kernels.extend(colors.map(all).filter(|k| certify.is_none() || k.rays == Rays::Camera));
                     }
                 }
             }
         }
+        kernels.extend(Sharing::ALL.map(emit));
         kernels
+    }
+
+    /// The second pass of the certified frame.
+    fn emit(sharing: Sharing) -> Kernel {
+        Kernel {
+            method: Method::Stable,
+            rays: Rays::Camera,
+            sharing,
+            shade: None,
+            colors: false,
+            t: false,
+            normal: false,
+            certify: Some(Pass::Emit),
+            width: false,
+        }
     }
 
     fn module(kernel: &Kernel) -> (naga::Module, naga::valid::ModuleInfo) {
@@ -92,7 +141,8 @@ mod tests {
     #[test]
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
-        assert_eq!(kernels.len(), Method::ALL.len() * 6 * 4 * (1 + 2 + 1 + 2), "the list is whole");
+        let frames = 4 * (1 + 2 + 1 + 2);
+        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames + 4, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -104,17 +154,25 @@ mod tests {
             let (module, info) = module(&kernel);
             let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
             let given = kernel.rays != Rays::Camera;
+            let (certify, emit) = (kernel.certify.is_some(), kernel.certify == Some(Pass::Emit));
             let wanted: BTreeSet<_> = [
                 (true, "view"),
-                (true, "spheres"),
-                (true, "frame_id"),
+                (!certify, "spheres"),
+                (!emit, "frame_id"),
+                (certify, "lens"),
+                (certify, "fronts"),
+                (certify, "front_mores"),
+                (certify, "nears"),
+                (certify, "unsure"),
+                (emit, "pairs"),
+                (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
-                (kernel.rays == Rays::Spread || kernel.method.is_wide(), "lows"),
-                (kernel.t && kernel.method.is_wide(), "frame_t_low"),
+                (kernel.rays == Rays::Spread || kernel.is_wide(), "lows"),
+                (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
             .filter_map(|(wanted, name)| wanted.then_some(name))
@@ -152,19 +210,29 @@ mod tests {
             colors: false,
             t: true,
             normal: true,
+            certify: None,
+            width: false,
         };
+        let (certified, _) = module(&emit(Sharing::None));
         let (module, _) = module(&any);
         macro_rules! same {
-            ($wgsl:literal, $host:ty, $($field:ident)*) => {
+            ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
                 let host: Vec<(&str, usize)> = vec![$((stringify!($field), offset_of!($host, $field))),*];
-                assert_eq!(members(&module, $wgsl), (host, size_of::<$host>()), $wgsl);
+                assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!("View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres zero
-            half_du_low half_dv_low d_low);
-        same!("Sphere", SphereRecord, ball power scale);
-        same!("SphereLow", SphereLow, ball power);
-        same!("GivenRay", RayRecord, direction origin origin_low);
+        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y depth tolerance fronts nears);
+        same!(certified "Front", FrontRecord, rest column row rho2 error size low);
+        same!(certified "FrontMore", FrontMoreRecord, high least id unused);
+        same!(certified "Near", NearRecord, ball power scale form id);
+        assert_eq!(constant(&certified, "GROUP"), f64::from(GROUP));
+        assert_eq!(constant(&certified, "GROUPS"), f64::from(crate::gpu::certified::GROUPS));
+        assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
+        same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
+            zero half_du_low half_dv_low d_low);
+        same!(module "Sphere", SphereRecord, ball power scale);
+        same!(module "SphereLow", SphereLow, ball power);
+        same!(module "GivenRay", RayRecord, direction origin origin_low);
         let tile = constant(&module, "NONE");
         assert_eq!(tile, f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
@@ -177,7 +245,7 @@ mod tests {
             let (module, _) = module(&kernel);
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
             assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
-            if kernel.rays == Rays::Camera {
+            if kernel.rays == Rays::Camera && kernel.certify != Some(Pass::Emit) {
                 assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
         }

@@ -117,6 +117,7 @@ impl Real for Pair {
     const MISS: Self = Self { hi: f32::MAX, lo: 0.0 };
     const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
     const HALF: Self = Self { hi: 0.5, lo: 0.0 };
+    const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
     fn exact(x: f32) -> Self {
         Self { hi: x, lo: 0.0 }

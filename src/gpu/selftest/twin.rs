@@ -2,14 +2,16 @@
 
 use super::Check;
 use crate::camera::Camera;
+use crate::certify::stage::{Stage, TERMS};
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
-use crate::gpu::dispatch::Input;
+use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
-use crate::plan::{Kernel, Rays, Sharing};
+use crate::plan::{Kernel, Pass, Rays, Sharing, Tolerance};
 use crate::report::Stages;
+use crate::settle::Open;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::view::View;
 
@@ -36,7 +38,7 @@ fn scene() -> Scene {
 impl Gpu {
     /// The kernels that are compared.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
-        let kernel = |&method: &Method| Kernel {
+        let kernel = |method: Method, certify: Option<Pass>| Kernel {
             method,
             rays: Rays::Camera,
             sharing: Sharing::on(&self.summary),
@@ -44,26 +46,45 @@ impl Gpu {
             colors: false,
             t: true,
             normal: true,
+            certify,
+            width: certify.is_some(),
         };
-        Method::ALL.iter().filter(|method| !method.is_wide()).map(kernel).collect()
+        let forms = Method::ALL.iter().filter(|method| !method.is_wide()).map(|method| kernel(*method, None));
+        forms.chain([kernel(Method::Stable, Some(Pass::Judge))]).collect()
     }
 
     pub(super) fn compare_twins(&mut self) -> Result<Check> {
-        let view = View::new(&scene())?;
+        let scene = scene();
+        let view = View::new(&scene)?;
+        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels)?, Raw::new(&kernel, pixels)?);
-            let input = Input { view: &view, colors: None, rays: &[] };
-            self.run(&kernel, &input, &mut device, &mut Stages::default(), &|| true)?;
-            cpu::render(&kernel, &view, None, &mut host, &|| true);
-            let bits = |raw: &Raw| -> Vec<u32> {
-                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.color);
-                raw.id.iter().copied().chain(numbers.map(|x| x.to_bits())).collect()
+            let input = Input { view: &view, colors: None, rays: &[], stage: stage.as_ref() };
+            let mut output = Output { raw: &mut device, open: Open::default(), stages: &mut Stages::default() };
+            let left = match (kernel.certify, &stage) {
+                // This scene has a stage; without one there is nothing to compare.
+                (Some(_), None) => continue,
+                (Some(_), Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
+                (None, _) => {
+                    cpu::render(&kernel, &view, None, &mut host, &|| true);
+                    Open::default()
+                }
             };
-            let (device, host) = (bits(&device), bits(&host));
+            self.run(&kernel, &input, &mut output, &|| true)?;
+            let open = output.open;
+            let bits = |raw: &Raw, mut open: Open| -> Vec<u32> {
+                // Where invocations meet, the order is theirs.
+                open.pixels.sort_unstable();
+                open.pairs.sort_unstable();
+                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
+                raw.id.iter().copied().chain(numbers).chain(open.pixels).chain(open.pairs.concat()).collect()
+            };
+            let (device, host) = (bits(&device, open), bits(&host, left));
             values += host.len() as f64;
             different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
+            different += device.len().abs_diff(host.len()) as f64;
         }
         let detail = [("values".to_owned(), values), ("different".to_owned(), different)].into();
         Ok(Check { name: NAME.to_owned(), passed: different == 0.0 && values > 0.0, detail })

@@ -1,0 +1,109 @@
+// Any other sphere, with a bound for each ray.
+
+// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
+struct Weighed {
+    b: f32,
+    b_error: f32,
+    disc: f32,
+    error: f32,
+    g: vec3<f32>,
+    g_error: f32,
+}
+
+const HOST: f32 = 3.552713678800501e-15;      // 2^-48: what the host's f64 rotation leaves
+const INFLATE: f32 = 1.0009765625;            // 1 + 2^-10: the bounds are computed in f32 themselves
+const VANISH: f32 = 7.888609052210118e-31;    // 2^-100: what flushed subnormals leave, times |d|^2
+const QUOTIENT: f32 = 1.430511474609375e-6;   // 12 UNIT: root, sum and quotient of c/q
+const SUM: f32 = 2.86102294921875e-6;         // 24 UNIT: root, sum, |d|^2 and quotient of the others
+const FAR: f32 = 3.0e38;                      // a depth beyond every frame, and below MISS
+const NORMAL: f32 = 0.97e-3;                  // radians promised, less the roundings of the unit vector
+
+fn near_weigh(s: Slopes, n: Near) -> Weighed {
+    let p = n.ball.xyz;
+    let l = abs(s.x) + abs(s.y) + 1.0;
+    let b = p.x * s.x + p.y * s.y - p.z;
+    let b_sum = abs(p.x * s.x) + abs(p.y * s.y) + abs(p.z);
+    let b_error = (5.0 * UNIT * b_sum + 2.0 * HOST * l) * INFLATE;
+    let g = vec3<f32>(-p.y - p.z * s.y, p.z * s.x + p.x, p.x * s.y - p.y * s.x);
+    let e = vec3<f32>(
+        abs(p.y) + abs(p.z * s.y), abs(p.z * s.x) + abs(p.x), abs(p.x * s.y) + abs(p.y * s.x),
+    );
+    let g_error = 4.0 * UNIT * e + vec3<f32>(2.0 * HOST * l);
+    var disc: f32;
+    var error: f32;
+    if (n.form == 1u) {
+        let ac = s.a * n.power;
+        disc = b * b - ac;
+        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (2.0 * b * b + 8.5 * abs(ac));
+    } else {
+        let gg = g.x * g.x + g.y * g.y + g.z * g.z;
+        let ar2 = s.a * (n.ball.w * n.ball.w);
+        disc = ar2 - gg;
+        let mixed = abs(g.x) * g_error.x + abs(g.y) * g_error.y + abs(g.z) * g_error.z;
+        let small = g_error.x * g_error.x + g_error.y * g_error.y + g_error.z * g_error.z;
+        error = UNIT * (12.0 * ar2 + 4.0 * gg) + 2.0 * mixed + small;
+    }
+    let sum = g_error.x + g_error.y + g_error.z;
+    return Weighed(b, b_error, disc, error * INFLATE + s.a * VANISH, g, sum);
+}
+
+// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+fn near_below(s: Slopes, n: Near, w: Weighed) -> f32 {
+    if (n.power >= 0.0 && (w.disc < -w.error || w.b < -w.b_error)) {
+        return MISS;
+    }
+    let most = sqrt(positive(w.disc + w.error));
+    let least = sqrt(positive(w.disc - w.error));
+    if (n.power > 0.0) {
+        let q = w.b + w.b_error + most;
+        if (q <= 0.0) {
+            return MISS;
+        }
+        return min(n.power / q * (1.0 - QUOTIENT), FAR);
+    }
+    if (w.b > w.b_error) {
+        return (w.b - w.b_error + least) * s.inverse * (1.0 - SUM);
+    }
+    if (n.power < 0.0) {
+        return -n.power / (w.b_error - w.b + most) * (1.0 - QUOTIENT);
+    }
+    return 0.0;
+}
+
+fn near_low(s: Slopes, n: Near) -> f32 {
+    let low = near_below(s, n, near_weigh(s, n));
+    if (low < MISS) {
+        return low * n.scale;
+    }
+    return MISS;
+}
+
+fn near_answer(s: Slopes, n: Near) -> Answer {
+    let w = near_weigh(s, n);
+    let root = sqrt(positive(w.disc));
+    let most = sqrt(positive(w.disc + w.error));
+    let least = sqrt(positive(w.disc - w.error));
+    let ahead = w.b > w.b_error;
+    var hits = w.disc > w.error && (n.power < 0.0 || ahead);
+    var depth: f32;
+    var high: f32;
+    if (n.power > 0.0) {
+        depth = n.power / (w.b + root);
+        high = n.power / (w.b - w.b_error + least) * (1.0 + QUOTIENT);
+    } else if (ahead) {
+        depth = (w.b + root) * s.inverse;
+        high = (w.b + w.b_error + most) * s.inverse * (1.0 + SUM);
+    } else {
+        let q = least - (w.b + w.b_error);
+        depth = -n.power / (root - w.b);
+        high = -n.power / q * (1.0 + SUM);
+        hits = hits && q > 0.5 * least;
+    }
+    // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, against the ray: upper sign outside.
+    let d = vec3<f32>(s.x, s.y, -1.0);
+    let across = cross3(d, w.g);
+    let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
+    let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.ball.w);
+    let low = near_below(s, n, w);
+    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low * n.scale, high * n.scale, normal);
+}

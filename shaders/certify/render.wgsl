@@ -1,0 +1,48 @@
+// The data's way, once per pixel, with a certificate: slopes, candidates, the winner's judgement, colour, frame.
+const TILE: u32 = 8u; // pixels along a side of a workgroup's tile
+
+// Pixels whose answer f32 cannot prove, and the depth that the nearest hit surely does not exceed.
+struct Unsure {
+    count: atomic<u32>,
+    entries: array<vec2<u32>>,
+}
+
+@group(0) @binding(13) var<storage, read_write> unsure: Unsure;
+
+var<private> certified_normal: vec3<f32>;
+
+// Unit normal at the hit just judged, in the canonical camera, against the ray.
+fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
+    return certified_normal;
+}
+
+fn render(tile: vec3<u32>, index: u32) {
+    let row = tile.y * TILE + index / TILE;
+    let column = tile.x * TILE + index % TILE;
+    let s = slopes(view.first_row + row, column);
+    let k = candidates(s, Kept(MISS, MISS, NONE));
+    // Only now may invocations outside the image leave: they carried spheres for their subgroup.
+    if (row >= view.rows || column >= view.width) {
+        return;
+    }
+    let pixel = row * view.width + column;
+    var hit = Hit(MISS, NONE);
+    var width = 0.0;
+    if (k.slot != NONE) {
+        let answer = judge(s, k);
+        hit = Hit(answer.offset, answer.id);
+        width = answer.high - answer.low;
+        certified_normal = answer.normal;
+        if (!certain(answer, k)) {
+            let place = atomicAdd(&unsure.count, 1u);
+            let limit = select(MISS, answer.high, answer.hits);
+            unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));
+        }
+    }
+    let ray = Ray(vec3<f32>(s.x, s.y, -1.0));
+    write_id(pixel, hit);
+    write_t(pixel, hit);
+    write_width(pixel, width);
+    write_normal(pixel, ray, hit);
+    write_color(pixel, ray, hit);
+}

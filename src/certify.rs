@@ -1,0 +1,135 @@
+//! The certified kernel's CPU twin and what the host prepares for both: docs/certificate.md derives every bound.
+//!
+//! The kernel answers a pixel in f32 and proves the answer, or says that it cannot. Directions are (x, y, -1): slopes
+//! instead of u, v, d, so that t is the planar depth. Spheres wholly in front of the eye plane (nearly all) are given by
+//! their projected centre, the others by centre and power.
+
+pub(crate) mod front;
+pub(crate) mod near;
+pub(crate) mod stage;
+
+use crate::ray::NONE;
+use crate::real::Real;
+use crate::view::ViewRecord;
+use bytemuck::{Pod, Zeroable};
+use front::{Front, front_answer, front_low};
+use near::{Near, near_answer, near_low};
+
+/// The kernel's second uniform; certify/lens.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct LensRecord {
+    pub(crate) slope_x: f32,
+    pub(crate) slope_y: f32,
+    pub(crate) step_x: f32,
+    pub(crate) step_y: f32,
+    pub(crate) depth: f32,
+    pub(crate) tolerance: f32,
+    pub(crate) fronts: u32,
+    pub(crate) nears: u32,
+}
+
+/// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slopes<R> {
+    pub(crate) x: R,
+    pub(crate) y: R,
+    pub(crate) a: R,
+    pub(crate) inverse: R,
+    pub(crate) row: i32,
+    pub(crate) column: i32,
+}
+
+/// A winner's answer. The depth is the centre's depth (0 for a near sphere) plus offset; it lies between low and high.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Answer<R> {
+    /// Hit, root, depth and normal are within their promise; order is not judged here.
+    pub(crate) sure: bool,
+    /// The hit alone is certain.
+    pub(crate) hits: bool,
+    pub(crate) id: u32,
+    pub(crate) offset: R,
+    pub(crate) low: R,
+    pub(crate) high: R,
+    pub(crate) normal: [R; 3],
+}
+
+/// The two smallest lower bounds of depth, and whose the smallest is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kept<R> {
+    pub(crate) low: R,
+    pub(crate) second: R,
+    pub(crate) slot: u32,
+}
+
+/// Marks a slot in the list of near spheres.
+pub(crate) const NEAR: u32 = 0x8000_0000;
+
+/// The scene as the certified kernel sees it, in the arithmetic of a twin.
+pub(crate) struct Certify<'a, R> {
+    pub(crate) view: &'a ViewRecord,
+    pub(crate) lens: &'a LensRecord,
+    pub(crate) fronts: &'a [Front<R>],
+    pub(crate) nears: &'a [Near<R>],
+}
+
+impl<R: Real> Certify<'_, R> {
+    /// The ray of row `i`, column `j`.
+    pub(crate) fn slopes(&self, i: u32, j: u32) -> Slopes<R> {
+        let odd = |n: i64| R::exact(n as f32);
+        let x = odd(2 * i64::from(j) + 1 - i64::from(self.view.width)) * R::exact(self.lens.slope_x);
+        let y = odd(i64::from(self.view.height) - 1 - 2 * i64::from(i)) * R::exact(self.lens.slope_y);
+        let a = R::ONE + x * x + y * y;
+        Slopes { x, y, a, inverse: R::ONE / a, row: i as i32, column: j as i32 }
+    }
+
+    /// Shows every candidate's lower bound of depth to `keep`, with its slot; certain misses are not shown.
+    pub(crate) fn candidates(&self, s: &Slopes<R>, mut keep: impl FnMut(R, u32)) {
+        let mut show = |low: R, slot: u32| {
+            if low < R::MISS {
+                keep(low, slot);
+            }
+        };
+        for (slot, near) in (0..).zip(self.nears) {
+            show(near_low(s, near), NEAR | slot);
+        }
+        for (slot, front) in (0..).zip(self.fronts) {
+            show(front_low(s, self.lens, front), slot);
+        }
+    }
+
+    /// The two smallest lower bounds.
+    pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
+        let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
+        self.candidates(s, |low, slot| {
+            if low < k.low {
+                k = Kept { low, second: k.low, slot };
+            } else if low < k.second {
+                k.second = low;
+            }
+        });
+        k
+    }
+
+    /// The winner alone is judged, by its own bounds.
+    pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
+        let slot = (k.slot & !NEAR) as usize;
+        if k.slot & NEAR != 0 {
+            return near_answer(s, &self.nears[slot]);
+        }
+        front_answer(s, self.lens, &self.fronts[slot])
+    }
+
+    /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised.
+    pub(crate) fn certain(&self, answer: &Answer<R>, k: &Kept<R>) -> bool {
+        let lens = self.lens;
+        let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        answer.sure && answer.high < k.second && sharp
+    }
+
+    /// The id in a slot.
+    pub(crate) fn id(&self, slot: u32) -> u32 {
+        let place = (slot & !NEAR) as usize;
+        if slot & NEAR != 0 { self.nears[place].id } else { self.fronts[place].id }
+    }
+}

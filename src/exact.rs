@@ -1,0 +1,264 @@
+//! The judge: what a ray hits, decided in exact arithmetic.
+//!
+//! The numbers of a scene are exact, and so is the question they pose: which sphere does the ray through the centre of
+//! a pixel meet first? Sums and products of f64 are binary numbers, of which big integers lose nothing
+//! (`exact/dyadic.rs`); the basis of an oblique camera brings in two square roots, over which signs are still decided
+//! by squaring (`exact/field.rs`, `exact/decide.rs`). Double-doubles with proven bounds settle the easy cases first
+//! (`exact/filter.rs`), and what is reported is rounded from more bits than it has (`exact/answer.rs`).
+//!
+//! A tangent ray hits. t counts from just above 0: an eye on a surface does not hit it there, but may hit its far side.
+//! From inside the far root is the hit. Equal t goes to the lower index.
+
+mod answer;
+mod decide;
+mod dyadic;
+mod field;
+mod filter;
+#[cfg(test)]
+mod tests;
+
+use crate::error::{Place, Result};
+use crate::scene::{Scene, Spheres, check_sphere};
+use answer::{Name, Path};
+pub use decide::Root;
+use decide::{Frame, Lens, Meeting};
+use dyadic::Dyadic;
+use filter::{Basis, Body, Hit, Screen, Verdict};
+use rayon::prelude::*;
+use std::cell::OnceCell;
+use std::cmp::Ordering;
+
+/// The nearest hit of a ray.
+///
+/// `t`, `distance` and `depth` are within (1/2 + 2^-10) ulp of the real numbers. The hit point is known within 2^-64
+/// of the smaller of distance and radius; `normal` (likewise relative to 1) and `position` are then rounded, each
+/// component to the nearest f64. All of it holds away from the ends of f64's range, where results become infinite or
+/// subnormal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truth {
+    /// Index of the sphere in the scene's order.
+    pub id: u32,
+    /// The root that counts.
+    pub root: Root,
+    /// The parameter, for the lecture's direction u u + v v - d w or for the caller's.
+    pub t: f64,
+    /// Euclidean length from the ray's origin to the hit, t |direction|.
+    pub distance: f64,
+    /// Distance along the view axis, t d; NaN for a ray without a camera.
+    pub depth: f64,
+    /// Unit, in world space, against the ray.
+    pub normal: [f64; 3],
+    /// The hit point in world space.
+    pub position: [f64; 3],
+    /// The ray only touches the sphere: its discriminant is exactly 0.
+    pub tangent: bool,
+}
+
+/// A scene ready to be judged, pixel by pixel, from any number of threads.
+pub struct Judge {
+    bench: Bench,
+    lens: Lens,
+    viewport: crate::camera::Viewport,
+    size: [u32; 2],
+}
+
+impl Judge {
+    /// Prepares camera and spheres: about a microsecond for each sphere.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub fn new(scene: &Scene) -> Result<Self> {
+        scene.check()?;
+        let (width, height) = (scene.image.width, scene.image.height);
+        let viewport = scene.camera.viewport(width, height)?;
+        let lens = Lens::of(viewport, width, height);
+        let bench = Bench::new(Frame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
+        Ok(Self { bench, lens, viewport, size: [width, height] })
+    }
+
+    /// The nearest hit of the ray through the centre of row `i`, column `j`, over all spheres.
+    pub fn pixel(&self, i: u32, j: u32) -> Option<Truth> {
+        self.bench.nearest(&self.ray(i, j), 0..self.bench.bodies.len() as u32)
+    }
+
+    /// The same over some spheres; indices beyond the scene's are passed over.
+    pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
+        self.bench.nearest(&self.ray(i, j), candidates.iter().copied())
+    }
+
+    /// t of either root of sphere `id`, ahead or behind, as the unevaluated sum of two f64 (about 106 bits); `None`
+    /// when the ray's line misses the sphere or there is no such sphere.
+    pub fn t(&self, i: u32, j: u32, id: u32, root: Root) -> Option<[f64; 2]> {
+        let t = self.bench.t(&self.ray(i, j), id, root)?.to_dd();
+        Some([t.hi, t.lo])
+    }
+
+    /// (t - t*)/t* where t* is the real t of that root of sphere `id`: what an f64 result is off by.
+    ///
+    /// NaN when the line misses the sphere or `t` is NaN, infinite for an infinite `t`; where t* is 0, 0 for a `t` of
+    /// 0 and infinite for any other.
+    pub fn relative_error_of_t(&self, i: u32, j: u32, id: u32, root: Root, t: f64) -> f64 {
+        let Some(real) = self.bench.t(&self.ray(i, j), id, root) else {
+            return f64::NAN;
+        };
+        if !t.is_finite() {
+            return t.abs();
+        }
+        let error = &Dyadic::of(t) - &real;
+        match (error.is_zero(), real.is_zero()) {
+            (true, _) => 0.0,
+            (_, true) => f64::INFINITY,
+            _ => error.over(&real, 64).to_f64(),
+        }
+    }
+
+    fn ray(&self, i: u32, j: u32) -> Rays {
+        Rays {
+            quick: filter::Ray::through(&self.viewport, self.size, i, j),
+            direction: self.lens.direction(i, j),
+            stretch: self.lens.stretch(),
+            planar: true,
+            exact: OnceCell::new(),
+        }
+    }
+}
+
+/// The nearest hit of any ray: `origin` + t `direction`, both exact, the direction of any length but zero.
+///
+/// A ray that is not finite or leads nowhere hits nothing, and a sphere that [`Scene::check`] would refuse is not hit.
+pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Option<Truth> {
+    let finite = origin.iter().chain(&direction).all(|x| x.is_finite());
+    if !finite || direction == [0.0; 3] {
+        return None;
+    }
+    let rays = Rays::along(direction);
+    let bench = Bench::new(Frame::world(origin), origin, spheres);
+    bench.nearest(&rays, 0..bench.bodies.len() as u32)
+}
+
+/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value: it is
+/// zero only where the eye is exactly on the surface.
+pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> f64 {
+    let p = dyadic::minus(&dyadic::vector(center), &dyadic::vector(eye));
+    decide::power(&p, radius).ldexp(2 * i64::from(k)).to_f64()
+}
+
+/// One ray in both arithmetics; the exact one is made when first asked for.
+struct Rays {
+    quick: filter::Ray,
+    direction: dyadic::Dyadic3,
+    /// The real direction times this is the exact one.
+    stretch: Dyadic,
+    /// Whether the third component is a depth.
+    planar: bool,
+    exact: OnceCell<decide::Ray>,
+}
+
+impl Rays {
+    /// A direction of its own; finite and not zero.
+    fn along(direction: [f64; 3]) -> Self {
+        Self {
+            quick: filter::Ray::along(direction),
+            direction: dyadic::vector(direction),
+            stretch: Dyadic::from(1),
+            planar: false,
+            exact: OnceCell::new(),
+        }
+    }
+
+    fn exact(&self, frame: &Frame) -> &decide::Ray {
+        self.exact.get_or_init(|| frame.ray(self.direction.clone()))
+    }
+}
+
+/// A frame and the spheres in it.
+struct Bench {
+    frame: Frame,
+    eye: [f64; 3],
+    basis: Basis,
+    bodies: Vec<Body>,
+    screens: Vec<Screen>,
+}
+
+/// The nearest hit so far.
+struct Best<'a> {
+    id: u32,
+    body: &'a Body,
+    hit: Hit,
+    tangent: bool,
+    meeting: OnceCell<Meeting>,
+}
+
+impl Bench {
+    fn new(frame: Frame, eye: [f64; 3], spheres: &Spheres) -> Self {
+        let basis = Basis::of(&frame);
+        let make = |(center, radius): (&[f64; 3], &f64)| {
+            if check_sphere(*center, *radius, Place::default).is_err() {
+                return (Body::new(&frame, eye, &basis, eye, 1.0), Screen::NEVER);
+            }
+            let body = Body::new(&frame, eye, &basis, *center, *radius);
+            let screen = body.screen();
+            (body, screen)
+        };
+        let (bodies, screens) = spheres.centers.par_iter().zip(&spheres.radii).map(make).unzip();
+        Self { frame, eye, basis, bodies, screens }
+    }
+
+    fn nearest(&self, rays: &Rays, ids: impl Iterator<Item = u32>) -> Option<Truth> {
+        let mut best: Option<Best> = None;
+        for id in ids {
+            if self.screens.get(id as usize).is_none_or(|screen| rays.quick.misses(screen)) {
+                continue;
+            }
+            if let Some(next) = self.hit(rays, id)
+                && best.as_ref().is_none_or(|best| self.beats(rays, &next, best))
+            {
+                best = Some(next);
+            }
+        }
+        best.and_then(|best| self.truth(rays, &best))
+    }
+
+    /// The sphere as a contender, if the ray hits it.
+    fn hit(&self, rays: &Rays, id: u32) -> Option<Best<'_>> {
+        let body = &self.bodies[id as usize];
+        let best = |hit| Best { id, body, hit, tangent: false, meeting: OnceCell::new() };
+        match rays.quick.meet(body) {
+            Verdict::Miss => None,
+            Verdict::Hit(hit) => Some(best(hit)),
+            Verdict::Unsure(hit) => {
+                let best = best(hit);
+                let tangent = self.meeting(rays, &best).hit(&self.frame.field)?;
+                Some(Best { tangent, ..best })
+            }
+        }
+    }
+
+    /// Whether `next` is nearer, or as near with a lower index.
+    fn beats(&self, rays: &Rays, next: &Best, best: &Best) -> bool {
+        let same = next.body.center == best.body.center && next.body.radius == best.body.radius;
+        let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
+        let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
+        order.unwrap_or_else(exact).then(next.id.cmp(&best.id)) == Ordering::Less
+    }
+
+    fn meeting<'b>(&self, rays: &Rays, best: &'b Best) -> &'b Meeting {
+        best.meeting.get_or_init(|| self.meet(rays, best.body))
+    }
+
+    fn meet(&self, rays: &Rays, body: &Body) -> Meeting {
+        self.frame.meet(rays.exact(&self.frame), body.center, body.radius)
+    }
+
+    fn truth(&self, rays: &Rays, best: &Best) -> Option<Truth> {
+        let name = Name { id: best.id, root: decide::root(best.body.side), tangent: best.tangent };
+        answer::quick(name, self.eye, &self.basis, rays, best.body, &best.hit)
+            .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
+    }
+
+    /// 128 bits of t: more than a double-double holds.
+    fn t(&self, rays: &Rays, id: u32, root: Root) -> Option<Dyadic> {
+        let meeting = self.meet(rays, self.bodies.get(id as usize)?);
+        Some(Path::new(&self.frame, rays, &meeting, root, 128)?.t())
+    }
+}

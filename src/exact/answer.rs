@@ -1,0 +1,119 @@
+//! The answer in f64: from double-doubles where their errors are small enough, else from exact numbers.
+
+use super::decide::{Frame, Meeting, Root};
+use super::dyadic::{Dyadic, Dyadic3};
+use super::field::Element;
+use super::filter::{Basis, Body, Hit, TINY};
+use super::{Rays, Truth};
+use crate::dd::{self, Dd};
+
+/// What the head of [`Truth`] promises of the hit point, before rounding: relative to the smaller of distance and
+/// radius.
+const CLOSE: f64 = f64::from_bits((1023 - 64) << 52);
+/// Errors of directions, products and rotations in [`super::filter`] stay below 2^-96; a few of them.
+const STEPS: f64 = f64::from_bits((1023 - 94) << 52);
+
+/// Who was hit and how; the decision is made.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Name {
+    pub(crate) id: u32,
+    pub(crate) root: Root,
+    pub(crate) tangent: bool,
+}
+
+/// The answer in double-double, if that is good enough.
+pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body: &Body, hit: &Hit) -> Option<Truth> {
+    let ray = &rays.quick;
+    let distance = hit.t * ray.a.sqrt();
+    // The hit point errs by its t; its place on the sphere also by p. A depth next to underflow has too few bits.
+    let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
+        && STEPS * (distance.hi + body.size) <= CLOSE * body.r
+        && (!rays.planar || hit.t.hi * ray.dir[2].hi > TINY);
+    if !good {
+        return None;
+    }
+    let offset = ray.dir.map(|x| x * hit.t);
+    let outward = std::array::from_fn(|n| (offset[n] - body.p[n]) / Dd::from(body.r));
+    let normal = basis.world(outward).map(|x| if name.root == Root::Near { x.value() } else { -x.value() });
+    let offset = basis.world(offset);
+    let scaled = |x: Dd, k: i32| dd::ldexp(x.value(), k);
+    let position = std::array::from_fn(|n| (offset[n].ldexp(body.k) + Dd::from(eye[n])).value());
+    // An offset beyond f64 may still lead back into it.
+    position.iter().all(|x| x.is_finite()).then(|| Truth {
+        id: name.id,
+        root: name.root,
+        tangent: name.tangent,
+        t: scaled(hit.t, body.k - ray.k),
+        distance: scaled(distance, body.k),
+        depth: if rays.planar { scaled(hit.t * ray.dir[2], body.k) } else { f64::NAN },
+        normal,
+        position,
+    })
+}
+
+/// The answer from exact numbers, with as many bits as it needs; `None` when the line misses the sphere.
+pub(crate) fn slow(name: Name, frame: &Frame, rays: &Rays, meeting: &Meeting, radius: f64) -> Option<Truth> {
+    let ray = rays.exact(frame);
+    let sign = if name.root == Root::Near { 1 } else { -1 };
+    let radius = Dyadic::of(radius);
+    // A first look at the distance says how many bits the place on a small sphere needs beyond 2^-96.
+    let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
+    let bits = 96 + (length.magnitude() - radius.magnitude()).max(0) as usize;
+    let path = Path::new(frame, rays, meeting, name.root, bits)?;
+    let offset: Dyadic3 = std::array::from_fn(|n| {
+        let mut sum = Element::ZERO;
+        for (axis, along) in frame.axes.iter().zip(&ray.dir) {
+            sum.add(axis.unit, &(along * &axis.vector[n]));
+        }
+        (&frame.field.value(&sum, bits) * &path.scaled).over(&ray.a, bits)
+    });
+    let normal = |n: usize| (&(&offset[n] - &meeting.p[n]) * &Dyadic::from(sign)).over(&radius, bits).to_f64();
+    Some(Truth {
+        id: name.id,
+        root: name.root,
+        tangent: name.tangent,
+        t: path.t().to_f64(),
+        distance: path.distance().to_f64(),
+        depth: if rays.planar { path.depth().to_f64() } else { f64::NAN },
+        normal: std::array::from_fn(normal),
+        position: std::array::from_fn(|n| (&frame.eye[n] + &offset[n]).to_f64()),
+    })
+}
+
+/// One root along one ray: b' -+ sqrt(D') to some bits, and the lengths that follow from it.
+pub(crate) struct Path<'a> {
+    frame: &'a Frame,
+    rays: &'a Rays,
+    bits: usize,
+    pub(crate) scaled: Dyadic,
+}
+
+impl<'a> Path<'a> {
+    pub(crate) fn new(frame: &'a Frame, rays: &'a Rays, meeting: &Meeting, root: Root, bits: usize) -> Option<Self> {
+        // Two to four more steps follow, each below 2^-(bits+3) of the result.
+        let bits = bits + 4;
+        let scaled = meeting.scaled_root(&frame.field, rays.exact(frame), root, bits)?;
+        Some(Self { frame, rays, bits, scaled })
+    }
+
+    /// t |dir| = (b' -+ sqrt(D')) / sqrt(a')
+    pub(crate) fn distance(&self) -> Dyadic {
+        self.scaled.over(&self.rays.exact(self.frame).a.sqrt(self.bits), self.bits)
+    }
+
+    /// t = 2 W H alpha beta (b' -+ sqrt(D')) / a'
+    pub(crate) fn t(&self) -> Dyadic {
+        &self.per_length() * &self.rays.stretch
+    }
+
+    /// t d, with d and t as the scaled ray has them.
+    fn depth(&self) -> Dyadic {
+        &self.per_length() * &self.rays.exact(self.frame).dir[2]
+    }
+
+    fn per_length(&self) -> Dyadic {
+        let field = &self.frame.field;
+        let unit = (&field.alpha2 * &field.beta2).sqrt(self.bits);
+        (&unit * &self.scaled).over(&self.rays.exact(self.frame).a, self.bits)
+    }
+}

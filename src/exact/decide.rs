@@ -1,0 +1,239 @@
+//! The decisions themselves: does the ray meet the sphere, and which of two hits is nearer, in exact arithmetic.
+//!
+//! With A3 = up x (-view), alpha = |A3|, beta = |view| and B3 = (-view) x A3, the basis of the lecture is
+//! u = A3/alpha, v = B3/(alpha beta), -w = view/beta. The ray's direction times alpha beta is therefore
+//! u beta A3 + v B3 + d alpha view, and with p = c - e, c0 = p.p - r^2
+//!
+//! ```text
+//! a' = alpha^2 beta^2 (u^2 + v^2 + d^2)     b' = u (p.A3) beta + v (p.B3) + d (p.view) alpha     D' = b'^2 - a' c0
+//! t  = alpha beta (b' -+ sqrt(D')) / a'
+//! ```
+//!
+//! where every number but alpha, beta and the last root is a binary number: D' is an [`Element`] of their [`Field`].
+//! u, v and d are multiplied by 2 W H so that the pixel's fractions vanish too; t is then so much smaller.
+//! A ray that comes with its own direction has alpha = beta = 1 and the axes of the world.
+
+use super::dyadic::{self, Dyadic, Dyadic3};
+use super::field::{Element, Field, Unit};
+use crate::camera::{Camera, Look, Viewport};
+use std::cmp::Ordering;
+
+/// Which of the two intersections of a line with a sphere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Root {
+    /// The smaller t: where the ray enters.
+    Near,
+    /// The larger t: where it leaves.
+    Far,
+}
+
+/// The eye and three orthogonal axes; a direction's component along one is counted in units of its length.
+#[derive(Debug, Clone)]
+pub(crate) struct Frame {
+    pub(crate) eye: Dyadic3,
+    pub(crate) axes: [Axis; 3],
+    pub(crate) field: Field,
+}
+
+/// An axis that is not normalised: alpha beta over its length is `unit`.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    pub(crate) vector: Dyadic3,
+    pub(crate) unit: Unit,
+}
+
+impl Frame {
+    /// The basis of a camera that has passed its check: right, up and forward.
+    pub(crate) fn of(camera: &Camera) -> Self {
+        let eye = dyadic::vector(camera.eye.to_array());
+        let view = match camera.look {
+            Look::At(at) => dyadic::minus(&dyadic::vector(at.to_array()), &eye),
+            Look::View(view) => dyadic::vector(view.to_array()),
+        };
+        let back = view.clone().map(|x| -x);
+        let right = dyadic::cross(&dyadic::vector(camera.up.to_array()), &back);
+        let up = dyadic::cross(&back, &right);
+        let field = Field { alpha2: dyadic::dot(&right, &right), beta2: dyadic::dot(&view, &view) };
+        let axis = |vector, unit| Axis { vector, unit };
+        Self { eye, axes: [axis(right, Unit::Beta), axis(up, Unit::One), axis(view, Unit::Alpha)], field }
+    }
+
+    /// The axes of the world at `origin`.
+    pub(crate) fn world(origin: [f64; 3]) -> Self {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let axes = axes.map(|x| Axis { vector: dyadic::vector(x), unit: Unit::One });
+        Self { eye: dyadic::vector(origin), axes, field: Field::rational() }
+    }
+
+    /// The ray with these components along the axes.
+    pub(crate) fn ray(&self, dir: Dyadic3) -> Ray {
+        let a = &(&self.field.alpha2 * &self.field.beta2) * &dyadic::dot(&dir, &dir);
+        Ray { dir, a }
+    }
+
+    /// The ray's line and one sphere.
+    pub(crate) fn meet(&self, ray: &Ray, center: [f64; 3], radius: f64) -> Meeting {
+        let p = dyadic::minus(&dyadic::vector(center), &self.eye);
+        let mut b = Element::ZERO;
+        for (axis, along) in self.axes.iter().zip(&ray.dir) {
+            b.add(axis.unit, &(along * &dyadic::dot(&p, &axis.vector)));
+        }
+        let c = power(&p, radius);
+        let mut disc = self.field.times(&b, &b);
+        disc.add(Unit::One, &-(&ray.a * &c));
+        Meeting { p, b, c, disc }
+    }
+}
+
+/// The power of the eye with respect to the sphere: |p|^2 - r^2.
+pub(crate) fn power(p: &Dyadic3, radius: f64) -> Dyadic {
+    &dyadic::dot(p, p) - &Dyadic::of(radius).square()
+}
+
+/// The lens in exact numbers: (2 j + 1 - W) vw H, (H - 1 - 2 i) vh W and 2 W H d are 2 W H times u, v and d.
+#[derive(Debug, Clone)]
+pub(crate) struct Lens {
+    wide: Dyadic,
+    tall: Dyadic,
+    deep: Dyadic,
+    size: [i64; 2],
+}
+
+impl Lens {
+    pub(crate) fn of(viewport: Viewport, width: u32, height: u32) -> Self {
+        let (w, h) = (Dyadic::from(i64::from(width)), Dyadic::from(i64::from(height)));
+        let (wide, tall) = (&Dyadic::of(viewport.vw) * &h, &Dyadic::of(viewport.vh) * &w);
+        let deep = (&(&Dyadic::of(viewport.d) * &w) * &h).ldexp(1);
+        Self { wide, tall, deep, size: [i64::from(width), i64::from(height)] }
+    }
+
+    /// The direction through the centre of row i, column j, times [`Self::stretch`].
+    pub(crate) fn direction(&self, i: u32, j: u32) -> Dyadic3 {
+        let [columns, rows] = odds(self.size, i, j).map(Dyadic::from);
+        [&columns * &self.wide, &rows * &self.tall, self.deep.clone()]
+    }
+
+    /// 2 W H
+    pub(crate) fn stretch(&self) -> Dyadic {
+        Dyadic::from(2 * self.size[0] * self.size[1])
+    }
+}
+
+/// 2 j + 1 - W and H - 1 - 2 i: the pixel's centre in half pixels from the image's.
+pub(crate) fn odds([width, height]: [i64; 2], i: u32, j: u32) -> [i64; 2] {
+    [2 * i64::from(j) + 1 - width, height - 1 - 2 * i64::from(i)]
+}
+
+/// A direction in a frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Ray {
+    pub(crate) dir: Dyadic3,
+    /// a'
+    pub(crate) a: Dyadic,
+}
+
+/// p, b', c0 and D' of one ray and one sphere.
+#[derive(Debug, Clone)]
+pub(crate) struct Meeting {
+    pub(crate) p: Dyadic3,
+    b: Element,
+    c: Dyadic,
+    disc: Element,
+}
+
+impl Meeting {
+    /// Whether the sphere is hit at some t > 0 by the root that [`root`] names, and whether the ray is tangent there.
+    ///
+    /// From outside both roots have the sign of b'. On the surface they are 0 and 2 b'/a'. From inside they differ in
+    /// sign and D' > 0.
+    pub(crate) fn hit(&self, field: &Field) -> Option<bool> {
+        if self.c.sign() == Ordering::Less {
+            return Some(false);
+        }
+        if field.sign(&self.b) != Ordering::Greater {
+            return None;
+        }
+        if self.c.is_zero() {
+            return Some(false);
+        }
+        match field.sign(&self.disc) {
+            Ordering::Less => None,
+            tangent => Some(tangent == Ordering::Equal),
+        }
+    }
+
+    /// (b' -+ sqrt(D')) with a relative error below 2^-bits; `None` when the line misses the sphere.
+    ///
+    /// The root of larger magnitude is a sum of equal signs, the other is a' c0 over it: nothing cancels. Errors of b'
+    /// and of the root of D' (half that of D' and one truncation) are below 2^-(bits+5), the quotient adds as much.
+    pub(crate) fn scaled_root(&self, field: &Field, ray: &Ray, root: Root, bits: usize) -> Option<Dyadic> {
+        let n = bits + 8;
+        let s = match field.sign(&self.disc) {
+            Ordering::Less => return None,
+            Ordering::Equal => Dyadic::ZERO,
+            Ordering::Greater => field.value(&self.disc, n).sqrt(n),
+        };
+        let b = field.value(&self.b, n);
+        let backwards = b.sign() == Ordering::Less;
+        let sum = &b.abs() + &s;
+        let large = if backwards { -sum } else { sum };
+        if (root == Root::Far) != backwards || large.is_zero() {
+            return Some(large);
+        }
+        Some((&ray.a * &self.c).over(&large, n))
+    }
+}
+
+/// The root that counts for t > 0: the far one on the surface and inside, where the near one is not ahead.
+pub(crate) fn root(power: Ordering) -> Root {
+    if power == Ordering::Greater { Root::Near } else { Root::Far }
+}
+
+/// The exact order of t between two hits of one ray, each by the root that counts.
+///
+/// The sign of B + X with B = b1 - b2 and X = s1 sqrt(D1) - s2 sqrt(D2). Where they oppose, B^2 - X^2 =
+/// G + 2 s1 s2 sqrt(D1 D2) with G = B^2 - D1 - D2 decides, and where those two oppose, G^2 - 4 D1 D2.
+pub(crate) fn order(field: &Field, first: &Meeting, second: &Meeting) -> Ordering {
+    let gap = first.b.minus(&second.b);
+    let (far1, far2) = (root(first.c.sign()) == Root::Far, root(second.c.sign()) == Root::Far);
+    let (d1, d2) = (&first.disc, &second.disc);
+    let roots = match (far1, far2) {
+        (true, true) => field.sign(&d1.minus(d2)),
+        (false, false) => field.sign(&d2.minus(d1)),
+        // A sum of two roots, both not negative: 0 only if both are.
+        (far, _) => match (field.sign(d1), field.sign(d2)) {
+            (Ordering::Equal, Ordering::Equal) => Ordering::Equal,
+            _ if far => Ordering::Greater,
+            _ => Ordering::Less,
+        },
+    };
+    match (field.sign(&gap), roots) {
+        (b, Ordering::Equal) => b,
+        (Ordering::Equal, x) => x,
+        (b, x) if b == x => b,
+        (b, _) => {
+            let squares = compare_squares(field, &gap, d1, d2, far1 == far2);
+            if b == Ordering::Greater { squares } else { squares.reverse() }
+        }
+    }
+}
+
+/// The sign of B^2 - (sqrt(D1) -+ sqrt(D2))^2, minus where the roots are `alike`.
+fn compare_squares(field: &Field, gap: &Element, d1: &Element, d2: &Element, alike: bool) -> Ordering {
+    let g = field.times(gap, gap).minus(&d1.plus(d2));
+    let product = field.times(d1, d2);
+    let mixed = match field.sign(&product) {
+        Ordering::Greater if alike => Ordering::Greater,
+        Ordering::Greater => Ordering::Less,
+        _ => Ordering::Equal,
+    };
+    match (field.sign(&g), mixed) {
+        (g, Ordering::Equal) => g,
+        (Ordering::Equal, m) => m,
+        (g, m) if g == m => g,
+        (sign, _) => {
+            let squares = field.sign(&field.times(&g, &g).minus(&product.ldexp(2)));
+            if sign == Ordering::Greater { squares } else { squares.reverse() }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The certified frame on the device: one pass that answers and proves, one that names the candidates of the rest.
+
+use super::dispatch::{Band, Gpu, Input};
+use crate::error::Result;
+use crate::plan::{Kernel, Pass};
+use crate::settle::Open;
+use crate::view::ViewRecord;
+
+/// Entries that are read back together with the frame; more cost a second reading.
+const FIRST: u64 = 1 << 12;
+
+/// Pairs there is room for at first; the room grows as needed.
+const PAIRS: u64 = 1 << 14;
+
+/// Workgroups in a row of the second pass; a layout test holds it against the shader.
+pub(crate) const GROUPS: u32 = 32768;
+
+/// Bytes before the entries of a list: the count, and padding.
+const HEAD: u64 = 8;
+
+/// Bytes of an entry: two u32.
+const ENTRY: u64 = 8;
+
+impl Gpu {
+    /// Uploads what the certified kernels read.
+    pub(super) fn upload_stage(&mut self, input: &Input<'_>) -> Result<()> {
+        let Some(stage) = input.stage else { return Ok(()) };
+        self.fill("lens", bytemuck::bytes_of(&stage.lens))?;
+        // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
+        let mut fill = |name, bytes: &[u8]| self.fill(name, if bytes.is_empty() { &[0; 48] } else { bytes });
+        fill("fronts", bytemuck::cast_slice(&stage.fronts))?;
+        fill("front_mores", bytemuck::cast_slice(&stage.mores))?;
+        fill("nears", bytemuck::cast_slice(&stage.nears))
+    }
+
+    /// Room for the list of unsure pixels of a band: all of them, so that it cannot overflow.
+    pub(super) fn reserve_unsure(&mut self, pixels: u64) {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        self.reserve("unsure", HEAD + ENTRY * pixels, usage);
+    }
+
+    /// Reads the band's unsure pixels and asks for their candidates.
+    pub(super) fn follow_up(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, open: &mut Open) -> Result<()> {
+        let all = u64::from(record.width) * u64::from(band.count);
+        let first = self.read_list("unsure", FIRST.min(all))?;
+        if first.count == 0 {
+            return Ok(());
+        }
+        let unsure = if first.count > FIRST.min(all) { self.read_list("unsure", first.count)? } else { first };
+        open.pixels.extend(unsure.entries.iter().map(|entry| entry[0]));
+        let emit = Kernel { certify: Some(Pass::Emit), shade: None, colors: false, t: false, normal: false, width: false, ..*kernel };
+        self.pipeline(&emit)?;
+        let groups = unsure.count.div_ceil(u64::from(super::dispatch::GROUP)) as u32;
+        let mut room = self.size("pairs").map_or(PAIRS, |size| (size - HEAD) / ENTRY);
+        loop {
+            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+            self.check_size("pairs", HEAD + ENTRY * room)?;
+            self.reserve("pairs", HEAD + ENTRY * room, usage);
+            self.submit(&emit, 0, (groups.min(GROUPS), groups.div_ceil(GROUPS)))?;
+            let pairs = self.read_list("pairs", room)?;
+            if pairs.count <= room {
+                open.pairs.extend(pairs.entries);
+                return Ok(());
+            }
+            room = pairs.count.next_power_of_two();
+        }
+    }
+
+    /// The count of a list, and its entries as far as they were asked for.
+    fn read_list(&mut self, name: &'static str, entries: u64) -> Result<List> {
+        let bytes = self.read(name, HEAD + ENTRY * entries)?;
+        let count = bytes.first_chunk().map_or(0, |c| u64::from(u32::from_ne_bytes(*c)));
+        let there = count.min(entries) as usize;
+        let entries = bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&bytes[HEAD as usize..][..ENTRY as usize * there]);
+        Ok(List { count, entries })
+    }
+}
+
+struct List {
+    count: u64,
+    entries: Vec<[u32; 2]>,
+}
