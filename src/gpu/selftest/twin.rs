@@ -11,8 +11,8 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
 use crate::plan::{Kernel, Pass, Rays, Sharing, Tolerance};
 use crate::report::Stages;
-use crate::settle::Open;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::settle::Open;
 use crate::view::View;
 
 /// The check's name.
