@@ -23,6 +23,14 @@ pub(crate) struct LensRecord {
     pub(crate) slope_y: f32,
     pub(crate) step_x: f32,
     pub(crate) step_y: f32,
+    pub(crate) fixed_x: f32,
+    pub(crate) fixed_y: f32,
+    pub(crate) shift: u32,
+    pub(crate) unit: f32,
+    pub(crate) error0: f32,
+    pub(crate) error1: f32,
+    pub(crate) error2: f32,
+    pub(crate) edge: f32,
     pub(crate) depth: f32,
     pub(crate) tolerance: f32,
     pub(crate) fronts: u32,
@@ -38,7 +46,57 @@ pub(crate) struct Slopes<R> {
     pub(crate) inverse: R,
     pub(crate) row: i32,
     pub(crate) column: i32,
+    pub(crate) fixed_row: i32,
+    pub(crate) fixed_column: i32,
 }
+
+/// The constants of the bounds, in units of the last place (docs/certificate.md). A test takes them away one by one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Terms {
+    /// |d|^2 rho^2 of a front sphere: alone, and for each unit of |d|^2 - 1.
+    pub(crate) ball: [f32; 2],
+    /// The offset's square, likewise.
+    pub(crate) offset: [f32; 2],
+    /// The depth of a front sphere: whole, for each unit of |d|^2 - 1, slope along the offset, root, centre.
+    pub(crate) depth: [f32; 5],
+    /// p.d of a near sphere: where it starts, and how it goes on.
+    pub(crate) along: [f32; 2],
+    /// b^2, and |a c| for each unit of |d|^2 and alone.
+    pub(crate) power: [f32; 3],
+    /// a r^2 for each unit of |d|^2 and alone, g.g, and a component of g.
+    pub(crate) cross: [f32; 4],
+    /// Quotient, and sum for each unit of |d|^2 and alone.
+    pub(crate) root: [f32; 3],
+    /// What the host rounds: projected centres, in the unit of their own last place.
+    pub(crate) host: f32,
+}
+
+/// The derived constants.
+pub(crate) const TERMS: Terms = Terms {
+    ball: [8.0, 12.0],
+    offset: [9.0, 16.2],
+    depth: [11.0, 6.0, 6.0, 5.2, 2.5],
+    along: [2.5, 3.5],
+    power: [2.0, 6.0, -1.5],
+    cross: [6.0, 2.0, 4.0, 4.0],
+    root: [11.0, 6.0, 9.0],
+    host: 1.0,
+};
+
+/// 2^-23: WGSL rounds either way.
+const UNIT: f32 = 1.192_092_9e-7;
+/// 2^-48: what the host's f64 rotation leaves in a near sphere.
+const HOST: f32 = 3.552_713_7e-15;
+/// 2^-43: and in a front sphere's depth, of itself.
+const DEPTH: f32 = 1.136_868_4e-13;
+/// 1 + 2^-10: the bounds are computed in f32 themselves.
+const INFLATE: f32 = 1.000_976_6;
+/// 2^-100: what flushed subnormals leave, times |d|^2.
+const VANISH: f32 = 7.888_609e-31;
+/// A depth beyond every frame, and below MISS.
+const FAR: f32 = 3.0e38;
+/// Radians promised, less the roundings of the unit vector.
+const NORMAL: f32 = 0.97e-3;
 
 /// A winner's answer. The depth is the centre's depth (0 for a near sphere) plus offset; it lies between low and high.
 #[derive(Debug, Clone, Copy)]
@@ -71,6 +129,7 @@ pub(crate) struct Certify<'a, R> {
     pub(crate) lens: &'a LensRecord,
     pub(crate) fronts: &'a [Front<R>],
     pub(crate) nears: &'a [Near<R>],
+    pub(crate) terms: &'a Terms,
 }
 
 impl<R: Real> Certify<'_, R> {
@@ -80,7 +139,10 @@ impl<R: Real> Certify<'_, R> {
         let x = odd(2 * i64::from(j) + 1 - i64::from(self.view.width)) * R::exact(self.lens.slope_x);
         let y = odd(i64::from(self.view.height) - 1 - 2 * i64::from(i)) * R::exact(self.lens.slope_y);
         let a = R::ONE + x * x + y * y;
-        Slopes { x, y, a, inverse: R::ONE / a, row: i as i32, column: j as i32 }
+        let (row, column) = (i as i32, j as i32);
+        let shift = self.lens.shift;
+        let (fixed_row, fixed_column) = (row << shift, column << shift);
+        Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
     }
 
     /// Shows every candidate's lower bound of depth to `keep`, with its slot; certain misses are not shown.
@@ -91,7 +153,7 @@ impl<R: Real> Certify<'_, R> {
             }
         };
         for (slot, near) in (0..).zip(self.nears) {
-            show(near_low(s, near), NEAR | slot);
+            show(near_low(s, near, self.terms), NEAR | slot);
         }
         for (slot, front) in (0..).zip(self.fronts) {
             show(front_low(s, self.lens, front), slot);
@@ -115,9 +177,9 @@ impl<R: Real> Certify<'_, R> {
     pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
         let slot = (k.slot & !NEAR) as usize;
         if k.slot & NEAR != 0 {
-            return near_answer(s, &self.nears[slot]);
+            return near_answer(s, &self.nears[slot], self.terms);
         }
-        front_answer(s, self.lens, &self.fronts[slot])
+        front_answer(s, self.lens, &self.fronts[slot], self.terms)
     }
 
     /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised.

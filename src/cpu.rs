@@ -3,14 +3,14 @@
 use crate::certify::front::Front;
 use crate::certify::near::Near;
 use crate::certify::stage::Stage;
-use crate::certify::Certify;
+use crate::certify::{Certify, TERMS};
 use crate::frame::raw::Raw;
-use crate::settle::Open;
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
 use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
+use crate::settle::Open;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
 use rayon::prelude::*;
@@ -45,12 +45,13 @@ pub(crate) fn certified(
 ) -> Open {
     let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::<f32>::new(f, more)).collect();
     let nears: Vec<_> = stage.nears.iter().map(Near::<f32>::new).collect();
-    let certify = Certify { view: &view.record, lens: &stage.lens, fronts: &fronts, nears: &nears };
+    let certify = Certify { view: &view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms: &TERMS };
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let width = view.record.width as usize;
     // The second number is 0 where nobody asked for that buffer.
     let row_of = |buffer: &mut Vec<f32>, channels: usize| buffer.len().min(channels * width).max(1);
-    let sizes = [row_of(&mut raw.t, 1), row_of(&mut raw.width, 1), row_of(&mut raw.normal, 3), row_of(&mut raw.color, 3)];
+    let sizes =
+        [row_of(&mut raw.t, 1), row_of(&mut raw.width, 1), row_of(&mut raw.normal, 3), row_of(&mut raw.color, 3)];
     let mut ts = raw.t.chunks_mut(sizes[0]);
     let mut widths = raw.width.chunks_mut(sizes[1]);
     let mut normals = raw.normal.chunks_mut(sizes[2]);

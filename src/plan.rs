@@ -221,16 +221,8 @@ pub struct Plan {
 }
 
 /// The buffers that are answers, not looks: asking for one asks for a certificate.
-const ANSWERS: [Aov; 8] = [
-    Aov::Distance,
-    Aov::Depth,
-    Aov::Normal,
-    Aov::Position,
-    Aov::Id,
-    Aov::Mask,
-    Aov::Certainty,
-    Aov::Bound,
-];
+const ANSWERS: [Aov; 8] =
+    [Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask, Aov::Certainty, Aov::Bound];
 
 impl Plan {
     /// Decides what `scene` requires for the buffers asked for.

@@ -33,6 +33,8 @@ pub trait Real:
     fn scaled(self, power: Self) -> Self {
         self * power
     }
+    /// This integer, rounded once.
+    fn whole(x: i32) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
 
@@ -49,6 +51,9 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
         x
+    }
+    fn whole(x: i32) -> Self {
+        x as f32
     }
     fn pair(hi: f32, _: f32) -> Self {
         hi
@@ -67,6 +72,9 @@ impl Real for f64 {
     const HALF: Self = 0.5;
     const ONE: Self = 1.0;
     fn exact(x: f32) -> Self {
+        x.into()
+    }
+    fn whole(x: i32) -> Self {
         x.into()
     }
     fn pair(hi: f32, lo: f32) -> Self {

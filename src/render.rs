@@ -1,22 +1,23 @@
 //! One frame, the whole way: scene, view, nearest hits, colour, frame.
 
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
 use crate::cpu;
 use crate::error::{Error, Result};
-use crate::certify::stage::{Stage, TERMS};
 use crate::frame::raw::{Answers, Raw};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
-use crate::memory;
 use crate::intersect::Method;
+use crate::memory;
 use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
+use crate::scene::Scene;
 use crate::settle;
 use crate::shade;
-use rayon::prelude::*;
-use crate::scene::Scene;
 use crate::view::View;
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 

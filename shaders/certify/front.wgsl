@@ -1,38 +1,47 @@
 // A sphere wholly in front of the eye plane, by its projected centre.
 
-// Offset of the pixel from the projected centre. The difference of integers is exact.
-fn front_offset(s: Slopes, f: Front) -> vec2<f32> {
-    let dx = (f32(s.column - f.column) - f.rest.x) * lens.step_x;
-    let dy = (f32(f.row - s.row) - f.rest.y) * lens.step_y;
-    return vec2<f32>(dx, dy);
-}
-
-fn front_discriminant(s: Slopes, f: Front, o: vec2<f32>) -> f32 {
+// a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
+fn front_discriminant(s: Slopes, rho: f32, o: vec2<f32>) -> f32 {
     let across = s.x * o.y - s.y * o.x;
-    return s.a * f.rho2 - (o.x * o.x + o.y * o.y + across * across);
+    return s.a * (rho * rho) - (o.x * o.x + o.y * o.y + across * across);
 }
 
 // A lower bound of the depth of the near root, or MISS for a certain miss.
 fn front_low(s: Slopes, f: Front) -> f32 {
-    let o = front_offset(s, f);
-    let disc = front_discriminant(s, f, o);
-    if (disc < -f.error) {
-        return MISS;
-    }
+    let o = vec2<f32>(f32(s.fixed_column - f.x) * lens.fixed_x, f32(f.y - s.fixed_row) * lens.fixed_y);
+    let disc = front_discriminant(s, f.rho, o);
+    let error = lens.error0 + f.rho * (lens.error1 + f.rho * lens.error2);
     let along = s.x * o.x + s.y * o.y;
-    return f.low - (along + sqrt(disc + f.error)) * (f.size * s.inverse);
+    let size = (f.low + lens.depth) * lens.unit;
+    let low = f.low - (along + sqrt(positive(disc + error))) * (size * s.inverse);
+    return select(low, MISS, disc < -error);
 }
 
+// The same sphere with all it has, and bounds for this ray: docs/certificate.md, section 2.
 fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
-    let o = front_offset(s, f);
-    let disc = front_discriminant(s, f, o);
-    let along = s.x * o.x + s.y * o.y;
-    let length = f.size * s.inverse;
-    let hits = disc > f.error;
+    let dx = (f32(s.column - more.column) - more.rest.x) * lens.step_x;
+    let dy = (f32(more.row - s.row) - more.rest.y) * lens.step_y;
+    let disc = front_discriminant(s, f.rho, vec2<f32>(dx, dy));
+    let slant2 = s.x * s.x + s.y * s.y;
+    let slant = sqrt(slant2);
+    let o2 = dx * dx + dy * dy;
+    let e = lens.edge;
+    let roundings = (8.0 + 12.0 * slant2) * (f.rho * f.rho) + (9.0 + 16.2 * slant2) * o2;
+    let error = (UNIT * roundings + s.a * e * (2.0 * sqrt(o2) + e)) * INFLATE + VANISH * s.a;
+    let hits = disc > error;
     let root = sqrt(positive(disc));
-    let low = f.low - (along + sqrt(positive(disc + f.error))) * length;
-    let high = more.high - (along + sqrt(positive(disc - f.error))) * length;
+    let most = sqrt(positive(disc + error));
+    let least = sqrt(positive(disc - error));
+    let along = s.x * dx + s.y * dy;
+    let total = abs(along) + most;
+    let depth = lens.depth + more.center;
+    let length = depth * lens.unit * s.inverse;
+    let mixed = UNIT * ((11.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 5.2 * most) + slant * e;
+    let blur = (mixed * length + UNIT * 2.5 * abs(more.center)) * INFLATE + DEPTH * depth;
+    let low = more.center - (along + most) * length - blur;
+    let high = more.center - (along + least) * length + blur;
     let k = (along + root) * s.inverse;
-    let normal = unit3(vec3<f32>(o.x - k * s.x, o.y - k * s.y, k));
-    return Answer(hits && disc > more.least, hits, more.id, -(along + root) * length, low, high, normal);
+    let normal = unit3(vec3<f32>(dx - k * s.x, dy - k * s.y, k));
+    let off = sqrt(s.a) * (mixed + (most - least)) * s.inverse + UNIT * 4.0 * (total + sqrt(o2)) + e;
+    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, normal);
 }

@@ -8,11 +8,5 @@ struct Kept {
 const NEAR: u32 = 0x80000000u; // marks a slot in the list of near spheres
 
 fn keep(k: Kept, low: f32, slot: u32) -> Kept {
-    if (low < k.low) {
-        return Kept(low, k.low, slot);
-    }
-    if (low < k.second) {
-        return Kept(k.low, low, k.slot);
-    }
-    return k;
+    return Kept(min(k.low, low), min(k.second, max(k.low, low)), select(k.slot, slot, low < k.low));
 }

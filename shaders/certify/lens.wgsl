@@ -4,41 +4,52 @@
 struct Lens {
     slope_x: f32,    // vw / (2 W d)
     slope_y: f32,    // vh / (2 H d)
-    step_x: f32,     // a pixel's width and height in the unit of the front spheres' rho
+    step_x: f32,     // a pixel's width and height in the unit of rho
     step_y: f32,
+    fixed_x: f32,    // the same of a unit of the fixed-point projected centres
+    fixed_y: f32,
+    shift: u32,      // a pixel is 2^shift of these
+    unit: f32,       // slope of the unit of rho: a power of two
+    error0: f32,     // bound of a candidate's discriminant: error0 + rho (error1 + rho error2)
+    error1: f32,
+    error2: f32,
+    edge: f32,       // error of a winner's projected centre, unit of rho
     depth: f32,      // the frame's reference depth: depths of front spheres are kept relative to it
     tolerance: f32,  // promised relative error of t
     fronts: u32,     // spheres wholly in front of the eye plane, and not near
     nears: u32,      // the others
 }
 
-// A sphere wholly in front: its projected centre as an integer pixel and a rest, so that the offset from any pixel has
-// one rounding, however far the sphere.
+// A sphere wholly in front, as every ray sees it: 16 bytes, since loading is what a test costs.
 struct Front {
-    rest: vec2<f32>, // projected centre minus the pixel, columns and rows (rows negated)
-    column: i32,
-    row: i32,
-    rho2: f32,       // projected radius squared
-    error: f32,      // bound of the discriminant's error, for all rays
-    size: f32,       // length at the centre's depth of what rho is measured in, frame's unit
-    low: f32,        // centre's depth minus the reference, minus the bound of its error
+    x: i32,          // projected centre, fixed point: the difference to a pixel is exact, however far the sphere
+    y: i32,
+    rho: f32,        // projected radius
+    low: f32,        // centre's depth minus the reference, minus the bound of all errors of a hit's depth
 }
 
 // What only a winner is asked.
 struct FrontMore {
-    high: f32,       // centre's depth minus the reference, plus the bound of its error
-    least: f32,      // the normal is within its promise for discriminants above this
+    rest: vec2<f32>, // projected centre minus the pixel, columns and rows (rows negated)
+    column: i32,
+    row: i32,
+    center: f32,     // centre's depth minus the reference
     id: u32,
-    unused: u32,
 }
 
-// Any other sphere: around the eye, beside it, close and large.
+// Any other sphere: around the eye, beside it, close and large. Both p.d and the rest of the record are times 2^-k.
 struct Near {
-    ball: vec4<f32>, // centre minus eye and radius, 2^-k
+    ball: vec4<f32>, // centre minus eye and radius
     power: f32,      // of the eye, 2^-2k; its sign is exact
     scale: f32,      // depth of this record times scale is depth in the frame's unit
     form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
     id: u32,
+    column: i32,     // a pixel where p.d is nearly zero, and how p.d goes from there
+    row: i32,
+    start: f32,
+    by_column: f32,
+    by_row: f32,
+    blur: f32,       // what the host's rounding leaves in it
 }
 
 @group(0) @binding(9) var<uniform> lens: Lens;
@@ -46,7 +57,7 @@ struct Near {
 @group(0) @binding(11) var<storage, read> front_mores: array<FrontMore>;
 @group(0) @binding(12) var<storage, read> nears: array<Near>;
 
-// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel.
+// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {
     x: f32,
     y: f32,
@@ -54,6 +65,8 @@ struct Slopes {
     inverse: f32,
     row: i32,
     column: i32,
+    fixed_row: i32,
+    fixed_column: i32,
 }
 
 // A winner's answer. The depth is the centre's depth (0 for a near sphere) plus offset; it lies between low and high.
@@ -67,11 +80,20 @@ struct Answer {
     normal: vec3<f32>,
 }
 
-const UNIT: f32 = 1.1920928955078125e-7; // 2^-23: WGSL rounds either way
+const UNIT: f32 = 1.1920928955078125e-7;      // 2^-23: WGSL rounds either way
+const HOST: f32 = 3.552713678800501e-15;      // 2^-48: what the host's f64 rotation leaves in a near sphere
+const DEPTH: f32 = 1.1368683772161603e-13;    // 2^-43: and in a front sphere's depth, of itself
+const INFLATE: f32 = 1.0009765625;            // 1 + 2^-10: the bounds are computed in f32 themselves
+const VANISH: f32 = 7.888609052210118e-31;    // 2^-100: what flushed subnormals leave, times |d|^2
+const QUOTIENT: f32 = 1.3113021850585938e-6;  // 11 UNIT: root, sum and quotient of c/q
+const FAR: f32 = 3.0e38;                      // a depth beyond every frame, and below MISS
+const NORMAL: f32 = 0.97e-3;                  // radians promised, less the roundings of the unit vector
 
 fn slopes(i: u32, j: u32) -> Slopes {
     let x = f32(2 * i32(j) + 1 - i32(view.width)) * lens.slope_x;
     let y = f32(i32(view.height) - 1 - 2 * i32(i)) * lens.slope_y;
     let a = 1.0 + x * x + y * y;
-    return Slopes(x, y, a, 1.0 / a, i32(i), i32(j));
+    let row = i32(i);
+    let column = i32(j);
+    return Slopes(x, y, a, 1.0 / a, row, column, row << lens.shift, column << lens.shift);
 }

@@ -10,20 +10,14 @@ struct Weighed {
     g_error: f32,
 }
 
-const HOST: f32 = 3.552713678800501e-15;      // 2^-48: what the host's f64 rotation leaves
-const INFLATE: f32 = 1.0009765625;            // 1 + 2^-10: the bounds are computed in f32 themselves
-const VANISH: f32 = 7.888609052210118e-31;    // 2^-100: what flushed subnormals leave, times |d|^2
-const QUOTIENT: f32 = 1.430511474609375e-6;   // 12 UNIT: root, sum and quotient of c/q
-const SUM: f32 = 2.86102294921875e-6;         // 24 UNIT: root, sum, |d|^2 and quotient of the others
-const FAR: f32 = 3.0e38;                      // a depth beyond every frame, and below MISS
-const NORMAL: f32 = 0.97e-3;                  // radians promised, less the roundings of the unit vector
-
 fn near_weigh(s: Slopes, n: Near) -> Weighed {
     let p = n.ball.xyz;
     let l = abs(s.x) + abs(s.y) + 1.0;
-    let b = p.x * s.x + p.y * s.y - p.z;
-    let b_sum = abs(p.x * s.x) + abs(p.y * s.y) + abs(p.z);
-    let b_error = (5.0 * UNIT * b_sum + 2.0 * HOST * l) * INFLATE;
+    let right = f32(s.column - n.column) * n.by_column;
+    let down = f32(s.row - n.row) * n.by_row;
+    let b = n.start + right + down;
+    let b_sum = 2.5 * abs(n.start) + 3.5 * (abs(right) + abs(down));
+    let b_error = (UNIT * b_sum + n.blur + 2.0 * HOST * l) * INFLATE;
     let g = vec3<f32>(-p.y - p.z * s.y, p.z * s.x + p.x, p.x * s.y - p.y * s.x);
     let e = vec3<f32>(
         abs(p.y) + abs(p.z * s.y), abs(p.z * s.x) + abs(p.x), abs(p.x * s.y) + abs(p.y * s.x),
@@ -34,17 +28,22 @@ fn near_weigh(s: Slopes, n: Near) -> Weighed {
     if (n.form == 1u) {
         let ac = s.a * n.power;
         disc = b * b - ac;
-        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (2.0 * b * b + 8.5 * abs(ac));
+        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (2.0 * b * b + (6.0 * s.a - 1.5) * abs(ac));
     } else {
         let gg = g.x * g.x + g.y * g.y + g.z * g.z;
         let ar2 = s.a * (n.ball.w * n.ball.w);
         disc = ar2 - gg;
         let mixed = abs(g.x) * g_error.x + abs(g.y) * g_error.y + abs(g.z) * g_error.z;
         let small = g_error.x * g_error.x + g_error.y * g_error.y + g_error.z * g_error.z;
-        error = UNIT * (12.0 * ar2 + 4.0 * gg) + 2.0 * mixed + small;
+        error = UNIT * ((6.0 * s.a + 2.0) * ar2 + 4.0 * gg) + 2.0 * mixed + small;
     }
     let sum = g_error.x + g_error.y + g_error.z;
     return Weighed(b, b_error, disc, error * INFLATE + s.a * VANISH, g, sum);
+}
+
+// Root, sum, |d|^2, its reciprocal and the product.
+fn sum_error(s: Slopes) -> f32 {
+    return UNIT * (9.0 + 6.0 * s.a);
 }
 
 // A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
@@ -62,7 +61,7 @@ fn near_below(s: Slopes, n: Near, w: Weighed) -> f32 {
         return min(n.power / q * (1.0 - QUOTIENT), FAR);
     }
     if (w.b > w.b_error) {
-        return (w.b - w.b_error + least) * s.inverse * (1.0 - SUM);
+        return (w.b - w.b_error + least) * s.inverse * (1.0 - sum_error(s));
     }
     if (n.power < 0.0) {
         return -n.power / (w.b_error - w.b + most) * (1.0 - QUOTIENT);
@@ -92,12 +91,12 @@ fn near_answer(s: Slopes, n: Near) -> Answer {
         high = n.power / (w.b - w.b_error + least) * (1.0 + QUOTIENT);
     } else if (ahead) {
         depth = (w.b + root) * s.inverse;
-        high = (w.b + w.b_error + most) * s.inverse * (1.0 + SUM);
+        high = (w.b + w.b_error + most) * s.inverse * (1.0 + sum_error(s));
     } else {
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
-        high = -n.power / q * (1.0 + SUM);
-        hits = hits && q > 0.5 * least;
+        high = -n.power / q * (1.0 + sum_error(s));
+        hits = hits && q > 0.75 * least;
     }
     // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, against the ray: upper sign outside.
     let d = vec3<f32>(s.x, s.y, -1.0);

@@ -1,14 +1,14 @@
-// All spheres as candidates; those in front, nearly all, are loaded once per subgroup and shared. Lanes past the end
-// repeat the last sphere; a repeated sphere is nobody's second.
+// All spheres as candidates; those in front, nearly all, are loaded once per subgroup and shared. The host pads their
+// list with spheres that nothing hits.
 fn candidates(s: Slopes, start: Kept) -> Kept {
     var k = start;
     for (var slot = 0u; slot < lens.nears; slot++) {
         k = keep(k, near_low(s, nears[slot]), NEAR | slot);
     }
     for (var first = 0u; first < lens.fronts; first += lanes) {
-        let mine = fronts[min(first + lane, lens.fronts - 1u)];
+        let mine = fronts[first + lane];
         for (var l = 0u; l < lanes; l++) {
-            k = shared_front(s, k, share(mine, l), first + l);
+            k = keep(k, front_low(s, share(mine, l)), first + l);
         }
     }
     return k;
@@ -16,8 +16,7 @@ fn candidates(s: Slopes, start: Kept) -> Kept {
 
 fn share(f: Front, l: u32) -> Front {
     return Front(
-        subgroupShuffle(f.rest, l), subgroupShuffle(f.column, l), subgroupShuffle(f.row, l),
-        subgroupShuffle(f.rho2, l), subgroupShuffle(f.error, l),
-        subgroupShuffle(f.size, l), subgroupShuffle(f.low, l),
+        subgroupShuffle(f.x, l), subgroupShuffle(f.y, l),
+        subgroupShuffle(f.rho, l), subgroupShuffle(f.low, l),
     );
 }

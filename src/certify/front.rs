@@ -1,6 +1,6 @@
 //! A sphere wholly in front of the eye plane, by its projected centre: the twin of certify/front.wgsl.
 
-use super::{Answer, LensRecord, Slopes};
+use super::{Answer, DEPTH, INFLATE, LensRecord, NORMAL, Slopes, Terms, UNIT, VANISH};
 use crate::ray::{positive, unit3};
 use crate::real::Real;
 use bytemuck::{Pod, Zeroable};
@@ -9,12 +9,9 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct FrontRecord {
-    pub(crate) rest: [f32; 2],
-    pub(crate) column: i32,
-    pub(crate) row: i32,
-    pub(crate) rho2: f32,
-    pub(crate) error: f32,
-    pub(crate) size: f32,
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+    pub(crate) rho: f32,
     pub(crate) low: f32,
 }
 
@@ -22,79 +19,93 @@ pub(crate) struct FrontRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct FrontMoreRecord {
-    pub(crate) high: f32,
-    pub(crate) least: f32,
+    pub(crate) rest: [f32; 2],
+    pub(crate) column: i32,
+    pub(crate) row: i32,
+    pub(crate) center: f32,
     pub(crate) id: u32,
-    pub(crate) unused: u32,
 }
 
 /// Both records in the arithmetic of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Front<R> {
-    pub(crate) rest: [R; 2],
-    pub(crate) column: i32,
-    pub(crate) row: i32,
-    pub(crate) rho2: R,
-    pub(crate) error: R,
-    pub(crate) size: R,
-    pub(crate) low: R,
-    pub(crate) high: R,
-    pub(crate) least: R,
+    x: i32,
+    y: i32,
+    rho: R,
+    low: R,
+    rest: [R; 2],
+    column: i32,
+    row: i32,
+    center: R,
     pub(crate) id: u32,
 }
 
 impl<R: Real> Front<R> {
     pub(crate) fn new(f: &FrontRecord, more: &FrontMoreRecord) -> Self {
         Self {
-            rest: f.rest.map(R::exact),
-            column: f.column,
-            row: f.row,
-            rho2: R::exact(f.rho2),
-            error: R::exact(f.error),
-            size: R::exact(f.size),
+            x: f.x,
+            y: f.y,
+            rho: R::exact(f.rho),
             low: R::exact(f.low),
-            high: R::exact(more.high),
-            least: R::exact(more.least),
+            rest: more.rest.map(R::exact),
+            column: more.column,
+            row: more.row,
+            center: R::exact(more.center),
             id: more.id,
         }
     }
 }
 
-/// Offset of the pixel from the projected centre. The difference of integers is exact.
-fn front_offset<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>) -> [R; 2] {
-    let whole = |n: i32| R::exact(n as f32);
-    let dx = (whole(s.column - f.column) - f.rest[0]) * R::exact(lens.step_x);
-    let dy = (whole(f.row - s.row) - f.rest[1]) * R::exact(lens.step_y);
-    [dx, dy]
-}
-
-fn front_discriminant<R: Real>(s: &Slopes<R>, f: &Front<R>, o: [R; 2]) -> R {
+/// a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
+fn front_discriminant<R: Real>(s: &Slopes<R>, rho: R, o: [R; 2]) -> R {
     let across = s.x * o[1] - s.y * o[0];
-    s.a * f.rho2 - (o[0] * o[0] + o[1] * o[1] + across * across)
+    s.a * (rho * rho) - (o[0] * o[0] + o[1] * o[1] + across * across)
 }
 
 /// A lower bound of the depth of the near root, or MISS for a certain miss.
 pub(crate) fn front_low<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>) -> R {
-    let o = front_offset(s, lens, f);
-    let disc = front_discriminant(s, f, o);
-    if disc < -f.error {
+    let c = R::exact;
+    let o = [R::whole(s.fixed_column - f.x) * c(lens.fixed_x), R::whole(f.y - s.fixed_row) * c(lens.fixed_y)];
+    let disc = front_discriminant(s, f.rho, o);
+    let error = c(lens.error0) + f.rho * (c(lens.error1) + f.rho * c(lens.error2));
+    if disc < -error {
         return R::MISS;
     }
     let along = s.x * o[0] + s.y * o[1];
-    f.low - (along + (disc + f.error).sqrt()) * (f.size * s.inverse)
+    let size = (f.low + c(lens.depth)) * c(lens.unit);
+    f.low - (along + positive(disc + error).sqrt()) * (size * s.inverse)
 }
 
-pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>) -> Answer<R> {
-    let o = front_offset(s, lens, f);
-    let disc = front_discriminant(s, f, o);
-    let along = s.x * o[0] + s.y * o[1];
-    let length = f.size * s.inverse;
-    let hits = disc > f.error;
+/// The same sphere with all it has, and bounds for this ray: docs/certificate.md, section 2.
+pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Answer<R> {
+    let c = R::exact;
+    let dx = (R::whole(s.column - f.column) - f.rest[0]) * c(lens.step_x);
+    let dy = (R::whole(f.row - s.row) - f.rest[1]) * c(lens.step_y);
+    let disc = front_discriminant(s, f.rho, [dx, dy]);
+    let slant2 = s.x * s.x + s.y * s.y;
+    let slant = slant2.sqrt();
+    let o2 = dx * dx + dy * dy;
+    let e = c(lens.edge);
+    let [ball, offset] = [terms.ball, terms.offset].map(|[alone, each]| c(alone) + c(each) * slant2);
+    let roundings = ball * (f.rho * f.rho) + offset * o2;
+    let error = (c(UNIT) * roundings + s.a * e * (c(2.0) * o2.sqrt() + e)) * c(INFLATE) + c(VANISH) * s.a;
+    let hits = disc > error;
     let root = positive(disc).sqrt();
-    let low = f.low - (along + positive(disc + f.error).sqrt()) * length;
-    let high = f.high - (along + positive(disc - f.error).sqrt()) * length;
+    let most = positive(disc + error).sqrt();
+    let least = positive(disc - error).sqrt();
+    let along = s.x * dx + s.y * dy;
+    let total = along.abs() + most;
+    let depth = c(lens.depth) + f.center;
+    let length = depth * c(lens.unit) * s.inverse;
+    let [whole, each, of_along, of_root, of_center] = terms.depth.map(c);
+    let steep = (s.x * dx).abs() + (s.y * dy).abs();
+    let mixed = c(UNIT) * ((whole + each * slant2) * total + of_along * steep + of_root * most) + slant * e;
+    let blur = (mixed * length + c(UNIT) * of_center * f.center.abs()) * c(INFLATE) + c(DEPTH) * depth;
+    let low = f.center - (along + most) * length - blur;
+    let high = f.center - (along + least) * length + blur;
     let k = (along + root) * s.inverse;
-    let normal = unit3([o[0] - k * s.x, o[1] - k * s.y, k]);
-    let sure = hits && disc > f.least;
+    let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
+    let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse + c(UNIT) * c(4.0) * (total + o2.sqrt()) + e;
+    let sure = hits && off < c(NORMAL) * f.rho;
     Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, normal }
 }

@@ -1,6 +1,6 @@
 //! Any sphere that is not wholly in front, with a bound for each ray: the twin of certify/near.wgsl.
 
-use super::{Answer, Slopes};
+use super::{Answer, FAR, HOST, INFLATE, NORMAL, Slopes, Terms, UNIT, VANISH};
 use crate::ray::{cross3, minus, negated, positive, times, unit3};
 use crate::real::Real;
 use bytemuck::{Pod, Zeroable};
@@ -14,41 +14,45 @@ pub(crate) struct NearRecord {
     pub(crate) scale: f32,
     pub(crate) form: u32,
     pub(crate) id: u32,
+    pub(crate) column: i32,
+    pub(crate) row: i32,
+    pub(crate) start: f32,
+    pub(crate) by_column: f32,
+    pub(crate) by_row: f32,
+    pub(crate) blur: f32,
+    /// WGSL rounds the size up to the alignment of ball.
+    pub(crate) unused: [f32; 2],
 }
 
 /// The record in the arithmetic of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near<R> {
-    pub(crate) ball: [R; 4],
-    pub(crate) power: R,
-    pub(crate) scale: R,
-    pub(crate) form: u32,
+    ball: [R; 4],
+    power: R,
+    scale: R,
+    form: u32,
     pub(crate) id: u32,
+    pixel: [i32; 2],
+    start: R,
+    by: [R; 2],
+    blur: R,
 }
 
 impl<R: Real> Near<R> {
     pub(crate) fn new(n: &NearRecord) -> Self {
-        let (power, scale) = (R::exact(n.power), R::exact(n.scale));
-        Self { ball: n.ball.map(R::exact), power, scale, form: n.form, id: n.id }
+        Self {
+            ball: n.ball.map(R::exact),
+            power: R::exact(n.power),
+            scale: R::exact(n.scale),
+            form: n.form,
+            id: n.id,
+            pixel: [n.column, n.row],
+            start: R::exact(n.start),
+            by: [n.by_column, n.by_row].map(R::exact),
+            blur: R::exact(n.blur),
+        }
     }
 }
-
-/// 2^-23: WGSL rounds either way.
-const UNIT: f32 = 1.192_092_9e-7;
-/// 2^-48: what the host's f64 rotation leaves.
-pub(crate) const HOST: f32 = 3.552_713_7e-15;
-/// 1 + 2^-10: the bounds are computed in f32 themselves.
-const INFLATE: f32 = 1.000_976_6;
-/// 2^-100: what flushed subnormals leave, times |d|^2.
-const VANISH: f32 = 7.888_609e-31;
-/// 12 UNIT: root, sum and quotient of c/q.
-const QUOTIENT: f32 = 12.0 * UNIT;
-/// 24 UNIT: root, sum, |d|^2 and quotient of the others.
-const SUM: f32 = 24.0 * UNIT;
-/// A depth beyond every frame, and below MISS.
-const FAR: f32 = 3.0e38;
-/// Radians promised, less the roundings of the unit vector.
-pub(crate) const NORMAL: f32 = 0.97e-3;
 
 /// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
 struct Weighed<R> {
@@ -60,35 +64,52 @@ struct Weighed<R> {
     g_error: R,
 }
 
-fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>) -> Weighed<R> {
+fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let [px, py, pz, r] = n.ball;
     let l = s.x.abs() + s.y.abs() + R::ONE;
-    let b = px * s.x + py * s.y - pz;
-    let b_sum = (px * s.x).abs() + (py * s.y).abs() + pz.abs();
-    let b_error = (c(5.0 * UNIT) * b_sum + c(2.0 * HOST) * l) * c(INFLATE);
+    let right = R::whole(s.column - n.pixel[0]) * n.by[0];
+    let down = R::whole(s.row - n.pixel[1]) * n.by[1];
+    let b = n.start + right + down;
+    let [of_start, of_steps] = terms.along.map(c);
+    let b_sum = of_start * n.start.abs() + of_steps * (right.abs() + down.abs());
+    let b_error = (c(UNIT) * b_sum + n.blur + c(2.0 * HOST) * l) * c(INFLATE);
     let g = [-py - pz * s.y, pz * s.x + px, px * s.y - py * s.x];
     let e = [py.abs() + (pz * s.y).abs(), (pz * s.x).abs() + px.abs(), (px * s.y).abs() + (py * s.x).abs()];
-    let g_error = e.map(|e| c(4.0 * UNIT) * e + c(2.0 * HOST) * l);
+    let [of_ball, alone, of_square, of_part] = terms.cross.map(c);
+    let g_error = e.map(|e| of_part * c(UNIT) * e + c(2.0 * HOST) * l);
     let (disc, error);
     if n.form == 1 {
+        let [of_b, of_ac, alone] = terms.power.map(c);
         let ac = s.a * n.power;
         disc = b * b - ac;
-        error = c(2.0) * b.abs() * b_error + b_error * b_error + c(UNIT) * (c(2.0) * b * b + c(8.5) * ac.abs());
+        error = c(2.0) * b.abs() * b_error
+            + b_error * b_error
+            + c(UNIT) * (of_b * b * b + (of_ac * s.a + alone) * ac.abs());
     } else {
         let gg = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
         let ar2 = s.a * (r * r);
         disc = ar2 - gg;
         let mixed = g[0].abs() * g_error[0] + g[1].abs() * g_error[1] + g[2].abs() * g_error[2];
         let small = g_error[0] * g_error[0] + g_error[1] * g_error[1] + g_error[2] * g_error[2];
-        error = c(UNIT) * (c(12.0) * ar2 + c(4.0) * gg) + c(2.0) * mixed + small;
+        error = c(UNIT) * ((of_ball * s.a + alone) * ar2 + of_square * gg) + c(2.0) * mixed + small;
     }
     let sum = g_error[0] + g_error[1] + g_error[2];
     Weighed { b, b_error, disc, error: error * c(INFLATE) + s.a * c(VANISH), g, g_error: sum }
 }
 
+/// Root, sum, |d|^2, its reciprocal and the product.
+fn sum_error<R: Real>(s: &Slopes<R>, terms: &Terms) -> R {
+    R::exact(UNIT) * (R::exact(terms.root[2]) + R::exact(terms.root[1]) * s.a)
+}
+
+/// Root, sum and quotient of c/q.
+fn quotient_error<R: Real>(terms: &Terms) -> R {
+    R::exact(UNIT) * R::exact(terms.root[0])
+}
+
 /// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
-fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>) -> R {
+fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>, terms: &Terms) -> R {
     let zero = R::ZERO;
     if n.power >= zero && (w.disc < -w.error || w.b < -w.b_error) {
         return R::MISS;
@@ -100,26 +121,26 @@ fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>) -> R {
         if q <= zero {
             return R::MISS;
         }
-        let low = n.power / q * R::exact(1.0 - QUOTIENT);
+        let low = n.power / q * (R::ONE - quotient_error(terms));
         return if low < R::exact(FAR) { low } else { R::exact(FAR) };
     }
     if w.b > w.b_error {
-        return (w.b - w.b_error + least) * s.inverse * R::exact(1.0 - SUM);
+        return (w.b - w.b_error + least) * s.inverse * (R::ONE - sum_error(s, terms));
     }
     if n.power < zero {
-        return -n.power / (w.b_error - w.b + most) * R::exact(1.0 - QUOTIENT);
+        return -n.power / (w.b_error - w.b + most) * (R::ONE - quotient_error(terms));
     }
     zero
 }
 
 /// A lower bound of the depth of the hit in the frame's unit, or MISS for a certain miss.
-pub(crate) fn near_low<R: Real>(s: &Slopes<R>, n: &Near<R>) -> R {
-    let low = near_below(s, n, &near_weigh(s, n));
+pub(crate) fn near_low<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> R {
+    let low = near_below(s, n, &near_weigh(s, n, terms), terms);
     if low < R::MISS { low * n.scale } else { R::MISS }
 }
 
-pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>) -> Answer<R> {
-    let w = near_weigh(s, n);
+pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Answer<R> {
+    let w = near_weigh(s, n, terms);
     let root = positive(w.disc).sqrt();
     let most = positive(w.disc + w.error).sqrt();
     let least = positive(w.disc - w.error).sqrt();
@@ -128,22 +149,22 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>) -> Answer<R> {
     let (depth, high);
     if n.power > R::ZERO {
         depth = n.power / (w.b + root);
-        high = n.power / (w.b - w.b_error + least) * R::exact(1.0 + QUOTIENT);
+        high = n.power / (w.b - w.b_error + least) * (R::ONE + quotient_error(terms));
     } else if ahead {
         depth = (w.b + root) * s.inverse;
-        high = (w.b + w.b_error + most) * s.inverse * R::exact(1.0 + SUM);
+        high = (w.b + w.b_error + most) * s.inverse * (R::ONE + sum_error(s, terms));
     } else {
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
-        high = -n.power / q * R::exact(1.0 + SUM);
-        hits = hits && q > R::HALF * least;
+        high = -n.power / q * (R::ONE + sum_error(s, terms));
+        hits = hits && q > R::exact(0.75) * least;
     }
     let d = [s.x, s.y, -R::ONE];
     let across = cross3(d, w.g);
     let side = if n.power > R::ZERO { negated(across) } else { across };
     let normal = unit3(minus(side, times(root, d)));
     let true_normal = w.g_error + (most - least) < R::exact(NORMAL) * (s.a.sqrt() * n.ball[3]);
-    let low = near_below(s, n, &w);
+    let low = near_below(s, n, &w, terms);
     Answer {
         sure: hits && true_normal,
         hits,

@@ -1,15 +1,16 @@
 //! What the host prepares for the certified kernel: spheres in one of two forms, each with the bounds of what f32 and
-//! the host's own rounding can do to it. docs/certificate.md derives the constants; the tests take them away one by one.
+//! the host's own rounding can do to it. docs/certificate.md derives the bounds.
 
-use super::LensRecord;
 use super::front::{FrontMoreRecord, FrontRecord};
-use super::near::{NORMAL, NearRecord};
+use super::near::NearRecord;
+use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
 use crate::error::Result;
 use crate::exact;
+use crate::ray::NONE;
 use crate::scene::Scene;
-use crate::view::View;
+use crate::view::{View, nonzero_f32};
 use rayon::prelude::*;
 
 /// The unit roundoff of WGSL: 2^-23, since it may round either way.
@@ -22,26 +23,19 @@ const ROTATED: f64 = 5.0 * U64;
 const WIDEST: f64 = 1024.0;
 /// Largest |d|^2 whose squares a near sphere's bound can hold; a wider lens is judged exactly.
 const UNBOUNDED: f64 = (1u64 << 40) as f64;
-/// Largest column or row of a projected centre: the integer difference to a pixel stays exact in f32.
+/// Farthest pixel that a winner's projected centre or a near sphere's start may have: differences stay exact in f32.
 const FARTHEST: f64 = (1 << 22) as f64;
-
-/// Parts of the bound that a test may take away: nothing else changes them.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Terms {
-    /// Roundings of |d|^2 rho^2.
-    pub(crate) ball: f64,
-    /// Roundings of the offset's square.
-    pub(crate) offset: f64,
-    /// The same for each unit of |d|^2 - 1.
-    pub(crate) slant: f64,
-    /// Host's rounding of the projected centre.
-    pub(crate) rest: f64,
-    /// Roundings of the depth: of its offset, of |d|^2 - 1, of the root, and of the centre's depth.
-    pub(crate) depth: [f64; 4],
-}
-
-/// The derived constants.
-pub(crate) const TERMS: Terms = Terms { ball: 10.6, offset: 9.0, slant: 16.2, rest: 1.0, depth: [13.0, 6.0, 5.2, 1.5] };
+/// Bits of the fixed-point projected centres, sign excluded; a difference to a pixel needs one more.
+const FIXED_BITS: u32 = 29;
+/// Largest slope of a front sphere's depth over its centre's: farther in, it counts as near.
+const STEEPEST: f64 = 0.75;
+/// The bounds' own roundings, here and in the kernel.
+const INFLATE: f64 = 1.0 + 1.0 / 512.0;
+/// Front spheres come in multiples of this: the largest subgroup that shares.
+const PADDING: usize = 32;
+/// A front sphere that fills the last load: far outside the image, with no radius.
+const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
+const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], column: 0, row: 0, center: 0.0, id: NONE };
 
 /// The scene as the certified kernel sees it.
 #[derive(Debug, Clone)]
@@ -57,140 +51,291 @@ pub(crate) struct Stage {
 
 /// A sphere, staged.
 enum Staged {
-    /// Behind the eye plane: no viewing ray meets it.
-    Behind,
-    Front {
-        projected: Projected,
-        depth: f64,
-        depth_error: f64,
-        size: f64,
-        id: u32,
-    },
+    /// Behind the eye plane or wholly outside the image: no viewing ray meets it.
+    Unseen,
+    Front(Projected),
     Near(NearRecord),
 }
 
-/// A projected centre in pixels, its radius and its error in the unit of rho.
+/// A front sphere: depth of its centre in the frame's unit and its host error, projected centre, projected radius.
 struct Projected {
+    id: u32,
+    depth: f64,
+    depth_error: f64,
+    fixed: [i32; 2],
     pixel: [i32; 2],
     rest: [f32; 2],
     rho: f64,
-    error: f64,
 }
 
-/// The numbers of the lens in f64.
+/// The camera in f64, and the constants of the bounds that are the same for all front spheres.
 struct Lens {
+    basis: Basis,
+    /// Right, up and forward in double-double.
+    axes: [Dd3; 3],
+    size: [f64; 2],
     slope: [f64; 2],
     step: [f64; 2],
     /// Slope per unit of rho: a power of two.
     unit: f64,
+    /// A pixel is 2^shift units of the fixed-point centres.
+    shift: u32,
     /// Largest |d|^2 of the image.
     widest: f64,
-    size: [f64; 2],
-}
-
-/// The camera's axes right, up and forward, in double-double.
-struct Axes {
-    basis: Basis,
-    exact: [Dd3; 3],
+    /// Error of a fixed-point centre and of a winner's, unit of rho.
+    coarse: f64,
+    fine: f64,
+    /// Bound of the discriminant's error by powers of rho.
+    errors: [f64; 3],
+    terms: Terms,
+    /// Exponent of the frame's unit.
+    frame: i32,
 }
 
 impl Stage {
     /// Prepares `scene`; `None` when its lens is too wide or too narrow for f32, and everything must be judged exactly.
     pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64, terms: &Terms) -> Result<Option<Self>> {
-        let viewport = scene.camera.viewport(view.record.width, view.record.height)?;
-        let lens = Lens::new(&viewport, view.record.width, view.record.height);
-        let narrow = lens.slope.iter().any(|s| *s < f64::from(f32::MIN_POSITIVE) * 2f64.powi(24));
+        let (width, height) = (view.record.width, view.record.height);
+        let viewport = scene.camera.viewport(width, height)?;
+        let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
+        let narrow = lens.slope.iter().any(|slope| *slope < 2f64.powi(-100));
         if narrow || lens.widest > UNBOUNDED {
             return Ok(None);
         }
-        let axes = Axes::new(&scene.camera, view.basis)?;
         let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii).enumerate();
-        let staged: Vec<Staged> =
-            spheres.map(|(id, (c, r))| stage(&axes, &lens, view.unit, id as u32, *c, *r)).collect();
-        Ok(Some(Self::gather(&lens, view.unit, staged, tolerance, terms)))
+        let staged: Vec<Staged> = spheres.map(|(id, (c, r))| lens.stage(id as u32, *c, *r)).collect();
+        Ok(Some(Self::gather(&lens, staged, tolerance)))
     }
 
-    fn gather(lens: &Lens, unit: i32, staged: Vec<Staged>, tolerance: f64, terms: &Terms) -> Self {
+    fn gather(lens: &Lens, staged: Vec<Staged>, tolerance: f64) -> Self {
+        let reference = reference(&staged);
         let mut stage = Self {
-            lens: LensRecord {
-                slope_x: lens.slope[0] as f32,
-                slope_y: lens.slope[1] as f32,
-                step_x: lens.step[0] as f32,
-                step_y: lens.step[1] as f32,
-                depth: reference(&staged),
-                // The width and the comparison are rounded themselves.
-                tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
-                fronts: 0,
-                nears: 0,
-            },
-            fronts: Vec::with_capacity(staged.len()),
-            mores: Vec::with_capacity(staged.len()),
+            lens: lens.record(reference, tolerance),
+            fronts: Vec::with_capacity(staged.len() + PADDING),
+            mores: Vec::with_capacity(staged.len() + PADDING),
             nears: Vec::new(),
             depths: vec![0.0; staged.len()],
         };
-        let shared = f64::from(stage.lens.depth);
         for sphere in staged {
             match sphere {
-                Staged::Behind => {}
+                Staged::Unseen => {}
                 Staged::Near(record) => stage.nears.push(record),
-                Staged::Front { projected, depth, depth_error, size, id } => {
-                    stage.depths[id as usize] = dd::ldexp(depth, unit);
-                    let bounds = bounds(lens, &projected, depth - shared, depth_error, size, terms);
+                Staged::Front(p) => {
+                    let center = p.depth - f64::from(reference);
+                    let low = center - lens.depth_error(&p, center);
+                    stage.depths[p.id as usize] = dd::ldexp(p.depth, lens.frame);
                     stage.fronts.push(FrontRecord {
-                        rest: projected.rest,
-                        column: projected.pixel[0],
-                        row: projected.pixel[1],
-                        rho2: (projected.rho * projected.rho) as f32,
-                        error: up(bounds.disc),
-                        size: size as f32,
-                        low: -up(shared - depth + bounds.depth),
+                        x: p.fixed[0],
+                        y: p.fixed[1],
+                        rho: p.rho as f32,
+                        low: not_above(low),
                     });
-                    let high = up(depth - shared + bounds.depth);
-                    stage.mores.push(FrontMoreRecord { high, least: up(bounds.least), id, unused: 0 });
+                    let [column, row] = p.pixel;
+                    stage.mores.push(FrontMoreRecord { rest: p.rest, column, row, center: center as f32, id: p.id });
                 }
             }
         }
-        (stage.lens.fronts, stage.lens.nears) = (stage.fronts.len() as u32, stage.nears.len() as u32);
+        // Subgroups share a whole load.
+        let padded = stage.fronts.len().next_multiple_of(PADDING);
+        stage.fronts.resize(padded, NOTHING);
+        stage.mores.resize(padded, NOTHING_MORE);
+        (stage.lens.fronts, stage.lens.nears) = (padded as u32, stage.nears.len() as u32);
         stage
     }
 }
 
-/// Bounds of a front sphere, for every ray of the image.
-struct Bounds {
-    /// Of the discriminant's error.
-    disc: f64,
-    /// Of the depth's error, frame's unit.
-    depth: f64,
-    /// Above this discriminant the normal is within its promise.
-    least: f64,
-}
+impl Lens {
+    fn new(camera: &Camera, view: &View, viewport: &Viewport, terms: &Terms) -> Result<Self> {
+        let [right, up, back] = camera.axes()?;
+        let size = [f64::from(view.record.width), f64::from(view.record.height)];
+        let slope = [viewport.vw / viewport.d / (2.0 * size[0]), viewport.vh / viewport.d / (2.0 * size[1])];
+        let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
+        let step = slope.map(|s| 2.0 * s / unit);
+        // Centres up to four images away from the image.
+        let reach = 4 * view.record.width.max(view.record.height).next_power_of_two();
+        let shift = FIXED_BITS - reach.ilog2();
+        let edge = [slope[0] * size[0], slope[1] * size[1]];
+        let m = (1.0 + edge[0] * edge[0] + edge[1] * edge[1]) * (1.0 + 2f64.powi(-20));
+        let host = f64::from(terms.host);
+        let diagonal = step[0].hypot(step[1]) * host * (1.0 + 2f64.powi(-20));
+        // Rounding to fixed point and what is left of the host's error: half a unit each.
+        let coarse = diagonal * 2f64.powi(-(shift as i32));
+        // The rest's rounding, 2^-26, and the host's error, 2^-27 and 2^-28.
+        let fine = diagonal * 1.75 * 2f64.powi(-26);
+        // Section 2 of docs/certificate.md: R = a1 rho + a2 e, and the roundings within it.
+        let [ball, offset] =
+            [terms.ball, terms.offset].map(|[alone, each]| f64::from(alone) + f64::from(each) * (m - 1.0));
+        let (a1, a2) = ((2.0 * m).sqrt(), 16.0 * m);
+        let errors = [
+            INFLATE * (U * offset * a2 * a2 + 2.0 * m * a2 + m) * coarse * coarse + 2f64.powi(-90),
+            INFLATE * (U * offset * 2.0 * a1 * a2 + 2.0 * m * a1) * coarse,
+            INFLATE * U * (ball + offset * a1 * a1),
+        ];
+        Ok(Self {
+            basis: view.basis,
+            axes: [right, up, back.map(|x| -x)],
+            size,
+            slope,
+            step,
+            unit,
+            shift,
+            widest: m,
+            coarse,
+            fine,
+            errors,
+            terms: *terms,
+            frame: view.unit,
+        })
+    }
 
-/// docs/certificate.md, section 2, line by line.
-fn bounds(lens: &Lens, p: &Projected, depth: f64, depth_error: f64, size: f64, terms: &Terms) -> Bounds {
-    let m = lens.widest;
-    let (rho, e) = (p.rho, p.error * terms.rest);
-    let inflate = 1.0 + 2f64.powi(-10);
-    // Beyond this offset a miss is certain whatever rounds; within it the errors are at most:
-    let reach = (1.125 * m).sqrt() * rho + 128.0 * m * e;
-    let roundings = terms.ball * m * rho * rho + (terms.offset + terms.slant * (m - 1.0)) * reach * reach;
-    let disc = inflate * (U * roundings + 2.0 * m * reach * e + m * e * e) + 2f64.powi(-90);
-    let root = m.sqrt() * rho + (2.0 * disc).sqrt();
-    let slant = (m - 1.0).sqrt();
-    let total = slant * reach + root;
-    let [of_offset, of_slant, of_root, of_center] = terms.depth;
-    let rounded = U * (of_offset * total + of_slant * slant * reach + of_root * root) + slant * e;
-    let depth = inflate * (size * rounded + of_center * U * depth.abs() + depth_error);
-    // The normal: what is left of its promise for the root's error, disc / sqrt(D).
-    let others = m.sqrt() * rounded + U * (4.0 * reach + 3.5 * m.sqrt() * total) + e;
-    let left = f64::from(NORMAL) * rho - others;
-    let least = if left > 0.0 { (m.sqrt() * disc / left).powi(2) * inflate } else { f64::from(f32::MAX) };
-    Bounds { disc, depth, least }
-}
+    fn record(&self, reference: f32, tolerance: f64) -> LensRecord {
+        let fixed = self.step.map(|step| dd::ldexp(step, -(self.shift as i32)));
+        LensRecord {
+            slope_x: self.slope[0] as f32,
+            slope_y: self.slope[1] as f32,
+            step_x: self.step[0] as f32,
+            step_y: self.step[1] as f32,
+            fixed_x: fixed[0] as f32,
+            fixed_y: fixed[1] as f32,
+            shift: self.shift,
+            unit: self.unit as f32,
+            error0: not_below(self.errors[0]),
+            error1: not_below(self.errors[1]),
+            error2: not_below(self.errors[2]),
+            edge: not_below(self.fine),
+            depth: reference,
+            // The width and the comparison are rounded themselves.
+            tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
+            fronts: 0,
+            nears: 0,
+        }
+    }
 
-/// The least f32 that is not below x.
-fn up(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }
+    /// Beyond this offset of a ray from the projected centre a miss is certain, whatever rounds.
+    fn reach(&self, rho: f64) -> f64 {
+        (2.0 * self.widest).sqrt() * rho + 16.0 * self.widest * self.coarse
+    }
+
+    /// |slope along the offset| + root of a candidate, at most; and the root alone.
+    fn total(&self, rho: f64) -> [f64; 2] {
+        let error = self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]);
+        let root = self.widest.sqrt() * rho + (2.0 * error).sqrt();
+        [(self.widest - 1.0).sqrt() * self.reach(rho) + root, root]
+    }
+
+    /// Bound of all errors of a candidate's depth, frame's unit.
+    fn depth_error(&self, p: &Projected, center: f64) -> f64 {
+        let [total, root] = self.total(p.rho);
+        let slant = (self.widest - 1.0).sqrt();
+        let [whole, each, along, of_root, of_center] = self.terms.depth.map(f64::from);
+        let roundings =
+            (whole + each * (self.widest - 1.0)) * total + along * slant * self.reach(p.rho) + of_root * root;
+        let size = p.depth * self.unit;
+        let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + p.depth_error;
+        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
+        INFLATE * error / (1.0 - total * self.unit)
+    }
+
+    fn stage(&self, id: u32, center: [f64; 3], radius: f64) -> Staged {
+        let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
+        let p = glam::DVec3::from_array(away.map(|a| a.hi));
+        let error = ROTATED * (p.x.abs() + p.y.abs() + p.z.abs());
+        let p = [p.dot(self.basis.u), p.dot(self.basis.v), -p.dot(self.basis.w)];
+        let [x, y, z] = p;
+        if z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0 {
+            return Staged::Unseen;
+        }
+        let length2 = x * x + y * y + z * z;
+        let front = z > 1.001 * radius && length2 > 4.0 * radius * radius && length2 < 4096.0 * z * z;
+        if front
+            && self.widest <= WIDEST
+            && let Some(staged) = self.project(id, away, p, error, radius)
+        {
+            return staged;
+        }
+        Staged::Near(self.near(id, away, p, center, radius))
+    }
+
+    /// The projected centre; `None` where a number leaves the range of the bounds.
+    fn project(&self, id: u32, away: Dd3, [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
+        let rho = radius / (z * self.unit);
+        let depth = dd::ldexp(z, -self.frame);
+        let small = |x: f64| (2f64.powi(-60)..2f64.powi(60)).contains(&x);
+        if !small(rho) || !small(depth * self.unit) || self.total(rho)[0] * self.unit > STEEPEST {
+            return None;
+        }
+        // Pixels of error that the f64 rotation leaves in the projected centre.
+        let blur = |q: f64, slope: f64| (error * (1.0 + q.abs()) / z + 4.0 * U64 * q.abs()) / (2.0 * slope);
+        let mut q = [x / z, y / z].map(Dd::from);
+        if (0..2).any(|k| blur(q[k].hi, self.slope[k]) > 2f64.powi(-27)) {
+            // A long lens: once more in double-double, which leaves less than 2^-40 of it.
+            let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
+            q = [x / z, y / z];
+            if (0..2).any(|k| blur(q[k].hi, self.slope[k]) > 2f64.powi(13)) {
+                return None;
+            }
+        }
+        let mut p = Projected { id, depth, depth_error: 0.0, fixed: [0; 2], pixel: [0; 2], rest: [0.0; 2], rho };
+        p.depth_error = dd::ldexp(error, -self.frame) + U64 * depth;
+        let mut outside = [0.0; 2];
+        for k in 0..2 {
+            // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down.
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            let at = (q[k] / self.slope[k].into() * sign.into() + (self.size[k] - 1.0).into()) * 0.5.into();
+            let place = at.value();
+            outside[k] = (-place).max(place - (self.size[k] - 1.0)).max(0.0) * self.step[k];
+            let fixed = dd::ldexp(place, self.shift as i32).round();
+            let whole = place.round();
+            if fixed.abs() >= f64::from(1u32 << FIXED_BITS) || whole.abs() > FARTHEST {
+                return if outside[k] > 1.001 * self.reach(rho) { Some(Staged::Unseen) } else { None };
+            }
+            p.fixed[k] = fixed as i32;
+            p.pixel[k] = whole as i32;
+            p.rest[k] = ((at - whole.into()).value() * sign) as f32;
+        }
+        if outside[0].hypot(outside[1]) > 1.001 * self.reach(rho) {
+            return Some(Staged::Unseen);
+        }
+        Some(Staged::Front(p))
+    }
+
+    fn near(&self, id: u32, away: Dd3, p: [f64; 3], center: [f64; 3], radius: f64) -> NearRecord {
+        let largest = away.iter().fold(radius, |m, a| m.max(a.hi.abs()));
+        let k = dd::exponent(largest);
+        let r = dd::ldexp(radius, -k);
+        let scaled = away.map(|a| a.ldexp(-k));
+        let power = dd::dot(scaled, scaled) - Dd::product(r, r);
+        // Double-double is within 2^-96 of the terms, which are below 16; nearer to zero only exact arithmetic tells.
+        let power = match power.value() {
+            sure if sure.abs() > 2f64.powi(-90) => sure,
+            _ => exact::power(center, self.basis.e.to_array(), radius, -k),
+        };
+        // The camera looks down -z.
+        let p = [p[0], p[1], -p[2]].map(|x| dd::ldexp(x, -k));
+        // p.d at a pixel is start + by_column columns + by_row rows from the pixel nearest to where it vanishes.
+        let by = [2.0 * self.slope[0] * p[0], -2.0 * self.slope[1] * p[1]];
+        let middle = self.size.map(|n| (n - 1.0) / 2.0);
+        let back = p[2] / (by[0] * by[0] + by[1] * by[1]).max(f64::MIN_POSITIVE);
+        let pixel = [0, 1].map(|k| (middle[k] + by[k] * back).clamp(-FARTHEST, FARTHEST).round());
+        let along = [0, 1].map(|k| (pixel[k] - middle[k]) * by[k]);
+        let start = along[0] + along[1] - p[2];
+        let slopes = [0, 1].map(|k| (2.0 * self.slope[k] * (pixel[k] - middle[k])).abs());
+        NearRecord {
+            ball: [p[0] as f32, p[1] as f32, p[2] as f32, r as f32],
+            power: nonzero_f32(power),
+            scale: f32::from_bits(((k - self.frame + 127) as u32) << 23),
+            form: u32::from(power.abs() <= r * r),
+            id,
+            column: pixel[0] as i32,
+            row: pixel[1] as i32,
+            start: start as f32,
+            by_column: by[0] as f32,
+            by_row: by[1] as f32,
+            // 2^-48 of p in every component, and the roundings of start.
+            blur: not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])),
+            unused: [0.0; 2],
+        }
+    }
 }
 
 /// A depth to keep the others relative to: where all spheres are far and close together, so that their order survives.
@@ -199,116 +344,21 @@ fn reference(staged: &[Staged]) -> f32 {
     for sphere in staged {
         match sphere {
             Staged::Near(_) => return 0.0,
-            Staged::Behind => {}
-            Staged::Front { depth, .. } => range = (range.0.min(*depth), range.1.max(*depth)),
+            Staged::Unseen => {}
+            Staged::Front(p) => range = (range.0.min(p.depth), range.1.max(p.depth)),
         }
     }
-    // The nearest surface is at least half the nearest centre's depth away, and stays so.
+    // The nearest surface is no nearer than a quarter of the nearest centre's depth.
     if range.0.is_finite() && range.0 > 4.0 * (range.1 - range.0) { range.0 as f32 } else { 0.0 }
 }
 
-fn stage(axes: &Axes, lens: &Lens, unit: i32, id: u32, center: [f64; 3], radius: f64) -> Staged {
-    let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], axes.basis.e[k]));
-    let [x, y, z] = axes.rotate(away);
-    let reach = away.iter().map(|a| a.hi.abs()).sum::<f64>();
-    let error = ROTATED * reach;
-    if z + radius + error + U64 * (z.abs() + radius) < 0.0 {
-        return Staged::Behind;
-    }
-    let length2 = x * x + y * y + z * z;
-    // Wholly in front, at least two radii away, not far off to the side.
-    let front = z > radius * 1.001 && length2 > 4.0 * radius * radius && length2.sqrt() < FARTHEST * z;
-    if front
-        && lens.widest <= WIDEST
-        && let Some(projected) = project(axes, lens, away, [x, y, z], error, radius)
-    {
-        let depth = dd::ldexp(z, -unit);
-        let size = depth * lens.unit;
-        if (2f64.powi(-60)..2f64.powi(60)).contains(&size) {
-            let depth_error = dd::ldexp(error, -unit) + U64 * depth;
-            return Staged::Front { projected, depth, depth_error, size, id };
-        }
-    }
-    near(axes, unit, id, away, [x, y, z], center, radius)
+/// The least f32 that is not below x.
+fn not_below(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
 }
 
-/// The projected centre; `None` where pixels or rho leave the range of the bounds.
-fn project(axes: &Axes, lens: &Lens, away: Dd3, p: [f64; 3], error: f64, radius: f64) -> Option<Projected> {
-    let [x, y, z] = p;
-    // Pixels of error that the f64 rotation leaves in the projected centre.
-    let blur = |q: f64, slope: f64| (error * (1.0 + q.abs()) / z + 4.0 * U64 * q.abs()) / (2.0 * slope);
-    let mut q = [x / z, y / z].map(Dd::from);
-    let mut blurred = [blur(q[0].hi, lens.slope[0]), blur(q[1].hi, lens.slope[1])];
-    if blurred.iter().any(|b| *b > 2f64.powi(-27)) {
-        // A long lens: once more in double-double.
-        let [x, y, z] = axes.exact.map(|axis| dd::dot(axis, away));
-        q = [x / z, y / z];
-        blurred = blurred.map(|b| b * 2f64.powi(-40));
-    }
-    let mut projected = Projected { pixel: [0; 2], rest: [0.0; 2], rho: radius / (z * lens.unit), error: 0.0 };
-    let mut errors = [0.0; 2];
-    for k in 0..2 {
-        let slope: Dd = lens.slope[k].into();
-        // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down.
-        let sign = if k == 0 { 1.0 } else { -1.0 };
-        let at = (q[k] / slope * sign.into() + (lens.size[k] - 1.0).into()) * 0.5.into();
-        let whole = at.value().round();
-        if whole.abs() > FARTHEST {
-            return None;
-        }
-        let rest = (at - whole.into()).value();
-        projected.pixel[k] = whole as i32;
-        projected.rest[k] = (rest * sign) as f32;
-        // The pixel's own slope was rounded once: the same relative error in every offset from the axis.
-        errors[k] = lens.step[k] * (2f64.powi(-26) + blurred[k] + 2.0 * U64 * (whole.abs() + lens.size[k]));
-    }
-    projected.error = errors[0].hypot(errors[1]) * (1.0 + 2f64.powi(-20));
-    (2f64.powi(-40)..2f64.powi(40)).contains(&projected.rho).then_some(projected)
-}
-
-fn near(axes: &Axes, unit: i32, id: u32, away: Dd3, p: [f64; 3], center: [f64; 3], radius: f64) -> Staged {
-    let largest = away.iter().fold(radius, |m, a| m.max(a.hi.abs()));
-    let k = dd::exponent(largest);
-    let shrink = |x: f64| dd::ldexp(x, -k) as f32;
-    let scaled = away.map(|a| a.ldexp(-k));
-    let r = dd::ldexp(radius, -k);
-    let power = dd::dot(scaled, scaled) - Dd::product(r, r);
-    // Double-double is within 2^-96 of the terms, which are below 16; nearer to zero only exact arithmetic tells.
-    let power = match power.value() {
-        sure if sure.abs() > 2f64.powi(-90) => sure,
-        _ => exact::power(center, axes.basis.e.to_array(), radius, -k),
-    };
-    let form = u32::from(power.abs() <= r * r);
-    Staged::Near(NearRecord {
-        // The camera looks down -z.
-        ball: [shrink(p[0]), shrink(p[1]), -shrink(p[2]), shrink(radius)],
-        power: crate::view::nonzero_f32(power),
-        scale: f32::from_bits(((k - unit + 127) as u32) << 23),
-        form,
-        id,
-    })
-}
-
-impl Lens {
-    fn new(viewport: &Viewport, width: u32, height: u32) -> Self {
-        let size = [f64::from(width), f64::from(height)];
-        let slope = [viewport.vw / viewport.d / (2.0 * size[0]), viewport.vh / viewport.d / (2.0 * size[1])];
-        let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
-        let largest = [slope[0] * size[0], slope[1] * size[1]];
-        let widest = (1.0 + largest[0] * largest[0] + largest[1] * largest[1]) * (1.0 + 2f64.powi(-20));
-        Self { slope, step: slope.map(|s| 2.0 * s / unit), unit, widest, size }
-    }
-}
-
-impl Axes {
-    fn new(camera: &Camera, basis: Basis) -> Result<Self> {
-        let [right, up, back] = camera.axes()?;
-        Ok(Self { basis, exact: [right, up, back.map(|x| -x)] })
-    }
-
-    /// Right, up and forward of a difference, in f64.
-    fn rotate(&self, away: Dd3) -> [f64; 3] {
-        let p = glam::DVec3::from_array(away.map(|a| a.hi));
-        [p.dot(self.basis.u), p.dot(self.basis.v), -p.dot(self.basis.w)]
-    }
+/// The largest f32 that is not above x.
+fn not_above(x: f64) -> f32 {
+    -not_below(-x)
 }

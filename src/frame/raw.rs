@@ -1,11 +1,11 @@
 //! What a kernel leaves behind, and the frame made of it.
 
 use crate::error::{Error, Result};
-use crate::frame::{Aov, Buffer, Data};
 use crate::exact::Truth;
+use crate::frame::{Aov, Buffer, Data};
 use crate::plan::Kernel;
-use crate::settle::Settled;
 use crate::ray::NONE;
+use crate::settle::Settled;
 use crate::view::View;
 use rayon::prelude::*;
 
@@ -60,12 +60,6 @@ impl Raw {
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
-    }
-
-    /// How many rays hit something.
-    #[cfg(test)]
-    pub(crate) fn hits(&self) -> u64 {
-        self.id.par_iter().filter(|id| **id != NONE).count() as u64
     }
 }
 
@@ -155,7 +149,9 @@ impl Answers<'_> {
                 let id = self.raw.id[pixel];
                 let values = values.first_chunk_mut::<N>();
                 if let Some(values) = values {
-                    *values = if id == NONE { [missed; N] } else {
+                    *values = if id == NONE {
+                        [missed; N]
+                    } else {
                         let [u, v, w] = self.view.direction(i, j);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).

@@ -27,7 +27,7 @@ impl Gpu {
         let Some(stage) = input.stage else { return Ok(()) };
         self.fill("lens", bytemuck::bytes_of(&stage.lens))?;
         // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-        let mut fill = |name, bytes: &[u8]| self.fill(name, if bytes.is_empty() { &[0; 48] } else { bytes });
+        let mut fill = |name, bytes: &[u8]| self.fill(name, if bytes.is_empty() { &[0; 64] } else { bytes });
         fill("fronts", bytemuck::cast_slice(&stage.fronts))?;
         fill("front_mores", bytemuck::cast_slice(&stage.mores))?;
         fill("nears", bytemuck::cast_slice(&stage.nears))
@@ -40,7 +40,13 @@ impl Gpu {
     }
 
     /// Reads the band's unsure pixels and asks for their candidates.
-    pub(super) fn follow_up(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, open: &mut Open) -> Result<()> {
+    pub(super) fn follow_up(
+        &mut self,
+        kernel: &Kernel,
+        record: &ViewRecord,
+        band: &Band,
+        open: &mut Open,
+    ) -> Result<()> {
         let all = u64::from(record.width) * u64::from(band.count);
         let first = self.read_list("unsure", FIRST.min(all))?;
         if first.count == 0 {
@@ -48,7 +54,15 @@ impl Gpu {
         }
         let unsure = if first.count > FIRST.min(all) { self.read_list("unsure", first.count)? } else { first };
         open.pixels.extend(unsure.entries.iter().map(|entry| entry[0]));
-        let emit = Kernel { certify: Some(Pass::Emit), shade: None, colors: false, t: false, normal: false, width: false, ..*kernel };
+        let emit = Kernel {
+            certify: Some(Pass::Emit),
+            shade: None,
+            colors: false,
+            t: false,
+            normal: false,
+            width: false,
+            ..*kernel
+        };
         self.pipeline(&emit)?;
         let groups = unsure.count.div_ceil(u64::from(super::dispatch::GROUP)) as u32;
         let mut room = self.size("pairs").map_or(PAIRS, |size| (size - HEAD) / ENTRY);

@@ -111,9 +111,9 @@ fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
     parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl"), part!("certify/near.wgsl")]);
     parts.extend(match kernel.sharing {
         Sharing::None => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => vec![part!("certify/subgroup4.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => vec![part!("certify/subgroup8.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Shuffle => vec![part!("certify/shuffle.wgsl"), part!("certify/shared.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup4 => vec![part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => vec![part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Shuffle => vec![part!("certify/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
     match pass {
         Pass::Emit => parts.push(part!("certify/emit.wgsl")),

@@ -72,11 +72,12 @@ pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::compose::{compose, constants};
-    use crate::gpu::dispatch::{GROUP, TILE};
     use crate::certify::LensRecord;
     use crate::certify::front::{FrontMoreRecord, FrontRecord};
     use crate::certify::near::NearRecord;
+    use crate::gpu::compose::{compose, constants};
+    use crate::gpu::dispatch::{GROUP, TILE};
+    use crate::intersect::Method;
     use crate::plan::{Pass, Rays};
     use crate::ray::NONE;
     use crate::shade::Shade;
@@ -221,10 +222,10 @@ mod tests {
                 assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y depth tolerance fronts nears);
-        same!(certified "Front", FrontRecord, rest column row rho2 error size low);
-        same!(certified "FrontMore", FrontMoreRecord, high least id unused);
-        same!(certified "Near", NearRecord, ball power scale form id);
+        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance fronts nears);
+        same!(certified "Front", FrontRecord, x y rho low);
+        same!(certified "FrontMore", FrontMoreRecord, rest column row center id);
+        same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
         assert_eq!(constant(&certified, "GROUP"), f64::from(GROUP));
         assert_eq!(constant(&certified, "GROUPS"), f64::from(crate::gpu::certified::GROUPS));
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));

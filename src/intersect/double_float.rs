@@ -123,6 +123,11 @@ impl Real for Pair {
         Self { hi: x, lo: 0.0 }
     }
 
+    fn whole(x: i32) -> Self {
+        let hi = x as f32;
+        Self { hi, lo: (f64::from(x) - f64::from(hi)) as f32 }
+    }
+
     fn pair(hi: f32, lo: f32) -> Self {
         Self { hi, lo }
     }

@@ -2,7 +2,8 @@
 
 use super::Check;
 use crate::camera::Camera;
-use crate::certify::stage::{Stage, TERMS};
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
 use crate::cpu;
 use crate::error::Result;
 use crate::frame::raw::Raw;
