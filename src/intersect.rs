@@ -57,6 +57,15 @@ macro_rules! variants {
                 match self { $(Self::$name => $about,)* }
             }
 
+            /// What f32 does to a sphere's outline, in radii, as a factor of the unit roundoff, for a sphere at `k` radii:
+            /// the lecture's three forms subtract squares of the distance, the perpendicular form does not.
+            pub(crate) fn outline_error(self, k: f64) -> f64 {
+                match self {
+                    Self::Stable => 4.0 * k,
+                    _ => 4.0 * k * k,
+                }
+            }
+
             /// The variant's part of a shader: file name and text.
             pub(crate) fn wgsl(self) -> (&'static str, &'static str) {
                 match self { $(Self::$name => crate::gpu::compose::part!(concat!("intersect/", stringify!($file), ".wgsl")),)* }

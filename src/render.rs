@@ -11,7 +11,7 @@ use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
 use crate::memory;
-use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle;
@@ -135,6 +135,10 @@ impl Renderer {
         let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
+        let expected = match plan.accuracy {
+            Accuracy::Fast => Expected::of(&view, plan.kernel.method),
+            _ => None,
+        };
         let stage = match plan.accuracy {
             Accuracy::Certified => {
                 stages.time("stage", || Stage::new(scene, &view, settings.tolerance.relative(), &TERMS))?
@@ -187,10 +191,11 @@ impl Renderer {
             certified: judged as f64 / pixels as f64,
             settled: settled.len() as u64,
             bound: certify.then(|| bound(&buffers, settings.tolerance.relative())),
+            expected,
             setup_ms: self.setup_ms,
             frame_ms: vec![milliseconds(start)],
             stages_ms: stages.into_map(),
-            warnings: warnings(scene, hits),
+            warnings: warnings(scene, hits, expected.and_then(|expected| expected.warning(plan.kernel.method))),
         };
         Ok(Frame { width: view.record.width, height: view.record.height, buffers, report })
     }
@@ -239,8 +244,9 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
 }
 
 /// What the picture does not show by itself.
-fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
+fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
+    warnings.extend(expected);
     if scene.spheres.is_empty() {
         warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {
