@@ -57,11 +57,13 @@ macro_rules! variants {
                 match self { $(Self::$name => $about,)* }
             }
 
-            /// What f32 does to a sphere's outline, in radii, as a factor of the unit roundoff, for a sphere at `k` radii:
+            /// What rounding does to a sphere's outline, in radii, as a factor of the unit roundoff, for a sphere at `k` radii:
             /// the lecture's three forms subtract squares of the distance, the perpendicular form does not.
             pub(crate) fn outline_error(self, k: f64) -> f64 {
                 match self {
                     Self::Stable => 4.0 * k,
+                    // Inputs of two f32 and 48 bits or more from there on.
+                    Self::Native64 | Self::DoubleFloat => 4.0 * k * 2f64.powi(-24),
                     _ => 4.0 * k * k,
                 }
             }

@@ -261,7 +261,7 @@ impl Expected {
         let Self { outline, sphere, distance } = self;
         (*outline > VISIBLE).then(|| {
             format!(
-                "f32 by {} places the outline of sphere {sphere}, {distance:.1e} radii away, only within {outline:.1e} \
+                "method {} places the outline of sphere {sphere}, {distance:.1e} radii away, only within {outline:.1e} \
                  radii; use --accuracy certified",
                 method.name()
             )

@@ -71,7 +71,8 @@ pub(super) const fn two_to(k: i32) -> f32 {
     if k >= -126 { f32::from_bits(((k + 127) as u32) << 23) } else { f32::from_bits(1 << (k + 149)) }
 }
 
-/// Pairs with subnormals: word of the answer (0 sum, 1 difference, 2 product, 6 store, 7 bitcast) and what it should be.
+/// Pairs with subnormals: word of the answer (0 sum, 1 difference, 2 product, 6 store, 7 bitcast) and what it should
+/// be.
 pub(super) const SUBNORMAL: [(&str, [f32; 2], usize, f32); 6] = [
     ("into sum", [two_to(-127), two_to(-126)], 0, 1.5 * two_to(-126)),
     ("out of difference", [1.5 * two_to(-126), two_to(-126)], 1, two_to(-127)),

@@ -216,7 +216,7 @@ pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             let off = (double(Pair { hi, lo }) - exact).value().abs() / U2;
             wrong += f64::from(off.is_nan() || off > bound);
             bits += f64::from(twin.hi.to_bits() != hi.to_bits() || twin.lo.to_bits() != lo.to_bits());
-            // The mul before the add may cancel: its error is measured against its bound, the others' against the result.
+            // A mul before an add may cancel: errors are measured against their bounds, not the result.
             most = most.max(off / bound.max(f64::MIN_POSITIVE));
         }
         let detail = [("wrong", wrong), ("other bits than the twin", bits), ("u2", most * [ADD, MUL, DIV, ROOT][k])];

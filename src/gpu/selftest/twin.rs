@@ -38,7 +38,7 @@ fn scene() -> Scene {
 }
 
 impl Gpu {
-    /// The kernels that are compared. The lecture's forms use no other operations, and compiling costs most of the time.
+    /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
         let kernel = |certify: Option<Pass>| Kernel {
             method: Method::Stable,
