@@ -2,7 +2,8 @@
 const GROUP: u32 = 64u; // rays in a workgroup
 
 // A given ray: direction scaled to a largest component in [1, 2), and its origin minus the view's eye in the frame's
-// unit, as a sum of two parts so that nothing is lost far away. The fourth numbers are unused.
+// unit, as a sum of two parts so that nothing is lost far away. The fourth numbers are what rounding took from the
+// direction's x, y, z.
 struct GivenRay {
     direction: vec4<f32>,
     origin: vec4<f32>,
@@ -17,7 +18,7 @@ var<private> given: GivenRay;
 fn render(group: vec3<u32>, index: u32) {
     let n = group.x * GROUP + index;
     given = rays[view.first_row + min(n, view.width - 1u)];
-    let ray = Ray(given.direction.xyz);
+    let ray = ray_along(given.direction.xyz, vec3<f32>(given.direction.w, given.origin.w, given.origin_low.w));
     let hit = nearest(ray);
     if (n >= view.width) {
         return;

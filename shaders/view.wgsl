@@ -14,6 +14,10 @@ struct View {
     half_dv: f32,          // vh / (2 H)
     d: f32,                // distance of the viewport
     spheres: u32,          // how many
+    zero: u32,             // 0, which no compiler knows
+    half_du_low: f32,      // what rounding took from half_du, half_dv, d
+    half_dv_low: f32,
+    d_low: f32,
 }
 
 // A sphere in the canonical camera, scaled by its own power of two 2^-k so that squares neither overflow nor vanish.

@@ -1,4 +1,4 @@
-//! The CPU reference path: the kernels' stages over rows, in f32, operation for operation.
+//! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
 use crate::certify::front::Front;
 use crate::certify::near::Near;
@@ -9,6 +9,7 @@ use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
 use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
+use crate::real::Real;
 use crate::settle::Open;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
@@ -131,7 +132,7 @@ impl Row<'_> {
 }
 
 /// What becomes of a hit: three numbers per pixel.
-type Value<'a> = &'a (dyn Fn(&Ray<f32>, Hit<f32>) -> [f32; 3] + Sync);
+type Value<'a, R> = &'a (dyn Fn(&Ray<R>, Hit<R>) -> [f32; 3] + Sync);
 
 struct Frame<'a> {
     kernel: &'a Kernel,
@@ -146,24 +147,28 @@ impl Visit for Frame<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, colors, raw, go_on } = self;
-        let spheres: Vec<Sphere<f32>> = view.spheres.iter().map(Sphere::from).collect();
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
         let width = view.record.width as usize;
         // t is what the normals of the lecture's forms start from, asked for or not.
         raw.t.resize(raw.id.len(), f32::MAX);
-        let rows = raw.id.par_chunks_mut(width).zip(raw.t.par_chunks_mut(width)).enumerate();
-        rows.filter(|_| go_on()).for_each(|(i, (ids, ts))| {
-            for (j, (id, t)) in ids.iter_mut().zip(ts).enumerate() {
-                let hit = nearest::<V, f32>(&viewing_ray(&view.record, i as u32, j as u32), &spheres);
-                (*id, *t) = (hit.id, hit.t);
+        raw.t_low.resize(raw.id.len(), 0.0);
+        let ray = |i: usize, j: usize| viewing_ray::<V::Number>(&view.record, i as u32, j as u32);
+        let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
+        let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
+        rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
+            for (j, (id, t)) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
+                let hit = nearest::<V, V::Number>(&ray(i, j), &spheres);
+                (*id, (*t.0, *t.1)) = (hit.id, hit.t.parts());
             }
         });
-        let (id, t) = (&raw.id, &raw.t);
-        let each = |out: &mut [f32], value: Value<'_>| {
+        let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
+        let each = |out: &mut [f32], value: Value<'_, V::Number>| {
             out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
-                    let hit = Hit { t: t[i * width + j], id: id[i * width + j] };
-                    out.copy_from_slice(&value(&viewing_ray(&view.record, i as u32, j as u32), hit));
+                    let pixel = i * width + j;
+                    let hit = Hit { t: V::Number::pair(t[pixel], low[pixel]), id: id[pixel] };
+                    out.copy_from_slice(&value(&ray(i, j), hit));
                 }
             });
         };
@@ -179,6 +184,9 @@ impl Visit for Frame<'_> {
                 NONE => [r, g, b],
                 _ => surface.shade::<V>(shade, ray, hit),
             });
+        }
+        if !kernel.method.is_wide() {
+            raw.t_low.clear();
         }
     }
 }

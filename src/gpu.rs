@@ -5,5 +5,6 @@ pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
+pub(crate) mod selftest;
 
 pub(crate) use dispatch::Gpu;

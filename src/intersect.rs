@@ -1,7 +1,9 @@
-//! THE list of intersection variants. Each line has one .rs in intersect/ and one .wgsl of the same name in
-//! shaders/intersect/; every test and every measurement takes them from here.
+//! THE list of intersection variants: type, files, name on the command line. Each line has one .rs in intersect/ and one
+//! .wgsl of the same name in shaders/intersect/; every test and every measurement takes them from here.
 
+pub(crate) mod double_float;
 mod geometric;
+mod native64;
 mod roots;
 mod stable;
 mod textbook;
@@ -15,6 +17,8 @@ use std::str::FromStr;
 
 /// A form of the ray-sphere intersection: the CPU twin of shaders/intersect/NAME.wgsl.
 pub trait Intersect {
+    /// The arithmetic that the variant runs in.
+    type Number: Real;
     /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Real::MISS`] if nowhere. A tangent ray hits.
     fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R;
     /// The unit normal at t in the canonical camera, against the ray.
@@ -30,7 +34,7 @@ pub(crate) trait Visit {
 }
 
 macro_rules! variants {
-    ($($name:ident $file:ident $about:literal)*) => {
+    ($($name:ident $file:ident $command:literal $about:literal)*) => {
         /// The form of the quadratic, by its name on the command line.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Method {
@@ -41,16 +45,27 @@ macro_rules! variants {
             /// All of them, in the order of the list.
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
-            /// The name on the command line and of the files.
+            /// The name on the command line.
             #[must_use]
             pub fn name(self) -> &'static str {
-                match self { $(Self::$name => stringify!($file),)* }
+                match self { $(Self::$name => $command,)* }
             }
 
             /// What it computes, in words.
             #[must_use]
             pub fn about(self) -> &'static str {
                 match self { $(Self::$name => $about,)* }
+            }
+
+            /// What rounding does to a sphere's outline, in radii, as a factor of the unit roundoff, for a sphere at `k` radii:
+            /// the lecture's three forms subtract squares of the distance, the perpendicular form does not.
+            pub(crate) fn outline_error(self, k: f64) -> f64 {
+                match self {
+                    Self::Stable => 4.0 * k,
+                    // Inputs of two f32 and 48 bits or more from there on.
+                    Self::Native64 | Self::DoubleFloat => 4.0 * k * 2f64.powi(-24),
+                    _ => 4.0 * k * k,
+                }
             }
 
             /// The variant's part of a shader: file name and text.
@@ -66,10 +81,19 @@ macro_rules! variants {
     };
 }
 variants! {
-    Textbook textbook "the general quadratic with d.d"
-    Unit unit "the quadratic for d of unit length"
-    Geometric geometric "closest approach t_m, its distance l_m, half the chord delta t"
-    Stable stable "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+    Textbook textbook "textbook" "the general quadratic with d.d"
+    Unit unit "unit" "the quadratic for d of unit length"
+    Geometric geometric "geometric" "closest approach t_m, its distance l_m, half the chord delta t"
+    Stable stable "stable" "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+    Native64 native64 "f64" "the perpendicular form in the adapter's f64"
+    DoubleFloat double_float "double-float" "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
+}
+
+impl Method {
+    /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
+    pub(crate) fn is_wide(self) -> bool {
+        matches!(self, Self::Native64 | Self::DoubleFloat)
+    }
 }
 
 impl FromStr for Method {

@@ -63,6 +63,7 @@ pub use camera::{Camera, Lens, Look};
 pub use error::{Error, Result};
 pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
+pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
 pub use plan::{Accuracy, Backend, Settings, Tolerance};
 pub use render::{Renderer, render};

@@ -30,7 +30,8 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov]) -> u64 {
         Aov::Mask | Aov::Certainty => 1,
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
-    4 + 4 * (u64::from(kernel.t) + u64::from(kernel.width)) + 12 * vectors + made.sum::<u64>()
+    let t = u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 };
+    4 + 4 * (t + u64::from(kernel.width)) + 12 * vectors + made.sum::<u64>()
 }
 
 /// Memory and swap of this machine, or what its control group allows, in bytes; `None` where the system does not tell.

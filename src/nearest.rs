@@ -10,7 +10,7 @@ use crate::view::Sphere;
 fn consider<V: Intersect, R: Real>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
     let t = V::intersect(ray, s);
     if t < R::MISS {
-        let scaled = t * s.scale;
+        let scaled = t.scaled(s.scale);
         if scaled < hit.t {
             return Hit { t: scaled, id };
         }

@@ -6,6 +6,8 @@ use crate::gpu::device::AdapterSummary;
 use crate::intersect::Method;
 use crate::scene::Scene;
 use crate::shade::Shade;
+use crate::view::{SphereRecord, View};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -191,6 +193,13 @@ pub(crate) struct Kernel {
     pub(crate) width: bool,
 }
 
+impl Kernel {
+    /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
+    pub(crate) fn is_wide(&self) -> bool {
+        self.certify.is_none() && self.method.is_wide()
+    }
+}
+
 /// The two passes of a certified frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Pass {
@@ -216,6 +225,49 @@ pub struct Plan {
 /// The buffers that are answers, not looks: asking for one asks for a certificate.
 const ANSWERS: [Aov; 8] =
     [Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask, Aov::Certainty, Aov::Bound];
+
+/// What f32 without a certificate is expected to do to a scene, before it is rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Expected {
+    /// How far the outline of the worst sphere may be off, in its radii.
+    pub outline: f64,
+    /// Which sphere that is.
+    pub sphere: u32,
+    /// Its distance in its radii.
+    pub distance: f64,
+}
+
+/// Outlines that are off by more than this are warned of: a fiftieth of a radius can be seen.
+const VISIBLE: f64 = 0.02;
+
+impl Expected {
+    /// The worst sphere of `view` for `method`; `None` without spheres.
+    #[must_use]
+    pub fn of(view: &View, method: Method) -> Option<Self> {
+        let farness = |s: &SphereRecord| {
+            let [x, y, z, r] = s.ball.map(f64::from);
+            (x * x + y * y + z * z).sqrt() / r
+        };
+        let each = view.spheres.par_iter().enumerate().map(|(id, s)| (farness(s), id));
+        let (distance, id) = each.reduce_with(|a, b| if b.0 > a.0 { b } else { a })?;
+        // 2^-24: hardware rounds to nearest.
+        let outline = method.outline_error(distance) * 2f64.powi(-24);
+        Some(Self { outline, sphere: id as u32, distance })
+    }
+
+    /// A warning with a number and a mend, where the error can be seen.
+    #[must_use]
+    pub fn warning(&self, method: Method) -> Option<String> {
+        let Self { outline, sphere, distance } = self;
+        (*outline > VISIBLE).then(|| {
+            format!(
+                "method {} places the outline of sphere {sphere}, {distance:.1e} radii away, only within {outline:.1e} \
+                 radii; use --accuracy certified",
+                method.name()
+            )
+        })
+    }
+}
 
 impl Plan {
     /// Decides what `scene` requires for the buffers asked for.

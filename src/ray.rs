@@ -31,9 +31,9 @@ impl<R: Real> Hit<R> {
 #[must_use]
 pub fn viewing_ray<R: Real>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
     let odd = |x: i64| R::exact(x as f32);
-    let u = odd(2 * i64::from(j) + 1 - i64::from(view.width)) * R::exact(view.half_du);
-    let v = odd(i64::from(view.height) - 1 - 2 * i64::from(i)) * R::exact(view.half_dv);
-    Ray { d: [u, v, -R::exact(view.d)] }
+    let u = odd(2 * i64::from(j) + 1 - i64::from(view.width)) * R::pair(view.half_du, view.half_du_low);
+    let v = odd(i64::from(view.height) - 1 - 2 * i64::from(i)) * R::pair(view.half_dv, view.half_dv_low);
+    Ray { d: [u, v, -R::pair(view.d, view.d_low)] }
 }
 
 /// x where it is positive, else 0.

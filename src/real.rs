@@ -25,6 +25,14 @@ pub trait Real:
     const ONE: Self;
     /// Exactly this number.
     fn exact(x: f32) -> Self;
+    /// hi and what rounding took from it, as far as this arithmetic can hold it.
+    fn pair(hi: f32, lo: f32) -> Self;
+    /// The nearest f32, and the f32 nearest to what it lacks.
+    fn parts(self) -> (f32, f32);
+    /// Times a power of two.
+    fn scaled(self, power: Self) -> Self {
+        self * power
+    }
     /// This integer, rounded once.
     fn whole(x: i32) -> Self;
     /// Square root.
@@ -46,6 +54,35 @@ impl Real for f32 {
     }
     fn whole(x: i32) -> Self {
         x as f32
+    }
+    fn pair(hi: f32, _: f32) -> Self {
+        hi
+    }
+    fn parts(self) -> (f32, f32) {
+        (self, 0.0)
+    }
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+}
+
+impl Real for f64 {
+    const MISS: Self = f32::MAX as f64;
+    const ZERO: Self = 0.0;
+    const HALF: Self = 0.5;
+    const ONE: Self = 1.0;
+    fn exact(x: f32) -> Self {
+        x.into()
+    }
+    fn whole(x: i32) -> Self {
+        x.into()
+    }
+    fn pair(hi: f32, lo: f32) -> Self {
+        f64::from(hi) + f64::from(lo)
+    }
+    fn parts(self) -> (f32, f32) {
+        let hi = self as f32;
+        (hi, (self - f64::from(hi)) as f32)
     }
     fn sqrt(self) -> Self {
         self.sqrt()

@@ -9,8 +9,9 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
+use crate::intersect::Method;
 use crate::memory;
-use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle;
@@ -108,6 +109,17 @@ impl Renderer {
         }
     }
 
+    /// Whether `method` can run here. On the CPU path all can.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it; what measuring it runs into.
+    pub fn admit(&mut self, method: Method) -> Result<()> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.admit(method),
+            Place::Cpu => Ok(()),
+        }
+    }
+
     /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
     /// looked at again.
     ///
@@ -119,9 +131,14 @@ impl Renderer {
         let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
         memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
-        let view = stages.time("view", || View::new(scene))?;
+        self.admit(plan.kernel.method)?;
+        let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let mut raw = Raw::new(&plan.kernel, pixels)?;
+        let expected = match plan.accuracy {
+            Accuracy::Fast => Expected::of(&view, plan.kernel.method),
+            _ => None,
+        };
         let stage = match plan.accuracy {
             Accuracy::Certified => {
                 stages.time("stage", || Stage::new(scene, &view, settings.tolerance.relative(), &TERMS))?
@@ -174,10 +191,11 @@ impl Renderer {
             certified: judged as f64 / pixels as f64,
             settled: settled.len() as u64,
             bound: certify.then(|| bound(&buffers, settings.tolerance.relative())),
+            expected,
             setup_ms: self.setup_ms,
             frame_ms: vec![milliseconds(start)],
             stages_ms: stages.into_map(),
-            warnings: warnings(scene, hits),
+            warnings: warnings(scene, hits, expected.and_then(|expected| expected.warning(plan.kernel.method))),
         };
         Ok(Frame { width: view.record.width, height: view.record.height, buffers, report })
     }
@@ -226,8 +244,9 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
 }
 
 /// What the picture does not show by itself.
-fn warnings(scene: &Scene, hits: u64) -> Vec<String> {
+fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
+    warnings.extend(expected);
     if scene.spheres.is_empty() {
         warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {

@@ -1,5 +1,6 @@
 //! What is told of a rendering: who computed it, how, how long, and what to be careful about.
 
+use crate::plan::Expected;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -41,6 +42,8 @@ pub struct Report {
     pub settled: u64,
     /// Proven bound of t's relative error, the promised tolerance or less; `None` when nothing is proven.
     pub bound: Option<f64>,
+    /// What f32 without a certificate was expected to do; `None` where answers are certified.
+    pub expected: Option<Expected>,
     /// Opening the device, milliseconds.
     pub setup_ms: f64,
     /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first

@@ -50,7 +50,7 @@ impl FromStr for Shade {
     }
 }
 
-/// What shading looks at, in the arithmetic of a twin.
+/// What shading looks at, in the arithmetic of a twin; from the unit normal on, everything is f32.
 pub(crate) struct Surface<'a, R> {
     pub(crate) view: &'a ViewRecord,
     pub(crate) spheres: &'a [Sphere<R>],
@@ -59,28 +59,28 @@ pub(crate) struct Surface<'a, R> {
 
 impl<R: Real> Surface<'_, R> {
     /// Unit normal at a hit, in the canonical camera, against the ray.
-    fn surface_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+    fn surface_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         let s = &self.spheres[hit.id as usize];
-        V::normal_at(ray, s, hit.t / s.scale)
+        V::normal_at(ray, s, hit.t / s.scale).map(|x| x.parts().0)
     }
 
     /// A direction of the canonical camera in world space.
-    pub(crate) fn to_world(&self, a: [R; 3]) -> [R; 3] {
+    pub(crate) fn to_world(&self, a: [f32; 3]) -> [f32; 3] {
         let ViewRecord { right, up, back, .. } = *self.view;
-        std::array::from_fn(|k| a[0] * R::exact(right[k]) + a[1] * R::exact(up[k]) + a[2] * R::exact(back[k]))
+        std::array::from_fn(|k| a[0] * right[k] + a[1] * up[k] + a[2] * back[k])
     }
 
     /// Unit normal at a hit, in world space, against the ray.
-    pub(crate) fn world_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+    pub(crate) fn world_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         self.to_world(self.surface_normal::<V>(ray, hit))
     }
 
-    fn sphere_color(&self, id: u32) -> [R; 3] {
-        self.colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize]).map(R::exact)
+    fn sphere_color(&self, id: u32) -> [f32; 3] {
+        self.colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
     }
 
     /// Linear RGB of a hit.
-    pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [R; 3] {
+    pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         match shade {
             Shade::Flat => self.sphere_color(hit.id),
             _ => self.shade_normal(shade, ray, self.surface_normal::<V>(ray, hit), hit.id),
@@ -88,12 +88,12 @@ impl<R: Real> Surface<'_, R> {
     }
 
     /// Linear RGB of a hit whose normal in the canonical camera is known.
-    pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [R; 3], id: u32) -> [R; 3] {
+    pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
         match shade {
             Shade::Flat => self.sphere_color(id),
-            Shade::Normal => self.to_world(normal).map(|x| R::HALF * x + R::HALF),
+            Shade::Normal => self.to_world(normal).map(|x| 0.5 * x + 0.5),
             Shade::Headlight => {
-                let cosine = positive(-dot3(normal, unit3(ray.d)));
+                let cosine = positive(-dot3(normal, unit3(ray.d.map(|x| x.parts().0))));
                 self.sphere_color(id).map(|x| cosine * x)
             }
         }

@@ -13,12 +13,13 @@ use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest_of;
 use crate::plan::{Kernel, Plan, Rays, Settings, Sharing};
 use crate::ray::{Hit, NONE, Ray, center, dot3, radius};
+use crate::real::Real;
 use crate::render::{Place, Renderer};
 use crate::report::Stages;
 use crate::scene::{Spheres, check_sphere};
 use crate::settle::Open;
 use crate::shade::Surface;
-use crate::view::{Sphere, View};
+use crate::view::{Sphere, SphereLow, View};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -28,7 +29,8 @@ use std::collections::HashMap;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct RayRecord {
-    /// Direction, its largest component in [1, 2); the fourth number is unused.
+    /// Direction, its largest component in [1, 2). The fourth numbers of this and the next two are what rounding took
+    /// from its x, y, z.
     pub direction: [f32; 4],
     /// Origin minus the view's eye, in the frame's unit.
     pub origin: [f32; 4],
@@ -88,6 +90,7 @@ impl Renderer {
             let mut raw = Raw::new(&kernel, records.len())?;
             match &mut self.place {
                 Place::Gpu(gpu) => {
+                    gpu.admit(kernel.method)?;
                     let input = Input { view: &view, colors: None, rays: &records, stage: None };
                     let mut output = Output { raw: &mut raw, open: Open::default(), stages: &mut Stages::default() };
                     gpu.run(&kernel, &input, &mut output, &|| true)?;
@@ -102,7 +105,7 @@ impl Renderer {
                     continue;
                 }
                 hits.id[n] = raw.id[k] as i32;
-                hits.t[n] = dd::ldexp(f64::from(raw.t[k]), view.unit - scale(directions[n]));
+                hits.t[n] = dd::ldexp(raw.t(k), view.unit - scale(directions[n]));
                 if let Some(normal) = &mut hits.normal {
                     normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
                 }
@@ -180,21 +183,32 @@ fn scale(direction: [f64; 3]) -> i32 {
 
 fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
     let f = scale(direction);
-    let d = direction.map(|x| dd::ldexp(x, -f) as f32);
+    let direction = direction.map(|x| dd::ldexp(x, -f));
+    let d = direction.map(|x| x as f32);
+    let d_low: [f32; 3] = std::array::from_fn(|k| (direction[k] - f64::from(d[k])) as f32);
     let away: [f64; 3] = std::array::from_fn(|k| dd::ldexp(origin[k] - view.basis.e[k], -view.unit));
     let high = away.map(|x| x as f32);
     let low: [f32; 3] = std::array::from_fn(|k| (away[k] - f64::from(high[k])) as f32);
-    let four = |a: [f32; 3]| [a[0], a[1], a[2], 0.0];
-    RayRecord { direction: four(d), origin: four(high), origin_low: four(low) }
+    let four = |a: [f32; 3], k: usize| [a[0], a[1], a[2], d_low[k]];
+    RayRecord { direction: four(d, 0), origin: four(high, 1), origin_low: four(low, 2) }
 }
 
 /// A sphere moved to the origin of a ray: the twin of origin/spread.wgsl.
-fn sphere_for(s: &Sphere<f32>, low: &[f32; 4], ray: &RayRecord) -> Sphere<f32> {
+fn sphere_for(s: &Sphere<f32>, low: &SphereLow, ray: &RayRecord) -> Sphere<f32> {
     let shrink = 1.0 / s.scale;
     let p: [f32; 3] = std::array::from_fn(|k| {
         let high = s.ball[k] - shrink * ray.origin[k];
-        high + (low[k] - shrink * ray.origin_low[k])
+        high + (low.ball[k] - shrink * ray.origin_low[k])
     });
+    let moved = Sphere { ball: [p[0], p[1], p[2], s.ball[3]], ..*s };
+    let power = dot3(center(&moved), center(&moved)) - radius(&moved) * radius(&moved);
+    Sphere { power, ..moved }
+}
+
+/// The same in arithmetic beyond f32: the twin of wide/spread.wgsl.
+fn wide_sphere<R: Real>(s: &Sphere<R>, ray: &RayRecord) -> Sphere<R> {
+    let shrink = R::exact(1.0 / s.scale.parts().0);
+    let p: [R; 3] = std::array::from_fn(|k| s.ball[k] - R::pair(ray.origin[k], ray.origin_low[k]).scaled(shrink));
     let moved = Sphere { ball: [p[0], p[1], p[2], s.ball[3]], ..*s };
     let power = dot3(center(&moved), center(&moved)) - radius(&moved) * radius(&moved);
     Sphere { power, ..moved }
@@ -213,25 +227,36 @@ impl Visit for Traced<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, rays, raw } = self;
-        let spheres: Vec<Sphere<f32>> = view.spheres.iter().map(Sphere::from).collect();
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
+        let wide = kernel.method.is_wide();
         let moved = |ray: &RayRecord, id: usize| match kernel.rays {
-            Rays::Spread => sphere_for(&spheres[id], &view.lows[id], ray),
+            Rays::Spread if wide => wide_sphere(&spheres[id], ray),
+            Rays::Spread => Sphere::from_f32(&sphere_for(&Sphere::from(&view.spheres[id]), &view.lows[id], ray)),
             _ => spheres[id],
         };
-        let direction = |r: &RayRecord| Ray { d: [r.direction[0], r.direction[1], r.direction[2]] };
-        raw.id.par_iter_mut().zip(&mut raw.t).zip(rays).for_each(|((id, t), r)| {
-            let hit = nearest_of::<V, f32>(&direction(r), spheres.len(), |k| moved(r, k));
-            (*id, *t) = (hit.id, hit.t);
+        let direction = |r: &RayRecord| {
+            let low = [r.direction[3], r.origin[3], r.origin_low[3]];
+            Ray { d: std::array::from_fn(|k| V::Number::pair(r.direction[k], low[k])) }
+        };
+        raw.t_low.resize(raw.id.len(), 0.0);
+        let ts = raw.t.par_iter_mut().zip(&mut raw.t_low);
+        raw.id.par_iter_mut().zip(ts).zip(rays).for_each(|((id, t), r)| {
+            let hit = nearest_of::<V, V::Number>(&direction(r), spheres.len(), |k| moved(r, k));
+            (*id, (*t.0, *t.1)) = (hit.id, hit.t.parts());
         });
         if kernel.normal {
-            let hits = raw.id.par_iter().zip(&raw.t).zip(rays);
-            raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, &t), r))| {
+            let hits = raw.id.par_iter().zip(raw.t.par_iter().zip(&raw.t_low)).zip(rays);
+            raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, (&t, &low)), r))| {
                 if id != NONE {
                     let own = [moved(r, id as usize)];
+                    let hit = Hit { t: V::Number::pair(t, low), id: 0 };
                     let surface = Surface { view: &view.record, spheres: &own, colors: None };
-                    out.copy_from_slice(&surface.world_normal::<V>(&direction(r), Hit { t, id: 0 }));
+                    out.copy_from_slice(&surface.world_normal::<V>(&direction(r), hit));
                 }
             });
+        }
+        if !wide {
+            raw.t_low.clear();
         }
     }
 }

@@ -8,6 +8,7 @@
 use crate::camera::{Basis, Viewport};
 use crate::dd::{self, Dd};
 use crate::error::{Error, Place, Result};
+use crate::intersect::Method;
 use crate::real::Real;
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -42,6 +43,14 @@ pub struct ViewRecord {
     pub d: f32,
     /// How many spheres.
     pub spheres: u32,
+    /// 0: what no compiler knows (opaque.wgsl).
+    pub zero: u32,
+    /// What rounding took from half_du.
+    pub half_du_low: f32,
+    /// What rounding took from half_dv.
+    pub half_dv_low: f32,
+    /// What rounding took from d.
+    pub d_low: f32,
 }
 
 /// A sphere as the kernels see it; view.wgsl declares it.
@@ -56,6 +65,18 @@ pub struct SphereRecord {
     pub scale: f32,
     /// WGSL rounds the size up to the alignment of ball.
     pub unused: [f32; 2],
+}
+
+/// What rounding took from a [`SphereRecord`]; lows.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct SphereLow {
+    /// Of centre and radius.
+    pub ball: [f32; 4],
+    /// Of the power.
+    pub power: f32,
+    /// WGSL rounds the size up to the alignment of ball.
+    pub unused: [f32; 3],
 }
 
 /// [`SphereRecord`] in the arithmetic of a twin.
@@ -75,6 +96,22 @@ impl<R: Real> From<&SphereRecord> for Sphere<R> {
     }
 }
 
+impl<R: Real> Sphere<R> {
+    /// The same sphere, exactly.
+    pub(crate) fn from_f32(s: &Sphere<f32>) -> Self {
+        Self { ball: s.ball.map(R::exact), power: R::exact(s.power), scale: R::exact(s.scale) }
+    }
+
+    /// A record with its low parts, as far as the arithmetic can hold them.
+    pub(crate) fn whole(s: &SphereRecord, low: &SphereLow) -> Self {
+        Self {
+            ball: std::array::from_fn(|k| R::pair(s.ball[k], low.ball[k])),
+            power: R::pair(s.power, low.power),
+            scale: R::exact(s.scale),
+        }
+    }
+}
+
 /// The scene in the canonical camera.
 #[derive(Debug, Clone)]
 pub struct View {
@@ -82,8 +119,8 @@ pub struct View {
     pub record: ViewRecord,
     /// One record per sphere, in the scene's order.
     pub spheres: Vec<SphereRecord>,
-    /// What rounding took from each ball's centre, where rays from many points will move the spheres again; else empty.
-    pub lows: Vec<[f32; 4]>,
+    /// What rounding took from each sphere, for rays from many points and for arithmetic beyond f32; else empty.
+    pub lows: Vec<SphereLow>,
     /// The basis, in f64.
     pub basis: Basis,
     /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's.
@@ -105,7 +142,7 @@ impl View {
         scene.check()?;
         let basis = scene.camera.basis()?;
         let (width, height) = (scene.image.width, scene.image.height);
-        let (pitch, pixel) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
         let background = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let mut view = Self {
@@ -122,6 +159,10 @@ impl View {
                 half_dv: pixel[1],
                 d: pixel[2],
                 spheres: scene.spheres.len() as u32,
+                zero: 0,
+                half_du_low: low[0],
+                half_dv_low: low[1],
+                d_low: low[2],
             },
             spheres: Vec::new(),
             lows: Vec::new(),
@@ -130,6 +171,15 @@ impl View {
             unit: 0,
         };
         view.move_world(&scene.spheres.centers, &scene.spheres.radii)?;
+        Ok(view)
+    }
+
+    /// The same with the low parts that `method` reads.
+    pub(crate) fn for_method(scene: &Scene, method: Method) -> Result<Self> {
+        let mut view = Self::new(scene)?;
+        if method.is_wide() {
+            view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
+        }
         Ok(view)
     }
 
@@ -152,8 +202,23 @@ impl View {
             unit: 0,
         };
         view.move_world(centers, radii)?;
-        view.lows = view.spheres.par_iter().zip(centers).map(|(s, c)| low_part(&view, s, *c)).collect();
+        view.keep_lows(centers, radii);
         Ok(view)
+    }
+
+    /// The spheres in the arithmetic of `method`'s twin; one beyond f32 wants the lows kept.
+    pub(crate) fn spheres_of<R: Real>(&self, method: Method) -> Vec<Sphere<R>> {
+        match method.is_wide() {
+            true => self.spheres.iter().zip(&self.lows).map(|(s, low)| Sphere::whole(s, low)).collect(),
+            false => self.spheres.iter().map(Sphere::from).collect(),
+        }
+    }
+
+    /// Keeps what rounding took from the spheres of this view.
+    pub(crate) fn keep_lows(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
+        let (basis, spheres) = (self.basis, &self.spheres);
+        let moved = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r));
+        self.lows = spheres.par_iter().zip(moved).map(|(s, moved)| moved.low(s)).collect();
     }
 
     /// The viewing direction (u, v, -d) of row i and column j in f64, scaled like the record's.
@@ -190,13 +255,14 @@ impl View {
         }
         self.unit = least + (most - least) / 2;
         let unit = self.unit;
-        self.spheres = centers.par_iter().zip(radii).map(|(c, r)| sphere_record(&basis, unit, *c, *r)).collect();
+        self.spheres = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r).record(unit)).collect();
         Ok(())
     }
 }
 
-/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64 and f32.
-fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3]) {
+/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64, in f32, and
+/// what rounding took.
+fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3], [f32; 3]) {
     let largest = (viewport.vw / 2.0).max(viewport.vh / 2.0).max(viewport.d);
     let shift = -dd::exponent(largest);
     let pitch = [
@@ -204,31 +270,45 @@ fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32
         dd::ldexp(viewport.vh, shift) / (2.0 * f64::from(height)),
         dd::ldexp(viewport.d, shift),
     ];
-    (pitch, pitch.map(|x| x as f32))
+    (pitch, pitch.map(|x| x as f32), pitch.map(|x| (x - f64::from(x as f32)) as f32))
 }
 
-/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) in f64, and the eye's power from exact differences.
-fn sphere_record(basis: &Basis, unit: i32, center: [f64; 3], radius: f64) -> SphereRecord {
-    let away: [Dd; 3] = std::array::from_fn(|k| Dd::diff(center[k], basis.e[k]));
-    let p = DVec3::from_array(away.map(|x| x.hi));
-    let k = dd::exponent(p.abs().max_element().max(radius));
-    let shrink = |x: f64| dd::ldexp(x, -k) as f32;
-    let away = away.map(|x| x.ldexp(-k));
-    let r = Dd::from(dd::ldexp(radius, -k));
-    let power = dd::dot(away, away) - r * r;
-    SphereRecord {
-        ball: [shrink(p.dot(basis.u)), shrink(p.dot(basis.v)), shrink(p.dot(basis.w)), shrink(radius)],
-        power: nonzero_f32(power.value()),
-        scale: f32::from_bits(((k - unit + 127) as u32) << 23),
-        unused: [0.0; 2],
+/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power from exact differences.
+struct Moved {
+    /// The exponent that was taken out.
+    k: i32,
+    ball: [f64; 4],
+    power: Dd,
+}
+
+impl Moved {
+    fn new(basis: &Basis, center: [f64; 3], radius: f64) -> Self {
+        let away: [Dd; 3] = std::array::from_fn(|k| Dd::diff(center[k], basis.e[k]));
+        let p = DVec3::from_array(away.map(|x| x.hi));
+        let k = dd::exponent(p.abs().max_element().max(radius));
+        let away = away.map(|x| x.ldexp(-k));
+        let r = Dd::from(dd::ldexp(radius, -k));
+        let ball = [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius].map(|x| dd::ldexp(x, -k));
+        Self { k, ball, power: dd::dot(away, away) - r * r }
     }
-}
 
-/// What rounding to f32 took from the centre of a sphere that was moved along the world's axes.
-fn low_part(view: &View, s: &SphereRecord, center: [f64; 3]) -> [f32; 4] {
-    let k = dd::exponent(f64::from(s.scale)) + view.unit;
-    let low = |n: usize| (dd::ldexp(center[n] - view.basis.e[n], -k) - f64::from(s.ball[n])) as f32;
-    [low(0), low(1), low(2), 0.0]
+    fn record(&self, unit: i32) -> SphereRecord {
+        SphereRecord {
+            ball: self.ball.map(|x| x as f32),
+            power: nonzero_f32(self.power.value()),
+            scale: f32::from_bits(((self.k - unit + 127) as u32) << 23),
+            unused: [0.0; 2],
+        }
+    }
+
+    /// What rounding took from `s`, this sphere's record.
+    fn low(&self, s: &SphereRecord) -> SphereLow {
+        SphereLow {
+            ball: std::array::from_fn(|n| (self.ball[n] - f64::from(s.ball[n])) as f32),
+            power: (self.power - Dd::from(f64::from(s.power))).value() as f32,
+            unused: [0.0; 3],
+        }
+    }
 }
 
 /// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.

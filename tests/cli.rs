@@ -356,7 +356,8 @@ fn standard_output_takes_one_thing_and_no_talk() {
     let desk = Desk::new();
     let cpu = ["--backend", "cpu"];
     let run = |options: &[&str]| desk.good(&[&["render", "scene.toml"], options, &cpu].concat());
-    assert!(run(&["-o", "out.png", "--aov", "id=id.npy"]).out.is_empty());
+    assert!(run(&["-o", "out.png"]).out.is_empty());
+    assert!(run(&["--aov", "id=id.npy"]).out.is_empty());
     let picture = run(&["-o", "-"]).out;
     assert!(picture.starts_with(png::MAGIC));
     assert_eq!(picture, desk.get("out.png"));
@@ -576,5 +577,28 @@ fn an_interrupt_is_130_and_writes_nothing() {
             "{backend}"
         );
         assert_eq!(desk.files(), before, "{backend}");
+    }
+}
+
+#[test]
+fn answers_are_certified_where_they_are_asked_for_and_equal_the_exact_ones() {
+    let desk = Desk::new();
+    let run = |options: &[&str]| {
+        json(&desk.good(&[&["render", "scene.toml", "--json", "--backend", "cpu"], options].concat()))
+    };
+    assert_eq!(run(&["-o", "out.png"])["accuracy"], "fast", "a picture alone is a look");
+    let certified = run(&["--aov", "id=a.npy", "--aov", "certainty=c.npy"]);
+    assert_eq!([&certified["accuracy"], &certified["method"]], ["certified"; 2]);
+    assert!(certified["certified"].as_f64().is_some_and(|share| share > 0.9), "{certified}");
+    assert!(certified["bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-5), "{certified}");
+    let exact = run(&["--aov", "id=b.npy", "--accuracy", "exact"]);
+    assert_eq!([&exact["accuracy"], &exact["settled"]], [&serde_json::json!("exact"), &exact["rays"]]);
+    assert_eq!(desk.get("a.npy"), desk.get("b.npy"));
+    let settled = run(&["--aov", "id=d.npy", "--tolerance", "1e-14"]);
+    assert!(settled["settled"].as_u64() >= settled["hits"].as_u64(), "f32 proves no 1e-14: {settled}");
+    assert_eq!(desk.get("d.npy"), desk.get("b.npy"));
+    assert_eq!(run(&["--aov", "id=e.npy", "--method", "unit"])["accuracy"], "fast", "a form runs alone");
+    for bad in ["0", "-1", "1e-16", "nan", "much"] {
+        desk.refused(2, &["render", "scene.toml", "-o", "no.png", "--tolerance", bad], &["tolerance"]);
     }
 }

@@ -125,8 +125,9 @@ fn gpu_and_cpu_agree_for_every_scene_method_and_shading() {
     let strict = STRICT.iter().any(|name| gpu.adapter().contains(name));
     println!("comparing bit for bit: {strict}");
     let mut hits = 0;
+    let methods = common::admitted(&mut gpu);
     for (name, scene) in scenes() {
-        for &method in Method::ALL {
+        for &method in &methods {
             for &shade in Shade::ALL {
                 let settings = settings(method, shade);
                 let (a, b) = (frame(&mut gpu, &scene, &settings), frame(&mut cpu, &scene, &settings));
@@ -176,7 +177,8 @@ fn a_large_image_holds_the_small_ones_pixels() {
 /// Rays from one point, from a few and from many, against the twin and against exact expectation.
 #[test]
 fn given_rays_hit_what_they_aim_at() {
-    let Some(gpu) = gpu() else { return };
+    let Some(mut gpu) = gpu() else { return };
+    let methods = common::admitted(&mut gpu);
     let strict = STRICT.iter().any(|name| gpu.adapter().contains(name));
     let mut random = Random(7);
     let spheres = cloud(8, 50, [2e5, -1e5, 4e5], 5e5, 1e3, false);
@@ -187,7 +189,7 @@ fn given_rays_hit_what_they_aim_at() {
         let from = |n: usize| DVec3::from_array(if origins.len() == 1 { origins[0] } else { origins[n] });
         let aimed = |(n, &k): (usize, &usize)| ((DVec3::from_array(spheres.centers[k]) - from(n)) * 3e-7).to_array();
         let directions: Vec<_> = targets.iter().enumerate().map(aimed).collect();
-        for &method in Method::ALL {
+        for &method in &methods {
             let settings = Settings { method: Some(method), aovs: vec![Aov::Normal], ..Settings::default() };
             let mut answers = Vec::new();
             for mut renderer in [common::gpu().expect("there was one"), cpu()] {
@@ -205,8 +207,14 @@ fn given_rays_hit_what_they_aim_at() {
                     assert!(normal.dot(d) < 0.0, "{what}: normal {normal}");
                     if hits.id[n] == k as i32 && length > spheres.radii[k] {
                         // 2e-3: the lecture's forms lose half of f32's digits at 1e3 radii (numerics in the docs).
+                        let bound = match method {
+                            Method::Stable => 1e-6,
+                            // The directions are f64, and the rays miss the centres by their rounding.
+                            Method::Native64 | Method::DoubleFloat => 1e-12,
+                            _ => 2e-3,
+                        };
                         let off = (reach - (length - spheres.radii[k])).abs() / length;
-                        assert!(off <= if method == Method::Stable { 1e-6 } else { 2e-3 }, "{what}: off by {off}");
+                        assert!(off <= bound, "{what}: off by {off}");
                     }
                 }
                 answers.push(hits);

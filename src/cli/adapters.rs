@@ -1,24 +1,36 @@
 //! `halfline adapters`.
 
-use halfline::adapters;
 use halfline::error::{Error, Result};
+use halfline::{AdapterVerdict, adapters, verdicts};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// Lists every adapter: driver, limits, subgroups, f64.
+/// Lists every adapter: driver, limits, subgroups, f64, and what its arithmetic was measured to be.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Adapters {
     /// Prints one JSON object.
     #[arg(long)]
     json: bool,
+    /// Measures the arithmetic again, whatever was remembered of it.
+    #[arg(long)]
+    retest: bool,
 }
 
 impl Adapters {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let found = adapters()?;
+        let measured = verdicts(self.retest)?;
         let text = if self.json {
-            let object = serde_json::json!({ "schema": "halfline-adapters", "version": 1, "adapters": found });
+            let mut adapters = Vec::new();
+            for (adapter, verdict) in found.iter().zip(&measured) {
+                let mut object = serde_json::to_value(adapter).map_err(|e| Error::write("-", e.into()))?;
+                let text = |e: &Error| Some(e.to_string());
+                object["verdict"] = serde_json::json!(verdict.as_ref().ok());
+                object["verdict_error"] = serde_json::json!(verdict.as_ref().map_or_else(text, |_| None));
+                adapters.push(object);
+            }
+            let object = serde_json::json!({ "schema": "halfline-adapters", "version": 1, "adapters": adapters });
             format!("{object}\n")
         } else if found.is_empty() {
             "no Vulkan, Metal or DX12 adapter was found; rendering falls back to the CPU path\n\
@@ -26,7 +38,7 @@ impl Adapters {
                 .to_owned()
         } else {
             let mut text = String::new();
-            for a in &found {
+            for (a, measured) in found.iter().zip(&measured) {
                 let subgroup = a.subgroup.map_or("none".into(), |[least, most]| match least == most {
                     true => format!("{least}"),
                     false => format!("{least} to {most}"),
@@ -36,7 +48,7 @@ impl Adapters {
                 // Writing to a String cannot fail.
                 let _ = writeln!(
                     text,
-                    "{}: {} ({}, {})\n   driver {}\n   subgroup {subgroup}, f64 {f64}, {} MiB a binding, {} MiB a buffer",
+                    "{}: {} ({}, {})\n   driver {}\n   subgroup {subgroup}, f64 {f64}, {} MiB a binding, {} MiB a buffer\n{}",
                     a.index,
                     a.name,
                     a.kind,
@@ -44,6 +56,10 @@ impl Adapters {
                     a.driver,
                     mib(a.max_binding),
                     mib(a.max_buffer),
+                    match measured {
+                        Ok(verdict) => words(verdict),
+                        Err(error) => format!("   arithmetic not measured: {error}"),
+                    },
                 );
             }
             text
@@ -51,4 +67,24 @@ impl Adapters {
         std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// The verdict in a few lines.
+fn words(v: &AdapterVerdict) -> String {
+    let f32 = if v.f32 { "as WGSL promises" } else { "NOT AS WGSL PROMISES" };
+    let twin = if v.strict_twin { "kernels equal their CPU twins" } else { "kernels differ from their CPU twins" };
+    let rounding = serde_json::to_value(v.rounding).ok().and_then(|r| Some(r.as_str()?.to_owned())).unwrap_or_default();
+    let subnormals = if v.flushes_subnormals { "flushed" } else { "kept" };
+    let usable = |u: &halfline::Usable| match (&u.by, &u.reason) {
+        (Some(by), _) => by.clone(),
+        (None, reason) => format!("not used: {}", reason.as_deref().unwrap_or("no reason was given")),
+    };
+    format!(
+        "   f32 {f32}, rounds {rounding}, / {:.3} ulp, sqrt {:.3} ulp, subnormals {subnormals}; {twin}\n   \
+         f64 {}\n   double-float {}",
+        v.div_ulp,
+        v.sqrt_ulp,
+        usable(&v.f64),
+        usable(&v.double_float),
+    )
 }

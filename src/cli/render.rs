@@ -37,7 +37,8 @@ pub(crate) struct Render {
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<(u32, u32)>,
-    /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable.
+    /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable, f64,
+    /// double-float.
     #[arg(long, value_name = "M")]
     method: Option<Method>,
     /// How sure the answers must be: auto, fast, certified, exact.

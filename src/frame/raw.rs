@@ -16,6 +16,8 @@ pub(crate) struct Raw {
     pub(crate) id: Vec<u32>,
     /// t in the frame's unit; of a certified kernel, the depth relative to the centre's.
     pub(crate) t: Vec<f32>,
+    /// What t lacks, where the kernel computes in more than f32; else empty.
+    pub(crate) t_low: Vec<f32>,
     /// World normals, three numbers each.
     pub(crate) normal: Vec<f32>,
     /// Linear RGB.
@@ -33,6 +35,7 @@ impl Raw {
         Ok(Self {
             id: room(pixels)?,
             t: room(if kernel.t { pixels } else { 0 })?,
+            t_low: room(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
             normal: room(if kernel.normal { 3 * pixels } else { 0 })?,
             color: room(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
             width: room(if kernel.width { pixels } else { 0 })?,
@@ -44,12 +47,19 @@ impl Raw {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
             "frame_width" => (bytemuck::cast_slice_mut(&mut self.width), 1),
+            "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
             _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
         };
         let size = 4 * channels;
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
+    }
+
+    /// t of a hit in all its parts; 0 where nobody asked for it.
+    pub(crate) fn t(&self, pixel: usize) -> f64 {
+        let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
+        part(&self.t) + part(&self.t_low)
     }
 }
 
@@ -143,7 +153,7 @@ impl Answers<'_> {
                         [missed; N]
                     } else {
                         let [u, v, w] = self.view.direction(i, j);
-                        let t = self.raw.t.get(pixel).map_or(0.0, |t| f64::from(*t)) * unit;
+                        let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
                         let depth = self.depths.map_or(-w * t, |depths| depths.get(id as usize).unwrap_or(&0.0) + t);
                         hit(pixel, [u / -w, v / -w, -1.0], depth)

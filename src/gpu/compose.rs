@@ -26,7 +26,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    fn new(parts: impl IntoIterator<Item = Part>) -> Self {
+    pub(crate) fn new(parts: impl IntoIterator<Item = Part>) -> Self {
         let mut source = Self { text: String::new(), starts: Vec::new() };
         let mut line = 1;
         for (name, text) in parts {
@@ -54,8 +54,9 @@ impl Source {
 
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
-    let mut parts = vec![part!("view.wgsl"), part!("ray.wgsl")];
+    let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl")];
     match kernel.certify {
+        None if kernel.is_wide() => wide(kernel, &mut parts),
         None => search(kernel, &mut parts),
         Some(pass) => certify(kernel, pass, &mut parts),
     }
@@ -67,11 +68,11 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
 
 /// The nearest hit by one form of the quadratic.
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
+    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
     parts.extend(match kernel.rays {
-        Rays::Camera => [part!("origin/shared.wgsl"), part!("render.wgsl")],
-        Rays::SharedOrigin => [part!("origin/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Spread => [part!("origin/spread.wgsl"), part!("trace.wgsl")],
+        Rays::Camera => vec![part!("origin/shared.wgsl"), part!("render.wgsl")],
+        Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
+        Rays::Spread => vec![part!("lows.wgsl"), part!("origin/spread.wgsl"), part!("trace.wgsl")],
     });
     parts.push(part!("nearest/consider.wgsl"));
     parts.extend(match kernel.sharing {
@@ -85,8 +86,28 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     }
 }
 
+/// The nearest hit in arithmetic beyond f32.
+fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl")]);
+    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("wide/consider.wgsl")]);
+    parts.extend(match kernel.rays {
+        Rays::Camera => [part!("wide/shared.wgsl"), part!("render.wgsl")],
+        Rays::SharedOrigin => [part!("wide/shared.wgsl"), part!("trace.wgsl")],
+        Rays::Spread => [part!("wide/spread.wgsl"), part!("trace.wgsl")],
+    });
+    parts.extend(match kernel.sharing {
+        Sharing::None => [part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
+        // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
+        _ => [part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+        parts.push(part!("wide/surface.wgsl"));
+    }
+}
+
 /// The nearest hit with its proof, or the candidates of pixels without one.
 fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
+    parts.push(part!("ray.wgsl"));
     parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl"), part!("certify/near.wgsl")]);
     parts.extend(match kernel.sharing {
         Sharing::None => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
@@ -106,7 +127,11 @@ fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
 /// What is written, and how colour is made.
 fn frame(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.push(part!("frame/id.wgsl"));
-    parts.push(if kernel.t { part!("frame/t.wgsl") } else { part!("frame/no_t.wgsl") });
+    parts.push(match kernel.t {
+        true if kernel.is_wide() => part!("wide/t.wgsl"),
+        true => part!("frame/t.wgsl"),
+        false => part!("frame/no_t.wgsl"),
+    });
     parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
     if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
         parts.push(part!("shade.wgsl"));

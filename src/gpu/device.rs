@@ -148,7 +148,7 @@ pub(crate) struct Open {
 
 /// Opens a device with all the adapter's limits and the features the kernels know how to use.
 pub(crate) fn open(found: &Found) -> Result<Open> {
-    let wanted = wgpu::Features::SUBGROUP;
+    let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64;
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),
         required_features: found.adapter.features() & wanted,

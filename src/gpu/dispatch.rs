@@ -6,10 +6,11 @@ use crate::frame::raw::Raw;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
+use crate::gpu::selftest::Verdict;
 use crate::plan::{Kernel, Pass, Rays};
 use crate::report::Stages;
 use crate::settle::Open;
-use crate::view::{SphereRecord, View, ViewRecord};
+use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
 use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -26,10 +27,11 @@ const TESTS_PER_DISPATCH: u64 = 1 << 32;
 /// An opened device, its pipelines and its buffers, kept from frame to frame.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
-    open: device::Open,
+    pub(super) open: device::Open,
     limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
+    pub(super) verdict: Option<Verdict>,
 }
 
 struct Pipeline {
@@ -65,7 +67,7 @@ pub(super) struct Band {
 impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
-        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new() }
+        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
     }
 
     /// Fills `output` by `kernel`. `go_on` is asked between bands.
@@ -76,10 +78,15 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
+        self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
+    }
+
+    /// Does `work` and turns what the device complains of meanwhile into errors of ours.
+    pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
         let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
             .map(|filter| device.push_error_scope(filter));
-        let outcome = self.run_unguarded(kernel, input, output, go_on);
+        let outcome = work(self);
         let mut failure = None;
         for scope in scopes.into_iter().rev() {
             failure = pollster::block_on(scope.pop()).or(failure);
@@ -194,8 +201,9 @@ impl Gpu {
         if kernel.rays != Rays::Camera {
             self.fill("rays", bytemuck::cast_slice(input.rays))?;
         }
-        if kernel.rays == Rays::Spread {
-            let lows = if input.view.lows.is_empty() { &[[0.0f32; 4]][..] } else { &input.view.lows };
+        if kernel.rays == Rays::Spread || kernel.is_wide() {
+            let nothing = [SphereLow::zeroed()];
+            let lows = if input.view.lows.is_empty() { &nothing[..] } else { &input.view.lows };
             self.fill("lows", bytemuck::cast_slice(lows))?;
         }
         Ok(())
@@ -319,7 +327,7 @@ impl Gpu {
         self.buffers.get(name).map(wgpu::Buffer::size)
     }
 
-    fn wait(&self) -> Result<()> {
+    pub(super) fn wait(&self) -> Result<()> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: None };
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
@@ -376,6 +384,7 @@ fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
         (kernel.certify != Some(Pass::Emit), "frame_id", "read frame_id", 4),
         (kernel.width, "frame_width", "read frame_width", 4),
         (kernel.t, "frame_t", "read frame_t", 4),
+        (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
         (kernel.normal, "frame_normal", "read frame_normal", 12),
         (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
     ]
@@ -409,7 +418,8 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
-        let view = View::new(&scene).expect("a view");
+        // The low parts are there for those that read them.
+        let view = View::for_method(&scene, Method::DoubleFloat).expect("a view");
         let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS).expect("a stage").expect("a lens");
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
@@ -430,7 +440,10 @@ mod tests {
             };
             let certified = Kernel { certify: Some(Pass::Judge), width: true, ..kernel };
             let mut raws = Vec::new();
-            for kernel in [kernel, certified] {
+            // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
+            let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
+            let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
+            for kernel in [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64) {
                 let mut raw = Raw::new(&kernel, 131 * 74).expect("room");
                 let stage = Some(&stage);
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };

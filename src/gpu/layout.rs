@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
+use crate::intersect::Method;
 use crate::plan::{Kernel, Sharing};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -15,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 16] = [
+pub(crate) const BUFFERS: [&str; 17] = [
     "view",
     "spheres",
     "colors",
@@ -32,6 +33,7 @@ pub(crate) const BUFFERS: [&str; 16] = [
     "unsure",
     "pairs",
     "frame_width",
+    "frame_t_low",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -62,7 +64,9 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 
 /// What the device will have when it runs `kernel`: validated with nothing more.
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
-    if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
+    let wide = kernel.is_wide() && kernel.method == Method::Native64;
+    let wide = if wide { Capabilities::FLOAT64 } else { Capabilities::empty() };
+    wide | if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
 }
 
 #[cfg(test)]
@@ -78,7 +82,7 @@ mod tests {
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
-    use crate::view::{SphereRecord, ViewRecord};
+    use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
 
@@ -168,7 +172,8 @@ mod tests {
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
-                (kernel.rays == Rays::Spread, "lows"),
+                (kernel.rays == Rays::Spread || kernel.is_wide(), "lows"),
+                (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
             .filter_map(|(wanted, name)| wanted.then_some(name))
@@ -185,6 +190,14 @@ mod tests {
         let sharing = kernels().into_iter().filter(|k| k.sharing != Sharing::None);
         for kernel in sharing {
             validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
+        }
+    }
+
+    #[test]
+    fn f64_is_asked_of_the_device_exactly_where_it_is_used() {
+        for kernel in kernels() {
+            let without = validate(&compose(&kernel), Capabilities::SUBGROUP);
+            assert_eq!(without.is_err(), kernel.method == Method::Native64, "{kernel:?}");
         }
     }
 
@@ -216,8 +229,10 @@ mod tests {
         assert_eq!(constant(&certified, "GROUP"), f64::from(GROUP));
         assert_eq!(constant(&certified, "GROUPS"), f64::from(crate::gpu::certified::GROUPS));
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
-        same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres);
+        same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
+            zero half_du_low half_dv_low d_low);
         same!(module "Sphere", SphereRecord, ball power scale);
+        same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
         let tile = constant(&module, "NONE");
         assert_eq!(tile, f64::from(NONE));

@@ -10,6 +10,8 @@ use crate::view::Sphere;
 pub(crate) struct Geometric;
 
 impl Intersect for Geometric {
+    type Number = f32;
+
     fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let length = dot3(ray.d, ray.d).sqrt();

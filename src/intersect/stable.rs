@@ -17,6 +17,8 @@ fn discriminant<R: Real>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
 }
 
 impl Intersect for Stable {
+    type Number = f32;
+
     fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = center(s);
         let g = cross3(p, ray.d);

@@ -9,6 +9,8 @@ use crate::view::Sphere;
 pub(crate) struct Textbook;
 
 impl Intersect for Textbook {
+    type Number = f32;
+
     fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let a = dot3(ray.d, ray.d);

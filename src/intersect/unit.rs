@@ -9,6 +9,8 @@ use crate::view::Sphere;
 pub(crate) struct Unit;
 
 impl Intersect for Unit {
+    type Number = f32;
+
     fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let length = dot3(ray.d, ray.d).sqrt();

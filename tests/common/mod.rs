@@ -1,5 +1,7 @@
 //! What every test that needs an adapter begins with.
 
+use halfline::error::Error;
+use halfline::intersect::Method;
 use halfline::plan::{Backend, Settings};
 use halfline::render::Renderer;
 use std::sync::Once;
@@ -19,6 +21,25 @@ pub(crate) fn gpu() -> Option<Renderer> {
         assert!(renderer.adapter().contains(&wanted), "{} is not {wanted}", renderer.adapter());
     }
     Some(renderer)
+}
+
+/// The methods that can run on this renderer's adapter. One that cannot must be refused with the reason, never run.
+pub(crate) fn admitted(renderer: &mut Renderer) -> Vec<Method> {
+    let mut admitted = Method::ALL.to_vec();
+    // SwiftShader has no f64 in shaders; llvmpipe runs everything.
+    if renderer.adapter().contains("SwiftShader") {
+        admitted.retain(|method| *method != Method::Native64);
+    } else if !renderer.adapter().contains("llvmpipe") {
+        admitted.retain(|method| renderer.admit(*method).is_ok());
+    }
+    for &method in Method::ALL {
+        match renderer.admit(method) {
+            Ok(()) => assert!(admitted.contains(&method), "{} runs on {}", method.name(), renderer.adapter()),
+            Err(Error::Accuracy { problem, .. }) if !admitted.contains(&method) => println!("refused: {problem}"),
+            Err(error) => panic!("{}: {error}", method.name()),
+        }
+    }
+    admitted
 }
 
 /// The CPU reference path.

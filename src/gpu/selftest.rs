@@ -1,0 +1,340 @@
+//! What an adapter's arithmetic is, measured. WGSL promises little (no rounding direction, reassociation and fusion
+//! allowed, subnormals flushed at will) and drivers use the freedom, so nothing that needs more than the promise runs
+//! before this test of the very adapter, driver and shader text has passed.
+
+mod cache;
+mod cases;
+mod judge;
+#[cfg(test)]
+mod tests;
+mod twin;
+
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::compose::{Part, Source, compose, part};
+use crate::gpu::layout::validate;
+use crate::intersect::Method;
+use crate::report::milliseconds;
+use crate::view::ViewRecord;
+use bytemuck::Zeroable;
+use naga::valid::Capabilities;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// One thing that was tried on the adapter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// What was tried.
+    pub name: String,
+    /// Whether every case came out as it should. Not every check must pass: a plain TwoSum is expected to fail where
+    /// compilers reassociate, which they may.
+    pub passed: bool,
+    /// The numbers: cases, how many were wrong, largest errors.
+    pub detail: BTreeMap<String, f64>,
+}
+
+/// How f32 sums round.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rounding {
+    /// To nearest, ties to even: IEEE 754's default.
+    NearestEven,
+    /// Toward zero.
+    TowardZero,
+    /// Neither, or now one and now the other.
+    Other,
+}
+
+/// Whether an arithmetic beyond f32 may be used, and if not, why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Usable {
+    /// How it is done where it can be used; `None` where it cannot.
+    pub by: Option<String>,
+    /// Why it cannot be used.
+    pub reason: Option<String>,
+    /// Largest error seen: f64 in ulps away from IEEE 754, double-float in units of 2^-48 of the result.
+    pub worst: f64,
+}
+
+/// What an adapter's arithmetic was measured to be.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// f32 as WGSL promises it and the certificate needs it: + - * within one rounding either way, no distribution of
+    /// products over differences, division within 2.5 ulp, square root within 4.6 u (u = 2^-23).
+    pub f32: bool,
+    /// The production kernels gave the bits of their CPU twins.
+    pub strict_twin: bool,
+    /// How sums round.
+    pub rounding: Rounding,
+    /// Largest error of f32 division, ulp.
+    pub div_ulp: f64,
+    /// Largest error of f32 sqrt, ulp.
+    pub sqrt_ulp: f64,
+    /// Largest error of f32 inverseSqrt, ulp.
+    pub inverse_sqrt_ulp: f64,
+    /// Whether arithmetic takes subnormals for zero or makes zeros of them.
+    pub flushes_subnormals: bool,
+    /// Sums of two f32.
+    pub double_float: Usable,
+    /// f64 in shaders.
+    pub f64: Usable,
+    /// Everything that was tried.
+    pub checks: Vec<Check>,
+    /// How long the test took on the adapter and the host, milliseconds.
+    pub milliseconds: f64,
+}
+
+/// Division's largest error that WGSL allows, ulp.
+const DIV_ULP: f64 = 2.5;
+
+/// sqrt's: 1/inverseSqrt, 2 and 2.5 ulp, and their product.
+const SQRT_ULP: f64 = 4.6;
+
+/// What the judges read from a trial's cases and answers.
+type Judge = fn(&[u32], &[u32]) -> Vec<Check>;
+
+/// One shader of the test, its cases and who judges the answers.
+struct Trial {
+    name: &'static str,
+    parts: Vec<Part>,
+    capabilities: Capabilities,
+    /// 32-bit words per case and per answer; the shader declares them in numbers of its own size.
+    words: [usize; 2],
+    cases: Vec<u32>,
+    judge: Judge,
+}
+
+/// The trials that an adapter with or without f64 can run.
+fn trials(f64: bool) -> Vec<Trial> {
+    let double_float = || vec![part!("opaque.wgsl"), part!("intersect/double_float.wgsl")];
+    let trial = |name, own: Vec<Part>, words, cases, judge| Trial {
+        name,
+        parts: [vec![part!("view.wgsl"), part!("selftest/main.wgsl")], own].concat(),
+        capabilities: Capabilities::empty(),
+        words,
+        cases,
+        judge,
+    };
+    let with = |part| [double_float(), vec![part]].concat();
+    let solve = [
+        double_float(),
+        vec![part!("vector.wgsl"), part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("selftest/solve.wgsl")],
+    ]
+    .concat();
+    let mut trials = vec![
+        trial("transforms", with(part!("selftest/transforms.wgsl")), [6, 27], cases::transforms(), judge::transforms),
+        trial("operations", vec![part!("selftest/operations.wgsl")], [2, 11], cases::operations(), judge::operations),
+        trial("double_float", with(part!("selftest/double_float.wgsl")), [6, 8], cases::pairs(), judge::pairs),
+        trial("solve", solve, [9, 2], cases::solve(), judge::solve),
+    ];
+    if f64 {
+        let wide = trial("f64", vec![part!("selftest/f64.wgsl")], [4, 10], cases::wide(), judge::wide);
+        trials.push(Trial { capabilities: Capabilities::FLOAT64, ..wide });
+    }
+    trials
+}
+
+impl Gpu {
+    /// What this adapter's arithmetic was measured to be: now, earlier by this process, or in the user's cache.
+    ///
+    /// # Errors
+    /// What the device refuses; a failed expectation is no error but part of the verdict.
+    pub(crate) fn verdict(&mut self) -> Result<&Verdict> {
+        if self.verdict.is_none() {
+            let key = self.key();
+            match cache::read(cache::folder(), &self.summary, &key) {
+                Some(verdict) => self.verdict = Some(verdict),
+                None => return self.retest(),
+            }
+        }
+        self.verdict.as_ref().ok_or_else(nothing_measured)
+    }
+
+    /// Whether `method` may run here: one that needs more than WGSL promises runs where it was measured to be right.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] with the reason where it may not, and what the measurement runs into.
+    pub(crate) fn admit(&mut self, method: Method) -> Result<()> {
+        let reason = match method {
+            Method::Native64 if !self.has_f64() => no_f64().reason,
+            Method::Native64 => self.verdict()?.f64.reason.clone(),
+            Method::DoubleFloat => self.verdict()?.double_float.reason.clone(),
+            _ => None,
+        };
+        match reason {
+            None => Ok(()),
+            Some(reason) => Err(Error::Accuracy {
+                problem: format!("method {} cannot run on {}: {reason}", method.name(), self.summary.name),
+                mend: "leave out --method, or use --backend cpu".into(),
+            }),
+        }
+    }
+
+    /// Measures, whatever is known, and remembers.
+    pub(crate) fn retest(&mut self) -> Result<&Verdict> {
+        let verdict = self.measure()?;
+        cache::write(cache::folder(), &self.summary, &self.key(), &verdict);
+        Ok(self.verdict.insert(verdict))
+    }
+
+    fn measure(&mut self) -> Result<Verdict> {
+        let start = Instant::now();
+        let mut checks = Vec::new();
+        for trial in trials(self.has_f64()) {
+            let answers = self.guarded(|gpu| gpu.answer(&trial))?;
+            checks.extend((trial.judge)(&trial.cases, &answers));
+        }
+        checks.push(self.compare_twins()?);
+        Ok(Verdict { milliseconds: milliseconds(start), ..conclude(checks, self.has_f64()) })
+    }
+
+    fn has_f64(&self) -> bool {
+        self.open.device.features().contains(wgpu::Features::SHADER_F64)
+    }
+
+    /// All that the verdict depends on.
+    fn key(&self) -> String {
+        let mut text = blake3::Hasher::new();
+        for trial in trials(true) {
+            for (_, part) in trial.parts {
+                text.update(part.as_bytes());
+            }
+        }
+        for kernel in self.twin_kernels() {
+            text.update(compose(&kernel).text.as_bytes());
+        }
+        let (adapter, text) = (&self.summary, text.finalize().to_hex());
+        format!(
+            "{}, {}, {}, f64 {}, subgroup {:?}, halfline {}, shaders {text}",
+            adapter.name,
+            adapter.backend,
+            adapter.driver,
+            self.has_f64(),
+            adapter.subgroup,
+            env!("CARGO_PKG_VERSION"),
+        )
+    }
+
+    /// Runs a trial's shader over its cases.
+    fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
+        let source = Source::new(trial.parts.iter().copied());
+        validate(&source, trial.capabilities)?;
+        let device = &self.open.device;
+        let count = trial.cases.len() / trial.words[0];
+        let size = (count * trial.words[1] * size_of::<u32>()) as u64;
+        let buffer = |label, size, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        };
+        let record = ViewRecord { spheres: count as u32, ..ViewRecord::zeroed() };
+        let (input, record) = (bytemuck::cast_slice(&trial.cases), bytemuck::bytes_of(&record));
+        let upload = wgpu::BufferUsages::COPY_DST;
+        let view = buffer("view", record.len() as u64, wgpu::BufferUsages::UNIFORM | upload);
+        let cases = buffer("cases", input.len() as u64, wgpu::BufferUsages::STORAGE | upload);
+        let answers = buffer("answers", size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let staging = buffer("read answers", size, wgpu::BufferUsages::MAP_READ | upload);
+        self.open.queue.write_buffer(&view, 0, record);
+        self.open.queue.write_buffer(&cases, 0, input);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(trial.name),
+            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(trial.name),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[],
+                zero_initialize_workgroup_memory: false,
+            },
+            cache: None,
+        });
+        let bound = |binding, buffer: &wgpu::Buffer| (binding, buffer.clone());
+        let buffers = [bound(0, &view), bound(20, &cases), bound(21, &answers)];
+        let entries = buffers
+            .each_ref()
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(trial.name),
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups((count as u32).div_ceil(super::dispatch::GROUP), 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&answers, 0, &staging, 0, size);
+        self.open.queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        self.wait()?;
+        let mapped = staging
+            .get_mapped_range(..)
+            .map_err(|e| Error::DeviceLost(format!("the self-test cannot be read back: {e}")))?;
+        Ok(bytemuck::pod_collect_to_vec(&mapped))
+    }
+}
+
+fn nothing_measured() -> Error {
+    Error::Adapter { problem: "the self-test measured nothing".into(), mend: "report it".into() }
+}
+
+fn no_f64() -> Usable {
+    Usable { by: None, reason: Some("its shaders have no f64".into()), worst: 0.0 }
+}
+
+/// The verdict that the checks add up to.
+fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
+    let find = |name: &str| checks.iter().find(|check| check.name == name);
+    let passed = |name: &str| find(name).is_some_and(|check| check.passed);
+    // A number that was not measured must not look good.
+    let number = |name: &str, of: &str| find(name).and_then(|c| c.detail.get(of)).copied().unwrap_or(f64::MAX);
+    let (div_ulp, sqrt_ulp) = (number("f32 division", "ulp"), number("f32 sqrt", "ulp"));
+    let failed = |names: &[&str]| {
+        let failed: Vec<_> = names.iter().copied().filter(|name| !passed(name)).collect();
+        (!failed.is_empty()).then(|| format!("the self-test failed: {}", failed.join(", ")))
+    };
+    let usable =
+        |by: &str, reason: Option<String>, worst| Usable { by: reason.is_none().then(|| by.to_owned()), reason, worst };
+    let f32_checks = ["f32 sum", "f32 difference", "f32 product", "f32 division", "f32 sqrt", "no distribution"];
+    let rounding = match number("f32 rounding", "mode") {
+        0.0 => Rounding::NearestEven,
+        1.0 => Rounding::TowardZero,
+        _ => Rounding::Other,
+    };
+    let double_float = usable("bits XOR 0, Dekker's split", failed(&judge::DOUBLE_FLOAT), judge::worst(&checks, "u2"));
+    let f64 = match has_f64 {
+        true => usable("native", failed(&judge::F64), judge::worst(&checks, "f64 ulp")),
+        false => no_f64(),
+    };
+    Verdict {
+        f32: f32_checks.iter().all(|name| passed(name)),
+        strict_twin: passed(twin::NAME),
+        rounding,
+        div_ulp,
+        sqrt_ulp,
+        inverse_sqrt_ulp: number("f32 inverseSqrt", "ulp"),
+        flushes_subnormals: !passed("subnormals"),
+        double_float,
+        f64,
+        checks,
+        milliseconds: 0.0,
+    }
+}
+
+/// Measures every adapter, or takes the verdict from the user's cache unless `again`; in the order of
+/// [`adapters`](crate::adapters). An adapter that does not open, or loses the device, has its own error.
+///
+/// # Errors
+/// [`Error::Adapter`] when WGPU_BACKEND names no backend.
+pub fn verdicts(again: bool) -> Result<Vec<Result<Verdict>>> {
+    use crate::gpu::device;
+    let measure = |found: device::Found| {
+        let mut gpu = Gpu::new(device::open(&found)?, found.summary);
+        if again { gpu.retest().cloned() } else { gpu.verdict().cloned() }
+    };
+    Ok(device::find()?.into_iter().map(measure).collect())
+}

@@ -1,0 +1,93 @@
+//! The kernels that plans choose by themselves, fast and certified, against their CPU twins, bit for bit, on a cloud of
+//! spheres.
+
+use super::Check;
+use crate::camera::Camera;
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
+use crate::cpu;
+use crate::error::Result;
+use crate::frame::raw::Raw;
+use crate::gpu::Gpu;
+use crate::gpu::dispatch::{Input, Output};
+use crate::intersect::Method;
+use crate::plan::{Kernel, Pass, Rays, Sharing, Tolerance};
+use crate::report::Stages;
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::settle::Open;
+use crate::view::View;
+
+/// The check's name.
+pub(super) const NAME: &str = "kernels as their twins";
+
+/// Pixels along a side.
+const SIDE: u32 = 64;
+
+/// 97 spheres about the eye's way; no multiple of any subgroup.
+fn scene() -> Scene {
+    let mut spheres = Spheres::default();
+    // A Weyl sequence: fractions of multiples of irrationals fill the cube evenly (Roberts 2018, the plastic number).
+    let weyl = |n: f64, x: f64| 2.0 * (n * x).fract() - 1.0;
+    for n in 1..=97 {
+        let n = f64::from(n);
+        let [x, y, z] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|irrational| weyl(n, irrational));
+        spheres.push([x, y, -1.5 + z], 0.05 + 0.1 * z.abs(), None);
+    }
+    let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
+    Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() }
+}
+
+impl Gpu {
+    /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
+    pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
+        let kernel = |certify: Option<Pass>| Kernel {
+            method: Method::Stable,
+            rays: Rays::Camera,
+            sharing: Sharing::on(&self.summary),
+            shade: None,
+            colors: false,
+            t: true,
+            normal: true,
+            certify,
+            width: certify.is_some(),
+        };
+        vec![kernel(None), kernel(Some(Pass::Judge))]
+    }
+
+    pub(super) fn compare_twins(&mut self) -> Result<Check> {
+        let scene = scene();
+        let view = View::new(&scene)?;
+        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS)?;
+        let (mut values, mut different) = (0.0, 0.0);
+        for kernel in self.twin_kernels() {
+            let pixels = (SIDE * SIDE) as usize;
+            let (mut device, mut host) = (Raw::new(&kernel, pixels)?, Raw::new(&kernel, pixels)?);
+            let input = Input { view: &view, colors: None, rays: &[], stage: stage.as_ref() };
+            let mut output = Output { raw: &mut device, open: Open::default(), stages: &mut Stages::default() };
+            let left = match (kernel.certify, &stage) {
+                // This scene has a stage; without one there is nothing to compare.
+                (Some(_), None) => continue,
+                (Some(_), Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
+                (None, _) => {
+                    cpu::render(&kernel, &view, None, &mut host, &|| true);
+                    Open::default()
+                }
+            };
+            self.run(&kernel, &input, &mut output, &|| true)?;
+            let open = output.open;
+            let bits = |raw: &Raw, mut open: Open| -> Vec<u32> {
+                // Where invocations meet, the order is theirs.
+                open.pixels.sort_unstable();
+                open.pairs.sort_unstable();
+                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
+                raw.id.iter().copied().chain(numbers).chain(open.pixels).chain(open.pairs.concat()).collect()
+            };
+            let (device, host) = (bits(&device, open), bits(&host, left));
+            values += host.len() as f64;
+            different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
+            different += device.len().abs_diff(host.len()) as f64;
+        }
+        let detail = [("values".to_owned(), values), ("different".to_owned(), different)].into();
+        Ok(Check { name: NAME.to_owned(), passed: different == 0.0 && values > 0.0, detail })
+    }
+}
