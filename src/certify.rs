@@ -92,7 +92,7 @@ const DEPTH: f32 = 1.136_868_4e-13;
 /// 1 + 2^-10: the bounds are computed in f32 themselves.
 const INFLATE: f32 = 1.000_976_6;
 /// 2^-100: what flushed subnormals leave, times |d|^2.
-const VANISH: f32 = 7.888_609e-31;
+pub(crate) const VANISH: f32 = 7.888_609e-31;
 /// A depth beyond every frame, and below MISS.
 const FAR: f32 = 3.0e38;
 /// Radians promised, less the roundings of the unit vector.
@@ -182,10 +182,11 @@ impl<R: Real> Certify<'_, R> {
         front_answer(s, self.lens, &self.fronts[slot], self.terms)
     }
 
-    /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised.
+    /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth
+    /// that may have lost bits below the normal numbers never is.
     pub(crate) fn certain(&self, answer: &Answer<R>, k: &Kept<R>) -> bool {
-        let lens = self.lens;
-        let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        let depth = R::exact(self.lens.depth) + answer.low;
+        let sharp = answer.high - answer.low < R::exact(self.lens.tolerance) * depth && depth > R::exact(VANISH);
         answer.sure && answer.high < k.second && sharp
     }
 

@@ -3,7 +3,7 @@
 use crate::certify::front::Front;
 use crate::certify::near::Near;
 use crate::certify::stage::Stage;
-use crate::certify::{Certify, TERMS};
+use crate::certify::{Certify, TERMS, VANISH};
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
@@ -103,7 +103,7 @@ impl Row<'_> {
                 && !certify.certain(answer, &kept)
             {
                 let pixel = i * certify.view.width + j as u32;
-                let limit = if answer.hits { answer.high } else { f32::MAX };
+                let limit = if answer.hits { answer.high + VANISH } else { f32::MAX };
                 open.pixels.push(pixel);
                 certify.candidates(&s, |low, slot| {
                     if low <= limit {

@@ -7,8 +7,10 @@ fn judge(s: Slopes, k: Kept) -> Answer {
     return front_answer(s, fronts[k.slot], front_mores[k.slot]);
 }
 
-// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised.
+// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth that may
+// have lost bits below the normal numbers never is.
 fn certain(answer: Answer, k: Kept) -> bool {
-    let sharp = answer.high - answer.low < lens.tolerance * (lens.depth + answer.low);
+    let depth = lens.depth + answer.low;
+    let sharp = answer.high - answer.low < lens.tolerance * depth && depth > VANISH;
     return answer.sure && answer.high < k.second && sharp;
 }

@@ -35,7 +35,7 @@ fn render(tile: vec3<u32>, index: u32) {
         certified_normal = answer.normal;
         if (!certain(answer, k)) {
             let place = atomicAdd(&unsure.count, 1u);
-            let limit = select(MISS, answer.high, answer.hits);
+            let limit = select(MISS, answer.high + VANISH, answer.hits);
             unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));
         }
     }
