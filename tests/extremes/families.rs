@@ -48,9 +48,13 @@ pub(crate) const FAMILIES: &[Family] = &[
     // numerics: without scaling 29 % wrong at r = 1e20, everything at |d| = 1e20.
     Family { name: "r = 1e-30 to 1e30", make: scale::sizes },
     Family { name: "sizes 1e-9 to 1e9 at once", make: scale::mixed },
+    Family { name: "depths 1e-45 to 1e40 at once", make: scale::span },
     Family { name: "viewport 1e-20 to 1e20", make: scale::viewports },
     Family { name: "wide lenses", make: scale::wide },
     Family { name: "long lenses", make: scale::long },
+    Family { name: "stretched pixels", make: scale::stretched },
+    // up x view cancels to its last bits.
+    Family { name: "up almost along the view", make: scale::rolled },
     Family { name: "1 x 1, 1 x N, N x 1", make: scale::slivers },
     Family { name: "spheres of 1e-3 pixels", make: scale::dust },
     // mitsuba3#1871: an epsilon thicker than a shell.

@@ -10,7 +10,7 @@ use halfline::scene::{Scene, Spheres};
 pub(super) fn sizes(seed: u64) -> Vec<Scene> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
-    for scale in decades(-30, 30, 10) {
+    for scale in decades(-30, 30, 10).chain([1e-250, 1e-140, 1e140, 1e250]) {
         for away in [9.0, 0.5] {
             let spheres = cloud(&mut random, 60, DVec3::ZERO, 3.0 * scale, [0.3 * scale, scale]);
             let lens = Lens::Vfov { degrees: 45.0, distance: 1.0 };
@@ -62,11 +62,11 @@ pub(super) fn wide(seed: u64) -> Vec<Scene> {
     scenes
 }
 
-/// Down to 1e-12 degrees, at the silhouette of a unit sphere, of two that overlap, and inside a picture's disc.
+/// Down to 1e-28 degrees, at the silhouette of a unit sphere, of two that overlap, and inside a picture's disc.
 pub(super) fn long(seed: u64) -> Vec<Scene> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
-    for degrees in decades(-12, 0, 2) {
+    for degrees in decades(-28, 0, 2) {
         let eye = DVec3::new(5.0, -3.0, 4.0);
         let center = DVec3::from_array(random.cube());
         let (p, lens) = (center - eye, Lens::Vfov { degrees, distance: 1.0 });
@@ -89,7 +89,7 @@ pub(super) fn long(seed: u64) -> Vec<Scene> {
 pub(super) fn slivers(seed: u64) -> Vec<Scene> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
-    for size in [[1, 1], [1, 2], [2, 1], [1, 97], [201, 1], [3, 3]] {
+    for size in [[1, 1], [1, 2], [2, 1], [1, 97], [3001, 1], [3, 3]] {
         for degrees in [20.0, 100.0] {
             let spheres = cloud(&mut random, 50, DVec3::ZERO, 2.0, [0.2, 0.7]);
             let (vh, vw) = (2.0 * f64::to_radians(degrees / 2.0).tan(), f64::to_radians(degrees / 2.0).tan());
@@ -122,6 +122,57 @@ pub(super) fn dust(seed: u64) -> Vec<Scene> {
             scene.spheres.push(center.to_array(), 1e-3 * pitch, None);
         }
         scenes.push(scene);
+    }
+    scenes
+}
+
+/// Pixels that are up to 1e12 times as wide as high, or as high as wide.
+pub(super) fn stretched(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for stretch in [1e-12, 1e-6, 1e-2, 1e3, 1e7] {
+        for [vw, vh] in [[1.0, stretch], [stretch, 1.0]] {
+            let spheres = cloud(&mut random, 60, DVec3::ZERO, 2.0, [0.2, 0.7]);
+            let lens = Lens::Viewport { vw, vh, distance: 1.0 };
+            scenes.push(picture(aslant() * 5.0, Look::At(DVec3::splat(0.1)), lens, [32, 24], spheres));
+        }
+    }
+    scenes
+}
+
+/// An up that hardly differs from the view, so that the roll hangs on the last bits; near and far from the origin.
+pub(super) fn rolled(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for sine in [1e-14, 1e-11, 1e-7] {
+        for (offset, lens) in [(0.0, 0.4), (1e6, 0.4), (0.3, 1e-4), (1e6, 1e-8), (3.0, 4.0)] {
+            let at = offset * DVec3::new(1.0, -2.0, 3.0) + DVec3::from_array(random.cube());
+            let eye = at + 5.0 * aslant();
+            let spheres = cloud(&mut random, 60, at, 2.0, [0.2, 0.7]);
+            let mut scene = picture(eye, Look::At(at), filled_by(lens), [32, 24], spheres);
+            scene.camera.up = (eye - at).normalize() + sine * DVec3::from_array(random.cube());
+            scenes.push(scene);
+        }
+    }
+    scenes
+}
+
+/// Depths in one frame from 1e-45 to 1e40: an eye so close to small spheres that f32 has no normal number for it beside
+/// the large ones.
+pub(super) fn span(seed: u64) -> Vec<Scene> {
+    let mut random = Random(seed);
+    let mut scenes = Vec::new();
+    for (tiny, huge) in [(1e-20, 1e30), (1e-25, 1e35), (1e-30, 1e30), (1e-30, 1e40)] {
+        for close in [1e-15, 1e-13, 1e-9] {
+            let mut spheres = cloud(&mut random, 20, DVec3::ZERO, 3.0 * huge, [0.1 * huge, huge]);
+            for _ in 0..6 {
+                // As far as it is large, and a little: its surface is `close` radii away.
+                let away = tiny * (1.0 + random.unit()) * (aslant() + 0.5 * DVec3::from_array(random.cube()));
+                spheres.push(away.to_array(), away.length() * (1.0 - close * (1.0 + random.unit())), None);
+            }
+            let lens = Lens::Vfov { degrees: 120.0, distance: 1.0 };
+            scenes.push(picture(DVec3::ZERO, Look::View(aslant()), lens, [32, 24], spheres));
+        }
     }
     scenes
 }
