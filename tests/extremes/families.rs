@@ -9,6 +9,7 @@ mod crowd;
 mod distance;
 mod scale;
 mod touching;
+mod wild;
 
 use crate::common::Random;
 use glam::DVec3;
@@ -65,6 +66,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     Family { name: "around the eye", make: crowd::around },
     // The cover of Ray Tracing in One Weekend and worse.
     Family { name: "ground and crumbs", make: crowd::ground },
+    Family { name: "anything at all", make: wild::anything },
     // Haines' Standard Procedural Databases.
     Family { name: "shells.nff", make: crowd::spiral },
     // JPL ephemeris DE421.
