@@ -14,7 +14,7 @@ use crate::memory;
 use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
-use crate::settle;
+use crate::settle::{self, Settled};
 use crate::shade;
 use crate::view::View;
 use rayon::prelude::*;
@@ -127,81 +127,127 @@ impl Renderer {
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let start = Instant::now();
-        let mut stages = Stages::default();
         let plan = Plan::new(scene, settings)?;
         memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         self.admit(plan.kernel.method)?;
+        let Some(doubt) = self.doubt(&plan)? else {
+            return self.frame(&plan, scene, settings);
+        };
+        if settings.backend == Backend::Gpu {
+            return Err(Error::Accuracy {
+                problem: doubt,
+                mend: "use --backend auto or cpu, or --accuracy fast".into(),
+            });
+        }
+        let adapter = std::mem::replace(&mut self.place, Place::Cpu);
+        let frame = self.frame(&plan, scene, settings);
+        self.place = adapter;
+        frame.map(|mut frame| {
+            frame.report.warnings.push(format!("{doubt}: the CPU path answered instead"));
+            frame
+        })
+    }
+
+    /// Why this adapter may not certify, if it may not.
+    fn doubt(&mut self, plan: &Plan) -> Result<Option<String>> {
+        match &mut self.place {
+            Place::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
+                let passed = gpu.verdict()?.f32;
+                let name = &gpu.summary.name;
+                let doubt = || {
+                    format!(
+                        "{name} did not pass the self-test of its f32 arithmetic (halfline adapters), cannot certify"
+                    )
+                };
+                Ok((!passed).then(doubt))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// One frame as planned.
+    fn frame(&mut self, plan: &Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let start = Instant::now();
+        let mut stages = Stages::default();
         let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
         let pixels = view.record.width as usize * view.record.height as usize;
+        let tolerance = settings.tolerance.relative();
+        let stage = match plan.accuracy {
+            Accuracy::Certified => stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS))?,
+            _ => None,
+        };
         let mut raw = Raw::new(&plan.kernel, pixels)?;
+        let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+        if let Some(shade) = plan.kernel.shade {
+            stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
+        }
+        let certify = plan.kernel.certify.is_some();
+        let depths = stage.as_ref().map(|stage| &stage.depths[..]).or(certify.then_some(&[]));
+        let answers = Answers { view: &view, raw, depths, settled: &settled };
+        let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let expected = match plan.accuracy {
             Accuracy::Fast => Expected::of(&view, plan.kernel.method),
             _ => None,
         };
-        let stage = match plan.accuracy {
-            Accuracy::Certified => {
-                stages.time("stage", || Stage::new(scene, &view, settings.tolerance.relative(), &TERMS))?
-            }
-            _ => None,
-        };
-        let mut settled = Vec::new();
-        if stage.is_some() || plan.accuracy == Accuracy::Fast {
-            let open = self.trace_frame(&plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
-            if !(self.go_on)() {
-                return Err(Error::Interrupted);
-            }
-            settled = stages.time("settle", || settle::settle(scene, open))?;
-        } else {
-            settled.extend(stages.time("settle", || settle::exact(scene, &*self.go_on))?);
-        }
-        if !(self.go_on)() {
-            return Err(Error::Interrupted);
-        }
-        if let Some(shade) = plan.kernel.shade {
-            stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
-        }
-        let depths = stage.as_ref().map(|stage| &stage.depths[..]);
-        let certify = plan.kernel.certify.is_some();
-        let depths = depths.or(certify.then_some(&[]));
-        let answers = Answers { view: &view, raw, depths, settled: &settled };
-        let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
-        let ids = buffers.iter().find_map(|b| match &b.data {
-            Data::I32(ids) => Some(ids),
-            _ => None,
-        });
-        let hits = ids.map_or(0, |ids| ids.par_iter().filter(|id| **id >= 0).count() as u64);
-        let judged = if stage.is_some() { pixels - settled.len() } else { 0 };
-        let backend = if self.is_gpu() { "gpu" } else { "cpu" };
-        let report = Report {
+        let mut frame =
+            Frame { width: view.record.width, height: view.record.height, buffers, report: self.report(plan, scene) };
+        let report = &mut frame.report;
+        report.rays = pixels as u64;
+        report.hits = frame.buffers.iter().map(hits).sum();
+        report.settled = settled.len() as u64;
+        report.certified = if stage.is_some() { 1.0 - settled.len() as f64 / pixels as f64 } else { 0.0 };
+        report.bound = certify.then(|| bound(&frame.buffers, tolerance));
+        report.expected = expected;
+        report.warnings =
+            warnings(scene, report.hits, expected.and_then(|expected| expected.warning(plan.kernel.method)));
+        report.stages_ms = stages.into_map();
+        report.frame_ms = vec![milliseconds(start)];
+        Ok(frame)
+    }
+
+    /// What is known of a frame before it is computed.
+    fn report(&self, plan: &Plan, scene: &Scene) -> Report {
+        Report {
             schema: "halfline-render",
             version: 1,
             halfline: env!("CARGO_PKG_VERSION"),
             spheres: scene.spheres.len() as u64,
             skipped: scene.skipped.total(),
-            rays: pixels as u64,
-            hits,
             adapter: self.adapter().to_owned(),
             driver: self.driver(),
-            backend,
+            backend: if self.is_gpu() { "gpu" } else { "cpu" },
             method: plan.method,
             accuracy: plan.accuracy.name(),
             shade: plan.kernel.shade.map(|shade| shade.name()),
             search: plan.search,
-            certified: judged as f64 / pixels as f64,
-            settled: settled.len() as u64,
-            bound: certify.then(|| bound(&buffers, settings.tolerance.relative())),
-            expected,
             setup_ms: self.setup_ms,
-            frame_ms: vec![milliseconds(start)],
-            stages_ms: stages.into_map(),
-            warnings: warnings(scene, hits, expected.and_then(|expected| expected.warning(plan.kernel.method))),
-        };
-        Ok(Frame { width: view.record.width, height: view.record.height, buffers, report })
+            ..Report::default()
+        }
     }
-}
 
-impl Renderer {
+    /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
+    fn answer(
+        &mut self,
+        plan: &Plan,
+        scene: &Scene,
+        view: &View,
+        stage: Option<&Stage>,
+        raw: &mut Raw,
+        stages: &mut Stages,
+    ) -> Result<Vec<Settled>> {
+        let go_on = Arc::clone(&self.go_on);
+        let settled = if stage.is_some() || plan.accuracy == Accuracy::Fast {
+            let open = self.trace_frame(plan, scene, view, stage, raw, stages)?;
+            if !go_on() {
+                return Err(Error::Interrupted);
+            }
+            stages.time("settle", || settle::settle(scene, open))
+        } else {
+            stages.time("settle", || settle::exact(scene, &*go_on))
+        };
+        if go_on() { settled } else { Err(Error::Interrupted) }
+    }
+
     /// The kernel's answers into `raw`; what a certified kernel leaves open comes back.
     fn trace_frame(
         &mut self,
@@ -229,6 +275,14 @@ impl Renderer {
                 Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &*self.go_on),
             })),
         }
+    }
+}
+
+/// Hits in the buffer of ids; 0 in any other.
+fn hits(buffer: &Buffer) -> u64 {
+    match &buffer.data {
+        Data::I32(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
+        _ => 0,
     }
 }
 
@@ -264,4 +318,36 @@ fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
         ));
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Aov, Camera, ImagePlane, Spheres};
+
+    /// An adapter whose arithmetic failed the self-test does not certify: the CPU path does, aloud, or nobody.
+    #[test]
+    fn a_doubtful_adapter_does_not_certify() {
+        if std::env::var_os("HALFLINE_NO_GPU").is_some() {
+            println!("SKIPPED: HALFLINE_NO_GPU is set");
+            return;
+        }
+        let mut spheres = Spheres::default();
+        spheres.push([0.0, 0.0, -3.0], 1.0, None);
+        let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Default::default() };
+        let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
+        let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
+        assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");
+        let Place::Gpu(adapter) = &mut renderer.place else { panic!("a GPU was asked for") };
+        adapter.distrust();
+        let error = renderer.render(&scene, &gpu).expect_err("nobody may certify here");
+        assert!(matches!(error, Error::Accuracy { .. }), "{error}");
+        let auto = Settings { backend: Backend::Auto, ..gpu.clone() };
+        let report = renderer.render(&scene, &auto).expect("a frame").report;
+        assert_eq!((report.backend, report.accuracy), ("cpu", "certified"));
+        assert!(report.warnings.iter().any(|w| w.contains("self-test")), "{:?}", report.warnings);
+        let fast = Settings { accuracy: Accuracy::Fast, ..gpu };
+        assert_eq!(renderer.render(&scene, &fast).expect("a frame").report.backend, "gpu", "fast promises nothing");
+    }
 }
