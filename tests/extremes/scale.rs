@@ -163,7 +163,7 @@ pub(super) fn span(seed: u64) -> Vec<Scene> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for (tiny, huge) in [(1e-20, 1e30), (1e-25, 1e35), (1e-30, 1e30), (1e-30, 1e40)] {
-        for close in [1e-15, 1e-13, 1e-9] {
+        for close in [1e-15, 1e-13, 1e-9, 0.3] {
             let mut spheres = cloud(&mut random, 20, DVec3::ZERO, 3.0 * huge, [0.1 * huge, huge]);
             for _ in 0..6 {
                 // As far as it is large, and a little: its surface is `close` radii away.
