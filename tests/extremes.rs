@@ -170,8 +170,8 @@ fn faults(what: &str, scene: &Scene, frame: &Frame, exact: &Frame, tolerance: f6
         .map(|(k, fault)| format!("{what}: {fault}; {}", bits(scene, frame, exact, k)))
         .collect();
     let count = settled(frame).map_or(0, |settled| settled.iter().filter(|x| **x == 1).count() as u64);
-    if count != frame.report.settled || frame.report.certified != (pixels as u64 - count) as f64 / pixels as f64 {
-        // A lens beyond f32 has everything settled by the judge, and says so.
+    let proved = (frame.report.certified * pixels as f64).round() as u64;
+    if count != frame.report.settled || proved != pixels as u64 - count {
         found.push(format!(
             "{what}: {count} pixels settled, reported {} and {}",
             frame.report.settled, frame.report.certified
