@@ -55,16 +55,16 @@ impl<R: Real> Near<R> {
 }
 
 /// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
-struct Weighed<R> {
-    b: R,
-    b_error: R,
-    disc: R,
-    error: R,
-    g: [R; 3],
-    g_error: R,
+pub(super) struct Weighed<R> {
+    pub(super) b: R,
+    pub(super) b_error: R,
+    pub(super) disc: R,
+    pub(super) error: R,
+    pub(super) g: [R; 3],
+    pub(super) g_error: R,
 }
 
-fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
+pub(super) fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let [px, py, pz, r] = n.ball;
     let l = s.x.abs() + s.y.abs() + R::ONE;
