@@ -140,6 +140,7 @@ pub(crate) fn near_low<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> R 
 }
 
 pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Answer<R> {
+    let c = R::exact;
     let w = near_weigh(s, n, terms);
     let root = positive(w.disc).sqrt();
     let most = positive(w.disc + w.error).sqrt();
@@ -157,20 +158,22 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
         high = -n.power / q * (R::ONE + sum_error(s, terms));
-        hits = hits && q > R::exact(0.75) * least;
+        hits = hits && q > c(0.75) * least;
     }
     let d = [s.x, s.y, -R::ONE];
     let across = cross3(d, w.g);
     let side = if n.power > R::ZERO { negated(across) } else { across };
     let normal = unit3(minus(side, times(root, d)));
-    let true_normal = w.g_error + (most - least) < R::exact(NORMAL) * (s.a.sqrt() * n.ball[3]);
-    let low = near_below(s, n, &w, terms);
+    let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.ball[3]);
+    let low = near_below(s, n, &w, terms) * n.scale;
+    // What is smaller may have been flushed, on one side and not on the other.
+    hits = hits && low > c(VANISH);
     Answer {
         sure: hits && true_normal,
         hits,
         id: n.id,
         offset: depth * n.scale,
-        low: low * n.scale,
+        low,
         high: high * n.scale,
         normal,
     }

@@ -123,11 +123,10 @@ pub(super) fn check<R: Value>(
         }
     }
     let lens = twin.lens;
-    let width = answer.high - answer.low;
     let certain = if checks == Checks::ALL {
         twin.certain(&answer, &kept)
     } else {
-        let sharp = width < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };
         // A wrong hit is a wrong answer, not a wrong normal: take both away.
         let hit = hit || !checks.hit;
@@ -145,7 +144,7 @@ pub(super) fn check<R: Value>(
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
     let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit);
-    if error > width.value() + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
+    if error > high - low + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
         return Err(format!("pixel {i} {j}: depth {depth:e} off by {error:e} of {low:e} .. {high:e}"));
     }
     let basis = case.view.basis;

@@ -25,7 +25,7 @@ fn held(site: Site, tolerance: f64, pixels: &[[u32; 2]]) -> [u64; 2] {
 #[test]
 fn an_eye_at_a_surface_knows_its_power() {
     let mut dice = Dice(3);
-    for k in 30..400 {
+    for k in (30..140).chain((140..900).step_by(9)) {
         for _ in 0..4 {
             // (2, 3, 6) m is 7 m from the origin, exactly.
             let m = ((dice.bits() >> 14) | 1) as f64 * 2f64.powi(-53);
