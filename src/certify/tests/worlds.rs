@@ -79,9 +79,13 @@ impl Site {
 
     /// A sphere of about that radius whose silhouette the pixel's ray just misses or meets: D = 2 delta a r^2.
     pub(super) fn aim(&mut self, dice: &mut Dice, pixel: [u32; 2], at: [f64; 3]) {
+        let delta = dice.sign() * 2f64.powf(dice.between(-28.0, -15.0));
+        self.aim_by(delta, pixel, at);
+    }
+
+    fn aim_by(&mut self, delta: f64, pixel: [u32; 2], at: [f64; 3]) {
         let center = self.place(at);
         let passes = Exact::of(&self.scene, pixel, center, 1.0).passes();
-        let delta = dice.sign() * 2f64.powf(dice.between(-28.0, -15.0));
         if passes > 0.0 {
             self.scene.spheres.push(center, passes * (1.0 + delta), None);
         }
@@ -261,7 +265,8 @@ fn sub_pixel(dice: &mut Dice) -> World {
         let depth = dice.decade(0.3, 5.0);
         let radius = depth * half / f64::from(size[1]) * dice.decade(-6.0, 0.0);
         let at = site.near_ray(dice, pixel, depth, radius);
-        site.aim(dice, pixel, at);
+        // Where the projected centre's own rounding is what grazes.
+        site.aim_by(dice.sign() * dice.decade(-8.0, -1.0), pixel, at);
         pixels.push(pixel);
     }
     site.done(dice, pixels)
