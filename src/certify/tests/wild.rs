@@ -215,6 +215,12 @@ impl Real for Wild {
     fn exact(x: f32) -> Self {
         Self(x)
     }
+    fn pair(hi: f32, _: f32) -> Self {
+        Self(hi)
+    }
+    fn parts(self) -> (f32, f32) {
+        (self.0, 0.0)
+    }
     fn whole(x: i32) -> Self {
         rounded(f64::from(x).into())
     }
