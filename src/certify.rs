@@ -7,6 +7,8 @@
 pub(crate) mod front;
 pub(crate) mod near;
 pub(crate) mod stage;
+#[cfg(test)]
+mod tests;
 
 use crate::ray::NONE;
 use crate::real::Real;

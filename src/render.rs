@@ -195,7 +195,7 @@ impl Renderer {
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();
         report.settled = settled.len() as u64;
-        report.certified = if stage.is_some() { 1.0 - settled.len() as f64 / pixels as f64 } else { 0.0 };
+        report.certified = if stage.is_some() { (pixels - settled.len()) as f64 / pixels as f64 } else { 0.0 };
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.expected = expected;
         report.warnings =

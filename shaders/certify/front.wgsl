@@ -18,17 +18,39 @@ fn front_low(s: Slopes, f: Front) -> f32 {
     return select(low, MISS, disc < -error);
 }
 
-// The same sphere with all it has, and bounds for this ray: docs/certificate.md, section 2.
-fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
+// Offset, its square, slopes' square; the discriminant, and the bound of its error.
+struct FrontWeighed {
+    o: vec2<f32>,
+    o2: f32,
+    slant2: f32,
+    disc: f32,
+    error: f32,
+}
+
+// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
+fn front_weigh(s: Slopes, f: Front, more: FrontMore) -> FrontWeighed {
     let dx = (f32(s.column - more.column) - more.rest.x) * lens.step_x;
     let dy = (f32(more.row - s.row) - more.rest.y) * lens.step_y;
     let disc = front_discriminant(s, f.rho, vec2<f32>(dx, dy));
     let slant2 = s.x * s.x + s.y * s.y;
-    let slant = sqrt(slant2);
     let o2 = dx * dx + dy * dy;
     let e = lens.edge;
     let roundings = (8.0 + 12.0 * slant2) * (f.rho * f.rho) + (9.0 + 16.2 * slant2) * o2;
     let error = (UNIT * roundings + s.a * e * (2.0 * sqrt(o2) + e)) * INFLATE + VANISH * s.a;
+    return FrontWeighed(vec2<f32>(dx, dy), o2, slant2, disc, error);
+}
+
+// The winner's answer and its bounds.
+fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
+    let w = front_weigh(s, f, more);
+    let dx = w.o.x;
+    let dy = w.o.y;
+    let o2 = w.o2;
+    let slant2 = w.slant2;
+    let disc = w.disc;
+    let error = w.error;
+    let slant = sqrt(slant2);
+    let e = lens.edge;
     let hits = disc > error;
     let root = sqrt(positive(disc));
     let most = sqrt(positive(disc + error));

@@ -103,6 +103,8 @@ fn near_answer(s: Slopes, n: Near) -> Answer {
     let across = cross3(d, w.g);
     let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
     let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.ball.w);
-    let low = near_below(s, n, w);
-    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low * n.scale, high * n.scale, normal);
+    let low = near_below(s, n, w) * n.scale;
+    // What is smaller may have been flushed, on one side and not on the other.
+    hits = hits && low > VANISH;
+    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, normal);
 }

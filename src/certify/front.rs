@@ -77,19 +77,36 @@ pub(crate) fn front_low<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>)
     f.low - total * (size * s.inverse)
 }
 
-/// The same sphere with all it has, and bounds for this ray: docs/certificate.md, section 2.
-pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Answer<R> {
+/// Offset, its square, slopes' square; the discriminant, and the bound of its error.
+pub(super) struct Weighed<R> {
+    pub(super) o: [R; 2],
+    pub(super) o2: R,
+    pub(super) slant2: R,
+    pub(super) disc: R,
+    pub(super) error: R,
+}
+
+/// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
+pub(super) fn front_weigh<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let dx = (R::whole(s.column - f.column) - f.rest[0]) * c(lens.step_x);
     let dy = (R::whole(f.row - s.row) - f.rest[1]) * c(lens.step_y);
     let disc = front_discriminant(s, f.rho, [dx, dy]);
     let slant2 = s.x * s.x + s.y * s.y;
-    let slant = slant2.sqrt();
     let o2 = dx * dx + dy * dy;
     let e = c(lens.edge);
     let [ball, offset] = [terms.ball, terms.offset].map(|[alone, each]| c(alone) + c(each) * slant2);
     let roundings = ball * (f.rho * f.rho) + offset * o2;
     let error = (c(UNIT) * roundings + s.a * e * (c(2.0) * o2.sqrt() + e)) * c(INFLATE) + c(VANISH) * s.a;
+    Weighed { o: [dx, dy], o2, slant2, disc, error }
+}
+
+/// The winner's answer and its bounds.
+pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Answer<R> {
+    let c = R::exact;
+    let Weighed { o: [dx, dy], o2, slant2, disc, error } = front_weigh(s, lens, f, terms);
+    let slant = slant2.sqrt();
+    let e = c(lens.edge);
     let hits = disc > error;
     let root = positive(disc).sqrt();
     let most = positive(disc + error).sqrt();

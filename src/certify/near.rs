@@ -55,16 +55,16 @@ impl<R: Real> Near<R> {
 }
 
 /// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
-struct Weighed<R> {
-    b: R,
-    b_error: R,
-    disc: R,
-    error: R,
-    g: [R; 3],
-    g_error: R,
+pub(super) struct Weighed<R> {
+    pub(super) b: R,
+    pub(super) b_error: R,
+    pub(super) disc: R,
+    pub(super) error: R,
+    pub(super) g: [R; 3],
+    pub(super) g_error: R,
 }
 
-fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
+pub(super) fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let [px, py, pz, r] = n.ball;
     let l = s.x.abs() + s.y.abs() + R::ONE;
@@ -140,6 +140,7 @@ pub(crate) fn near_low<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> R 
 }
 
 pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Answer<R> {
+    let c = R::exact;
     let w = near_weigh(s, n, terms);
     let root = positive(w.disc).sqrt();
     let most = positive(w.disc + w.error).sqrt();
@@ -157,21 +158,15 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
         high = -n.power / q * (R::ONE + sum_error(s, terms));
-        hits = hits && q > R::exact(0.75) * least;
+        hits = hits && q > c(0.75) * least;
     }
     let d = [s.x, s.y, -R::ONE];
     let across = cross3(d, w.g);
     let side = if n.power > R::ZERO { negated(across) } else { across };
     let normal = unit3(minus(side, times(root, d)));
-    let true_normal = w.g_error + (most - least) < R::exact(NORMAL) * (s.a.sqrt() * n.ball[3]);
-    let low = near_below(s, n, &w, terms);
-    Answer {
-        sure: hits && true_normal,
-        hits,
-        id: n.id,
-        offset: depth * n.scale,
-        low: low * n.scale,
-        high: high * n.scale,
-        normal,
-    }
+    let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.ball[3]);
+    let low = near_below(s, n, &w, terms) * n.scale;
+    // What is smaller may have been flushed, on one side and not on the other.
+    hits = hits && low > c(VANISH);
+    Answer { sure: hits && true_normal, hits, id: n.id, offset: depth * n.scale, low, high: high * n.scale, normal }
 }

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::exact;
 use crate::ray::NONE;
 use crate::scene::Scene;
-use crate::view::{View, nonzero_f32};
+use crate::view::View;
 use rayon::prelude::*;
 
 /// The unit roundoff of WGSL: 2^-23, since it may round either way.
@@ -27,8 +27,14 @@ const UNBOUNDED: f64 = (1u64 << 40) as f64;
 const FARTHEST: f64 = (1 << 22) as f64;
 /// Bits of the fixed-point projected centres, sign excluded; a difference to a pixel needs one more.
 const FIXED_BITS: u32 = 29;
+/// Finest unit of theirs, 2^-25 pixels: half of it is room for the host's error, 2^-27 pixels and a little.
+const FINEST: u32 = 25;
 /// Largest slope of a front sphere's depth over its centre's: farther in, it counts as near.
 const STEEPEST: f64 = 0.75;
+/// Least power of the eye, in a near sphere's own unit, that f32 multiplies and divides without loss: 2^-100.
+const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
+/// Error of p.d beside which nothing is certain; its square is still in range.
+const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The bounds' own roundings, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Front spheres come in multiples of this: the largest subgroup that shares.
@@ -153,7 +159,7 @@ impl Lens {
         let step = slope.map(|s| 2.0 * s / unit);
         // Centres up to four images away from the image.
         let reach = 4 * view.record.width.max(view.record.height).next_power_of_two();
-        let shift = FIXED_BITS - reach.ilog2();
+        let shift = (FIXED_BITS - reach.ilog2()).min(FINEST);
         let edge = [slope[0] * size[0], slope[1] * size[1]];
         let m = (1.0 + edge[0] * edge[0] + edge[1] * edge[1]) * (1.0 + 2f64.powi(-20));
         let host = f64::from(terms.host);
@@ -305,11 +311,15 @@ impl Lens {
         let r = dd::ldexp(radius, -k);
         let scaled = away.map(|a| a.ldexp(-k));
         let power = dd::dot(scaled, scaled) - Dd::product(r, r);
-        // Double-double is within 2^-96 of the terms, which are below 16; nearer to zero only exact arithmetic tells.
+        // Double-double is within 2^-92, since the terms are below 16: 2^-32 of a power above 2^-60, far below an ulp of
+        // f32. Nearer to the surface only exact arithmetic tells.
         let power = match power.value() {
-            sure if sure.abs() > 2f64.powi(-90) => sure,
+            sure if sure.abs() > 2f64.powi(-60) => sure,
             _ => exact::power(center, self.basis.e.to_array(), radius, -k),
         };
+        // Too small for products in f32, yet not zero: the record says nothing but "perhaps, from depth 0 on".
+        let unknown = power != 0.0 && power.abs() < SMALLEST;
+        let power = if unknown { 0.0 } else { power };
         // The camera looks down -z.
         let p = [p[0], p[1], -p[2]].map(|x| dd::ldexp(x, -k));
         // p.d at a pixel is start + by_column columns + by_row rows from the pixel nearest to where it vanishes.
@@ -322,7 +332,7 @@ impl Lens {
         let slopes = [0, 1].map(|k| (2.0 * self.slope[k] * (pixel[k] - middle[k])).abs());
         NearRecord {
             ball: [p[0] as f32, p[1] as f32, p[2] as f32, r as f32],
-            power: nonzero_f32(power),
+            power: power as f32,
             scale: f32::from_bits(((k - self.frame + 127) as u32) << 23),
             form: u32::from(power.abs() <= r * r),
             id,
@@ -332,7 +342,7 @@ impl Lens {
             by_column: by[0] as f32,
             by_row: by[1] as f32,
             // 2^-48 of p in every component, and the roundings of start.
-            blur: not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])),
+            blur: if unknown { UNKNOWN } else { not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])) },
             unused: [0.0; 2],
         }
     }

@@ -1,0 +1,208 @@
+//! What the certified kernel claims of a pixel, held against the judge.
+
+use super::wild::Value;
+use crate::certify::front::Front;
+use crate::certify::near::Near;
+use crate::certify::stage::Stage;
+use crate::certify::{Certify, Terms};
+use crate::dd::{self, Dd, Dd3};
+use crate::exact::{Judge, Truth};
+use crate::ray::NONE;
+use crate::scene::Scene;
+use crate::view::View;
+
+/// What the judge is asked for; the conditions of `certain`, which may be switched off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Checks {
+    pub(super) hit: bool,
+    pub(super) normal: bool,
+    pub(super) order: bool,
+    pub(super) sharp: bool,
+}
+
+impl Checks {
+    pub(super) const ALL: Self = Self { hit: true, normal: true, order: true, sharp: true };
+}
+
+/// A scene, staged and judged at some pixels.
+pub(super) struct Case {
+    pub(super) scene: Scene,
+    pub(super) view: View,
+    pub(super) stage: Stage,
+    pub(super) tolerance: f64,
+    pub(super) judged: Vec<Judged>,
+}
+
+/// The truth at a pixel: the nearest hit, and every sphere by itself.
+pub(super) struct Judged {
+    pub(super) at: [u32; 2],
+    nearest: Option<Truth>,
+    each: Vec<Option<Truth>>,
+}
+
+impl Case {
+    /// `None` where the stage leaves the scene to the judge.
+    pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
+        let view = View::new(&scene).expect("a view");
+        let stage = Stage::new(&scene, &view, tolerance, terms).expect("a stage")?;
+        let judge = Judge::new(&scene).expect("a judge");
+        let judged = |&[i, j]: &[u32; 2]| Judged {
+            at: [i, j],
+            nearest: judge.pixel(i, j),
+            each: (0..scene.spheres.len() as u32).map(|id| judge.among(i, j, &[id])).collect(),
+        };
+        let judged = pixels.iter().map(judged).collect();
+        Some(Self { scene, view, stage, tolerance, judged })
+    }
+
+    /// The stage for other constants.
+    pub(super) fn restaged(&self, terms: &Terms) -> Stage {
+        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms);
+        stage.expect("a stage").expect("a lens")
+    }
+
+    /// Calls `f` with the twin in the arithmetic R.
+    pub(super) fn with<R: Value, T>(&self, stage: &Stage, terms: &Terms, f: impl FnOnce(&Certify<'_, R>) -> T) -> T {
+        let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::new(f, more)).collect();
+        let nears: Vec<_> = stage.nears.iter().map(Near::new).collect();
+        f(&Certify { view: &self.view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms })
+    }
+
+    /// Depth in the frame's unit, relative to the reference depth.
+    pub(super) fn depth(&self, truth: &Truth) -> f64 {
+        dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.stage.lens.depth)
+    }
+}
+
+/// Whether the pixel was certain; or the claim that is false.
+pub(super) fn check<R: Value>(
+    case: &Case,
+    twin: &Certify<'_, R>,
+    judged: &Judged,
+    checks: Checks,
+) -> Result<bool, String> {
+    let [i, j] = judged.at;
+    let s = twin.slopes(i, j);
+    let mut lows = vec![None; case.scene.spheres.len()];
+    twin.candidates(&s, |low, slot| {
+        if let Some(place) = lows.get_mut(twin.id(slot) as usize) {
+            *place = Some(low.value());
+        }
+    });
+    // (a) What is hit is shown, and not too far.
+    for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {
+        let Some(truth) = truth else { continue };
+        let depth = case.depth(truth);
+        // The judge's own rounding.
+        let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit) + f64::from(f32::MIN_POSITIVE);
+        match low {
+            None => return Err(format!("pixel {i} {j}: sphere {id} is hit at {depth:e} and counted as missed")),
+            Some(low) if *low > depth + spare => {
+                return Err(format!("pixel {i} {j}: sphere {id} is hit at {depth:e}, not below {low:e}"));
+            }
+            Some(_) => {}
+        }
+    }
+    let kept = twin.kept(&s);
+    if kept.slot == NONE {
+        return Ok(true);
+    }
+    let answer = twin.judge(&s, &kept);
+    let truth = judged.each.get(answer.id as usize).copied().flatten();
+    let (low, high) = (answer.low.value(), answer.high.value());
+    // (c) A certain hit is one.
+    if checks.hit && answer.hits {
+        let Some(truth) = truth else {
+            return Err(format!("pixel {i} {j}: sphere {} is missed and counted as hit", answer.id));
+        };
+        let depth = case.depth(&truth);
+        let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit) + f64::from(f32::MIN_POSITIVE);
+        if high < depth - spare {
+            return Err(format!("pixel {i} {j}: sphere {} is hit at {depth:e}, not above {high:e}", answer.id));
+        }
+    }
+    let lens = twin.lens;
+    let certain = if checks == Checks::ALL {
+        twin.certain(&answer, &kept)
+    } else {
+        let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        let hit = if checks.normal { answer.sure } else { answer.hits };
+        // A wrong hit is a wrong answer, not a wrong normal: take both away.
+        let hit = hit || !checks.hit;
+        hit && (!checks.order || answer.high < kept.second) && (!checks.sharp || sharp)
+    };
+    if !certain {
+        return Ok(false);
+    }
+    // (b) A certain answer is right in every respect.
+    let Some(truth) = judged.nearest.filter(|truth| truth.id == answer.id) else {
+        return Err(format!("pixel {i} {j}: certain of {}, truth {:?}", answer.id, judged.nearest.map(|t| t.id)));
+    };
+    let depth = case.depth(&truth);
+    let center = case.stage.depths[answer.id as usize];
+    let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
+    let error = dd::ldexp(z.abs(), -case.view.unit);
+    let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit);
+    if error > high - low + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
+        return Err(format!("pixel {i} {j}: depth {depth:e} off by {error:e} of {low:e} .. {high:e}"));
+    }
+    let basis = case.view.basis;
+    let [x, y, z] = answer.normal.map(Value::value);
+    let normal = basis.u * x + basis.v * y + basis.w * z;
+    // |n - n*| is 2 sin(angle / 2), and n itself is rounded.
+    let turn = (normal - glam::DVec3::from_array(truth.normal)).length();
+    if turn > 1e-3 {
+        return Err(format!("pixel {i} {j}: normal off by {turn:e} rad"));
+    }
+    Ok(true)
+}
+
+/// The ray of a pixel and a sphere before it, in double-double: x, y, |d|^2; centre (right, up, ahead), radius.
+pub(super) struct Exact {
+    pub(super) x: Dd,
+    pub(super) y: Dd,
+    pub(super) a: Dd,
+    pub(super) p: Dd3,
+    pub(super) r: Dd,
+}
+
+impl Exact {
+    pub(super) fn new(scene: &Scene, [i, j]: [u32; 2], id: usize) -> Self {
+        Self::of(scene, [i, j], scene.spheres.centers[id], scene.spheres.radii[id])
+    }
+
+    pub(super) fn of(scene: &Scene, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Self {
+        let (width, height) = (f64::from(scene.image.width), f64::from(scene.image.height));
+        let lens = scene.camera.viewport(scene.image.width, scene.image.height).expect("a viewport");
+        let slope = |odd: f64, v: f64, n: f64| Dd::product(odd, v) / Dd::product(2.0 * n, lens.d);
+        let x = slope(2.0 * f64::from(j) + 1.0 - width, lens.vw, width);
+        let y = slope(height - 1.0 - 2.0 * f64::from(i), lens.vh, height);
+        let [right, up, back] = scene.camera.axes().expect("axes");
+        let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], scene.camera.eye[k]));
+        let p = [dd::dot(right, away), dd::dot(up, away), -dd::dot(back, away)];
+        Self { x, y, a: Dd::from(1.0) + x * x + y * y, p, r: radius.into() }
+    }
+
+    /// p.d
+    pub(super) fn b(&self) -> Dd {
+        self.p[0] * self.x + self.p[1] * self.y + self.p[2]
+    }
+
+    /// p x d with d = (x, y, -1), p = (right, up, -ahead).
+    pub(super) fn g(&self) -> Dd3 {
+        let [px, py, pz] = self.p;
+        [pz * self.y - py, px - pz * self.x, px * self.y - py * self.x]
+    }
+
+    /// a r^2 - g.g
+    pub(super) fn disc(&self) -> Dd {
+        let g = self.g();
+        self.a * self.r * self.r - dd::dot(g, g)
+    }
+
+    /// How far the ray's line passes from the centre.
+    pub(super) fn passes(&self) -> f64 {
+        let g = self.g();
+        (dd::dot(g, g) / self.a).sqrt().value()
+    }
+}

@@ -1,0 +1,66 @@
+//! Every claim at every pixel looked at, under every mode of the adversary and in plain f32.
+
+use super::claims::{Case, Checks, check};
+use super::wild::{Dice, Mode, Wild, under};
+use super::worlds::{FAMILIES, Make};
+use crate::certify::stage::Stage;
+use crate::certify::{TERMS, Terms};
+
+/// Scenes of each family.
+const SCENES: u64 = 1500;
+
+/// The promises that scenes are held to.
+fn tolerance(dice: &mut Dice) -> f64 {
+    [1e-5, 1e-3, 1e-6, 0.9, 2f64.powi(-50)][dice.below(5) as usize]
+}
+
+/// The n-th scene of a family.
+pub(super) fn case(make: Make, n: u64, terms: &Terms) -> Option<Case> {
+    let mut dice = Dice(n.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let world = make(&mut dice);
+    let tolerance = tolerance(&mut dice);
+    (!world.scene.spheres.is_empty()).then(|| Case::new(world.scene, tolerance, &world.pixels, terms))?
+}
+
+/// Certain pixels and all of them; or the first false claim.
+pub(super) fn hold(case: &Case, stage: &Stage, terms: &Terms, checks: Checks, seed: u64) -> Result<[u64; 2], String> {
+    let mut count = [0, 0];
+    let mut add = |certain: bool| count = [count[0] + u64::from(certain), count[1] + 1];
+    case.with::<f32, _>(stage, terms, |twin| -> Result<(), String> {
+        case.judged.iter().try_for_each(|judged| check(case, twin, judged, checks).map(&mut add))
+    })?;
+    case.with::<Wild, _>(stage, terms, |twin| -> Result<(), String> {
+        for judged in &case.judged {
+            for (k, mode) in (0..).zip(Mode::BLIND.into_iter().chain([Mode::Random; 3])) {
+                let claim = under(mode, seed.wrapping_add(k), || check(case, twin, judged, checks));
+                add(claim.map_err(|e| format!("{mode:?}: {e}"))?);
+            }
+        }
+        Ok(())
+    })?;
+    Ok(count)
+}
+
+fn family(k: usize) {
+    let (name, make) = FAMILIES[k];
+    let (mut certain, mut all, mut scenes) = (0, 0, 0);
+    for n in 0..SCENES {
+        let Some(case) = case(make, n, &TERMS) else { continue };
+        let [some, every] = hold(&case, &case.stage, &TERMS, Checks::ALL, n)
+            .unwrap_or_else(|e| panic!("{name} {n}: {e}\n{:?}", case.scene));
+        (certain, all, scenes) = (certain + some, all + every, scenes + 1);
+    }
+    println!("{name:16} {scenes:5} scenes {all:7} answers, certain {:5.1} %", 100.0 * certain as f64 / all as f64);
+    assert!(scenes > SCENES / 2, "{name}: hardly a scene was staged");
+    assert!(certain > 0, "{name}: nothing was ever certain");
+}
+
+#[test]
+fn no_claim_is_false_however_the_device_rounds() {
+    (0..FAMILIES.len() / 2).for_each(family);
+}
+
+#[test]
+fn no_claim_is_false_however_the_device_rounds_further_families() {
+    (FAMILIES.len() / 2..FAMILIES.len()).for_each(family);
+}

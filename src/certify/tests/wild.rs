@@ -1,0 +1,269 @@
+//! f32 as WGSL allows it at its worst: numerics.md's model W, with an adversary who chooses every rounding.
+
+use crate::dd::{self, Dd};
+use crate::real::Real;
+use std::cell::RefCell;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.
+#[derive(Debug, Clone)]
+pub(super) struct Dice(pub(super) u64);
+
+impl Dice {
+    pub(super) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// In [0, 1).
+    pub(super) fn part(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// In [low, high).
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.part()
+    }
+
+    /// 10^x for x in [low, high).
+    pub(super) fn decade(&mut self, low: f64, high: f64) -> f64 {
+        10f64.powf(self.between(low, high))
+    }
+
+    /// Below `n`.
+    pub(super) fn below(&mut self, n: u32) -> u32 {
+        (self.bits() % u64::from(n)) as u32
+    }
+
+    pub(super) fn sign(&mut self) -> f64 {
+        if self.bits() & 1 == 0 { 1.0 } else { -1.0 }
+    }
+}
+
+/// How the adversary rounds what is not exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Mode {
+    /// Up, always.
+    Up,
+    /// Down, always.
+    Down,
+    /// Towards zero.
+    Inward,
+    /// Away from it.
+    Outward,
+    /// Either way by the dice; quotients and roots by any amount within their bound.
+    Random,
+    /// Operation by operation as chosen: what [`climb`] does.
+    Chosen,
+}
+
+impl Mode {
+    pub(super) const BLIND: [Self; 5] = [Self::Up, Self::Down, Self::Inward, Self::Outward, Self::Random];
+}
+
+struct Adversary {
+    mode: Mode,
+    dice: Dice,
+    chosen: Vec<bool>,
+    count: usize,
+}
+
+thread_local! {
+    static ADVERSARY: RefCell<Adversary> =
+        const { RefCell::new(Adversary { mode: Mode::Random, dice: Dice(0), chosen: Vec::new(), count: 0 }) };
+}
+
+/// Does `f` under a mode.
+pub(super) fn under<T>(mode: Mode, seed: u64, f: impl FnOnce() -> T) -> T {
+    ADVERSARY.with_borrow_mut(|a| (a.mode, a.dice, a.count) = (mode, Dice(seed), 0));
+    f()
+}
+
+/// Coordinate ascent over all roundings: flips each choice that makes `probe` larger, in place. Returns the largest.
+pub(super) fn climb(chosen: &mut Vec<bool>, sweeps: usize, probe: impl Fn() -> f64) -> f64 {
+    let take = |chosen: &mut Vec<bool>| ADVERSARY.with_borrow_mut(|a| std::mem::swap(&mut a.chosen, chosen));
+    take(chosen);
+    let look = || under(Mode::Chosen, 0, &probe);
+    let mut best = look();
+    let count = ADVERSARY.with_borrow_mut(|a| {
+        a.chosen.resize(a.count, false);
+        a.count
+    });
+    for _ in 0..sweeps {
+        let before = best;
+        for k in 0..count {
+            let flip = || ADVERSARY.with_borrow_mut(|a| a.chosen[k] ^= true);
+            flip();
+            let there = look();
+            if there > best {
+                best = there;
+            } else {
+                flip();
+            }
+        }
+        if best == before {
+            break;
+        }
+    }
+    take(chosen);
+    best
+}
+
+/// The adversary's wish for the next result, -1 (down as far as allowed) to 1.
+fn push(value: f64) -> f64 {
+    ADVERSARY.with_borrow_mut(|a| {
+        a.count += 1;
+        match a.mode {
+            Mode::Up => 1.0,
+            Mode::Down => -1.0,
+            Mode::Inward => -value.signum(),
+            Mode::Outward => value.signum(),
+            Mode::Random => 2.0 * a.dice.part() - 1.0,
+            Mode::Chosen if a.chosen.get(a.count - 1).copied().unwrap_or_default() => 1.0,
+            Mode::Chosen => -1.0,
+        }
+    })
+}
+
+/// Subnormals may vanish.
+fn flushed(x: f32) -> f32 {
+    if !x.is_subnormal() {
+        return x;
+    }
+    let flush = ADVERSARY.with_borrow_mut(|a| a.dice.bits() & 1 == 0);
+    if flush { 0.0 } else { x }
+}
+
+/// The neighbour of the exact hi + lo that the adversary likes.
+fn rounded(exact: Dd) -> Wild {
+    let wish = push(exact.hi);
+    let near = exact.hi as f32;
+    let rest = (exact.hi - f64::from(near)) + exact.lo;
+    let there = match (rest > 0.0, wish > 0.0) {
+        _ if rest == 0.0 => near,
+        (true, true) => near.next_up(),
+        (false, false) => near.next_down(),
+        _ => near,
+    };
+    Wild(flushed(there))
+}
+
+/// A number within `ulps` of x, as far off as the adversary likes.
+fn off(x: f64, ulps: f64) -> Wild {
+    let wish = push(x);
+    let near = x as f32;
+    if x == 0.0 || !near.is_finite() {
+        return Wild(near);
+    }
+    let target = x + wish * ulps * dd::ldexp(1.0, dd::exponent(x) - 23);
+    let there = target as f32;
+    let there = match wish > 0.0 {
+        true if f64::from(there) > target => there.next_down(),
+        false if f64::from(there) < target => there.next_up(),
+        _ => there,
+    };
+    Wild(flushed(there))
+}
+
+/// f32 in the adversary's hands.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(super) struct Wild(pub(super) f32);
+
+impl Add for Wild {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        rounded(Dd::sum(self.0.into(), b.0.into()))
+    }
+}
+
+impl Sub for Wild {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        rounded(Dd::diff(self.0.into(), b.0.into()))
+    }
+}
+
+impl Mul for Wild {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        // 48 bits: exact.
+        rounded((f64::from(self.0) * f64::from(b.0)).into())
+    }
+}
+
+impl Div for Wild {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        off(f64::from(self.0) / f64::from(b.0), 2.5)
+    }
+}
+
+impl Neg for Wild {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl Real for Wild {
+    const MISS: Self = Self(f32::MAX);
+    const ZERO: Self = Self(0.0);
+    const HALF: Self = Self(0.5);
+    const ONE: Self = Self(1.0);
+    fn exact(x: f32) -> Self {
+        Self(x)
+    }
+    fn pair(hi: f32, _: f32) -> Self {
+        Self(hi)
+    }
+    fn parts(self) -> (f32, f32) {
+        (self.0, 0.0)
+    }
+    fn whole(x: i32) -> Self {
+        rounded(f64::from(x).into())
+    }
+    fn sqrt(self) -> Self {
+        // Inherited from 1/inverseSqrt: 2 ulp and 2.5 ulp.
+        off(f64::from(self.0).sqrt(), 4.5)
+    }
+}
+
+/// What the tests read off a twin.
+pub(super) trait Value: Real {
+    fn value(self) -> f64;
+}
+
+impl Value for f32 {
+    fn value(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Value for Wild {
+    fn value(self) -> f64 {
+        self.0.into()
+    }
+}
+
+#[test]
+fn the_adversary_stays_within_the_specification() {
+    let mut dice = Dice(7);
+    for n in 0..20_000 {
+        let mut number = || Wild((dice.decade(-8.0, 8.0) * dice.sign()) as f32);
+        let (a, b) = (number(), number());
+        let (x, y) = (a.value(), b.value());
+        for mode in Mode::BLIND {
+            let [sum, product, quotient, root] = under(mode, n, || [a + b, a * b, a / b, (a * a).sqrt()]);
+            // A neighbour: less than one ulp off.
+            let ulp = |x: f64| dd::ldexp(1.0, dd::exponent(x) - 23);
+            assert!((sum.value() - (x + y)).abs() < ulp(x + y) * 1.000_001, "{x:e} + {y:e}");
+            assert!((product.value() - x * y).abs() < ulp(x * y) * 1.000_001, "{x:e} * {y:e}");
+            assert!((quotient.value() - x / y).abs() <= 2.500_001 * ulp(x / y), "{x:e} / {y:e}");
+            assert!((root.value() / x.abs() - 1.0).abs() <= 5.6 / f64::from(1 << 23), "sqrt({x:e}^2)");
+        }
+    }
+    assert_eq!(under(Mode::Up, 0, || Wild(3.0) * Wild(0.25) + Wild(1.0)), Wild(1.75), "exact results stay");
+    assert_eq!(under(Mode::Up, 0, || Wild::whole((1 << 24) + 1)), Wild(16_777_218.0));
+}

@@ -1,0 +1,344 @@
+//! Scenes that hurt: families of spheres before cameras, most of them aimed so that a pixel's ray nearly grazes one.
+
+use super::claims::Exact;
+use super::wild::Dice;
+use crate::camera::{Camera, Lens, Look};
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use glam::DVec3;
+
+/// A scene and the pixels to look at; the first are those that were aimed at.
+pub(super) struct World {
+    pub(super) scene: Scene,
+    pub(super) pixels: Vec<[u32; 2]>,
+}
+
+pub(super) type Make = fn(&mut Dice) -> World;
+
+/// The families, by name.
+pub(super) const FAMILIES: [(&str, Make); 15] = [
+    ("generic", generic),
+    ("grazed", grazed),
+    ("wide lens", wide),
+    ("long lens", long),
+    ("planet", planet),
+    ("inside", inside),
+    ("straddling", straddling),
+    ("cluster", cluster),
+    ("sub-pixel", sub_pixel),
+    ("scales", scales),
+    ("corner", corner),
+    ("anisotropic", anisotropic),
+    ("surface", surface),
+    ("big image", big_image),
+    ("off axis near", beside),
+];
+
+/// A camera at work: positions are given right, up, ahead.
+pub(super) struct Site {
+    pub(super) scene: Scene,
+    axes: [DVec3; 3],
+}
+
+impl Site {
+    pub(super) fn new(camera: Camera, [width, height]: [u32; 2]) -> Self {
+        let basis = camera.basis().expect("a basis");
+        let image = ImagePlane { width, height, ..ImagePlane::default() };
+        let scene = Scene { camera, image, spheres: Spheres::default(), skipped: Skipped::default() };
+        Self { scene, axes: [basis.u, basis.v, -basis.w] }
+    }
+
+    /// Somewhere, looking somewhere, through a viewport of `half` times twice its distance.
+    fn random(dice: &mut Dice, half: [f64; 2], size: [u32; 2], unit: f64) -> Self {
+        let mut vector = || DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+        let (eye, view, up) = (vector() * 3.0 * unit, vector(), vector());
+        let distance = dice.decade(-1.0, 1.0);
+        let [vw, vh] = half.map(|h| 2.0 * h * distance);
+        let lens = Lens::Viewport { vw, vh, distance };
+        Self::new(Camera { eye, look: Look::View(view), up, lens }, size)
+    }
+
+    pub(super) fn place(&self, [right, up, ahead]: [f64; 3]) -> [f64; 3] {
+        let [u, v, w] = self.axes;
+        (self.scene.camera.eye + u * right + v * up + w * ahead).to_array()
+    }
+
+    /// Slopes of a pixel's ray.
+    pub(super) fn slopes(&self, pixel: [u32; 2]) -> [f64; 2] {
+        let ray = Exact::of(&self.scene, pixel, [0.0; 3], 1.0);
+        [ray.x.value(), ray.y.value()]
+    }
+
+    fn pixel(&self, dice: &mut Dice) -> [u32; 2] {
+        [dice.below(self.scene.image.height), dice.below(self.scene.image.width)]
+    }
+
+    fn push(&mut self, at: [f64; 3], radius: f64) {
+        let center = self.place(at);
+        self.scene.spheres.push(center, radius, None);
+    }
+
+    /// A sphere of about that radius whose silhouette the pixel's ray just misses or meets: D = 2 delta a r^2.
+    pub(super) fn aim(&mut self, dice: &mut Dice, pixel: [u32; 2], at: [f64; 3]) {
+        let delta = dice.sign() * 2f64.powf(dice.between(-28.0, -15.0));
+        self.aim_by(delta, pixel, at);
+    }
+
+    fn aim_by(&mut self, delta: f64, pixel: [u32; 2], at: [f64; 3]) {
+        let center = self.place(at);
+        let passes = Exact::of(&self.scene, pixel, center, 1.0).passes();
+        if passes > 0.0 {
+            self.scene.spheres.push(center, passes * (1.0 + delta), None);
+        }
+    }
+
+    /// Where a ray passes at that depth, moved sideways by about `by`.
+    fn near_ray(&self, dice: &mut Dice, pixel: [u32; 2], depth: f64, by: f64) -> [f64; 3] {
+        let [x, y] = self.slopes(pixel);
+        let turn = dice.between(0.0, std::f64::consts::TAU);
+        [x * depth + by * turn.cos(), y * depth + by * turn.sin(), depth]
+    }
+
+    fn done(self, dice: &mut Dice, mut pixels: Vec<[u32; 2]>) -> World {
+        for _ in 0..3 {
+            pixels.push(self.pixel(dice));
+        }
+        World { scene: self.scene, pixels }
+    }
+}
+
+fn size(dice: &mut Dice) -> [u32; 2] {
+    let mut side = || match dice.below(6) {
+        0 => 1 + dice.below(9),
+        1 => 64,
+        2 => 1023,
+        3 => 1024,
+        4 => 1920,
+        _ => 2 + dice.below(200),
+    };
+    [side(), side()]
+}
+
+/// Half a viewport at distance 1: `half` for the height, shaped by the image.
+fn shaped(half: f64, [width, height]: [u32; 2]) -> [f64; 2] {
+    [half * f64::from(width) / f64::from(height), half]
+}
+
+/// One sphere from 1.01 to 1e8 radii away, the lens narrowed to it.
+fn generic(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let depth = dice.decade(0.005, 8.0);
+    let half = (dice.between(0.3, 3.0) / depth).min(2.0);
+    let mut site = Site::random(dice, shaped(half, size).map(|h| h.min(20.0)), size, depth);
+    let by = dice.between(0.0, half * depth);
+    let pixel = site.pixel(dice);
+    let at = site.near_ray(dice, pixel, depth, by);
+    site.push(at, 1.0);
+    site.done(dice, vec![pixel])
+}
+
+/// The same by one to four spheres, grazed.
+fn grazed(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let mut site = Site::random(dice, shaped(dice.clone().decade(-3.0, 0.5), size).map(|h| h.min(20.0)), size, 1.0);
+    aimed(dice, &mut site, [0.3, 6.0])
+}
+
+/// Spheres aimed at pixels of any site: depth by decades, radius by its size in the image.
+fn aimed(dice: &mut Dice, site: &mut Site, depths: [f64; 2]) -> World {
+    let lens = site.scene.camera.viewport(1, 1).expect("a viewport");
+    let half = (lens.vw / lens.d).min(lens.vh / lens.d).min(0.5);
+    let mut pixels = Vec::new();
+    for _ in 0..1 + dice.below(4) {
+        let pixel = site.pixel(dice);
+        let depth = dice.decade(depths[0], depths[1]);
+        let radius = depth * half * dice.decade(-4.0, 0.0);
+        let at = site.near_ray(dice, pixel, depth, radius);
+        site.aim(dice, pixel, at);
+        pixels.push(pixel);
+    }
+    let site = Site { scene: site.scene.clone(), axes: site.axes };
+    site.done(dice, pixels)
+}
+
+/// 100 to 176 degrees.
+fn wide(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.between(100f64, 176.0).to_radians() / 2.0;
+    let mut site = Site::random(dice, [half.tan(), half.tan()].map(|h| h * 0.78), size, 1.0);
+    aimed(dice, &mut site, [0.1, 4.0])
+}
+
+/// Down to a micro-radian and a billion units away.
+fn long(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.decade(-10.0, -3.0);
+    let mut site = Site::random(dice, shaped(half, size), size, 1.0);
+    aimed(dice, &mut site, [2.0, 9.0])
+}
+
+/// A planet seen from 1.7 m to 100 km, its horizon, and pebbles at one's feet.
+fn planet(dice: &mut Dice) -> World {
+    let r = 6.4e6;
+    let h = dice.decade(0.2, 5.0);
+    let lens = Lens::Vfov { degrees: dice.between(5.0, 100.0), distance: 1.0 };
+    let tilt = dice.between(0.0, 2.5) * (2.0 * h / r).sqrt();
+    let look = Look::View(DVec3::new(dice.between(-1.0, 1.0), -tilt, dice.between(-1.0, 1.0)));
+    let size = size(dice);
+    let mut site = Site::new(Camera { eye: DVec3::new(0.0, h, 0.0), look, up: DVec3::Y, lens }, size);
+    let center = [0.0, -r, 0.0];
+    let pixel = site.pixel(dice);
+    let passes = Exact::of(&site.scene, pixel, center, 1.0).passes();
+    // The horizon through a pixel, where that leaves the eye outside.
+    let aimed = passes * (1.0 + dice.sign() * 2f64.powf(dice.between(-40.0, -18.0)));
+    site.scene.spheres.push(center, if aimed < r + 0.99 * h { aimed } else { r }, None);
+    for _ in 0..dice.below(4) {
+        let depth = h * dice.decade(-0.5, 1.5);
+        let pixel = site.pixel(dice);
+        let at = site.near_ray(dice, pixel, depth, 0.03 * depth);
+        site.aim(dice, pixel, at);
+    }
+    site.done(dice, vec![pixel])
+}
+
+/// The eye in spheres, deep and close to the wall; shells; something in front of the wall.
+fn inside(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let mut site = Site::random(dice, shaped(dice.clone().decade(-4.0, 0.7), size).map(|h| h.min(25.0)), size, 1.0);
+    for _ in 0..1 + dice.below(3) {
+        let r = dice.decade(-2.0, 4.0);
+        let deep = 1.0 - dice.decade(-9.0, 0.0);
+        let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+        site.push((way.normalize() * r * deep).to_array(), r);
+        if dice.below(2) == 0 {
+            let last = site.scene.spheres.centers.len() - 1;
+            let center = site.scene.spheres.centers[last];
+            site.scene.spheres.push(center, r * (1.0 + dice.decade(-9.0, -2.0)), None);
+        }
+    }
+    let pixel = site.pixel(dice);
+    site.done(dice, vec![pixel])
+}
+
+/// Across the eye plane, or large and close.
+fn straddling(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let mut site = Site::random(dice, shaped(dice.clone().decade(-2.0, 0.9), size).map(|h| h.min(30.0)), size, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..1 + dice.below(3) {
+        let pixel = site.pixel(dice);
+        let depth = dice.between(-0.5, 1.2);
+        let by = dice.decade(-1.0, 1.5);
+        let at = site.near_ray(dice, pixel, depth, by);
+        site.aim(dice, pixel, at);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Far and at nearly equal depths: the order is what is hard.
+fn cluster(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let depth = dice.decade(0.7, 8.0);
+    let mut site = Site::random(dice, shaped(0.7 / depth, size), size, depth);
+    let pixel = site.pixel(dice);
+    let apart = dice.decade(-8.0, 0.0);
+    for _ in 0..2 + dice.below(5) {
+        let by = dice.between(0.0, 0.4);
+        let back = dice.between(0.0, apart);
+        let mut at = site.near_ray(dice, pixel, depth, by);
+        // Fronts nearly level along the ray.
+        let r = dice.between(0.5, 1.5);
+        at[2] += (r * r - by * by).sqrt() + back;
+        site.push(at, r);
+    }
+    site.done(dice, vec![pixel; 2])
+}
+
+/// A pixel is larger than the sphere.
+fn sub_pixel(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.decade(-5.0, 0.3);
+    let mut site = Site::random(dice, [half, half], size, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..2 {
+        let pixel = site.pixel(dice);
+        let depth = dice.decade(0.3, 5.0);
+        let radius = depth * half / f64::from(size[1]) * dice.decade(-6.0, 0.0);
+        let at = site.near_ray(dice, pixel, depth, radius);
+        // Where the projected centre's own rounding is what grazes.
+        site.aim_by(dice.sign() * dice.decade(-8.0, -1.0), pixel, at);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Any family's scene, 1e-30 to 1e30 times as large.
+fn scales(dice: &mut Dice) -> World {
+    let World { mut scene, pixels } = FAMILIES[dice.below(9) as usize].1(dice);
+    // A power of two, so that what was aimed stays aimed.
+    let scale = 2f64.powi(dice.below(200) as i32 - 100);
+    scene.camera.eye *= scale;
+    for center in &mut scene.spheres.centers {
+        *center = center.map(|x| x * scale);
+    }
+    for radius in &mut scene.spheres.radii {
+        *radius *= scale;
+    }
+    World { scene, pixels }
+}
+
+/// At the corners of a wide image, where |d|^2 is largest.
+fn corner(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.decade(-0.3, 1.3);
+    let mut site = Site::random(dice, [half, half], size, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..2 {
+        let pixel = [dice.below(2) * (size[1] - 1), dice.below(2) * (size[0] - 1)];
+        let depth = dice.decade(0.3, 5.0);
+        let radius = depth * dice.decade(-4.0, 0.0);
+        let at = site.near_ray(dice, pixel, depth, radius);
+        site.aim(dice, pixel, at);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Viewports a hundred times as wide as tall, or the reverse, on square images.
+fn anisotropic(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.decade(-3.0, 1.0);
+    let half = if dice.below(2) == 0 { [half, half / 100.0] } else { [half / 100.0, half] };
+    let mut site = Site::random(dice, half, size, 1.0);
+    aimed(dice, &mut site, [0.3, 5.0])
+}
+
+/// The eye just outside, just inside, or on a surface.
+fn surface(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let mut site = Site::random(dice, shaped(dice.clone().decade(-2.0, 0.5), size).map(|h| h.min(25.0)), size, 0.0);
+    for _ in 0..1 + dice.below(2) {
+        let r = dice.decade(-2.0, 6.0);
+        let gap = 1.0 + dice.sign() * dice.decade(-16.0, -2.0);
+        let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+        site.push((way.normalize() * r * gap).to_array(), r);
+    }
+    let pixel = site.pixel(dice);
+    site.done(dice, vec![pixel])
+}
+
+/// Up to 2^20 pixels wide.
+fn big_image(dice: &mut Dice) -> World {
+    let size = [1 << (10 + dice.below(11)), 1 + dice.below(3000)];
+    let half = dice.decade(-4.0, 0.7);
+    let mut site = Site::random(dice, shaped(half.min(20.0 / f64::from(size[0])), size), size, 1.0);
+    aimed(dice, &mut site, [0.3, 6.0])
+}
+
+/// Ahead by little, aside by much: in front, but not by a projected centre.
+fn beside(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let half = dice.decade(0.0, 2.5);
+    let mut site = Site::random(dice, [half, half], size, 1.0);
+    aimed(dice, &mut site, [-1.0, 1.0])
+}
