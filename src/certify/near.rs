@@ -168,13 +168,5 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
     let low = near_below(s, n, &w, terms) * n.scale;
     // What is smaller may have been flushed, on one side and not on the other.
     hits = hits && low > c(VANISH);
-    Answer {
-        sure: hits && true_normal,
-        hits,
-        id: n.id,
-        offset: depth * n.scale,
-        low,
-        high: high * n.scale,
-        normal,
-    }
+    Answer { sure: hits && true_normal, hits, id: n.id, offset: depth * n.scale, low, high: high * n.scale, normal }
 }

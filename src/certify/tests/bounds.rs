@@ -1,0 +1,446 @@
+//! Each bound against the very quantity it bounds. A shot is one sphere before one pixel; shots and roundings are
+//! evolved together until the error comes as near to its bound as it will. 1 would be a false bound.
+
+use super::claims::Exact;
+use super::wild::{Dice, Mode, Value, Wild, climb, under};
+use super::worlds::Site;
+use crate::camera::{Camera, Lens, Look};
+use crate::certify::front::{self, Front};
+use crate::certify::near::{self, Near};
+use crate::certify::stage::Stage;
+use crate::certify::{Certify, TERMS, Terms};
+use crate::dd::{self, Dd};
+use crate::view::View;
+use glam::DVec3;
+
+/// Mutations without an improvement after which a lineage ends.
+const PATIENCE: usize = 400;
+
+/// What a bound is about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Quantity {
+    /// The discriminant of a winner.
+    FrontDisc,
+    /// Its depth between low and high.
+    FrontDepth,
+    /// A candidate's lower bound of depth, by its share of what was taken off; a hit must not be a miss.
+    FrontLow,
+    /// p.d
+    NearAlong,
+    /// p x d
+    NearCross,
+    /// The discriminant by either form.
+    NearDisc,
+    /// The depth between low and high.
+    NearDepth,
+}
+
+/// One sphere before one pixel of a square image.
+#[derive(Debug, Clone)]
+pub(super) struct Shot {
+    half: f64,
+    width: u32,
+    pixel: [u32; 2],
+    /// Depth of the ray's point nearest to the centre.
+    z: f64,
+    r: f64,
+    /// How far the ray passes from the centre, in radii.
+    impact: f64,
+    turn: f64,
+    /// The camera's roll and tilt; 0 for the canonical camera, whose rotation is exact.
+    oblique: f64,
+    /// Depth of a second, small sphere relative to this one's, which decides the reference depth; 0 for none.
+    second: f64,
+}
+
+/// A shot, staged; with the true numbers in the units of its record.
+struct Staged {
+    view: View,
+    stage: Stage,
+    pixel: [u32; 2],
+    b: f64,
+    g: [f64; 3],
+    disc: Dd,
+    /// Relative to the reference depth; `None` for a miss.
+    depth: Option<f64>,
+}
+
+impl Shot {
+    fn staged(&self, terms: &Terms) -> Option<Staged> {
+        let tilt = DVec3::new(0.3 * self.oblique, self.oblique, -1.0);
+        let lens = Lens::Viewport { vw: 2.0 * self.half, vh: 2.0 * self.half, distance: 1.0 };
+        let camera = Camera { look: Look::View(tilt), lens, ..Camera::CANONICAL };
+        let mut site = Site::new(camera, [self.width; 2]);
+        let [x, y] = site.slopes(self.pixel);
+        let d = DVec3::new(x, y, 1.0);
+        let side = d.cross(DVec3::new(self.turn.cos(), self.turn.sin(), 0.0)).normalize();
+        let at = d * self.z + side * (self.r * self.impact);
+        let center = site.place(at.to_array());
+        site.scene.spheres.push(center, self.r, None);
+        if self.second > 0.0 {
+            site.scene.spheres.push(site.place((d * self.z * self.second).to_array()), self.r * 1e-3, None);
+        }
+        let view = View::new(&site.scene).ok()?;
+        let stage = Stage::new(&site.scene, &view, 1e-5, terms).ok()??;
+        let e = Exact::new(&site.scene, self.pixel, 0);
+        let (b, disc) = (e.b(), e.disc());
+        let unit = match stage.nears.first() {
+            Some(n) => dd::ldexp(1.0, dd::exponent(n.scale.into()) + view.unit),
+            // The front's unit of offsets is z times the slope of one.
+            None => f64::from(stage.lens.unit),
+        };
+        let length = if stage.nears.is_empty() { e.p[2] * unit.into() } else { unit.into() };
+        let power = dd::dot(e.p, e.p) - e.r * e.r;
+        let root = disc.sqrt();
+        let depth = match (disc.hi >= 0.0, power.hi > 0.0, b.hi > 0.0) {
+            (false, ..) => None,
+            (_, true, true) => Some(power / (b + root)),
+            (_, true, false) => None,
+            (_, _, true) => Some((b + root) / e.a),
+            (_, _, false) => Some(-power / (root - b)),
+        };
+        let relative = |t: Dd| (t.ldexp(-view.unit) - f64::from(stage.lens.depth).into()).value();
+        Some(Staged {
+            b: (b / length).value(),
+            g: e.g().map(|g| (g / length).value()),
+            disc: disc / (length * length),
+            depth: depth.map(relative),
+            pixel: self.pixel,
+            view,
+            stage,
+        })
+    }
+
+    /// Numbers just above powers of two lose most where they are rounded.
+    fn snap(&mut self, dice: &mut Dice) {
+        let width = f64::from(self.width);
+        self.half = just_above_power(dice, self.half / width) * width;
+        self.r = just_above_power(dice, self.r);
+        self.pixel = self.pixel.map(|k| {
+            let odd = 2.0 * f64::from(k) + 1.0 - width;
+            let snapped = odd.signum() * just_above_power(dice, odd.abs());
+            ((snapped + width - 1.0) / 2.0).round().clamp(0.0, width - 1.0) as u32
+        });
+    }
+
+    /// A little to the side; most often only the last digits.
+    fn mutated(&self, dice: &mut Dice) -> Self {
+        let mut next = self.clone();
+        let mut nudge = |x: f64| match dice.below(3) {
+            0 => x,
+            _ => x * (1.0 + dice.between(-1.0, 1.0) * dice.decade(-6.0, -0.5)),
+        };
+        (next.half, next.z, next.r, next.turn) = (nudge(self.half), nudge(self.z), nudge(self.r), nudge(self.turn));
+        // Silhouettes stay silhouettes.
+        next.impact = 1.0 + nudge(self.impact - 1.0);
+        let mut step = |k: u32| (k + dice.below(7)).saturating_sub(3).min(self.width - 1);
+        next.pixel = self.pixel.map(&mut step);
+        next
+    }
+}
+
+impl Staged {
+    fn is_near(&self) -> bool {
+        !self.stage.nears.is_empty()
+    }
+
+    /// Error over bound; NaN where the quantity is not there.
+    fn ratio<R: Value>(&self, quantity: Quantity, terms: &Terms) -> f64 {
+        use Quantity::*;
+        let stage = &self.stage;
+        let near = matches!(quantity, NearAlong | NearCross | NearDisc | NearDepth);
+        let there = stage.mores.first().is_some_and(|more| more.id == 0);
+        if near != self.is_near() || !near && !there {
+            return f64::NAN;
+        }
+        let twin = Certify::<R> { view: &self.view.record, lens: &stage.lens, fronts: &[], nears: &[], terms };
+        let s = twin.slopes(self.pixel[0], self.pixel[1]);
+        let over = |error: f64, bound: R| error.abs() / bound.value();
+        let between = |low: R, high: R| {
+            let (low, high) = (low.value(), high.value());
+            self.depth.map_or(f64::NAN, |z| (z - low + (z - high)).abs() / (high - low))
+        };
+        let less = |disc: R| (Dd::from(disc.value()) - self.disc).value();
+        if near {
+            let n = Near::new(&stage.nears[0]);
+            let w = near::near_weigh(&s, &n, terms);
+            return match quantity {
+                NearAlong => over(w.b.value() - self.b, w.b_error),
+                NearCross => over((0..3).map(|k| (w.g[k].value() - self.g[k]).abs()).sum(), w.g_error),
+                NearDisc => over(less(w.disc), w.error),
+                _ => {
+                    let answer = near::near_answer(&s, &n, terms);
+                    if answer.hits { between(answer.low, answer.high) } else { f64::NAN }
+                }
+            };
+        }
+        let f = Front::new(&stage.fronts[0], &stage.mores[0]);
+        match quantity {
+            FrontDisc => {
+                let w = front::front_weigh(&s, &stage.lens, &f, terms);
+                over(less(w.disc), w.error)
+            }
+            FrontDepth => {
+                let answer = front::front_answer(&s, &stage.lens, &f, terms);
+                if answer.hits { between(answer.low, answer.high) } else { f64::NAN }
+            }
+            _ => {
+                let Some(z) = self.depth else { return f64::NAN };
+                let low = front::front_low(&s, &stage.lens, &f).value();
+                let taken = f64::from(stage.mores[0].center) - f64::from(stage.fronts[0].low);
+                if low < f64::from(f32::MAX) { 1.0 + (low - z) / taken } else { f64::INFINITY }
+            }
+        }
+    }
+}
+
+/// Where shots come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Regime {
+    /// The middle of a narrow lens: |d|^2 is nearly 1.
+    Middle,
+    /// The same with the sphere only a few radii away.
+    Close,
+    /// Met at the centre, the reference depth its own: roundings of the centre's depth play no part.
+    Pierced,
+    /// Missed by as much as a candidate may be.
+    Passed,
+    /// The corners of a lens of up to 175 degrees.
+    Wide,
+    /// The middle of its edges, met at the centre or missed by much.
+    Edge,
+    /// So far and small that the host's rounding of the projected centre counts.
+    Tiny,
+    /// Across the eye plane or beside the eye.
+    Beside,
+    /// Likewise, through a wide lens.
+    BesideWide,
+    /// Outside, close to a large surface.
+    Ground,
+    /// Within.
+    Inside,
+    /// Ahead, less than two radii away, and met nearly at the centre.
+    Ahead,
+    /// Small, in an image too wide for projected centres, and missed by much.
+    Missed,
+    /// The eye all but in the centre.
+    Center,
+    /// The eye close to a surface, looking to or from the centre through a long lens: p.d hardly changes.
+    Axis,
+}
+
+impl Regime {
+    pub(super) const FRONT: [Self; 7] =
+        [Self::Middle, Self::Close, Self::Pierced, Self::Passed, Self::Wide, Self::Edge, Self::Tiny];
+    pub(super) const NEAR: [Self; 8] = [
+        Self::Beside,
+        Self::BesideWide,
+        Self::Ground,
+        Self::Inside,
+        Self::Ahead,
+        Self::Missed,
+        Self::Center,
+        Self::Axis,
+    ];
+
+    fn shot(self, dice: &mut Dice) -> Shot {
+        use Regime::*;
+        // Through wide lenses only large images have offsets that are known better than they are rounded.
+        let width = if matches!(self, Wide | Edge) { 500_000 + dice.below(500_000) } else { 2 + dice.below(2000) };
+        let any = |dice: &mut Dice| [dice.below(width), dice.below(width)];
+        let graze = |dice: &mut Dice| 1.0 + dice.sign() * dice.decade(-9.0, -5.5);
+        // On the axis, halfway, or grazing.
+        let impact = match dice.below(4) {
+            0 => dice.decade(-6.0, -1.0),
+            1 => dice.between(0.0, 0.999),
+            // Missed, yet within the zone where a candidate's bound is needed.
+            2 => dice.between(1.0, 1.4),
+            _ => graze(dice),
+        };
+        let turn = dice.between(0.0, std::f64::consts::TAU);
+        let second = [0.0, 0.85, 1.2, 10.0][dice.below(4) as usize];
+        let shot = |half, pixel, z, r| {
+            let oblique = if self == Tiny { 0.7 } else { 0.0 };
+            Shot { half, width, pixel, z, r, impact, turn, oblique, second }
+        };
+        let mut shot = match self {
+            Middle => shot(dice.decade(-4.0, -1.5), any(dice), dice.decade(0.5, 3.0), 1.0),
+            Close => shot(dice.decade(-2.0, -0.2), any(dice), dice.between(1.8, 4.0), 1.0),
+            Pierced => {
+                let shot = shot(dice.decade(-3.0, -0.3), any(dice), dice.decade(0.35, 2.0), 1.0);
+                Shot { impact: dice.decade(-6.0, -2.0), second: 0.0, ..shot }
+            }
+            Passed => {
+                let shot = shot(dice.decade(-4.0, -1.5), any(dice), dice.decade(0.5, 3.0), 1.0);
+                Shot { impact: dice.between(1.35, 1.41), ..shot }
+            }
+            Edge => {
+                let pixel = [width / 2, dice.below(2) * (width - 1)];
+                // As large as a front sphere may be before so wide a lens: offsets of many pixels.
+                let half = dice.decade(0.5, 1.34);
+                let shot = shot(half, pixel, 1.0, dice.between(0.05, 0.25) / (half * half));
+                if dice.below(2) == 0 {
+                    Shot { impact: dice.decade(-6.0, -0.5), second: 0.0, ..shot }
+                } else {
+                    // Sideways to the slope, where the ray's obliqueness counts most.
+                    Shot { impact: dice.between(1.3, 1.41), turn: dice.decade(-6.0, -1.0), second: 0.0, ..shot }
+                }
+            }
+            Wide => {
+                let pixel = any(dice).map(|k| if k % 2 == 0 { k / 8 } else { width - 1 - k / 8 });
+                shot(dice.decade(-0.3, 1.3), pixel, 1.0, dice.decade(-4.0, -2.0))
+            }
+            Tiny => {
+                let half = dice.decade(-8.0, -2.0);
+                shot(half, any(dice), 1.0, half / f64::from(width) * dice.decade(-5.0, -1.0))
+            }
+            Beside => shot(dice.decade(-1.0, 0.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 1.0)),
+            BesideWide => shot(dice.decade(0.5, 2.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 2.0)),
+            Ground => {
+                let z = dice.between(0.01, 1.0);
+                let mut shot = shot(dice.decade(-2.0, 0.5), any(dice), z, 1.0);
+                // So that the eye is outside by little: |centre|^2 = z^2 a + impact^2.
+                shot.impact = (1.0 - z * z).abs().sqrt() * (1.0 + dice.decade(-6.0, -0.5));
+                shot
+            }
+            Inside => {
+                let mut shot = shot(dice.decade(-2.0, 0.5), any(dice), dice.between(-0.7, 0.7), 1.0);
+                shot.impact = dice.between(0.0, 0.7);
+                shot
+            }
+            Ahead => {
+                let mut shot = shot(dice.decade(-3.0, -0.5), any(dice), dice.between(1.45, 1.95), 1.0);
+                shot.impact = dice.decade(-6.0, -1.0);
+                shot
+            }
+            Missed => {
+                let r = dice.decade(-6.0, -2.0);
+                let half =
+                    just_above_power(dice, dice.clone().between(35.0, 100.0) / f64::from(width)) * f64::from(width);
+                let steps = dice.decade(-0.7, 0.7) / half * f64::from(width);
+                let row = (f64::from(width) - just_above_power(dice, steps)) / 2.0;
+                let row = row as u32;
+                let z = 1.0 + dice.decade(-6.0, -1.0);
+                let mut shot = shot(half, [row, width / 2], z, r);
+                // Sideways and back to the axis, so that slopes decide all of p x d.
+                let y = (1.0 - (2.0 * f64::from(row) + 1.0) / f64::from(width)) * half;
+                (shot.impact, shot.turn) = (-y * z * y.hypot(1.0) / r, 0.0);
+                shot
+            }
+            Center => {
+                // |d|^2 just below a power of two: its reciprocal has its largest ulp.
+                let edge = [dice.below(width), dice.below(2) * (width - 1)];
+                let half = if dice.below(2) == 0 { dice.between(0.3, 1.1) } else { dice.decade(-3.0, -0.5) };
+                let mut shot = shot(half, edge, dice.decade(-4.0, -1.0), 1.0);
+                shot.impact = dice.decade(-6.0, -1.0);
+                shot
+            }
+            Axis => {
+                let z = 1.0 + dice.sign() * dice.decade(-9.0, -1.0);
+                let mut shot = shot(dice.decade(-11.0, -6.0), any(dice), z, 1.0);
+                shot.impact = dice.decade(-7.0, -1.0);
+                shot
+            }
+        };
+        if self != Missed && dice.below(2) == 0 {
+            shot.snap(dice);
+        }
+        if Self::NEAR.contains(&self) {
+            shot.second = 0.0;
+        }
+        shot
+    }
+}
+
+fn just_above_power(dice: &mut Dice, x: f64) -> f64 {
+    dd::ldexp(1.0 + dice.decade(-6.0, -2.0), dd::exponent(x * 1.4))
+}
+
+/// The largest ratio that evolution finds in so many lineages; it stops at `enough`.
+pub(super) fn worst(quantity: Quantity, regime: Regime, terms: &Terms, lineages: usize, enough: f64) -> f64 {
+    let mut dice = Dice(0x5eed ^ (quantity as u64) << 8 ^ (regime as u64) << 16);
+    let mut found = f64::NEG_INFINITY;
+    for _ in 0..lineages {
+        found = found.max(evolved(quantity, regime, terms, &mut dice, enough));
+        if found > enough {
+            break;
+        }
+    }
+    found
+}
+
+/// The end of one lineage; it starts from the best of a few and is left when it fails to improve.
+fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, dice: &mut Dice, enough: f64) -> f64 {
+    // A shot that is no better under its parent's roundings is not worth a climb.
+    let climbed = |shot: &Shot, chosen: &mut Vec<bool>, least: f64| match shot.staged(terms) {
+        Some(staged) => {
+            let probe = || staged.ratio::<Wild>(quantity, terms);
+            let first = climb(chosen, 0, probe);
+            if first > least { climb(chosen, 1, probe) } else { first }
+        }
+        None => f64::NAN,
+    };
+    let mut best = (f64::NEG_INFINITY, regime.shot(dice), vec![]);
+    for _ in 0..10 {
+        let (shot, mut chosen) = (regime.shot(dice), vec![]);
+        chosen.resize_with(200, || dice.bits() & 1 == 0);
+        let ratio = climbed(&shot, &mut chosen, f64::NEG_INFINITY);
+        if ratio > best.0 {
+            best = (ratio, shot, chosen);
+        }
+    }
+    let mut patience = PATIENCE;
+    while patience > 0 && best.0 <= enough && best.0 > f64::NEG_INFINITY {
+        let (shot, mut chosen) = (best.1.mutated(dice), best.2.clone());
+        let ratio = climbed(&shot, &mut chosen, best.0);
+        patience -= 1;
+        if ratio > best.0 {
+            best = (ratio, shot, chosen);
+            patience = PATIENCE;
+        }
+    }
+    best.0
+}
+
+/// The same in plain f32 and under the blind modes, over random shots.
+fn ordinary(quantity: Quantity, regime: Regime) -> [f64; 2] {
+    let mut dice = Dice(99);
+    let mut found = [f64::NEG_INFINITY; 2];
+    for n in 0..400 {
+        let Some(staged) = regime.shot(&mut dice).staged(&TERMS) else { continue };
+        found[0] = found[0].max(staged.ratio::<f32>(quantity, &TERMS));
+        for mode in Mode::BLIND {
+            found[1] = found[1].max(under(mode, n, || staged.ratio::<Wild>(quantity, &TERMS)));
+        }
+    }
+    found
+}
+
+fn table(quantities: &[Quantity], regimes: &[Regime]) {
+    for &quantity in quantities {
+        let mut seen = false;
+        for &regime in regimes {
+            let [plain, blind] = ordinary(quantity, regime);
+            let worst = worst(quantity, regime, &TERMS, 4, f64::INFINITY).max(plain).max(blind);
+            // A sphere that is passed has no depth.
+            if worst.is_finite() {
+                println!("{quantity:10?} {regime:10?} f32 {plain:6.3} blind {blind:6.3} evolved {worst:6.3}");
+                seen = true;
+            }
+            assert!(worst <= 1.0, "a false bound: {quantity:?} {regime:?} {worst}");
+        }
+        assert!(seen, "{quantity:?} was never there");
+    }
+}
+
+#[test]
+fn no_front_quantity_leaves_its_bound() {
+    use Quantity::{FrontDepth, FrontDisc, FrontLow};
+    table(&[FrontDisc, FrontDepth, FrontLow], &Regime::FRONT);
+}
+
+#[test]
+fn no_near_quantity_leaves_its_bound() {
+    use Quantity::{NearAlong, NearCross, NearDepth, NearDisc};
+    table(&[NearAlong, NearCross, NearDisc, NearDepth], &Regime::NEAR);
+}

@@ -55,15 +55,14 @@ impl Case {
         Some(Self { scene, view, stage, tolerance, judged })
     }
 
-    /// The same truths for other constants.
-    pub(super) fn stage_again(&mut self, terms: &Terms) {
+    /// The stage for other constants.
+    pub(super) fn restaged(&self, terms: &Terms) -> Stage {
         let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms);
-        self.stage = stage.expect("a stage").expect("a lens");
+        stage.expect("a stage").expect("a lens")
     }
 
     /// Calls `f` with the twin in the arithmetic R.
-    pub(super) fn with<R: Value, T>(&self, terms: &Terms, f: impl FnOnce(&Certify<'_, R>) -> T) -> T {
-        let stage = &self.stage;
+    pub(super) fn with<R: Value, T>(&self, stage: &Stage, terms: &Terms, f: impl FnOnce(&Certify<'_, R>) -> T) -> T {
         let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::new(f, more)).collect();
         let nears: Vec<_> = stage.nears.iter().map(Near::new).collect();
         f(&Certify { view: &self.view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms })

@@ -3,10 +3,11 @@
 use super::claims::{Case, Checks, check};
 use super::wild::{Dice, Mode, Wild, under};
 use super::worlds::{FAMILIES, Make};
+use crate::certify::stage::Stage;
 use crate::certify::{TERMS, Terms};
 
 /// Scenes of each family.
-const SCENES: u64 = 1500;
+const SCENES: u64 = 1000;
 
 /// The promises that scenes are held to.
 fn tolerance(dice: &mut Dice) -> f64 {
@@ -22,13 +23,13 @@ pub(super) fn case(make: Make, n: u64, terms: &Terms) -> Option<Case> {
 }
 
 /// Certain pixels and all of them; or the first false claim.
-pub(super) fn hold(case: &Case, terms: &Terms, checks: Checks, seed: u64) -> Result<[u64; 2], String> {
+pub(super) fn hold(case: &Case, stage: &Stage, terms: &Terms, checks: Checks, seed: u64) -> Result<[u64; 2], String> {
     let mut count = [0, 0];
     let mut add = |certain: bool| count = [count[0] + u64::from(certain), count[1] + 1];
-    case.with::<f32, _>(terms, |twin| -> Result<(), String> {
+    case.with::<f32, _>(stage, terms, |twin| -> Result<(), String> {
         case.judged.iter().try_for_each(|judged| check(case, twin, judged, checks).map(&mut add))
     })?;
-    case.with::<Wild, _>(terms, |twin| -> Result<(), String> {
+    case.with::<Wild, _>(stage, terms, |twin| -> Result<(), String> {
         for judged in &case.judged {
             for (k, mode) in (0..).zip(Mode::BLIND.into_iter().chain([Mode::Random; 3])) {
                 let claim = under(mode, seed.wrapping_add(k), || check(case, twin, judged, checks));
@@ -45,8 +46,8 @@ fn family(k: usize) {
     let (mut certain, mut all, mut scenes) = (0, 0, 0);
     for n in 0..SCENES {
         let Some(case) = case(make, n, &TERMS) else { continue };
-        let [some, every] =
-            hold(&case, &TERMS, Checks::ALL, n).unwrap_or_else(|e| panic!("{name} {n}: {e}\n{:?}", case.scene));
+        let [some, every] = hold(&case, &case.stage, &TERMS, Checks::ALL, n)
+            .unwrap_or_else(|e| panic!("{name} {n}: {e}\n{:?}", case.scene));
         (certain, all, scenes) = (certain + some, all + every, scenes + 1);
     }
     println!("{name:16} {scenes:5} scenes {all:7} answers, certain {:5.1} %", 100.0 * certain as f64 / all as f64);

@@ -81,37 +81,33 @@ pub(super) fn under<T>(mode: Mode, seed: u64, f: impl FnOnce() -> T) -> T {
     f()
 }
 
-/// The worst that `probe` gives over choices of all roundings, by coordinate ascent from several starts.
-pub(super) fn climb(seed: u64, probe: impl Fn() -> f64) -> f64 {
-    let try_one = || under(Mode::Chosen, seed, &probe);
-    let mut best = f64::NEG_INFINITY;
-    let mut dice = Dice(seed);
-    for mode in Mode::BLIND {
-        best = best.max(under(mode, seed, &probe));
-    }
-    let count = ADVERSARY.with_borrow(|a| a.count);
-    for start in 0..2 {
-        let first: Vec<bool> = (0..count).map(|_| if start == 0 { true } else { dice.bits() & 1 == 0 }).collect();
-        ADVERSARY.with_borrow_mut(|a| a.chosen = first);
-        let mut here = try_one();
-        for _ in 0..2 {
-            let before = here;
-            for k in 0..count {
-                let flip = || ADVERSARY.with_borrow_mut(|a| a.chosen[k] ^= true);
+/// Coordinate ascent over all roundings: flips each choice that makes `probe` larger, in place. Returns the largest.
+pub(super) fn climb(chosen: &mut Vec<bool>, sweeps: usize, probe: impl Fn() -> f64) -> f64 {
+    let take = |chosen: &mut Vec<bool>| ADVERSARY.with_borrow_mut(|a| std::mem::swap(&mut a.chosen, chosen));
+    take(chosen);
+    let look = || under(Mode::Chosen, 0, &probe);
+    let mut best = look();
+    let count = ADVERSARY.with_borrow_mut(|a| {
+        a.chosen.resize(a.count, false);
+        a.count
+    });
+    for _ in 0..sweeps {
+        let before = best;
+        for k in 0..count {
+            let flip = || ADVERSARY.with_borrow_mut(|a| a.chosen[k] ^= true);
+            flip();
+            let there = look();
+            if there > best {
+                best = there;
+            } else {
                 flip();
-                let there = try_one();
-                if there > here {
-                    here = there;
-                } else {
-                    flip();
-                }
-            }
-            if here == before {
-                break;
             }
         }
-        best = best.max(here);
+        if best == before {
+            break;
+        }
     }
+    take(chosen);
     best
 }
 
