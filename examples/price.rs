@@ -48,7 +48,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let kinds = [settings(Accuracy::Fast), settings(Accuracy::Certified)];
     let mut renderer = Renderer::new(&kinds[0])?;
-    println!("adapter {} ({}), {side} x {side}, colour + id + distance + normal", renderer.adapter(), renderer.driver());
+    println!(
+        "adapter {} ({}), {side} x {side}, colour + id + distance + normal",
+        renderer.adapter(),
+        renderer.driver()
+    );
     println!("| scene | fast first / steady ms | certified first / steady ms | certified / fast | certified share |");
     println!("|---|---|---|---|---|");
     for name in scenes {

@@ -7,7 +7,7 @@ use crate::certify::stage::Stage;
 use crate::certify::{TERMS, Terms};
 
 /// Scenes of each family.
-const SCENES: u64 = 1500;
+const SCENES: u64 = 1000;
 
 /// The promises that scenes are held to.
 fn tolerance(dice: &mut Dice) -> f64 {

@@ -139,15 +139,15 @@ fn generic(dice: &mut Dice) -> World {
 /// The same by one to four spheres, grazed.
 fn grazed(dice: &mut Dice) -> World {
     let size = size(dice);
-    let mut site = Site::random(dice, shaped(dice.clone().decade(-3.0, 0.5), size).map(|h| h.min(20.0)), size, 1.0);
-    aimed(dice, &mut site, [0.3, 6.0])
+    let site = Site::random(dice, shaped(dice.clone().decade(-3.0, 0.5), size).map(|h| h.min(20.0)), size, 1.0);
+    aimed(dice, site, [0.3, 6.0], &[])
 }
 
 /// Spheres aimed at pixels of any site: depth by decades, radius by its size in the image.
-fn aimed(dice: &mut Dice, site: &mut Site, depths: [f64; 2]) -> World {
+fn aimed(dice: &mut Dice, mut site: Site, depths: [f64; 2], first: &[[u32; 2]]) -> World {
     let lens = site.scene.camera.viewport(1, 1).expect("a viewport");
     let half = (lens.vw / lens.d).min(lens.vh / lens.d).min(0.5);
-    let mut pixels = Vec::new();
+    let mut pixels = first.to_vec();
     for _ in 0..1 + dice.below(4) {
         let pixel = site.pixel(dice);
         let depth = dice.decade(depths[0], depths[1]);
@@ -156,7 +156,6 @@ fn aimed(dice: &mut Dice, site: &mut Site, depths: [f64; 2]) -> World {
         site.aim(dice, pixel, at);
         pixels.push(pixel);
     }
-    let site = Site { scene: site.scene.clone(), axes: site.axes };
     site.done(dice, pixels)
 }
 
@@ -164,16 +163,16 @@ fn aimed(dice: &mut Dice, site: &mut Site, depths: [f64; 2]) -> World {
 fn wide(dice: &mut Dice) -> World {
     let size = size(dice);
     let half = dice.between(100f64, 176.0).to_radians() / 2.0;
-    let mut site = Site::random(dice, [half.tan(), half.tan()].map(|h| h * 0.78), size, 1.0);
-    aimed(dice, &mut site, [0.1, 4.0])
+    let site = Site::random(dice, [half.tan(), half.tan()].map(|h| h * 0.78), size, 1.0);
+    aimed(dice, site, [0.1, 4.0], &[])
 }
 
 /// Down to a micro-radian and a billion units away.
 fn long(dice: &mut Dice) -> World {
     let size = size(dice);
     let half = dice.decade(-10.0, -3.0);
-    let mut site = Site::random(dice, shaped(half, size), size, 1.0);
-    aimed(dice, &mut site, [2.0, 9.0])
+    let site = Site::random(dice, shaped(half, size), size, 1.0);
+    aimed(dice, site, [2.0, 9.0], &[])
 }
 
 /// A planet seen from 1.7 m to 100 km, its horizon, and pebbles at one's feet.
@@ -263,10 +262,11 @@ fn sub_pixel(dice: &mut Dice) -> World {
     for _ in 0..2 {
         let pixel = site.pixel(dice);
         let depth = dice.decade(0.3, 5.0);
-        let radius = depth * half / f64::from(size[1]) * dice.decade(-6.0, 0.0);
+        let radius = depth * half / f64::from(size[1]) * dice.decade(-6.5, 0.0);
         let at = site.near_ray(dice, pixel, depth, radius);
         // Where the projected centre's own rounding is what grazes.
-        site.aim_by(dice.sign() * dice.decade(-8.0, -1.0), pixel, at);
+        let delta = if dice.below(2) == 0 { dice.sign() * dice.decade(-8.0, -1.0) } else { dice.decade(-2.0, 0.3) };
+        site.aim_by(delta, pixel, at);
         pixels.push(pixel);
     }
     site.done(dice, pixels)
@@ -309,8 +309,8 @@ fn anisotropic(dice: &mut Dice) -> World {
     let size = size(dice);
     let half = dice.decade(-3.0, 1.0);
     let half = if dice.below(2) == 0 { [half, half / 100.0] } else { [half / 100.0, half] };
-    let mut site = Site::random(dice, half, size, 1.0);
-    aimed(dice, &mut site, [0.3, 5.0])
+    let site = Site::random(dice, half, size, 1.0);
+    aimed(dice, site, [0.3, 5.0], &[])
 }
 
 /// The eye just outside, just inside, or on a surface.
@@ -331,8 +331,8 @@ fn surface(dice: &mut Dice) -> World {
 fn big_image(dice: &mut Dice) -> World {
     let size = [1 << (10 + dice.below(11)), 1 + dice.below(3000)];
     let half = dice.decade(-4.0, 0.7);
-    let mut site = Site::random(dice, shaped(half.min(20.0 / f64::from(size[0])), size), size, 1.0);
-    aimed(dice, &mut site, [0.3, 6.0])
+    let site = Site::random(dice, shaped(half.min(20.0 / f64::from(size[0])), size), size, 1.0);
+    aimed(dice, site, [0.3, 6.0], &[])
 }
 
 /// Ahead by little, aside by much: in front, but not by a projected centre.
@@ -340,5 +340,10 @@ fn beside(dice: &mut Dice) -> World {
     let size = size(dice);
     let half = dice.decade(0.0, 2.5);
     let mut site = Site::random(dice, [half, half], size, 1.0);
-    aimed(dice, &mut site, [-1.0, 1.0])
+    // Small: p x d cancels, and the normal is the first to feel it.
+    let pixel = site.pixel(dice);
+    let radius = dice.decade(-5.5, -3.0);
+    let at = site.near_ray(dice, pixel, 1.0, radius);
+    site.aim_by(dice.decade(-2.0, 0.3), pixel, at);
+    aimed(dice, site, [-1.0, 1.0], &[pixel])
 }
