@@ -1,5 +1,6 @@
 //! What a scene requires, decided in one place: which kernel, which sharing, which buffers, which precision.
 
+use crate::certify::stage::PADDING;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::device::AdapterSummary;
@@ -161,14 +162,16 @@ impl Sharing {
     pub(crate) const ALL: [Self; 4] = [Self::None, Self::Subgroup4, Self::Subgroup8, Self::Shuffle];
 
     /// Software adapters load a shared address lane by lane, so there one load per subgroup pays; a broadcast from a
-    /// constant lane is cheaper than a shuffle, but needs to know the subgroup's size.
+    /// constant lane is cheaper than a shuffle, but needs to know the subgroup's size. Subgroups larger than what the
+    /// certified kernel's list is padded to do not share.
     pub(crate) fn on(adapter: &AdapterSummary) -> Self {
         match adapter.subgroup {
             _ if adapter.kind != "software" => Self::None,
             None => Self::None,
             Some([4, 4]) => Self::Subgroup4,
             Some([8, 8]) => Self::Subgroup8,
-            Some(_) => Self::Shuffle,
+            Some([_, most]) if most as usize <= PADDING => Self::Shuffle,
+            Some(_) => Self::None,
         }
     }
 }

@@ -38,7 +38,7 @@ const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The bounds' own roundings, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Front spheres come in multiples of this: the largest subgroup that shares.
-const PADDING: usize = 32;
+pub(crate) const PADDING: usize = 32;
 /// A front sphere that fills the last load: far outside the image, with no radius.
 const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
 const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], column: 0, row: 0, center: 0.0, id: NONE };
