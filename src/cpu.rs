@@ -48,14 +48,11 @@ pub(crate) fn certified(
     let certify = Certify { view: &view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms: &TERMS };
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let width = view.record.width as usize;
-    // The second number is 0 where nobody asked for that buffer.
-    let row_of = |buffer: &mut Vec<f32>, channels: usize| buffer.len().min(channels * width).max(1);
-    let sizes =
-        [row_of(&mut raw.t, 1), row_of(&mut raw.width, 1), row_of(&mut raw.normal, 3), row_of(&mut raw.color, 3)];
-    let mut ts = raw.t.chunks_mut(sizes[0]);
-    let mut widths = raw.width.chunks_mut(sizes[1]);
-    let mut normals = raw.normal.chunks_mut(sizes[2]);
-    let mut rgbs = raw.color.chunks_mut(sizes[3]);
+    // A buffer that nobody asked for has no rows: its iterator ends at once.
+    let mut ts = raw.t.chunks_mut(width);
+    let mut widths = raw.width.chunks_mut(width);
+    let mut normals = raw.normal.chunks_mut(3 * width);
+    let mut rgbs = raw.color.chunks_mut(3 * width);
     let rows: Vec<_> = raw
         .id
         .chunks_mut(width)

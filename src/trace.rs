@@ -83,7 +83,10 @@ impl Renderer {
             normal: plan.kernel.normal.then(|| vec![[0.0; 3]; directions.len()]),
         };
         for group in groups(directions.len(), origin) {
-            let view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
+            let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
+            if group.kind == Rays::Spread || plan.kernel.is_wide() {
+                view.keep_lows(&spheres.centers, &spheres.radii);
+            }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
             let records: Vec<_> = group.rays.par_iter().map(record).collect();
             let kernel = Kernel { rays: group.kind, ..plan.kernel };

@@ -202,7 +202,6 @@ impl View {
             unit: 0,
         };
         view.move_world(centers, radii)?;
-        view.keep_lows(centers, radii);
         Ok(view)
     }
 

@@ -6,7 +6,7 @@ use crate::plan::{Kernel, Pass};
 use crate::settle::Open;
 use crate::view::ViewRecord;
 
-/// Entries that are read back together with the frame; more cost a second reading.
+/// Entries that are read together with their count; more cost a second reading.
 const FIRST: u64 = 1 << 12;
 
 /// Pairs there is room for at first; the room grows as needed.
@@ -14,6 +14,10 @@ const PAIRS: u64 = 1 << 14;
 
 /// Workgroups in a row of the second pass; a layout test holds it against the shader.
 pub(crate) const GROUPS: u32 = 32768;
+
+/// What a list is for that a kernel writes and the host reads and clears.
+const LIST: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
 
 /// Bytes before the entries of a list: the count, and padding.
 const HEAD: u64 = 8;
@@ -35,8 +39,7 @@ impl Gpu {
 
     /// Room for the list of unsure pixels of a band: all of them, so that it cannot overflow.
     pub(super) fn reserve_unsure(&mut self, pixels: u64) {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        self.reserve("unsure", HEAD + ENTRY * pixels, usage);
+        self.reserve("unsure", HEAD + ENTRY * pixels, LIST);
     }
 
     /// Reads the band's unsure pixels and asks for their candidates.
@@ -67,9 +70,8 @@ impl Gpu {
         let groups = unsure.count.div_ceil(u64::from(super::dispatch::GROUP)) as u32;
         let mut room = self.size("pairs").map_or(PAIRS, |size| (size - HEAD) / ENTRY);
         loop {
-            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
             self.check_size("pairs", HEAD + ENTRY * room)?;
-            self.reserve("pairs", HEAD + ENTRY * room, usage);
+            self.reserve("pairs", HEAD + ENTRY * room, LIST);
             self.submit(&emit, 0, (groups.min(GROUPS), groups.div_ceil(GROUPS)))?;
             let pairs = self.read_list("pairs", room)?;
             if pairs.count <= room {
