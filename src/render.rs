@@ -169,7 +169,7 @@ impl Renderer {
     fn frame(&mut self, plan: &Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let start = Instant::now();
         let mut stages = Stages::default();
-        let view = stages.time("view", || View::for_method(scene, plan.kernel.method))?;
+        let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let tolerance = settings.tolerance.relative();
         let stage = match plan.accuracy {

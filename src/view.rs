@@ -9,6 +9,7 @@ use crate::camera::{Basis, Viewport};
 use crate::dd::{self, Dd};
 use crate::error::{Error, Place, Result};
 use crate::intersect::Method;
+use crate::plan::Kernel;
 use crate::real::Real;
 use crate::scene::Scene;
 use bytemuck::{Pod, Zeroable};
@@ -139,70 +140,67 @@ impl View {
     /// Whatever [`Scene::check`] finds; [`Error::Scene`] for numbers so far apart that c - e overflows or that the
     /// sizes span more than 2^240.
     pub fn new(scene: &Scene) -> Result<Self> {
-        scene.check()?;
-        let basis = scene.camera.basis()?;
-        let (width, height) = (scene.image.width, scene.image.height);
-        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
-        let background = |c: [f32; 3]| [c[0], c[1], c[2], 0.0];
-        let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
-        let mut view = Self {
-            record: ViewRecord {
-                right: axis(basis.u),
-                up: axis(basis.v),
-                back: axis(basis.w),
-                background: background(scene.image.background),
-                width,
-                height,
-                first_row: 0,
-                rows: height,
-                half_du: pixel[0],
-                half_dv: pixel[1],
-                d: pixel[2],
-                spheres: scene.spheres.len() as u32,
-                zero: 0,
-                half_du_low: low[0],
-                half_dv_low: low[1],
-                d_low: low[2],
-            },
-            spheres: Vec::new(),
-            lows: Vec::new(),
-            basis,
-            pitch,
-            unit: 0,
-        };
-        view.move_world(&scene.spheres.centers, &scene.spheres.radii)?;
+        let mut view = Self::without_spheres(scene)?;
+        view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         Ok(view)
     }
 
-    /// The same with the low parts that `method` reads.
-    pub(crate) fn for_method(scene: &Scene, method: Method) -> Result<Self> {
+    /// The same with what `kernel` reads: no sphere records for a certified one, which stages its own, and low parts
+    /// for a method beyond f32.
+    pub(crate) fn for_kernel(scene: &Scene, kernel: &Kernel) -> Result<Self> {
+        if kernel.certify.is_some() {
+            return Self::without_spheres(scene);
+        }
         let mut view = Self::new(scene)?;
-        if method.is_wide() {
+        if kernel.is_wide() {
             view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
         }
         Ok(view)
     }
 
+    /// Camera, pixels and the frame's unit.
+    fn without_spheres(scene: &Scene) -> Result<Self> {
+        scene.check()?;
+        let (width, height) = (scene.image.width, scene.image.height);
+        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let [red, green, blue] = scene.image.background;
+        let record = ViewRecord {
+            background: [red, green, blue, 0.0],
+            width,
+            height,
+            rows: height,
+            half_du: pixel[0],
+            half_dv: pixel[1],
+            d: pixel[2],
+            half_du_low: low[0],
+            half_dv_low: low[1],
+            d_low: low[2],
+            ..ViewRecord::zeroed()
+        };
+        Self::of_basis(scene.camera.basis()?, record, pitch, &scene.spheres.centers, &scene.spheres.radii)
+    }
+
     /// A view along the world's axes from `eye`: what given rays are traced in.
     pub(crate) fn along_axes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<Self> {
-        let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
-        let mut view = Self {
-            record: ViewRecord {
-                right: axis(basis.u),
-                up: axis(basis.v),
-                back: axis(basis.w),
-                spheres: radii.len() as u32,
-                ..ViewRecord::zeroed()
-            },
-            spheres: Vec::new(),
-            lows: Vec::new(),
-            basis,
-            pitch: [0.0; 3],
-            unit: 0,
-        };
-        view.move_world(centers, radii)?;
+        let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], centers, radii)?;
+        view.move_world(centers, radii);
         Ok(view)
+    }
+
+    /// A view from `basis` with the unit that holds these spheres; they are counted, not yet moved.
+    fn of_basis(
+        basis: Basis,
+        record: ViewRecord,
+        pitch: [f64; 3],
+        centers: &[[f64; 3]],
+        radii: &[f64],
+    ) -> Result<Self> {
+        let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
+        let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
+        let record = ViewRecord { right, up, back, spheres: radii.len() as u32, ..record };
+        let unit = unit(basis.e, centers, radii)?;
+        Ok(Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, unit })
     }
 
     /// The spheres in the arithmetic of `method`'s twin; one beyond f32 wants the lows kept.
@@ -236,27 +234,29 @@ impl View {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
-    fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) -> Result<()> {
-        let basis = self.basis;
-        let exponents = |(center, radius): (&[f64; 3], &f64)| {
-            let away = (DVec3::from_array(*center) - basis.e).abs().max_element();
-            dd::exponent(away.max(*radius))
-        };
-        let span = centers.par_iter().zip(radii).map(exponents).map(|k| (k, k));
-        let Some((least, most)) = span.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
-            return Ok(());
-        };
-        // c - e must not overflow, and squares of what 2^-k leaves must not vanish in double-double.
-        if most >= 1000 || most - least > WIDEST {
-            let problem = format!("sizes and distances from 2^{least} to 2^{most} do not fit one frame");
-            let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
-            return Err(Error::scene(Place::field("spheres"), problem, mend));
-        }
-        self.unit = least + (most - least) / 2;
-        let unit = self.unit;
+    fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
+        let (basis, unit) = (self.basis, self.unit);
         self.spheres = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r).record(unit)).collect();
-        Ok(())
     }
+}
+
+/// The exponent in the middle of all sizes and distances from `eye`: the frame's unit.
+fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
+    let exponents = |(center, radius): (&[f64; 3], &f64)| {
+        let away = (DVec3::from_array(*center) - eye).abs().max_element();
+        dd::exponent(away.max(*radius))
+    };
+    let span = centers.par_iter().zip(radii).map(exponents).map(|k| (k, k));
+    let Some((least, most)) = span.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+        return Ok(0);
+    };
+    // c - e must not overflow, and squares of what 2^-k leaves must not vanish in double-double.
+    if most >= 1000 || most - least > WIDEST {
+        let problem = format!("sizes and distances from 2^{least} to 2^{most} do not fit one frame");
+        let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
+        return Err(Error::scene(Place::field("spheres"), problem, mend));
+    }
+    Ok(least + (most - least) / 2)
 }
 
 /// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64, in f32, and

@@ -419,7 +419,8 @@ mod tests {
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
         // The low parts are there for those that read them.
-        let view = View::for_method(&scene, Method::DoubleFloat).expect("a view");
+        let mut view = View::new(&scene).expect("a view");
+        view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
         let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS).expect("a stage").expect("a lens");
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
