@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod picture;
+pub mod record;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
