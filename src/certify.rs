@@ -7,6 +7,7 @@
 pub(crate) mod front;
 pub(crate) mod near;
 pub(crate) mod stage;
+pub(crate) mod tiles;
 #[cfg(test)]
 mod tests;
 
@@ -15,7 +16,10 @@ use crate::real::Real;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
 use front::{Front, front_answer, front_low};
+use stage::Stage;
+use tiles::{CHUNK, Lists};
 use near::{Near, near_answer, near_low};
+use std::ops::Range;
 
 /// The kernel's second uniform; certify/lens.wgsl declares it.
 #[repr(C)]
@@ -35,8 +39,8 @@ pub(crate) struct LensRecord {
     pub(crate) edge: f32,
     pub(crate) depth: f32,
     pub(crate) tolerance: f32,
-    pub(crate) fronts: u32,
     pub(crate) nears: u32,
+    pub(crate) slack: f32,
 }
 
 /// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel.
@@ -122,6 +126,16 @@ pub(crate) struct Kept<R> {
     pub(crate) slot: u32,
 }
 
+impl<R: Real> Kept<R> {
+    fn keep(&mut self, (low, slot): (R, u32)) {
+        if low < self.low {
+            *self = Self { low, second: self.low, slot };
+        } else if low < self.second {
+            self.second = low;
+        }
+    }
+}
+
 /// Marks a slot in the list of near spheres.
 pub(crate) const NEAR: u32 = 0x8000_0000;
 
@@ -129,9 +143,16 @@ pub(crate) const NEAR: u32 = 0x8000_0000;
 pub(crate) struct Certify<'a, R> {
     pub(crate) view: &'a ViewRecord,
     pub(crate) lens: &'a LensRecord,
-    pub(crate) fronts: &'a [Front<R>],
-    pub(crate) nears: &'a [Near<R>],
+    pub(crate) lists: &'a Lists,
+    pub(crate) nears: Vec<Near<R>>,
     pub(crate) terms: &'a Terms,
+}
+
+impl<'a, R: Real> Certify<'a, R> {
+    pub(crate) fn new(view: &'a ViewRecord, stage: &'a Stage) -> Self {
+        let nears = stage.nears.iter().map(Near::new).collect();
+        Self { view, lens: &stage.lens, lists: &stage.lists, nears, terms: &TERMS }
+    }
 }
 
 impl<R: Real> Certify<'_, R> {
@@ -147,31 +168,34 @@ impl<R: Real> Certify<'_, R> {
         Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
     }
 
-    /// Shows every candidate's lower bound of depth to `keep`, with its slot; certain misses are not shown.
-    pub(crate) fn candidates(&self, s: &Slopes<R>, mut keep: impl FnMut(R, u32)) {
-        let mut show = |low: R, slot: u32| {
-            if low < R::MISS {
-                keep(low, slot);
-            }
-        };
-        for (slot, near) in (0..).zip(self.nears) {
-            show(near_low(s, near, self.terms), NEAR | slot);
-        }
-        for (slot, front) in (0..).zip(self.fronts) {
-            show(front_low(s, self.lens, front), slot);
-        }
+    /// The lower bounds of depth of the near spheres, and of a run of list entries; with their slots.
+    fn lows(&self, s: &Slopes<R>, entries: Range<usize>) -> impl Iterator<Item = (R, u32)> {
+        entries.map(|n| (front_low(s, self.lens, &self.front(n)), n as u32))
+    }
+
+    fn near_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
+        self.nears.iter().zip(0..).map(|(near, slot)| (near_low(s, near, self.terms), NEAR | slot))
+    }
+
+    /// Every candidate's lower bound of depth, with its slot; certain misses are left out.
+    pub(crate) fn candidates(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
+        let fronts = self.lows(s, self.lists.range(s.row, s.column));
+        self.near_lows(s).chain(fronts).filter(|(low, _)| *low < R::MISS)
     }
 
     /// The two smallest lower bounds.
     pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
         let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
-        self.candidates(s, |low, slot| {
-            if low < k.low {
-                k = Kept { low, second: k.low, slot };
-            } else if low < k.second {
-                k.second = low;
+        self.near_lows(s).for_each(|candidate| k.keep(candidate));
+        for first in self.lists.range(s.row, s.column).step_by(CHUNK) {
+            let sill = R::exact(self.lists.sills[first / CHUNK]);
+            if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
+                // All that follow lie behind.
+                k.second = if sill < k.second { sill } else { k.second };
+                break;
             }
-        });
+            self.lows(s, first..first + CHUNK).for_each(|candidate| k.keep(candidate));
+        }
         k
     }
 
@@ -181,7 +205,11 @@ impl<R: Real> Certify<'_, R> {
         if k.slot & NEAR != 0 {
             return near_answer(s, &self.nears[slot], self.terms);
         }
-        front_answer(s, self.lens, &self.fronts[slot], self.terms)
+        front_answer(s, self.lens, &self.front(slot), self.terms)
+    }
+
+    fn front(&self, entry: usize) -> Front<R> {
+        Front::new(&self.lists.fronts[entry], &self.lists.mores[entry])
     }
 
     /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth
@@ -195,6 +223,6 @@ impl<R: Real> Certify<'_, R> {
     /// The id in a slot.
     pub(crate) fn id(&self, slot: u32) -> u32 {
         let place = (slot & !NEAR) as usize;
-        if slot & NEAR != 0 { self.nears[place].id } else { self.fronts[place].id }
+        if slot & NEAR != 0 { self.nears[place].id } else { self.lists.mores[place].id }
     }
 }

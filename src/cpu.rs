@@ -1,16 +1,14 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
-use crate::certify::front::Front;
-use crate::certify::near::Near;
 use crate::certify::stage::Stage;
-use crate::certify::{Certify, TERMS, VANISH};
+use crate::certify::{Certify, VANISH};
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
 use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
-use crate::settle::Open;
+use crate::settle::Unsure;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
 use rayon::prelude::*;
@@ -34,7 +32,7 @@ pub(crate) fn render(
     kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
 }
 
-/// Fills `raw` with certified answers; what cannot be proved comes back with its candidates.
+/// Fills `raw` with certified answers; what cannot be proved comes back.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -42,10 +40,8 @@ pub(crate) fn certified(
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Open {
-    let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::<f32>::new(f, more)).collect();
-    let nears: Vec<_> = stage.nears.iter().map(Near::<f32>::new).collect();
-    let certify = Certify { view: &view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms: &TERMS };
+) -> Vec<Unsure> {
+    let certify = Certify::new(&view.record, stage);
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let width = view.record.width as usize;
     // A buffer that nobody asked for has no rows: its iterator ends at once.
@@ -64,17 +60,8 @@ pub(crate) fn certified(
             color: rgbs.next().unwrap_or_default(),
         })
         .collect();
-    let mut opens: Vec<Open> = Vec::new();
-    rows.into_par_iter()
-        .enumerate()
-        .map(|(i, row)| if go_on() { row.certify(i as u32, kernel, &certify, &surface) } else { Open::default() })
-        .collect_into_vec(&mut opens);
-    let mut all = Open::default();
-    for open in opens {
-        all.pixels.extend(open.pixels);
-        all.pairs.extend(open.pairs);
-    }
-    all
+    let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
+    rows.flat_map_iter(|(i, row)| row.certify(i as u32, kernel, &certify, &surface)).collect()
 }
 
 /// One row of the kernel's buffers; those nobody asked for are empty.
@@ -87,9 +74,9 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// The twin of certify/render.wgsl over a row, and of certify/emit.wgsl for its unsure pixels.
-    fn certify(self, i: u32, kernel: &Kernel, certify: &Certify<'_, f32>, surface: &Surface<'_, f32>) -> Open {
-        let mut open = Open::default();
+    /// The twin of certify/render.wgsl over a row; its unsure pixels come back.
+    fn certify(self, i: u32, kernel: &Kernel, certify: &Certify<'_, f32>, surface: &Surface<'_, f32>) -> Vec<Unsure> {
+        let mut unsure = Vec::new();
         let background = certify.view.background;
         for j in 0..self.id.len() {
             let s = certify.slopes(i, j as u32);
@@ -101,12 +88,7 @@ impl Row<'_> {
             {
                 let pixel = i * certify.view.width + j as u32;
                 let limit = if answer.hits { answer.high + VANISH } else { f32::MAX };
-                open.pixels.push(pixel);
-                certify.candidates(&s, |low, slot| {
-                    if low <= limit {
-                        open.pairs.push([pixel, certify.id(slot)]);
-                    }
-                });
+                unsure.push(Unsure { pixel, limit });
             }
             let ray = Ray { d: [s.x, s.y, -1.0] };
             self.id[j] = hit.id;
@@ -124,7 +106,7 @@ impl Row<'_> {
                 color.copy_from_slice(&rgb.unwrap_or([background[0], background[1], background[2]]));
             }
         }
-        open
+        unsure
     }
 }
 

@@ -1,6 +1,5 @@
 //! What a scene requires, decided in one place: which kernel, which sharing, which buffers, which precision.
 
-use crate::certify::stage::PADDING;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::device::AdapterSummary;
@@ -162,16 +161,14 @@ impl Sharing {
     pub(crate) const ALL: [Self; 4] = [Self::None, Self::Subgroup4, Self::Subgroup8, Self::Shuffle];
 
     /// Software adapters load a shared address lane by lane, so there one load per subgroup pays; a broadcast from a
-    /// constant lane is cheaper than a shuffle, but needs to know the subgroup's size. Subgroups larger than what the
-    /// certified kernel's list is padded to do not share.
+    /// constant lane is cheaper than a shuffle, but needs to know the subgroup's size.
     pub(crate) fn on(adapter: &AdapterSummary) -> Self {
         match adapter.subgroup {
             _ if adapter.kind != "software" => Self::None,
             None => Self::None,
             Some([4, 4]) => Self::Subgroup4,
             Some([8, 8]) => Self::Subgroup8,
-            Some([_, most]) if most as usize <= PADDING => Self::Shuffle,
-            Some(_) => Self::None,
+            Some(_) => Self::Shuffle,
         }
     }
 }
@@ -191,7 +188,7 @@ pub(crate) struct Kernel {
     /// Normals are written.
     pub(crate) normal: bool,
     /// With a certificate instead of `method`.
-    pub(crate) certify: Option<Pass>,
+    pub(crate) certify: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
 }
@@ -199,17 +196,8 @@ pub(crate) struct Kernel {
 impl Kernel {
     /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
     pub(crate) fn is_wide(&self) -> bool {
-        self.certify.is_none() && self.method.is_wide()
+        !self.certify && self.method.is_wide()
     }
-}
-
-/// The two passes of a certified frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Pass {
-    /// Answers every pixel and lists those it cannot prove.
-    Judge,
-    /// Lists the candidates of those.
-    Emit,
 }
 
 /// The decisions for one scene and request, in words that can be printed.
@@ -293,7 +281,7 @@ impl Plan {
         };
         if matches!(plan.accuracy, Accuracy::Certified | Accuracy::Exact) {
             plan.method = plan.accuracy.name();
-            plan.kernel.certify = Some(Pass::Judge);
+            plan.kernel.certify = true;
             plan.kernel.width = asked(&[Aov::Bound]);
         }
         Ok(plan)
@@ -315,7 +303,7 @@ impl Plan {
             colors: false,
             t: false,
             normal: false,
-            certify: None,
+            certify: false,
             width: false,
         };
         Ok(Self { method: method.name(), accuracy: Accuracy::Fast, search: "all", kernel })

@@ -14,7 +14,7 @@ use crate::memory;
 use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
-use crate::settle::{self, Settled};
+use crate::settle::{self, Settled, Unsure};
 use crate::shade;
 use crate::view::View;
 use rayon::prelude::*;
@@ -173,7 +173,7 @@ impl Renderer {
         let pixels = view.record.width as usize * view.record.height as usize;
         let tolerance = settings.tolerance.relative();
         let stage = match plan.accuracy {
-            Accuracy::Certified => stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS))?,
+            Accuracy::Certified => stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, 0))?,
             _ => None,
         };
         let mut raw = Raw::new(&plan.kernel, pixels)?;
@@ -181,7 +181,7 @@ impl Renderer {
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
         }
-        let certify = plan.kernel.certify.is_some();
+        let certify = plan.kernel.certify;
         let depths = stage.as_ref().map(|stage| &stage.depths[..]).or(certify.then_some(&[]));
         let answers = Answers { view: &view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
@@ -237,11 +237,11 @@ impl Renderer {
     ) -> Result<Vec<Settled>> {
         let go_on = Arc::clone(&self.go_on);
         let settled = if stage.is_some() || plan.accuracy == Accuracy::Fast {
-            let open = self.trace_frame(plan, scene, view, stage, raw, stages)?;
+            let unsure = self.trace_frame(plan, scene, view, stage, raw, stages)?;
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            stages.time("settle", || settle::settle(scene, open))
+            stages.time("settle", || stage.map_or(Ok(Vec::new()), |stage| settle::settle(scene, view, stage, unsure)))
         } else {
             stages.time("settle", || settle::exact(scene, &*go_on))
         };
@@ -257,20 +257,20 @@ impl Renderer {
         stage: Option<&Stage>,
         raw: &mut Raw,
         stages: &mut Stages,
-    ) -> Result<settle::Open> {
+    ) -> Result<Vec<Unsure>> {
         let colors = scene.spheres.colors.as_deref();
         match &mut self.place {
             Place::Gpu(gpu) => {
                 let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel };
                 let input = Input { view, colors, rays: &[], stage };
-                let mut output = Output { raw, open: settle::Open::default(), stages };
+                let mut output = Output { raw, unsure: Vec::new(), stages };
                 gpu.run(&kernel, &input, &mut output, &*self.go_on)?;
-                Ok(output.open)
+                Ok(output.unsure)
             }
             Place::Cpu => Ok(stages.time("trace", || match stage {
                 None => {
                     cpu::render(&plan.kernel, view, colors, raw, &*self.go_on);
-                    settle::Open::default()
+                    Vec::new()
                 }
                 Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &*self.go_on),
             })),

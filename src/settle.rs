@@ -1,8 +1,11 @@
 //! Settle: what f32 could not prove is decided again, in double-double with proven bounds and then exactly.
 
+use crate::certify::Certify;
+use crate::certify::stage::Stage;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
 use crate::scene::{Scene, Spheres};
+use crate::view::View;
 use rayon::prelude::*;
 
 /// A pixel that was decided again.
@@ -14,24 +17,34 @@ pub(crate) struct Settled {
     pub(crate) truth: Option<Truth>,
 }
 
-/// What the kernel could not prove.
-#[derive(Debug, Default, PartialEq)]
-pub(crate) struct Open {
-    /// The pixels, in any order.
-    pub(crate) pixels: Vec<u32>,
-    /// Pixel and id of every sphere that might be its nearest hit, in any order.
-    pub(crate) pairs: Vec<[u32; 2]>,
+/// A pixel that the kernel could not prove.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub(crate) struct Unsure {
+    /// Row times width plus column.
+    pub(crate) pixel: u32,
+    /// The depth, in the frame's unit and as the kernel counts it, that the nearest hit surely does not exceed.
+    pub(crate) limit: f32,
 }
 
-/// Decides every open pixel among its candidates; the order of atomics leaves no trace.
-pub(crate) fn settle(scene: &Scene, mut open: Open) -> Result<Vec<Settled>> {
-    if open.pixels.is_empty() {
+/// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth; the order
+/// of atomics leaves no trace.
+pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, mut unsure: Vec<Unsure>) -> Result<Vec<Settled>> {
+    if unsure.is_empty() {
         return Ok(Vec::new());
     }
-    open.pixels.par_sort_unstable();
-    open.pairs.par_sort_unstable();
+    unsure.par_sort_unstable_by_key(|u| u.pixel);
+    let width = scene.image.width;
+    let twin = Certify::<f32>::new(&view.record, stage);
+    let candidates = |u: &Unsure| {
+        let slopes = twin.slopes(u.pixel / width, u.pixel % width);
+        let near = twin.candidates(&slopes).filter(|(low, _)| *low <= u.limit);
+        let mut ids: Vec<u32> = near.map(|(_, slot)| twin.id(slot)).collect();
+        ids.sort_unstable();
+        ids
+    };
+    let lists: Vec<Vec<u32>> = unsure.par_iter().map(candidates).collect();
     // Only the spheres in question are prepared; in their order, so that the lower id stays the lower.
-    let mut ids: Vec<u32> = open.pairs.par_iter().map(|pair| pair[1]).collect();
+    let mut ids: Vec<u32> = lists.concat();
     ids.par_sort_unstable();
     ids.dedup();
     let mut spheres = Spheres::default();
@@ -40,16 +53,13 @@ pub(crate) fn settle(scene: &Scene, mut open: Open) -> Result<Vec<Settled>> {
     }
     let few = Scene { camera: scene.camera, image: scene.image, spheres, skipped: Default::default() };
     let judge = Judge::new(&few)?;
-    let width = scene.image.width;
     let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
-    let decide = |&pixel: &u32| {
-        let start = open.pairs.partition_point(|pair| pair[0] < pixel);
-        let own = open.pairs[start..].iter().take_while(|pair| pair[0] == pixel);
-        let candidates: Vec<u32> = own.map(|pair| local(&pair[1])).collect();
-        let truth = judge.among(pixel / width, pixel % width, &candidates);
-        Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
+    let decide = |(u, own): (&Unsure, &Vec<u32>)| {
+        let candidates: Vec<u32> = own.iter().map(local).collect();
+        let truth = judge.among(u.pixel / width, u.pixel % width, &candidates);
+        Settled { pixel: u.pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
     };
-    Ok(open.pixels.par_iter().map(decide).collect())
+    Ok(unsure.par_iter().zip(&lists).map(decide).collect())
 }
 
 /// Decides every pixel among all spheres: the judge itself. `go_on` is asked before every row.

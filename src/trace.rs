@@ -17,7 +17,6 @@ use crate::real::Real;
 use crate::render::{Place, Renderer};
 use crate::report::Stages;
 use crate::scene::{Spheres, check_sphere};
-use crate::settle::Open;
 use crate::shade::Surface;
 use crate::view::{Sphere, SphereLow, View};
 use bytemuck::{Pod, Zeroable};
@@ -95,7 +94,7 @@ impl Renderer {
                 Place::Gpu(gpu) => {
                     gpu.admit(kernel.method)?;
                     let input = Input { view: &view, colors: None, rays: &records, stage: None };
-                    let mut output = Output { raw: &mut raw, open: Open::default(), stages: &mut Stages::default() };
+                    let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };
                     gpu.run(&kernel, &input, &mut output, &|| true)?;
                 }
                 Place::Cpu => {

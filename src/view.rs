@@ -148,7 +148,7 @@ impl View {
     /// The same with what `kernel` reads: no sphere records for a certified one, which stages its own, and low parts
     /// for a method beyond f32.
     pub(crate) fn for_kernel(scene: &Scene, kernel: &Kernel) -> Result<Self> {
-        if kernel.certify.is_some() {
+        if kernel.certify {
             return Self::without_spheres(scene);
         }
         let mut view = Self::new(scene)?;

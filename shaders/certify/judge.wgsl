@@ -1,10 +1,15 @@
 // The winner alone is judged: by its own bounds, and against the second smallest lower bound.
 
+// Loops that run once at most: software adapters run both sides of a branch, but pass over a loop that nobody enters.
 fn judge(s: Slopes, k: Kept) -> Answer {
-    if ((k.slot & NEAR) != 0u) {
-        return near_answer(s, nears[k.slot & ~NEAR]);
+    var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
+    for (var front = (k.slot & NEAR) == 0u; front; front = false) {
+        answer = front_answer(s, fronts[k.slot], front_mores[k.slot]);
     }
-    return front_answer(s, fronts[k.slot], front_mores[k.slot]);
+    for (var near = (k.slot & NEAR) != 0u && k.slot != NONE; near; near = false) {
+        answer = near_answer(s, nears[k.slot & ~NEAR]);
+    }
+    return answer;
 }
 
 // Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth that may

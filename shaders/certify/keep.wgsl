@@ -10,3 +10,8 @@ const NEAR: u32 = 0x80000000u; // marks a slot in the list of near spheres
 fn keep(k: Kept, low: f32, slot: u32) -> Kept {
     return Kept(min(k.low, low), min(k.second, max(k.low, low)), select(k.slot, slot, low < k.low));
 }
+
+// Whether all that lies behind the sill is too far behind the winner to matter.
+fn is_behind(k: Kept, sill: f32) -> bool {
+    return sill - k.low > lens.slack * (lens.depth + k.low);
+}

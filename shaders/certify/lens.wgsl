@@ -16,8 +16,8 @@ struct Lens {
     edge: f32,       // error of a winner's projected centre, unit of rho
     depth: f32,      // the frame's reference depth: depths of front spheres are kept relative to it
     tolerance: f32,  // promised relative error of t
-    fronts: u32,     // spheres wholly in front of the eye plane, and not near
-    nears: u32,      // the others
+    nears: u32,      // spheres that are not wholly in front of the eye plane, or too near it
+    slack: f32,      // how far behind a winner, relative to its depth, a list may be left
 }
 
 // A sphere wholly in front, as every ray sees it: 16 bytes, since loading is what a test costs.
@@ -56,6 +56,12 @@ struct Near {
 @group(0) @binding(10) var<storage, read> fronts: array<Front>;
 @group(0) @binding(11) var<storage, read> front_mores: array<FrontMore>;
 @group(0) @binding(12) var<storage, read> nears: array<Near>;
+// Of every tile of 8 x 8 pixels: its first entry in fronts and front_mores, and the one past its last; multiples of CHUNK.
+@group(0) @binding(14) var<storage, read> tiles: array<vec2<u32>>;
+// Of every CHUNK entries: nobody in it, or behind it in its list, has a lower bound of depth below this.
+@group(0) @binding(17) var<storage, read> sills: array<f32>;
+
+const CHUNK: u32 = 8u;
 
 // What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {

@@ -1,11 +1,17 @@
-// All spheres as candidates, each loaded by every invocation for itself: right on every adapter.
-fn candidates(s: Slopes, start: Kept) -> Kept {
-    var k = start;
+// The spheres of a tile as candidates, nearest first, each loaded by every invocation for itself: right on every adapter.
+fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
+    var k = Kept(MISS, MISS, NONE);
     for (var slot = 0u; slot < lens.nears; slot++) {
         k = keep(k, near_low(s, nears[slot]), NEAR | slot);
     }
-    for (var slot = 0u; slot < lens.fronts; slot++) {
-        k = keep(k, front_low(s, fronts[slot]), slot);
+    for (var first = range.x; first < range.y; first += CHUNK) {
+        if (is_behind(k, sills[first / CHUNK])) {
+            k.second = min(k.second, sills[first / CHUNK]);
+            break;
+        }
+        for (var n = 0u; n < CHUNK; n++) {
+            k = keep(k, front_low(s, fronts[first + n]), first + n);
+        }
     }
     return k;
 }

@@ -20,29 +20,25 @@ fn render(tile: vec3<u32>, index: u32) {
     let row = tile.y * TILE + index / TILE;
     let column = tile.x * TILE + index % TILE;
     let s = slopes(view.first_row + row, column);
-    let k = candidates(s, Kept(MISS, MISS, NONE));
+    let columns = (view.width + TILE - 1u) / TILE;
+    let k = candidates(s, tiles[tile.y * columns + tile.x]);
     // Only now may invocations outside the image leave: they carried spheres for their subgroup.
     if (row >= view.rows || column >= view.width) {
         return;
     }
     let pixel = row * view.width + column;
-    var hit = Hit(MISS, NONE);
-    var width = 0.0;
-    if (k.slot != NONE) {
-        let answer = judge(s, k);
-        hit = Hit(answer.offset, answer.id);
-        width = answer.high - answer.low;
-        certified_normal = answer.normal;
-        if (!certain(answer, k)) {
-            let place = atomicAdd(&unsure.count, 1u);
-            let limit = select(MISS, answer.high + VANISH, answer.hits);
-            unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));
-        }
+    let answer = judge(s, k);
+    let hit = Hit(answer.offset, answer.id);
+    certified_normal = answer.normal;
+    if (k.slot != NONE && !certain(answer, k)) {
+        let place = atomicAdd(&unsure.count, 1u);
+        let limit = select(MISS, answer.high + VANISH, answer.hits);
+        unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));
     }
     let ray = Ray(vec3<f32>(s.x, s.y, -1.0));
     write_id(pixel, hit);
     write_t(pixel, hit);
-    write_width(pixel, width);
+    write_width(pixel, answer.high - answer.low);
     write_normal(pixel, ray, hit);
     write_color(pixel, ray, hit);
 }

@@ -1,11 +1,17 @@
-// All spheres as candidates; those in front, nearly all, are loaded once per subgroup and shared. The host pads their
-// list with spheres that nothing hits.
-fn candidates(s: Slopes, start: Kept) -> Kept {
-    var k = start;
+// The spheres of a tile as candidates, nearest first, loaded once per subgroup and shared. A subgroup leaves the list
+// together: to those that could leave earlier, what follows makes no difference, since all of it lies behind the sill.
+fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
+    var k = Kept(MISS, MISS, NONE);
     for (var slot = 0u; slot < lens.nears; slot++) {
         k = keep(k, near_low(s, nears[slot]), NEAR | slot);
     }
-    for (var first = 0u; first < lens.fronts; first += 8u) {
+    for (var first = range.x; first < range.y; first += CHUNK) {
+        let sill = sills[first / CHUNK];
+        let behind = is_behind(k, sill);
+        k.second = select(k.second, min(k.second, sill), behind);
+        if (subgroupAll(behind)) {
+            break;
+        }
         let mine = fronts[first + lane];
         k = keep(k, front_low(s, share0(mine)), first + 0u);
         k = keep(k, front_low(s, share1(mine)), first + 1u);

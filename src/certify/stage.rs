@@ -3,12 +3,12 @@
 
 use super::front::{FrontMoreRecord, FrontRecord};
 use super::near::NearRecord;
+use super::tiles::{Lists, Placed, TILE, TOGETHER};
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
 use crate::error::Result;
 use crate::exact;
-use crate::ray::NONE;
 use crate::scene::Scene;
 use crate::view::View;
 use rayon::prelude::*;
@@ -35,20 +35,20 @@ const STEEPEST: f64 = 0.75;
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 /// Error of p.d beside which nothing is certain; its square is still in range.
 const UNKNOWN: f32 = (1u64 << 60) as f32;
+/// Relative to its depth, how far behind a winner's lower bound the next list entries must begin to be left out: the
+/// promised tolerance, or what keeps its proof possible at little cost.
+const SLACK: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
 /// The bounds' own roundings, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
-/// Front spheres come in multiples of this: the largest subgroup that shares.
-pub(crate) const PADDING: usize = 32;
-/// A front sphere that fills the last load: far outside the image, with no radius.
-const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
-const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], column: 0, row: 0, center: 0.0, id: NONE };
+/// What a sphere's place in the image is widened by, in pixels and relative to its radius: far more than the host's f64
+/// is off by (2^-27 pixels, 2^-43), far less than makes a list longer.
+const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
 /// The scene as the certified kernel sees it.
 #[derive(Debug, Clone)]
 pub(crate) struct Stage {
     pub(crate) lens: LensRecord,
-    pub(crate) fronts: Vec<FrontRecord>,
-    pub(crate) mores: Vec<FrontMoreRecord>,
+    pub(crate) lists: Lists,
     pub(crate) nears: Vec<NearRecord>,
     /// Depth of each sphere's centre in the scene's unit, 0 for near spheres; by id. A hit's depth is this plus its
     /// offset.
@@ -57,7 +57,7 @@ pub(crate) struct Stage {
 
 /// A sphere, staged.
 enum Staged {
-    /// Behind the eye plane or wholly outside the image: no viewing ray meets it.
+    /// Behind the eye plane, wholly outside the image or between its pixels: no viewing ray meets it.
     Unseen,
     Front(Projected),
     Near(NearRecord),
@@ -65,13 +65,25 @@ enum Staged {
 
 /// A front sphere: depth of its centre in the frame's unit and its host error, projected centre, projected radius.
 struct Projected {
-    id: u32,
     depth: f64,
     depth_error: f64,
     fixed: [i32; 2],
     pixel: [i32; 2],
     rest: [f32; 2],
     rho: f64,
+    /// Largest |d|^2 of the rays that may meet it.
+    widest: f64,
+    /// First and last column and row of the tiles in which they are.
+    tiles: [[u32; 2]; 2],
+}
+
+/// Spheres that were staged together.
+#[derive(Default)]
+struct Batch {
+    placed: Vec<Placed>,
+    nears: Vec<NearRecord>,
+    /// Least and largest depth of the front spheres.
+    range: Option<(f64, f64)>,
 }
 
 /// The camera in f64, and the constants of the bounds that are the same for all front spheres.
@@ -100,7 +112,8 @@ struct Lens {
 
 impl Stage {
     /// Prepares `scene`; `None` when its lens is too wide or too narrow for f32, and everything must be judged exactly.
-    pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64, terms: &Terms) -> Result<Option<Self>> {
+    /// Tiles share the lists of candidates from `level` on ([`Lists::new`]).
+    pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64, terms: &Terms, level: u32) -> Result<Option<Self>> {
         let (width, height) = (view.record.width, view.record.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
@@ -108,45 +121,18 @@ impl Stage {
         if narrow || lens.widest > UNBOUNDED {
             return Ok(None);
         }
-        let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii).enumerate();
-        let staged: Vec<Staged> = spheres.map(|(id, (c, r))| lens.stage(id as u32, *c, *r)).collect();
-        Ok(Some(Self::gather(&lens, staged, tolerance)))
-    }
-
-    fn gather(lens: &Lens, staged: Vec<Staged>, tolerance: f64) -> Self {
-        let reference = reference(&staged);
-        let mut stage = Self {
-            lens: lens.record(reference, tolerance),
-            fronts: Vec::with_capacity(staged.len() + PADDING),
-            mores: Vec::with_capacity(staged.len() + PADDING),
-            nears: Vec::new(),
-            depths: vec![0.0; staged.len()],
-        };
-        for sphere in staged {
-            match sphere {
-                Staged::Unseen => {}
-                Staged::Near(record) => stage.nears.push(record),
-                Staged::Front(p) => {
-                    let center = p.depth - f64::from(reference);
-                    let low = center - lens.depth_error(&p, center);
-                    stage.depths[p.id as usize] = dd::ldexp(p.depth, lens.frame);
-                    stage.fronts.push(FrontRecord {
-                        x: p.fixed[0],
-                        y: p.fixed[1],
-                        rho: p.rho as f32,
-                        low: not_above(low),
-                    });
-                    let [column, row] = p.pixel;
-                    stage.mores.push(FrontMoreRecord { rest: p.rest, column, row, center: center as f32, id: p.id });
-                }
-            }
+        let mut depths = vec![0.0; scene.spheres.len()];
+        let mut batches = lens.batches(scene, 0.0, &mut depths);
+        let reference = reference(&batches);
+        if reference > 0.0 {
+            batches = lens.batches(scene, reference, &mut depths);
         }
-        // Subgroups share a whole load.
-        let padded = stage.fronts.len().next_multiple_of(PADDING);
-        stage.fronts.resize(padded, NOTHING);
-        stage.mores.resize(padded, NOTHING_MORE);
-        (stage.lens.fronts, stage.lens.nears) = (padded as u32, stage.nears.len() as u32);
-        stage
+        let mut record = lens.record(reference, tolerance);
+        let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
+        record.nears = nears.len() as u32;
+        let placed: Vec<_> = batches.into_iter().map(|batch| batch.placed).collect();
+        let lists = Lists::new(&placed, [width, height], level);
+        Ok(Some(Self { lens: record, lists, nears, depths }))
     }
 }
 
@@ -212,30 +198,72 @@ impl Lens {
             depth: reference,
             // The width and the comparison are rounded themselves.
             tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
-            fronts: 0,
             nears: 0,
+            slack: tolerance.clamp(SLACK[0], SLACK[1]) as f32,
         }
     }
 
-    /// Beyond this offset of a ray from the projected centre a miss is certain, whatever rounds.
-    fn reach(&self, rho: f64) -> f64 {
-        (2.0 * self.widest).sqrt() * rho + 16.0 * self.widest * self.coarse
+    /// Stages all spheres; the depths of the centres go to `depths`, those of front spheres are kept relative to
+    /// `reference`.
+    fn batches(&self, scene: &Scene, reference: f32, depths: &mut [f64]) -> Vec<Batch> {
+        let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
+        let all = spheres.zip(depths.par_chunks_mut(TOGETHER)).enumerate();
+        all.map(|(n, ((centers, radii), depths))| {
+            let mut batch = Batch { placed: Vec::with_capacity(centers.len()), ..Batch::default() };
+            for (k, (center, radius)) in centers.iter().zip(radii).enumerate() {
+                let id = (n * TOGETHER + k) as u32;
+                match self.stage(id, *center, *radius) {
+                    Staged::Unseen => {}
+                    Staged::Near(record) => batch.nears.push(record),
+                    Staged::Front(p) => {
+                        depths[k] = dd::ldexp(p.depth, self.frame);
+                        let (least, most) = batch.range.unwrap_or((p.depth, p.depth));
+                        batch.range = Some((least.min(p.depth), most.max(p.depth)));
+                        batch.placed.push(self.place(id, &p, reference));
+                    }
+                }
+            }
+            batch
+        })
+        .collect()
+    }
+
+    fn place(&self, id: u32, p: &Projected, reference: f32) -> Placed {
+        let center = p.depth - f64::from(reference);
+        let low = not_above(center - self.depth_error(p, center));
+        // The kernel's lower bound is low minus total times size: at most these, and what rounds.
+        let size = (f64::from(low) + f64::from(reference)) * self.unit;
+        let most = INFLATE * self.total(p.rho, p.widest)[0] * size;
+        let sill = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
+        let [column, row] = p.pixel;
+        Placed {
+            front: FrontRecord { x: p.fixed[0], y: p.fixed[1], rho: p.rho as f32, low },
+            more: FrontMoreRecord { rest: p.rest, column, row, center: center as f32, id },
+            sill: not_above(sill),
+            tiles: p.tiles,
+        }
+    }
+
+    /// Beyond this offset of a ray from the projected centre a miss is certain, whatever rounds, where |d|^2 is at most
+    /// `widest`.
+    fn reach(&self, rho: f64, widest: f64) -> f64 {
+        (2.0 * widest).sqrt() * rho + 16.0 * widest * self.coarse
     }
 
     /// |slope along the offset| + root of a candidate, at most; and the root alone.
-    fn total(&self, rho: f64) -> [f64; 2] {
+    fn total(&self, rho: f64, widest: f64) -> [f64; 2] {
         let error = self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]);
-        let root = self.widest.sqrt() * rho + (2.0 * error).sqrt();
-        [(self.widest - 1.0).sqrt() * self.reach(rho) + root, root]
+        let root = widest.sqrt() * rho + (2.0 * error).sqrt();
+        [(widest - 1.0).sqrt() * self.reach(rho, widest) + root, root]
     }
 
     /// Bound of all errors of a candidate's depth, frame's unit.
     fn depth_error(&self, p: &Projected, center: f64) -> f64 {
-        let [total, root] = self.total(p.rho);
+        let [total, root] = self.total(p.rho, self.widest);
         let slant = (self.widest - 1.0).sqrt();
         let [whole, each, along, of_root, of_center] = self.terms.depth.map(f64::from);
         let roundings =
-            (whole + each * (self.widest - 1.0)) * total + along * slant * self.reach(p.rho) + of_root * root;
+            (whole + each * (self.widest - 1.0)) * total + along * slant * self.reach(p.rho, self.widest) + of_root * root;
         let size = p.depth * self.unit;
         let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + p.depth_error;
         // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
@@ -255,7 +283,7 @@ impl Lens {
         let front = z > 1.001 * radius && length2 > 4.0 * radius * radius && length2 < 4096.0 * z * z;
         if front
             && self.widest <= WIDEST
-            && let Some(staged) = self.project(id, away, p, error, radius)
+            && let Some(staged) = self.project(away, p, error, radius)
         {
             return staged;
         }
@@ -263,11 +291,11 @@ impl Lens {
     }
 
     /// The projected centre; `None` where a number leaves the range of the bounds.
-    fn project(&self, id: u32, away: Dd3, [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
+    fn project(&self, away: Dd3, [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
         let rho = radius / (z * self.unit);
         let depth = dd::ldexp(z, -self.frame);
         let small = |x: f64| (2f64.powi(-60)..2f64.powi(60)).contains(&x);
-        if !small(rho) || !small(depth * self.unit) || self.total(rho)[0] * self.unit > STEEPEST {
+        if !small(rho) || !small(depth * self.unit) || self.total(rho, self.widest)[0] * self.unit > STEEPEST {
             return None;
         }
         // Pixels of error that the f64 rotation leaves in the projected centre.
@@ -281,28 +309,41 @@ impl Lens {
                 return None;
             }
         }
-        let mut p = Projected { id, depth, depth_error: 0.0, fixed: [0; 2], pixel: [0; 2], rest: [0.0; 2], rho };
-        p.depth_error = dd::ldexp(error, -self.frame) + U64 * depth;
-        let mut outside = [0.0; 2];
+        let reach = self.reach(rho, self.widest);
+        // Slopes of the rays that may meet it: those of its centre, and as far beyond as it reaches.
+        let steepest = [0, 1].map(|k| (q[k].hi.abs() + reach * self.unit).min(self.slope[k] * self.size[k]));
+        let mut p = Projected {
+            depth,
+            depth_error: dd::ldexp(error, -self.frame) + U64 * depth,
+            fixed: [0; 2],
+            pixel: [0; 2],
+            rest: [0.0; 2],
+            rho,
+            widest: (1.0 + steepest[0] * steepest[0] + steepest[1] * steepest[1]).min(self.widest),
+            tiles: [[0; 2]; 2],
+        };
+        let mut seen = true;
         for k in 0..2 {
             // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down.
             let sign = if k == 0 { 1.0 } else { -1.0 };
             let at = (q[k] / self.slope[k].into() * sign.into() + (self.size[k] - 1.0).into()) * 0.5.into();
             let place = at.value();
-            outside[k] = (-place).max(place - (self.size[k] - 1.0)).max(0.0) * self.step[k];
+            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2.
+            let half = rho * (1.0 + steepest[k] * steepest[k]).sqrt() * WIDEN[1] / self.step[k] + WIDEN[0];
+            let first = (place - half).ceil().max(0.0);
+            let last = (place + half).floor().min(self.size[k] - 1.0);
+            seen &= first <= last;
             let fixed = dd::ldexp(place, self.shift as i32).round();
             let whole = place.round();
             if fixed.abs() >= f64::from(1u32 << FIXED_BITS) || whole.abs() > FARTHEST {
-                return if outside[k] > 1.001 * self.reach(rho) { Some(Staged::Unseen) } else { None };
+                return (!seen).then_some(Staged::Unseen);
             }
             p.fixed[k] = fixed as i32;
             p.pixel[k] = whole as i32;
             p.rest[k] = ((at - whole.into()).value() * sign) as f32;
+            p.tiles[k] = [first, last].map(|pixel| pixel as u32 / TILE);
         }
-        if outside[0].hypot(outside[1]) > 1.001 * self.reach(rho) {
-            return Some(Staged::Unseen);
-        }
-        Some(Staged::Front(p))
+        Some(if seen { Staged::Front(p) } else { Staged::Unseen })
     }
 
     fn near(&self, id: u32, away: Dd3, p: [f64; 3], center: [f64; 3], radius: f64) -> NearRecord {
@@ -349,17 +390,14 @@ impl Lens {
 }
 
 /// A depth to keep the others relative to: where all spheres are far and close together, so that their order survives.
-fn reference(staged: &[Staged]) -> f32 {
-    let mut range = (f64::INFINITY, 0.0f64);
-    for sphere in staged {
-        match sphere {
-            Staged::Near(_) => return 0.0,
-            Staged::Unseen => {}
-            Staged::Front(p) => range = (range.0.min(p.depth), range.1.max(p.depth)),
-        }
+fn reference(batches: &[Batch]) -> f32 {
+    if batches.iter().any(|batch| !batch.nears.is_empty()) {
+        return 0.0;
     }
+    let ranges = batches.iter().filter_map(|batch| batch.range);
+    let (least, most) = ranges.fold((f64::INFINITY, 0.0f64), |(a, b), (c, d)| (a.min(c), b.max(d)));
     // The nearest surface is no nearer than a quarter of the nearest centre's depth.
-    if range.0.is_finite() && range.0 > 4.0 * (range.1 - range.0) { range.0 as f32 } else { 0.0 }
+    if least.is_finite() && least > 4.0 * (most - least) { least as f32 } else { 0.0 }
 }
 
 /// The least f32 that is not below x.

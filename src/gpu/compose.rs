@@ -1,7 +1,7 @@
 //! WGSL from whole files: explicit part lists, numbers as `override` constants, and a line map so that an error names
 //! the file and the line. A missing or doubled part is an error of naga's.
 
-use crate::plan::{Kernel, Pass, Rays, Sharing};
+use crate::plan::{Kernel, Rays, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 
@@ -56,13 +56,11 @@ impl Source {
 pub(crate) fn compose(kernel: &Kernel) -> Source {
     let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl")];
     match kernel.certify {
-        None if kernel.is_wide() => wide(kernel, &mut parts),
-        None => search(kernel, &mut parts),
-        Some(pass) => certify(kernel, pass, &mut parts),
+        true => certify(kernel, &mut parts),
+        false if kernel.is_wide() => wide(kernel, &mut parts),
+        false => search(kernel, &mut parts),
     }
-    if kernel.certify != Some(Pass::Emit) {
-        frame(kernel, &mut parts);
-    }
+    frame(kernel, &mut parts);
     Source::new(parts)
 }
 
@@ -105,23 +103,17 @@ fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
     }
 }
 
-/// The nearest hit with its proof, or the candidates of pixels without one.
-fn certify(kernel: &Kernel, pass: Pass, parts: &mut Vec<Part>) {
+/// The nearest hit with its proof.
+fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.push(part!("ray.wgsl"));
     parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl"), part!("certify/near.wgsl")]);
     parts.extend(match kernel.sharing {
-        Sharing::None => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => vec![part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => vec![part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Shuffle => vec![part!("certify/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::None | Sharing::Shuffle => [part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => [part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => [part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
     });
-    match pass {
-        Pass::Emit => parts.push(part!("certify/emit.wgsl")),
-        Pass::Judge => {
-            parts.extend([part!("certify/keep.wgsl"), part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
-            parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
-        }
-    }
+    parts.extend([part!("certify/keep.wgsl"), part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
+    parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
 }
 
 /// What is written, and how colour is made.

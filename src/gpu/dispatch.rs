@@ -1,22 +1,21 @@
 //! One frame on the device: upload, dispatch band by band, read back.
 
 use crate::certify::stage::Stage;
+use crate::certify::tiles::TILE;
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
+use crate::gpu::certified;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
-use crate::plan::{Kernel, Pass, Rays};
+use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
-use crate::settle::Open;
+use crate::settle::Unsure;
 use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
 use bytemuck::Zeroable;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
-
-/// Pixels along a side of a workgroup's tile; a layout test holds it against the shaders.
-pub(crate) const TILE: u32 = 8;
 
 /// Invocations in a workgroup, rays in a group; the same test.
 pub(crate) const GROUP: u32 = 64;
@@ -54,7 +53,7 @@ pub(crate) struct Input<'a> {
 pub(crate) struct Output<'a> {
     pub(crate) raw: &'a mut Raw,
     /// What a certified kernel could not prove.
-    pub(crate) open: Open,
+    pub(crate) unsure: Vec<Unsure>,
     pub(crate) stages: &'a mut Stages,
 }
 
@@ -114,20 +113,20 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
-        let Output { raw, open, stages } = output;
+        let Output { raw, unsure, stages } = output;
         let record = input.view.record;
         self.check_limits(kernel, &record)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
-        for band in self.bands(kernel, &record, input.rays.len() as u32) {
+        for band in self.bands(kernel, input) {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            stages.time("trace", || self.dispatch(kernel, &record, &band))?;
-            stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
-            if kernel.certify.is_some() {
-                stages.time("candidates", || self.follow_up(kernel, &record, &band, open))?;
+            if let Some(stage) = input.stage {
+                stages.time("upload", || self.upload_lists(stage, &band))?;
             }
+            stages.time("trace", || self.dispatch(kernel, &record, &band))?;
+            stages.time("readback", || self.read_back(kernel, &record, &band, raw, unsure))?;
         }
         Ok(())
     }
@@ -187,8 +186,8 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        if kernel.certify.is_some() {
-            self.upload_stage(input)?;
+        if let Some(stage) = input.stage {
+            self.upload_stage(stage)?;
         } else {
             // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
             let nothing = [SphereRecord::zeroed()];
@@ -210,22 +209,32 @@ impl Gpu {
     }
 
     /// The rays in pieces that fit the adapter's bindings and its patience.
-    fn bands(&self, kernel: &Kernel, record: &ViewRecord, rays: u32) -> Vec<Band> {
+    fn bands(&self, kernel: &Kernel, input: &Input<'_>) -> Vec<Band> {
+        let record = &input.view.record;
         let binding = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let pixels = (binding / 12).min(TESTS_PER_DISPATCH / u64::from(record.spheres.max(1)));
+        let most = self.limits.max_compute_workgroups_per_dimension;
+        let tests = match input.stage {
+            // What a pixel of an average tile may be asked.
+            Some(stage) => (stage.lists.fronts.len() / stage.lists.ranges.len().max(1)) as u64,
+            None => u64::from(record.spheres),
+        };
+        let pixels = (binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));
         let (total, step) = match kernel.rays {
             Rays::Camera => {
                 let tiles = (pixels / u64::from(record.width * TILE)).max(1);
-                let most = u64::from(self.limits.max_compute_workgroups_per_dimension);
-                (record.height, tiles.min(most) as u32 * TILE)
+                (record.height, tiles.min(u64::from(most)) as u32 * TILE)
             }
-            _ => {
-                let groups =
-                    (pixels / u64::from(GROUP)).max(1).min(u64::from(self.limits.max_compute_workgroups_per_dimension));
-                (rays, groups as u32 * GROUP)
-            }
+            _ => (input.rays.len() as u32, (pixels / u64::from(GROUP)).max(1).min(u64::from(most)) as u32 * GROUP),
         };
-        (0..total).step_by(step as usize).map(|first| Band { first, count: step.min(total - first) }).collect()
+        let mut bands = Vec::new();
+        let mut first = 0;
+        while first < total {
+            let most = step.min(total - first);
+            let count = input.stage.map_or(most, |stage| certified::rows_that_fit(stage, first, most, binding));
+            bands.push(Band { first, count });
+            first += count;
+        }
+        bands
     }
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
@@ -247,7 +256,7 @@ impl Gpu {
             self.reserve(output.name, bytes, usage);
             self.reserve(output.staging, bytes, READING);
         }
-        if kernel.certify.is_some() {
+        if kernel.certify {
             self.reserve_unsure(pixels);
         }
         self.submit(kernel, pixels, groups)
@@ -267,10 +276,8 @@ impl Gpu {
             entries: &entries,
         });
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        match kernel.certify {
-            None => {}
-            Some(Pass::Judge) => encoder.clear_buffer(&self.buffers["unsure"], 0, Some(8)),
-            Some(Pass::Emit) => encoder.clear_buffer(&self.buffers["pairs"], 0, Some(8)),
+        if kernel.certify {
+            encoder.clear_buffer(&self.buffers["unsure"], 0, Some(8));
         }
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -282,24 +289,42 @@ impl Gpu {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
         }
+        if kernel.certify {
+            let (from, to) = (&self.buffers["unsure"], &self.buffers["read unsure"]);
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, Self::unsure_bytes(pixels));
+        }
         self.open.queue.submit([encoder.finish()]);
         self.wait()
     }
 
-    fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
+    fn read_back(
+        &mut self,
+        kernel: &Kernel,
+        record: &ViewRecord,
+        band: &Band,
+        raw: &mut Raw,
+        unsure: &mut Vec<Unsure>,
+    ) -> Result<()> {
         let row = if kernel.rays == Rays::Camera { record.width as usize } else { 1 };
         let (first, pixels) = (band.first as usize * row, band.count as usize * row);
         let read: Vec<_> = outputs(kernel).collect();
         for output in &read {
             self.buffers[output.staging].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
         }
+        let listed = Self::unsure_bytes(pixels as u64);
+        if kernel.certify {
+            self.buffers["read unsure"].map_async(wgpu::MapMode::Read, 0..listed, |_| {});
+        }
         self.wait()?;
+        if kernel.certify {
+            let list = mapped(&self.buffers["read unsure"], listed)?.to_vec();
+            self.buffers["read unsure"].unmap();
+            unsure.extend(self.unsure(&list)?);
+        }
         for output in &read {
             let staging = &self.buffers[output.staging];
             {
-                let mapped = staging
-                    .get_mapped_range(0..pixels as u64 * output.bytes)
-                    .map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))?;
+                let mapped = mapped(staging, pixels as u64 * output.bytes)?;
                 raw.store(output.name, first, pixels, &mapped);
             }
             staging.unmap();
@@ -316,15 +341,9 @@ impl Gpu {
         self.open.queue.submit([encoder.finish()]);
         staging.map_async(wgpu::MapMode::Read, 0..size, |_| {});
         self.wait()?;
-        let unreadable = |e| Error::DeviceLost(format!("a buffer cannot be read back: {e}"));
-        let bytes = staging.get_mapped_range(0..size).map_err(unreadable)?.to_vec();
+        let bytes = mapped(staging, size)?.to_vec();
         staging.unmap();
         Ok(bytes)
-    }
-
-    /// Bytes of a buffer, if it is there.
-    pub(super) fn size(&self, name: &str) -> Option<u64> {
-        self.buffers.get(name).map(wgpu::Buffer::size)
     }
 
     pub(super) fn wait(&self) -> Result<()> {
@@ -368,8 +387,13 @@ impl Gpu {
     }
 }
 
+/// The first bytes of a buffer that was mapped for reading.
+fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
+    buffer.get_mapped_range(0..size).map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))
+}
+
 /// What a buffer is for that the host reads.
-const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
+pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
 /// A buffer that a kernel writes: its binding, where it is read from, bytes per pixel.
 struct Written {
@@ -381,7 +405,7 @@ struct Written {
 /// The buffers that a kernel writes.
 fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
     [
-        (kernel.certify != Some(Pass::Emit), "frame_id", "read frame_id", 4),
+        (true, "frame_id", "read frame_id", 4),
         (kernel.width, "frame_width", "read frame_width", 4),
         (kernel.t, "frame_t", "read frame_t", 4),
         (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
@@ -421,7 +445,7 @@ mod tests {
         // The low parts are there for those that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
-        let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS).expect("a stage").expect("a lens");
+        let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0).expect("a stage").expect("a lens");
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
             if lanes < least {
@@ -436,10 +460,10 @@ mod tests {
                 colors: true,
                 t: true,
                 normal: true,
-                certify: None,
+                certify: false,
                 width: false,
             };
-            let certified = Kernel { certify: Some(Pass::Judge), width: true, ..kernel };
+            let certified = Kernel { certify: true, width: true, ..kernel };
             let mut raws = Vec::new();
             // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
             let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
@@ -448,12 +472,11 @@ mod tests {
                 let mut raw = Raw::new(&kernel, 131 * 74).expect("room");
                 let stage = Some(&stage);
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
-                let mut output = Output { raw: &mut raw, open: Open::default(), stages: &mut Stages::default() };
+                let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };
                 gpu.run(&kernel, &input, &mut output, &|| true).expect("a frame");
-                let mut open = output.open;
-                open.pixels.sort_unstable();
-                open.pairs.sort_unstable();
-                raws.push((raw, open));
+                let mut unsure = output.unsure;
+                unsure.sort_unstable_by_key(|u| u.pixel);
+                raws.push((raw, unsure));
             }
             answers.push((sharing, raws));
         }
@@ -461,7 +484,7 @@ mod tests {
             answers[0].1.iter().all(|(raw, _)| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000),
             "the scene shows something"
         );
-        assert!(!answers[0].1[1].1.pairs.is_empty(), "something is left to settle");
+        assert!(!answers[0].1[1].1.is_empty(), "something is left to settle");
         for (sharing, raws) in &answers[1..] {
             assert!(raws == &answers[0].1, "{sharing:?} differs");
         }

@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 17] = [
+pub(crate) const BUFFERS: [&str; 18] = [
     "view",
     "spheres",
     "colors",
@@ -31,9 +31,10 @@ pub(crate) const BUFFERS: [&str; 17] = [
     "front_mores",
     "nears",
     "unsure",
-    "pairs",
+    "tiles",
     "frame_width",
     "frame_t_low",
+    "sills",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -76,9 +77,10 @@ mod tests {
     use crate::certify::front::{FrontMoreRecord, FrontRecord};
     use crate::certify::near::NearRecord;
     use crate::gpu::compose::{compose, constants};
-    use crate::gpu::dispatch::{GROUP, TILE};
+    use crate::certify::tiles::{CHUNK, TILE};
+    use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
-    use crate::plan::{Pass, Rays};
+    use crate::plan::Rays;
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
@@ -93,8 +95,8 @@ mod tests {
         let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
         let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
         let mut kernels = Vec::new();
-        let plain = Method::ALL.iter().map(|&method| (method, None));
-        for (method, certify) in plain.chain([(Method::Stable, Some(Pass::Judge))]) {
+        let plain = Method::ALL.iter().map(|&method| (method, false));
+        for (method, certify) in plain.chain([(Method::Stable, true)]) {
             for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
@@ -108,30 +110,14 @@ mod tests {
                             t,
                             normal,
                             certify,
-                            width: t && certify.is_some(),
+                            width: t && certify,
                         };
-                        kernels.extend(colors.map(all).filter(|k| certify.is_none() || k.rays == Rays::Camera));
+                        kernels.extend(colors.map(all).filter(|k| !certify || k.rays == Rays::Camera));
                     }
                 }
             }
         }
-        kernels.extend(Sharing::ALL.map(emit));
         kernels
-    }
-
-    /// The second pass of the certified frame.
-    fn emit(sharing: Sharing) -> Kernel {
-        Kernel {
-            method: Method::Stable,
-            rays: Rays::Camera,
-            sharing,
-            shade: None,
-            colors: false,
-            t: false,
-            normal: false,
-            certify: Some(Pass::Emit),
-            width: false,
-        }
     }
 
     fn module(kernel: &Kernel) -> (naga::Module, naga::valid::ModuleInfo) {
@@ -143,7 +129,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames + 4, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -155,17 +141,18 @@ mod tests {
             let (module, info) = module(&kernel);
             let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
             let given = kernel.rays != Rays::Camera;
-            let (certify, emit) = (kernel.certify.is_some(), kernel.certify == Some(Pass::Emit));
+            let certify = kernel.certify;
             let wanted: BTreeSet<_> = [
                 (true, "view"),
                 (!certify, "spheres"),
-                (!emit, "frame_id"),
+                (true, "frame_id"),
                 (certify, "lens"),
                 (certify, "fronts"),
                 (certify, "front_mores"),
                 (certify, "nears"),
                 (certify, "unsure"),
-                (emit, "pairs"),
+                (certify, "tiles"),
+                (certify, "sills"),
                 (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
@@ -211,10 +198,10 @@ mod tests {
             colors: false,
             t: true,
             normal: true,
-            certify: None,
+            certify: false,
             width: false,
         };
-        let (certified, _) = module(&emit(Sharing::None));
+        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -222,12 +209,11 @@ mod tests {
                 assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance fronts nears);
+        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance nears slack);
         same!(certified "Front", FrontRecord, x y rho low);
         same!(certified "FrontMore", FrontMoreRecord, rest column row center id);
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
-        assert_eq!(constant(&certified, "GROUP"), f64::from(GROUP));
-        assert_eq!(constant(&certified, "GROUPS"), f64::from(crate::gpu::certified::GROUPS));
+        assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low);
@@ -246,7 +232,7 @@ mod tests {
             let (module, _) = module(&kernel);
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
             assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
-            if kernel.rays == Rays::Camera && kernel.certify != Some(Pass::Emit) {
+            if kernel.rays == Rays::Camera {
                 assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
         }

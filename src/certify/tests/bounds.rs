@@ -81,7 +81,7 @@ impl Shot {
             site.scene.spheres.push(site.place((d * self.z * self.second).to_array()), self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
-        let stage = Stage::new(&site.scene, &view, 1e-5, terms).ok()??;
+        let stage = Stage::new(&site.scene, &view, 1e-5, terms, 0).ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
         let unit = match stage.nears.first() {
@@ -149,11 +149,11 @@ impl Staged {
         use Quantity::*;
         let stage = &self.stage;
         let near = matches!(quantity, NearAlong | NearCross | NearDisc | NearDepth);
-        let there = stage.mores.first().is_some_and(|more| more.id == 0);
+        let there = stage.lists.mores.first().is_some_and(|more| more.id == 0);
         if near != self.is_near() || !near && !there {
             return f64::NAN;
         }
-        let twin = Certify::<R> { view: &self.view.record, lens: &stage.lens, fronts: &[], nears: &[], terms };
+        let twin = Certify::<R> { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears: Vec::new(), terms };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);
         let over = |error: f64, bound: R| error.abs() / bound.value();
         let between = |low: R, high: R| {
@@ -174,7 +174,7 @@ impl Staged {
                 }
             };
         }
-        let f = Front::new(&stage.fronts[0], &stage.mores[0]);
+        let f = Front::new(&stage.lists.fronts[0], &stage.lists.mores[0]);
         match quantity {
             FrontDisc => {
                 let w = front::front_weigh(&s, &stage.lens, &f, terms);
@@ -187,7 +187,7 @@ impl Staged {
             _ => {
                 let Some(z) = self.depth else { return f64::NAN };
                 let low = front::front_low(&s, &stage.lens, &f).value();
-                let taken = f64::from(stage.mores[0].center) - f64::from(stage.fronts[0].low);
+                let taken = f64::from(stage.lists.mores[0].center) - f64::from(stage.lists.fronts[0].low);
                 if low < f64::from(f32::MAX) { 1.0 + (low - z) / taken } else { f64::INFINITY }
             }
         }

@@ -1,7 +1,6 @@
 //! What the certified kernel claims of a pixel, held against the judge.
 
 use super::wild::Value;
-use crate::certify::front::Front;
 use crate::certify::near::Near;
 use crate::certify::stage::Stage;
 use crate::certify::{Certify, Terms};
@@ -44,7 +43,7 @@ impl Case {
     /// `None` where the stage leaves the scene to the judge.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let stage = Stage::new(&scene, &view, tolerance, terms).expect("a stage")?;
+        let stage = Stage::new(&scene, &view, tolerance, terms, 0).expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -57,15 +56,14 @@ impl Case {
 
     /// The stage for other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> Stage {
-        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms);
+        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, 0);
         stage.expect("a stage").expect("a lens")
     }
 
     /// Calls `f` with the twin in the arithmetic R.
     pub(super) fn with<R: Value, T>(&self, stage: &Stage, terms: &Terms, f: impl FnOnce(&Certify<'_, R>) -> T) -> T {
-        let fronts: Vec<_> = stage.fronts.iter().zip(&stage.mores).map(|(f, more)| Front::new(f, more)).collect();
         let nears: Vec<_> = stage.nears.iter().map(Near::new).collect();
-        f(&Certify { view: &self.view.record, lens: &stage.lens, fronts: &fronts, nears: &nears, terms })
+        f(&Certify { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears, terms })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.
@@ -84,11 +82,11 @@ pub(super) fn check<R: Value>(
     let [i, j] = judged.at;
     let s = twin.slopes(i, j);
     let mut lows = vec![None; case.scene.spheres.len()];
-    twin.candidates(&s, |low, slot| {
+    for (low, slot) in twin.candidates(&s) {
         if let Some(place) = lows.get_mut(twin.id(slot) as usize) {
             *place = Some(low.value());
         }
-    });
+    }
     // (a) What is hit is shown, and not too far.
     for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {
         let Some(truth) = truth else { continue };

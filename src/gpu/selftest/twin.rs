@@ -11,10 +11,10 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
-use crate::plan::{Kernel, Pass, Rays, Sharing, Tolerance};
+use crate::plan::{Kernel, Rays, Sharing, Tolerance};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
-use crate::settle::Open;
+use crate::settle::Unsure;
 use crate::view::View;
 
 /// The check's name.
@@ -40,7 +40,7 @@ fn scene() -> Scene {
 impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
-        let kernel = |certify: Option<Pass>| Kernel {
+        let kernel = |certify: bool| Kernel {
             method: Method::Stable,
             rays: Rays::Camera,
             sharing: Sharing::on(&self.summary),
@@ -49,40 +49,40 @@ impl Gpu {
             t: true,
             normal: true,
             certify,
-            width: certify.is_some(),
+            width: certify,
         };
-        vec![kernel(None), kernel(Some(Pass::Judge))]
+        vec![kernel(false), kernel(true)]
     }
 
     pub(super) fn compare_twins(&mut self) -> Result<Check> {
         let scene = scene();
         let view = View::new(&scene)?;
-        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS)?;
+        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels)?, Raw::new(&kernel, pixels)?);
-            let input = Input { view: &view, colors: None, rays: &[], stage: stage.as_ref() };
-            let mut output = Output { raw: &mut device, open: Open::default(), stages: &mut Stages::default() };
+            let input = Input { view: &view, colors: None, rays: &[], stage: stage.as_ref().filter(|_| kernel.certify) };
+            let mut output = Output { raw: &mut device, unsure: Vec::new(), stages: &mut Stages::default() };
             let left = match (kernel.certify, &stage) {
                 // This scene has a stage; without one there is nothing to compare.
-                (Some(_), None) => continue,
-                (Some(_), Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
-                (None, _) => {
+                (true, None) => continue,
+                (true, Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
+                (false, _) => {
                     cpu::render(&kernel, &view, None, &mut host, &|| true);
-                    Open::default()
+                    Vec::new()
                 }
             };
             self.run(&kernel, &input, &mut output, &|| true)?;
-            let open = output.open;
-            let bits = |raw: &Raw, mut open: Open| -> Vec<u32> {
+            let unsure = output.unsure;
+            let bits = |raw: &Raw, mut unsure: Vec<Unsure>| -> Vec<u32> {
                 // Where invocations meet, the order is theirs.
-                open.pixels.sort_unstable();
-                open.pairs.sort_unstable();
+                unsure.sort_unstable_by_key(|u| u.pixel);
+                let unsure = unsure.iter().flat_map(|u| [u.pixel, u.limit.to_bits()]);
                 let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
-                raw.id.iter().copied().chain(numbers).chain(open.pixels).chain(open.pairs.concat()).collect()
+                raw.id.iter().copied().chain(numbers).chain(unsure).collect()
             };
-            let (device, host) = (bits(&device, open), bits(&host, left));
+            let (device, host) = (bits(&device, unsure), bits(&host, left));
             values += host.len() as f64;
             different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
             different += device.len().abs_diff(host.len()) as f64;

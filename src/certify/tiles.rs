@@ -1,0 +1,200 @@
+//! Which front spheres the rays of a tile may meet: binned by what they surely cover, nearest first.
+//!
+//! No tree: count, add up, scatter, sort each list. A list serves one tile of 8 x 8 pixels, or a square of tiles where
+//! large spheres would make lists of single tiles too long; one list for all is the search `all`.
+
+use super::front::{FrontMoreRecord, FrontRecord};
+use crate::ray::NONE;
+use bytemuck::allocation::zeroed_vec;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Pixels along a side of a tile, which is a workgroup; a layout test holds it against the shaders.
+pub(crate) const TILE: u32 = 8;
+
+/// Entries that share a sill, and that lists are padded to: what the largest sharing subgroup loads at once.
+pub(crate) const CHUNK: usize = 8;
+
+/// Spheres that are prepared together: their places among each other fit 16 bits.
+pub(crate) const TOGETHER: usize = 1 << 16;
+
+/// The level at which every image is one square of tiles.
+pub(crate) const WHOLE: u32 = 31;
+
+/// Entries that may be spent beyond eight for each sphere before tiles share their lists: 80 MiB.
+const SPARE: u64 = 1 << 21;
+
+/// What fills a list up: far outside the image, with no radius.
+const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
+const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], column: 0, row: 0, center: 0.0, id: NONE };
+
+/// A front sphere, ready to be binned.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placed {
+    pub(crate) front: FrontRecord,
+    pub(crate) more: FrontMoreRecord,
+    /// No ray is given a lower bound of depth below this.
+    pub(crate) sill: f32,
+    /// First and last column and row of the tiles in which a pixel's ray may hit.
+    pub(crate) tiles: [[u32; 2]; 2],
+}
+
+/// The candidates of every tile.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Lists {
+    /// Tiles in a row.
+    pub(crate) columns: u32,
+    /// Of every tile, row by row: its first entry, and the one past its last.
+    pub(crate) ranges: Vec<[u32; 2]>,
+    /// What every candidate is asked.
+    pub(crate) fronts: Vec<FrontRecord>,
+    /// What only a winner is asked.
+    pub(crate) mores: Vec<FrontMoreRecord>,
+    /// Of every [`CHUNK`] entries: nobody in it, or behind it in its list, has a lower bound of depth below this.
+    pub(crate) sills: Vec<f32>,
+}
+
+impl Lists {
+    /// Bins `placed`, in runs of at most [`TOGETHER`], for an image of `size` pixels. Squares of 2^`level` tiles, or
+    /// larger ones, share a list.
+    pub(crate) fn new(placed: &[Vec<Placed>], size: [u32; 2], level: u32) -> Self {
+        let [columns, rows] = size.map(|n| n.div_ceil(TILE));
+        let count: usize = placed.iter().map(Vec::len).sum();
+        let fits = |level: &u32| *level >= WHOLE || entries(placed, *level) <= 8 * count as u64 + SPARE;
+        let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
+        let grid = Grid { level, columns: ((columns - 1) >> level) + 1, rows: ((rows - 1) >> level) + 1 };
+        let (keys, starts) = grid.scatter(placed);
+        let mut lists = Self::gather(placed, &keys, &starts);
+        let starts = std::mem::take(&mut lists.ranges);
+        lists.columns = columns;
+        let range = |tile: u32| starts[grid.cell(tile % columns, tile / columns)];
+        lists.ranges = (0..columns * rows).into_par_iter().map(range).collect();
+        lists
+    }
+
+    /// The entries of the tile that holds the pixel of `row` and `column`.
+    pub(crate) fn range(&self, row: i32, column: i32) -> std::ops::Range<usize> {
+        let tile = row as u32 / TILE * self.columns + column as u32 / TILE;
+        let [first, end] = self.ranges.get(tile as usize).copied().unwrap_or_default();
+        first as usize..end as usize
+    }
+
+    /// The ranges of the tiles that `count` rows of pixels touch from row `first` on, a multiple of [`TILE`].
+    pub(crate) fn rows(&self, first: u32, count: u32) -> &[[u32; 2]] {
+        let tiles = |rows: u32| (rows.div_ceil(TILE) * self.columns) as usize;
+        &self.ranges[tiles(first)..tiles(first + count)]
+    }
+
+    /// Sorts each list and writes it out, padded; `ranges` holds one range per cell yet.
+    fn gather(placed: &[Vec<Placed>], keys: &[AtomicU64], starts: &[u32]) -> Self {
+        let mut ends = Vec::with_capacity(starts.len());
+        let mut end = 0;
+        for pair in starts.windows(2) {
+            end += (pair[1] - pair[0]).next_multiple_of(CHUNK as u32);
+            ends.push(end);
+        }
+        let total = end as usize;
+        let (mut fronts, mut mores) = (zeroed_vec(total), zeroed_vec(total));
+        let mut sills: Vec<f32> = zeroed_vec(total / CHUNK);
+        let mut jobs = Vec::with_capacity(ends.len());
+        let (mut front, mut more, mut sill) = (&mut fronts[..], &mut mores[..], &mut sills[..]);
+        let mut first = 0;
+        for (pair, &end) in starts.windows(2).zip(&ends) {
+            let size = (end - first) as usize;
+            first = end;
+            if size > 0 {
+                let own;
+                (own, front) = front.split_at_mut(size);
+                let (of_mores, rest) = more.split_at_mut(size);
+                more = rest;
+                let (of_sills, rest) = sill.split_at_mut(size / CHUNK);
+                sill = rest;
+                jobs.push((&keys[pair[0] as usize..pair[1] as usize], own, of_mores, of_sills));
+            }
+        }
+        jobs.into_par_iter().for_each_init(Vec::new, |sorted: &mut Vec<u64>, (keys, fronts, mores, sills)| {
+            sorted.clear();
+            sorted.extend(keys.iter().map(|key| key.load(Ordering::Relaxed)));
+            if sorted.len() > TOGETHER { sorted.par_sort_unstable() } else { sorted.sort_unstable() }
+            fronts[keys.len()..].fill(NOTHING);
+            mores[keys.len()..].fill(NOTHING_MORE);
+            for (n, &key) in sorted.iter().enumerate() {
+                let p = &placed[(key as u32 >> 16) as usize][(key & 0xffff) as usize];
+                (fronts[n], mores[n]) = (p.front, p.more);
+                if n % CHUNK == 0 {
+                    sills[n / CHUNK] = p.sill;
+                }
+            }
+        });
+        let ranges = ends.iter().scan(0, |first, &end| Some([std::mem::replace(first, end), end])).collect();
+        Self { columns: 0, ranges, fronts, mores, sills }
+    }
+}
+
+/// Entries of all lists if squares of 2^level tiles share one.
+fn entries(placed: &[Vec<Placed>], level: u32) -> u64 {
+    let cells = |[first, last]: [u32; 2]| u64::from((last >> level) - (first >> level) + 1);
+    placed.par_iter().flatten_iter().map(|p| cells(p.tiles[0]) * cells(p.tiles[1])).sum()
+}
+
+/// Squares of tiles that share a list.
+struct Grid {
+    level: u32,
+    columns: u32,
+    rows: u32,
+}
+
+impl Grid {
+    fn cell(&self, column: u32, row: u32) -> usize {
+        ((row >> self.level) * self.columns + (column >> self.level)) as usize
+    }
+
+    /// Every cell that `placed` covers.
+    fn cells(&self, placed: &Placed) -> impl Iterator<Item = usize> + use<> {
+        let [[left, right], [top, bottom]] = placed.tiles.map(|range| range.map(|tile| tile >> self.level));
+        let columns = self.columns;
+        (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * columns + column) as usize))
+    }
+
+    /// Keys of the spheres, sill first and then place, cell by cell; and where each cell's begin, with the end of all.
+    fn scatter(&self, placed: &[Vec<Placed>]) -> (Vec<AtomicU64>, Vec<u32>) {
+        // Each group of runs counts for itself, so that each knows its own places in every cell.
+        let group = placed.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+        let cells = (self.columns * self.rows) as usize;
+        let count = |runs: &[Vec<Placed>]| {
+            let mut counts = vec![0u32; cells];
+            runs.iter().flatten().for_each(|p| self.cells(p).for_each(|cell| counts[cell] += 1));
+            counts
+        };
+        let mut places: Vec<Vec<u32>> = placed.par_chunks(group).map(count).collect();
+        let mut starts = Vec::with_capacity(cells + 1);
+        let mut total = 0;
+        for cell in 0..cells {
+            starts.push(total);
+            for counts in &mut places {
+                total += std::mem::replace(&mut counts[cell], total);
+            }
+        }
+        starts.push(total);
+        let keys: Vec<AtomicU64> = (0..total).into_par_iter().map(|_| AtomicU64::new(0)).collect();
+        placed.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (runs, places))| {
+            for (run, own) in runs.iter().enumerate() {
+                for (at, p) in own.iter().enumerate() {
+                    let slot = ((n * group + run) << 16 | at) as u64;
+                    let key = u64::from(ordered(p.sill)) << 32 | slot;
+                    for cell in self.cells(p) {
+                        keys[places[cell] as usize].store(key, Ordering::Relaxed);
+                        places[cell] += 1;
+                    }
+                }
+            }
+        });
+        (keys, starts)
+    }
+}
+
+/// The bits of x, ordered like the numbers.
+fn ordered(x: f32) -> u32 {
+    let bits = x.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
