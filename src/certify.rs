@@ -7,19 +7,19 @@
 pub(crate) mod front;
 pub(crate) mod near;
 pub(crate) mod stage;
-pub(crate) mod tiles;
 #[cfg(test)]
 mod tests;
+pub(crate) mod tiles;
 
 use crate::ray::NONE;
 use crate::real::Real;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
 use front::{Front, front_answer, front_low};
-use stage::Stage;
-use tiles::{CHUNK, Lists};
 use near::{Near, near_answer, near_low};
+use stage::Stage;
 use std::ops::Range;
+use tiles::{CHUNK, Lists};
 
 /// The kernel's second uniform; certify/lens.wgsl declares it.
 #[repr(C)]
@@ -179,15 +179,21 @@ impl<R: Real> Certify<'_, R> {
 
     /// Every candidate's lower bound of depth, with its slot; certain misses are left out.
     pub(crate) fn candidates(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
-        let fronts = self.lows(s, self.lists.range(s.row, s.column));
+        let fronts = self.lows(s, self.entries(s));
         self.near_lows(s).chain(fronts).filter(|(low, _)| *low < R::MISS)
+    }
+
+    /// The list entries of the ray's tile.
+    fn entries(&self, s: &Slopes<R>) -> Range<usize> {
+        let [first, end] = self.lists.range(s.row as u32, s.column as u32);
+        first as usize..end as usize
     }
 
     /// The two smallest lower bounds.
     pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
         let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
         self.near_lows(s).for_each(|candidate| k.keep(candidate));
-        for first in self.lists.range(s.row, s.column).step_by(CHUNK) {
+        for first in self.entries(s).step_by(CHUNK) {
             let sill = R::exact(self.lists.sills[first / CHUNK]);
             if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
                 // All that follow lie behind.

@@ -1,7 +1,7 @@
 //! One frame, the whole way: scene, view, nearest hits, colour, frame.
 
 use crate::certify::TERMS;
-use crate::certify::stage::Stage;
+use crate::certify::stage::{Depths, Stage};
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::raw::{Answers, Raw};
@@ -182,7 +182,7 @@ impl Renderer {
             stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
-        let depths = stage.as_ref().map(|stage| &stage.depths[..]).or(certify.then_some(&[]));
+        let depths = certify.then(|| Depths::new(scene, &view, stage.as_ref()));
         let answers = Answers { view: &view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let expected = match plan.accuracy {

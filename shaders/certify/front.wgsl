@@ -8,12 +8,12 @@ fn front_discriminant(s: Slopes, rho: f32, o: vec2<f32>) -> f32 {
 
 // A lower bound of the depth of the near root, or MISS for a certain miss.
 fn front_low(s: Slopes, f: Front) -> f32 {
-    let o = vec2<f32>(f32(s.fixed_column - f.x) * lens.fixed_x, f32(f.y - s.fixed_row) * lens.fixed_y);
+    let o = vec2<f32>(f32(s.fixed_column - f.x) * s.fixed.x, f32(f.y - s.fixed_row) * s.fixed.y);
     let disc = front_discriminant(s, f.rho, o);
-    let error = lens.error0 + f.rho * (lens.error1 + f.rho * lens.error2);
+    let error = s.error.x + f.rho * (s.error.y + f.rho * s.error.z);
     // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
     let total = s.x * o.x + (s.y * o.y + sqrt(positive(disc + error)));
-    let size = (f.low + lens.depth) * lens.unit;
+    let size = (f.low + s.depth) * s.unit;
     let low = f.low - total * (size * s.inverse);
     return select(low, MISS, disc < -error);
 }
@@ -29,8 +29,11 @@ struct FrontWeighed {
 
 // The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
 fn front_weigh(s: Slopes, f: Front, more: FrontMore) -> FrontWeighed {
-    let dx = (f32(s.column - more.column) - more.rest.x) * lens.step_x;
-    let dy = (f32(more.row - s.row) - more.rest.y) * lens.step_y;
+    let half = 1i << (lens.shift - 1u);
+    let column = (f.x + half) >> lens.shift;
+    let row = (f.y + half) >> lens.shift;
+    let dx = (f32(s.column - column) - more.rest.x) * lens.step_x;
+    let dy = (f32(row - s.row) - more.rest.y) * lens.step_y;
     let disc = front_discriminant(s, f.rho, vec2<f32>(dx, dy));
     let slant2 = s.x * s.x + s.y * s.y;
     let o2 = dx * dx + dy * dy;

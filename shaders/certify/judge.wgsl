@@ -3,10 +3,10 @@
 // Loops that run once at most: software adapters run both sides of a branch, but pass over a loop that nobody enters.
 fn judge(s: Slopes, k: Kept) -> Answer {
     var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
-    for (var front = (k.slot & NEAR) == 0u; front; front = false) {
-        answer = front_answer(s, fronts[k.slot], front_mores[k.slot]);
+    for (var once = (k.slot & NEAR) == 0u; once; once = false) {
+        answer = front_answer(s, front(k.slot), front_more(k.slot));
     }
-    for (var near = (k.slot & NEAR) != 0u && k.slot != NONE; near; near = false) {
+    for (var once = (k.slot & NEAR) != 0u && k.slot != NONE; once; once = false) {
         answer = near_answer(s, nears[k.slot & ~NEAR]);
     }
     return answer;

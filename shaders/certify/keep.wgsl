@@ -12,6 +12,6 @@ fn keep(k: Kept, low: f32, slot: u32) -> Kept {
 }
 
 // Whether all that lies behind the sill is too far behind the winner to matter.
-fn is_behind(k: Kept, sill: f32) -> bool {
-    return sill - k.low > lens.slack * (lens.depth + k.low);
+fn is_behind(s: Slopes, k: Kept, sill: f32) -> bool {
+    return sill - k.low > s.slack * (s.depth + k.low);
 }

@@ -30,9 +30,7 @@ struct Front {
 
 // What only a winner is asked.
 struct FrontMore {
-    rest: vec2<f32>, // projected centre minus the pixel, columns and rows (rows negated)
-    column: i32,
-    row: i32,
+    rest: vec2<f32>, // projected centre minus the nearest pixel, columns and rows (rows negated)
     center: f32,     // centre's depth minus the reference
     id: u32,
 }
@@ -53,8 +51,9 @@ struct Near {
 }
 
 @group(0) @binding(9) var<uniform> lens: Lens;
-@group(0) @binding(10) var<storage, read> fronts: array<Front>;
-@group(0) @binding(11) var<storage, read> front_mores: array<FrontMore>;
+// Read as vectors: software adapters load a vector at once, a struct number by number.
+@group(0) @binding(10) var<storage, read> fronts: array<vec4<i32>>;
+@group(0) @binding(11) var<storage, read> front_mores: array<vec4<i32>>;
 @group(0) @binding(12) var<storage, read> nears: array<Near>;
 // Of every tile of 8 x 8 pixels: its first entry in fronts and front_mores, and the one past its last; multiples of CHUNK.
 @group(0) @binding(14) var<storage, read> tiles: array<vec2<u32>>;
@@ -62,6 +61,16 @@ struct Near {
 @group(0) @binding(17) var<storage, read> sills: array<f32>;
 
 const CHUNK: u32 = 8u;
+
+fn front(n: u32) -> Front {
+    let v = fronts[n];
+    return Front(v.x, v.y, bitcast<f32>(v.z), bitcast<f32>(v.w));
+}
+
+fn front_more(n: u32) -> FrontMore {
+    let v = front_mores[n];
+    return FrontMore(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
+}
 
 // What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {
@@ -73,6 +82,12 @@ struct Slopes {
     column: i32,
     fixed_row: i32,
     fixed_column: i32,
+    // What every candidate is asked with: read once, since software adapters read a uniform lane by lane in a loop.
+    fixed: vec2<f32>,
+    error: vec3<f32>,
+    depth: f32,
+    unit: f32,
+    slack: f32,
 }
 
 // A winner's answer. The depth is the centre's depth (0 for a near sphere) plus offset; it lies between low and high.
@@ -101,5 +116,10 @@ fn slopes(i: u32, j: u32) -> Slopes {
     let a = 1.0 + x * x + y * y;
     let row = i32(i);
     let column = i32(j);
-    return Slopes(x, y, a, 1.0 / a, row, column, row << lens.shift, column << lens.shift);
+    let fixed = vec2<f32>(lens.fixed_x, lens.fixed_y);
+    let error = vec3<f32>(lens.error0, lens.error1, lens.error2);
+    let shift = lens.shift;
+    return Slopes(
+        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, lens.depth, lens.unit, lens.slack,
+    );
 }

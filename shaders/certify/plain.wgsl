@@ -5,12 +5,12 @@ fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
         k = keep(k, near_low(s, nears[slot]), NEAR | slot);
     }
     for (var first = range.x; first < range.y; first += CHUNK) {
-        if (is_behind(k, sills[first / CHUNK])) {
+        if (is_behind(s, k, sills[first / CHUNK])) {
             k.second = min(k.second, sills[first / CHUNK]);
             break;
         }
         for (var n = 0u; n < CHUNK; n++) {
-            k = keep(k, front_low(s, fronts[first + n]), first + n);
+            k = keep(k, front_low(s, front(first + n)), first + n);
         }
     }
     return k;

@@ -30,7 +30,7 @@ fn render(tile: vec3<u32>, index: u32) {
     let answer = judge(s, k);
     let hit = Hit(answer.offset, answer.id);
     certified_normal = answer.normal;
-    if (k.slot != NONE && !certain(answer, k)) {
+    for (var once = k.slot != NONE && !certain(answer, k); once; once = false) {
         let place = atomicAdd(&unsure.count, 1u);
         let limit = select(MISS, answer.high + VANISH, answer.hits);
         unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));

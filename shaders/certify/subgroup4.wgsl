@@ -7,7 +7,7 @@ fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
     }
     for (var first = range.x; first < range.y; first += CHUNK) {
         let sill = sills[first / CHUNK];
-        let behind = is_behind(k, sill);
+        let behind = is_behind(s, k, sill);
         k.second = select(k.second, min(k.second, sill), behind);
         if (subgroupAll(behind)) {
             break;
@@ -19,7 +19,7 @@ fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
 }
 
 fn share(s: Slopes, start: Kept, first: u32) -> Kept {
-    let mine = fronts[first + lane];
+    let mine = front(first + lane);
     var k = start;
     k = keep(k, front_low(s, share0(mine)), first + 0u);
     k = keep(k, front_low(s, share1(mine)), first + 1u);

@@ -7,12 +7,12 @@ fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
     }
     for (var first = range.x; first < range.y; first += CHUNK) {
         let sill = sills[first / CHUNK];
-        let behind = is_behind(k, sill);
+        let behind = is_behind(s, k, sill);
         k.second = select(k.second, min(k.second, sill), behind);
         if (subgroupAll(behind)) {
             break;
         }
-        let mine = fronts[first + lane];
+        let mine = front(first + lane);
         k = keep(k, front_low(s, share0(mine)), first + 0u);
         k = keep(k, front_low(s, share1(mine)), first + 1u);
         k = keep(k, front_low(s, share2(mine)), first + 2u);

@@ -20,8 +20,6 @@ pub(crate) struct FrontRecord {
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct FrontMoreRecord {
     pub(crate) rest: [f32; 2],
-    pub(crate) column: i32,
-    pub(crate) row: i32,
     pub(crate) center: f32,
     pub(crate) id: u32,
 }
@@ -34,8 +32,6 @@ pub(crate) struct Front<R> {
     rho: R,
     low: R,
     rest: [R; 2],
-    column: i32,
-    row: i32,
     center: R,
     pub(crate) id: u32,
 }
@@ -48,8 +44,6 @@ impl<R: Real> Front<R> {
             rho: R::exact(f.rho),
             low: R::exact(f.low),
             rest: more.rest.map(R::exact),
-            column: more.column,
-            row: more.row,
             center: R::exact(more.center),
             id: more.id,
         }
@@ -89,8 +83,10 @@ pub(super) struct Weighed<R> {
 /// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
 pub(super) fn front_weigh<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
-    let dx = (R::whole(s.column - f.column) - f.rest[0]) * c(lens.step_x);
-    let dy = (R::whole(f.row - s.row) - f.rest[1]) * c(lens.step_y);
+    let half = 1 << (lens.shift - 1);
+    let [column, row] = [f.x, f.y].map(|fixed| (fixed + half) >> lens.shift);
+    let dx = (R::whole(s.column - column) - f.rest[0]) * c(lens.step_x);
+    let dy = (R::whole(row - s.row) - f.rest[1]) * c(lens.step_y);
     let disc = front_discriminant(s, f.rho, [dx, dy]);
     let slant2 = s.x * s.x + s.y * s.y;
     let o2 = dx * dx + dy * dy;

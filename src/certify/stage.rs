@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::exact;
 use crate::scene::Scene;
 use crate::view::View;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// The unit roundoff of WGSL: 2^-23, since it may round either way.
@@ -40,6 +41,13 @@ const UNKNOWN: f32 = (1u64 << 60) as f32;
 const SLACK: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
 /// The bounds' own roundings, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
+/// Columns go with u, rows against v.
+const SIGNS: [f64; 2] = [1.0, -1.0];
+/// Pixels of error in a projected centre that f64 may leave; and that double-double may start from, 2^40 of these.
+const LONG: f64 = 1.0 / (1u64 << 27) as f64;
+const LONGEST: f64 = (1 << 13) as f64;
+/// 1.5 * 2^52: a sum with it is rounded to a whole number, which is in its last bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
 /// What a sphere's place in the image is widened by, in pixels and relative to its radius: far more than the host's f64
 /// is off by (2^-27 pixels, 2^-43), far less than makes a list longer.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
@@ -50,9 +58,36 @@ pub(crate) struct Stage {
     pub(crate) lens: LensRecord,
     pub(crate) lists: Lists,
     pub(crate) nears: Vec<NearRecord>,
-    /// Depth of each sphere's centre in the scene's unit, 0 for near spheres; by id. A hit's depth is this plus its
-    /// offset.
-    pub(crate) depths: Vec<f64>,
+}
+
+/// c - e in world space and in the camera: right, up, forward; in f64.
+fn moved(basis: &Basis, center: [f64; 3]) -> (DVec3, [f64; 3]) {
+    let p = DVec3::from_array(center) - basis.e;
+    (p, [p.dot(basis.u), p.dot(basis.v), -p.dot(basis.w)])
+}
+
+/// What a certified hit's depth is counted from.
+pub(crate) struct Depths<'a> {
+    basis: Basis,
+    centers: &'a [[f64; 3]],
+    nears: &'a [NearRecord],
+}
+
+impl<'a> Depths<'a> {
+    /// Of the spheres of `scene`, some of them staged as near ones.
+    pub(crate) fn new(scene: &'a Scene, view: &View, stage: Option<&'a Stage>) -> Self {
+        let nears = stage.map_or(&[][..], |stage| &stage.nears);
+        Self { basis: view.basis, centers: &scene.spheres.centers, nears }
+    }
+
+    /// Depth of a front sphere's centre in the scene's unit, as it was staged; 0 for a near sphere. A hit's depth is
+    /// this plus its offset.
+    pub(crate) fn of(&self, id: u32) -> f64 {
+        if self.nears.binary_search_by_key(&id, |near| near.id).is_ok() {
+            return 0.0;
+        }
+        self.centers.get(id as usize).map_or(0.0, |center| moved(&self.basis, *center).1[2])
+    }
 }
 
 /// A sphere, staged.
@@ -68,11 +103,10 @@ struct Projected {
     depth: f64,
     depth_error: f64,
     fixed: [i32; 2],
-    pixel: [i32; 2],
     rest: [f32; 2],
     rho: f64,
-    /// Largest |d|^2 of the rays that may meet it.
-    widest: f64,
+    /// Largest slopes of the rays that may meet it.
+    steepest: [f64; 2],
     /// First and last column and row of the tiles in which they are.
     tiles: [[u32; 2]; 2],
 }
@@ -84,6 +118,13 @@ struct Batch {
     nears: Vec<NearRecord>,
     /// Least and largest depth of the front spheres.
     range: Option<(f64, f64)>,
+}
+
+/// How steep some rays may be: bounds of |(x, y)|, |d| and |d|^2.
+struct Steepness {
+    slant: f64,
+    length: f64,
+    square: f64,
 }
 
 /// The camera in f64, and the constants of the bounds that are the same for all front spheres.
@@ -100,6 +141,16 @@ struct Lens {
     shift: u32,
     /// Largest |d|^2 of the image.
     widest: f64,
+    all: Steepness,
+    /// 1 / (2 slope): pixels for each unit of slope.
+    per_slope: [f64; 2],
+    /// Largest slopes of the image.
+    edge: [f64; 2],
+    /// Pixels beyond which a projected centre has no fixed-point form, or differences to it are no longer exact.
+    farthest: f64,
+    /// 2^shift, and 2^-frame.
+    fixed: f64,
+    to_frame: f64,
     /// Error of a fixed-point centre and of a winner's, unit of rho.
     coarse: f64,
     fine: f64,
@@ -121,18 +172,17 @@ impl Stage {
         if narrow || lens.widest > UNBOUNDED {
             return Ok(None);
         }
-        let mut depths = vec![0.0; scene.spheres.len()];
-        let mut batches = lens.batches(scene, 0.0, &mut depths);
+        let mut batches = lens.batches(scene, 0.0);
         let reference = reference(&batches);
         if reference > 0.0 {
-            batches = lens.batches(scene, reference, &mut depths);
+            batches = lens.batches(scene, reference);
         }
         let mut record = lens.record(reference, tolerance);
         let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
         record.nears = nears.len() as u32;
         let placed: Vec<_> = batches.into_iter().map(|batch| batch.placed).collect();
         let lists = Lists::new(&placed, [width, height], level);
-        Ok(Some(Self { lens: record, lists, nears, depths }))
+        Ok(Some(Self { lens: record, lists, nears }))
     }
 }
 
@@ -152,8 +202,8 @@ impl Lens {
         let diagonal = step[0].hypot(step[1]) * host * (1.0 + 2f64.powi(-20));
         // Rounding to fixed point and what is left of the host's error: half a unit each.
         let coarse = diagonal * 2f64.powi(-(shift as i32));
-        // The rest's rounding, 2^-26, and the host's error, 2^-27 and 2^-28.
-        let fine = diagonal * 1.75 * 2f64.powi(-26);
+        // The rest's rounding, 2^-25 since it may be a little more than half, and the host's error, 2^-27 and 2^-28.
+        let fine = diagonal * 2.75 * 2f64.powi(-26);
         // Section 2 of docs/certificate.md: R = a1 rho + a2 e, and the roundings within it.
         let [ball, offset] =
             [terms.ball, terms.offset].map(|[alone, each]| f64::from(alone) + f64::from(each) * (m - 1.0));
@@ -172,6 +222,12 @@ impl Lens {
             unit,
             shift,
             widest: m,
+            all: Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m },
+            per_slope: slope.map(|s| 0.5 / s),
+            edge,
+            farthest: (dd::ldexp(1.0, (FIXED_BITS - shift) as i32) - 1.0).min(FARTHEST),
+            fixed: dd::ldexp(1.0, shift as i32),
+            to_frame: dd::ldexp(1.0, -view.unit),
             coarse,
             fine,
             errors,
@@ -203,12 +259,10 @@ impl Lens {
         }
     }
 
-    /// Stages all spheres; the depths of the centres go to `depths`, those of front spheres are kept relative to
-    /// `reference`.
-    fn batches(&self, scene: &Scene, reference: f32, depths: &mut [f64]) -> Vec<Batch> {
+    /// Stages all spheres; depths of front spheres are kept relative to `reference`.
+    fn batches(&self, scene: &Scene, reference: f32) -> Vec<Batch> {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
-        let all = spheres.zip(depths.par_chunks_mut(TOGETHER)).enumerate();
-        all.map(|(n, ((centers, radii), depths))| {
+        let stage = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
             let mut batch = Batch { placed: Vec::with_capacity(centers.len()), ..Batch::default() };
             for (k, (center, radius)) in centers.iter().zip(radii).enumerate() {
                 let id = (n * TOGETHER + k) as u32;
@@ -216,7 +270,6 @@ impl Lens {
                     Staged::Unseen => {}
                     Staged::Near(record) => batch.nears.push(record),
                     Staged::Front(p) => {
-                        depths[k] = dd::ldexp(p.depth, self.frame);
                         let (least, most) = batch.range.unwrap_or((p.depth, p.depth));
                         batch.range = Some((least.min(p.depth), most.max(p.depth)));
                         batch.placed.push(self.place(id, &p, reference));
@@ -224,8 +277,8 @@ impl Lens {
                 }
             }
             batch
-        })
-        .collect()
+        };
+        spheres.enumerate().map(stage).collect()
     }
 
     fn place(&self, id: u32, p: &Projected, reference: f32) -> Placed {
@@ -233,37 +286,40 @@ impl Lens {
         let low = not_above(center - self.depth_error(p, center));
         // The kernel's lower bound is low minus total times size: at most these, and what rounds.
         let size = (f64::from(low) + f64::from(reference)) * self.unit;
-        let most = INFLATE * self.total(p.rho, p.widest)[0] * size;
+        // Bounds of its own rays, without roots: |(x, y)| <= |x| + |y|, sqrt(1 + x) <= 1 + x / 2.
+        let [x, y] = p.steepest;
+        let square = (x * x + y * y).min(self.widest - 1.0);
+        let rays = Steepness { slant: (x + y).min(self.all.slant), length: 1.0 + 0.5 * square, square: 1.0 + square };
+        let most = INFLATE * self.total(p.rho, &rays)[0] * size;
         let sill = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
-        let [column, row] = p.pixel;
         Placed {
             front: FrontRecord { x: p.fixed[0], y: p.fixed[1], rho: p.rho as f32, low },
-            more: FrontMoreRecord { rest: p.rest, column, row, center: center as f32, id },
+            more: FrontMoreRecord { rest: p.rest, center: center as f32, id },
             sill: not_above(sill),
             tiles: p.tiles,
         }
     }
 
-    /// Beyond this offset of a ray from the projected centre a miss is certain, whatever rounds, where |d|^2 is at most
-    /// `widest`.
-    fn reach(&self, rho: f64, widest: f64) -> f64 {
-        (2.0 * widest).sqrt() * rho + 16.0 * widest * self.coarse
+    /// Beyond this offset from the projected centre a miss is certain for `rays`, whatever rounds.
+    fn reach(&self, rho: f64, rays: &Steepness) -> f64 {
+        std::f64::consts::SQRT_2 * rays.length * rho + 16.0 * rays.square * self.coarse
     }
 
     /// |slope along the offset| + root of a candidate, at most; and the root alone.
-    fn total(&self, rho: f64, widest: f64) -> [f64; 2] {
+    fn total(&self, rho: f64, rays: &Steepness) -> [f64; 2] {
         let error = self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]);
-        let root = widest.sqrt() * rho + (2.0 * error).sqrt();
-        [(widest - 1.0).sqrt() * self.reach(rho, widest) + root, root]
+        let root = rays.length * rho + (2.0 * error).sqrt();
+        [rays.slant * self.reach(rho, rays) + root, root]
     }
 
     /// Bound of all errors of a candidate's depth, frame's unit.
     fn depth_error(&self, p: &Projected, center: f64) -> f64 {
-        let [total, root] = self.total(p.rho, self.widest);
-        let slant = (self.widest - 1.0).sqrt();
+        let [total, root] = self.total(p.rho, &self.all);
+        let slant = self.all.slant;
         let [whole, each, along, of_root, of_center] = self.terms.depth.map(f64::from);
-        let roundings =
-            (whole + each * (self.widest - 1.0)) * total + along * slant * self.reach(p.rho, self.widest) + of_root * root;
+        let roundings = (whole + each * (self.widest - 1.0)) * total
+            + along * slant * self.reach(p.rho, &self.all)
+            + of_root * root;
         let size = p.depth * self.unit;
         let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + p.depth_error;
         // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
@@ -271,10 +327,8 @@ impl Lens {
     }
 
     fn stage(&self, id: u32, center: [f64; 3], radius: f64) -> Staged {
-        let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
-        let p = glam::DVec3::from_array(away.map(|a| a.hi));
-        let error = ROTATED * (p.x.abs() + p.y.abs() + p.z.abs());
-        let p = [p.dot(self.basis.u), p.dot(self.basis.v), -p.dot(self.basis.w)];
+        let (away, p) = moved(&self.basis, center);
+        let error = ROTATED * (away.x.abs() + away.y.abs() + away.z.abs());
         let [x, y, z] = p;
         if z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0 {
             return Staged::Unseen;
@@ -283,70 +337,81 @@ impl Lens {
         let front = z > 1.001 * radius && length2 > 4.0 * radius * radius && length2 < 4096.0 * z * z;
         if front
             && self.widest <= WIDEST
-            && let Some(staged) = self.project(away, p, error, radius)
+            && let Some(staged) = self.project(center, p, error, radius)
         {
             return staged;
         }
-        Staged::Near(self.near(id, away, p, center, radius))
+        Staged::Near(self.near(id, p, center, radius))
     }
 
     /// The projected centre; `None` where a number leaves the range of the bounds.
-    fn project(&self, away: Dd3, [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
+    fn project(&self, center: [f64; 3], [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
         let rho = radius / (z * self.unit);
-        let depth = dd::ldexp(z, -self.frame);
+        let depth = z * self.to_frame;
         let small = |x: f64| (2f64.powi(-60)..2f64.powi(60)).contains(&x);
-        if !small(rho) || !small(depth * self.unit) || self.total(rho, self.widest)[0] * self.unit > STEEPEST {
+        if !small(rho) || !small(depth * self.unit) || self.total(rho, &self.all)[0] * self.unit > STEEPEST {
             return None;
         }
         // Pixels of error that the f64 rotation leaves in the projected centre.
-        let blur = |q: f64, slope: f64| (error * (1.0 + q.abs()) / z + 4.0 * U64 * q.abs()) / (2.0 * slope);
-        let mut q = [x / z, y / z].map(Dd::from);
-        if (0..2).any(|k| blur(q[k].hi, self.slope[k]) > 2f64.powi(-27)) {
+        let far = error / z;
+        let blur = |q: f64, k: usize| (far * (1.0 + q.abs()) + 4.0 * U64 * q.abs()) * self.per_slope[k];
+        let q = [x / z, y / z];
+        // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down. 2^-29 pixels are lost here, 2^22 from the
+        // image at most.
+        let mut place = [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]);
+        let mut low = [0.0; 2];
+        if blur(q[0], 0).max(blur(q[1], 1)) > LONG {
             // A long lens: once more in double-double, which leaves less than 2^-40 of it.
+            let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
             let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
-            q = [x / z, y / z];
-            if (0..2).any(|k| blur(q[k].hi, self.slope[k]) > 2f64.powi(13)) {
+            let q = [x / z, y / z];
+            if blur(q[0].hi, 0).max(blur(q[1].hi, 1)) > LONGEST {
                 return None;
             }
+            for k in 0..2 {
+                let at = q[k] / self.slope[k].into() * SIGNS[k].into() + (self.size[k] - 1.0).into();
+                (place[k], low[k]) = (0.5 * at.hi, 0.5 * at.lo);
+            }
         }
-        let reach = self.reach(rho, self.widest);
+        let reach = self.reach(rho, &self.all);
         // Slopes of the rays that may meet it: those of its centre, and as far beyond as it reaches.
-        let steepest = [0, 1].map(|k| (q[k].hi.abs() + reach * self.unit).min(self.slope[k] * self.size[k]));
+        let steepest = [0, 1].map(|k| (q[k].abs() + reach * self.unit).min(self.edge[k]));
         let mut p = Projected {
             depth,
-            depth_error: dd::ldexp(error, -self.frame) + U64 * depth,
+            depth_error: error * self.to_frame + U64 * depth,
             fixed: [0; 2],
-            pixel: [0; 2],
             rest: [0.0; 2],
             rho,
-            widest: (1.0 + steepest[0] * steepest[0] + steepest[1] * steepest[1]).min(self.widest),
+            steepest,
             tiles: [[0; 2]; 2],
         };
         let mut seen = true;
         for k in 0..2 {
-            // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down.
-            let sign = if k == 0 { 1.0 } else { -1.0 };
-            let at = (q[k] / self.slope[k].into() * sign.into() + (self.size[k] - 1.0).into()) * 0.5.into();
-            let place = at.value();
-            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2.
-            let half = rho * (1.0 + steepest[k] * steepest[k]).sqrt() * WIDEN[1] / self.step[k] + WIDEN[0];
-            let first = (place - half).ceil().max(0.0);
-            let last = (place + half).floor().min(self.size[k] - 1.0);
-            seen &= first <= last;
-            let fixed = dd::ldexp(place, self.shift as i32).round();
-            let whole = place.round();
-            if fixed.abs() >= f64::from(1u32 << FIXED_BITS) || whole.abs() > FARTHEST {
+            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2; and
+            // sqrt(1 + x) <= 1 + x / 2.
+            let half = rho * (1.0 + 0.5 * steepest[k] * steepest[k]) * WIDEN[1] / self.step[k] + WIDEN[0];
+            let (from, to) = (place[k] - half, place[k] + half);
+            seen &= to >= 0.0 && from <= self.size[k] - 1.0;
+            if place[k].abs() >= self.farthest {
                 return (!seen).then_some(Staged::Unseen);
             }
-            p.fixed[k] = fixed as i32;
-            p.pixel[k] = whole as i32;
-            p.rest[k] = ((at - whole.into()).value() * sign) as f32;
+            // Conversions cut off; the first pixel inside is one more, except at a pixel.
+            let first = from.max(0.0) as i64;
+            let first = first + i64::from((first as f64) < from);
+            let last = to.min(self.size[k] - 1.0) as i64;
+            seen &= first <= last;
+            // Fixed-point centres are far smaller than 2^51.
+            let fixed = (place[k] * self.fixed + ROUND).to_bits() as i32;
+            let whole = fixed.wrapping_add(1 << (self.shift - 1)) >> self.shift;
+            p.fixed[k] = fixed;
+            p.rest[k] = (SIGNS[k] * ((place[k] - f64::from(whole)) + low[k])) as f32;
             p.tiles[k] = [first, last].map(|pixel| pixel as u32 / TILE);
         }
         Some(if seen { Staged::Front(p) } else { Staged::Unseen })
     }
 
-    fn near(&self, id: u32, away: Dd3, p: [f64; 3], center: [f64; 3], radius: f64) -> NearRecord {
+    fn near(&self, id: u32, p: [f64; 3], center: [f64; 3], radius: f64) -> NearRecord {
+        let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
         let largest = away.iter().fold(radius, |m, a| m.max(a.hi.abs()));
         let k = dd::exponent(largest);
         let r = dd::ldexp(radius, -k);

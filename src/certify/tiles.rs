@@ -26,7 +26,7 @@ const SPARE: u64 = 1 << 21;
 
 /// What fills a list up: far outside the image, with no radius.
 const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
-const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], column: 0, row: 0, center: 0.0, id: NONE };
+const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], center: 0.0, id: NONE };
 
 /// A front sphere, ready to be binned.
 #[derive(Debug, Clone, Copy)]
@@ -40,12 +40,11 @@ pub(crate) struct Placed {
 }
 
 /// The candidates of every tile.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Lists {
-    /// Tiles in a row.
-    pub(crate) columns: u32,
-    /// Of every tile, row by row: its first entry, and the one past its last.
-    pub(crate) ranges: Vec<[u32; 2]>,
+    grid: Grid,
+    /// One past the last entry of every cell of the grid; the next cell's begin there.
+    ends: Vec<u32>,
     /// What every candidate is asked.
     pub(crate) fronts: Vec<FrontRecord>,
     /// What only a winner is asked.
@@ -58,35 +57,37 @@ impl Lists {
     /// Bins `placed`, in runs of at most [`TOGETHER`], for an image of `size` pixels. Squares of 2^`level` tiles, or
     /// larger ones, share a list.
     pub(crate) fn new(placed: &[Vec<Placed>], size: [u32; 2], level: u32) -> Self {
-        let [columns, rows] = size.map(|n| n.div_ceil(TILE));
+        let tiles = size.map(|n| n.div_ceil(TILE));
         let count: usize = placed.iter().map(Vec::len).sum();
         let fits = |level: &u32| *level >= WHOLE || entries(placed, *level) <= 8 * count as u64 + SPARE;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
-        let grid = Grid { level, columns: ((columns - 1) >> level) + 1, rows: ((rows - 1) >> level) + 1 };
+        let [columns, rows] = tiles.map(|n| ((n - 1) >> level) + 1);
+        let grid = Grid { level, tiles: tiles[0], columns, rows };
         let (keys, starts) = grid.scatter(placed);
-        let mut lists = Self::gather(placed, &keys, &starts);
-        let starts = std::mem::take(&mut lists.ranges);
-        lists.columns = columns;
-        let range = |tile: u32| starts[grid.cell(tile % columns, tile / columns)];
-        lists.ranges = (0..columns * rows).into_par_iter().map(range).collect();
-        lists
+        Self::gather(grid, placed, &keys, &starts)
     }
 
-    /// The entries of the tile that holds the pixel of `row` and `column`.
-    pub(crate) fn range(&self, row: i32, column: i32) -> std::ops::Range<usize> {
-        let tile = row as u32 / TILE * self.columns + column as u32 / TILE;
-        let [first, end] = self.ranges.get(tile as usize).copied().unwrap_or_default();
-        first as usize..end as usize
+    /// The entries of the tile that holds the pixel of `row` and `column`: the first, and the one past the last.
+    pub(crate) fn range(&self, row: u32, column: u32) -> [u32; 2] {
+        let cell = self.grid.cell(column / TILE, row / TILE);
+        let first = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
+        [first, self.ends[cell]]
     }
 
-    /// The ranges of the tiles that `count` rows of pixels touch from row `first` on, a multiple of [`TILE`].
-    pub(crate) fn rows(&self, first: u32, count: u32) -> &[[u32; 2]] {
-        let tiles = |rows: u32| (rows.div_ceil(TILE) * self.columns) as usize;
-        &self.ranges[tiles(first)..tiles(first + count)]
+    /// The same for every tile, row by row, that `count` rows of pixels touch from row `first` on, a multiple of
+    /// [`TILE`].
+    pub(crate) fn rows(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
+        let rows = (first..first + count).step_by(TILE as usize);
+        rows.flat_map(move |row| (0..self.grid.tiles).map(move |tile| self.range(row, tile * TILE)))
     }
 
-    /// Sorts each list and writes it out, padded; `ranges` holds one range per cell yet.
-    fn gather(placed: &[Vec<Placed>], keys: &[AtomicU64], starts: &[u32]) -> Self {
+    /// Entries of an average tile.
+    pub(crate) fn mean(&self) -> u64 {
+        (self.fronts.len() / self.ends.len().max(1)) as u64
+    }
+
+    /// Sorts each list and writes it out, padded.
+    fn gather(grid: Grid, placed: &[Vec<Placed>], keys: &[AtomicU64], starts: &[u32]) -> Self {
         let mut ends = Vec::with_capacity(starts.len());
         let mut end = 0;
         for pair in starts.windows(2) {
@@ -115,7 +116,11 @@ impl Lists {
         jobs.into_par_iter().for_each_init(Vec::new, |sorted: &mut Vec<u64>, (keys, fronts, mores, sills)| {
             sorted.clear();
             sorted.extend(keys.iter().map(|key| key.load(Ordering::Relaxed)));
-            if sorted.len() > TOGETHER { sorted.par_sort_unstable() } else { sorted.sort_unstable() }
+            if sorted.len() > TOGETHER {
+                sorted.par_sort_unstable()
+            } else {
+                sorted.sort_unstable()
+            }
             fronts[keys.len()..].fill(NOTHING);
             mores[keys.len()..].fill(NOTHING_MORE);
             for (n, &key) in sorted.iter().enumerate() {
@@ -126,8 +131,7 @@ impl Lists {
                 }
             }
         });
-        let ranges = ends.iter().scan(0, |first, &end| Some([std::mem::replace(first, end), end])).collect();
-        Self { columns: 0, ranges, fronts, mores, sills }
+        Self { grid, ends, fronts, mores, sills }
     }
 }
 
@@ -137,9 +141,12 @@ fn entries(placed: &[Vec<Placed>], level: u32) -> u64 {
     placed.par_iter().flatten_iter().map(|p| cells(p.tiles[0]) * cells(p.tiles[1])).sum()
 }
 
-/// Squares of tiles that share a list.
+/// Squares of 2^level tiles a side that share a list: cells.
+#[derive(Debug, Clone, Copy)]
 struct Grid {
     level: u32,
+    /// Tiles in a row; cells in a row and in a column.
+    tiles: u32,
     columns: u32,
     rows: u32,
 }

@@ -1,5 +1,6 @@
 //! What a kernel leaves behind, and the frame made of it.
 
+use crate::certify::stage::Depths;
 use crate::error::{Error, Result};
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
@@ -68,7 +69,7 @@ pub(crate) struct Answers<'a> {
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
     /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for the others.
-    pub(crate) depths: Option<&'a [f64]>,
+    pub(crate) depths: Option<Depths<'a>>,
     /// In the order of pixels.
     pub(crate) settled: &'a [Settled],
 }
@@ -155,7 +156,7 @@ impl Answers<'_> {
                         let [u, v, w] = self.view.direction(i, j);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
-                        let depth = self.depths.map_or(-w * t, |depths| depths.get(id as usize).unwrap_or(&0.0) + t);
+                        let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);
                         hit(pixel, [u / -w, v / -w, -1.0], depth)
                     };
                 }

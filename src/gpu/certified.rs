@@ -20,9 +20,9 @@ const HEAD: u64 = 8;
 const ENTRY: u64 = 8;
 
 /// Entries of the tiles' lists that a band's rows reach: first and one past the last.
-fn reach(ranges: &[[u32; 2]]) -> [usize; 2] {
-    let some = ranges.iter().filter(|[first, end]| first < end);
-    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
+fn reach(ranges: impl Iterator<Item = [u32; 2]>) -> [usize; 2] {
+    let some = ranges.filter(|[first, end]| first < end);
+    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(first), b.max(end)]);
     if first < end { [first as usize, end as usize] } else { [0, 0] }
 }
 
@@ -37,8 +37,8 @@ impl Gpu {
     pub(super) fn upload_lists(&mut self, stage: &Stage, band: &Band) -> Result<()> {
         let lists = &stage.lists;
         let [first, end] = reach(lists.rows(band.first, band.count));
-        let own = |[a, b]: &[u32; 2]| if a < b { [a - first as u32, b - first as u32] } else { [0; 2] };
-        let tiles: Vec<_> = lists.rows(band.first, band.count).iter().map(own).collect();
+        let own = |[a, b]: [u32; 2]| if a < b { [a - first as u32, b - first as u32] } else { [0; 2] };
+        let tiles: Vec<_> = lists.rows(band.first, band.count).map(own).collect();
         self.fill_some("tiles", bytemuck::cast_slice(&tiles))?;
         self.fill_some("fronts", bytemuck::cast_slice(&lists.fronts[first..end]))?;
         self.fill_some("front_mores", bytemuck::cast_slice(&lists.mores[first..end]))?;

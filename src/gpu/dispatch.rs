@@ -215,7 +215,7 @@ impl Gpu {
         let most = self.limits.max_compute_workgroups_per_dimension;
         let tests = match input.stage {
             // What a pixel of an average tile may be asked.
-            Some(stage) => (stage.lists.fronts.len() / stage.lists.ranges.len().max(1)) as u64,
+            Some(stage) => stage.lists.mean(),
             None => u64::from(record.spheres),
         };
         let pixels = (binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));

@@ -76,8 +76,8 @@ mod tests {
     use crate::certify::LensRecord;
     use crate::certify::front::{FrontMoreRecord, FrontRecord};
     use crate::certify::near::NearRecord;
-    use crate::gpu::compose::{compose, constants};
     use crate::certify::tiles::{CHUNK, TILE};
+    use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
     use crate::plan::Rays;
@@ -211,7 +211,7 @@ mod tests {
         }
         same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance nears slack);
         same!(certified "Front", FrontRecord, x y rho low);
-        same!(certified "FrontMore", FrontMoreRecord, rest column row center id);
+        same!(certified "FrontMore", FrontMoreRecord, rest center id);
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));

@@ -81,7 +81,7 @@ impl Shot {
             site.scene.spheres.push(site.place((d * self.z * self.second).to_array()), self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
-        let stage = Stage::new(&site.scene, &view, 1e-5, terms, 0).ok()??;
+        let stage = Stage::new(&site.scene, &view, 1e-5, terms, super::claims::coarse(&site.scene)).ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
         let unit = match stage.nears.first() {
@@ -153,7 +153,8 @@ impl Staged {
         if near != self.is_near() || !near && !there {
             return f64::NAN;
         }
-        let twin = Certify::<R> { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears: Vec::new(), terms };
+        let twin =
+            Certify::<R> { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears: Vec::new(), terms };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);
         let over = |error: f64, bound: R| error.abs() / bound.value();
         let between = |low: R, high: R| {

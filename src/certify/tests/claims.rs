@@ -2,7 +2,8 @@
 
 use super::wild::Value;
 use crate::certify::near::Near;
-use crate::certify::stage::Stage;
+use crate::certify::stage::{Depths, Stage};
+use crate::certify::tiles::TILE;
 use crate::certify::{Certify, Terms};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact::{Judge, Truth};
@@ -43,7 +44,7 @@ impl Case {
     /// `None` where the stage leaves the scene to the judge.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let stage = Stage::new(&scene, &view, tolerance, terms, 0).expect("a stage")?;
+        let stage = Stage::new(&scene, &view, tolerance, terms, coarse(&scene)).expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -56,7 +57,7 @@ impl Case {
 
     /// The stage for other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> Stage {
-        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, 0);
+        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene));
         stage.expect("a stage").expect("a lens")
     }
 
@@ -70,6 +71,11 @@ impl Case {
     pub(super) fn depth(&self, truth: &Truth) -> f64 {
         dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.stage.lens.depth)
     }
+}
+
+/// The level of the lists at which a few squares make the image: its edges are tested, and many scenes fit into memory.
+pub(super) fn coarse(scene: &Scene) -> u32 {
+    (scene.image.width.max(scene.image.height) / TILE).max(4).ilog2() - 2
 }
 
 /// Whether the pixel was certain; or the claim that is false.
@@ -137,7 +143,7 @@ pub(super) fn check<R: Value>(
         return Err(format!("pixel {i} {j}: certain of {}, truth {:?}", answer.id, judged.nearest.map(|t| t.id)));
     };
     let depth = case.depth(&truth);
-    let center = case.stage.depths[answer.id as usize];
+    let center = Depths::new(&case.scene, &case.view, Some(&case.stage)).of(answer.id);
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
     let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit);
