@@ -118,6 +118,12 @@ pub(crate) struct Answer<R> {
     pub(crate) normal: [R; 3],
 }
 
+impl<R: Real> Answer<R> {
+    /// What is written where nobody can be hit.
+    pub(crate) const MISS: Self =
+        Self { sure: true, hits: true, id: NONE, offset: R::MISS, low: R::ZERO, high: R::ZERO, normal: [R::ZERO; 3] };
+}
+
 /// The two smallest lower bounds of depth, and whose the smallest is.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kept<R> {
@@ -157,6 +163,7 @@ impl<'a, R: Real> Certify<'a, R> {
 
 impl<R: Real> Certify<'_, R> {
     /// The ray of row `i`, column `j`.
+    #[inline(always)]
     pub(crate) fn slopes(&self, i: u32, j: u32) -> Slopes<R> {
         let odd = |n: i64| R::exact(n as f32);
         let x = odd(2 * i64::from(j) + 1 - i64::from(self.view.width)) * R::exact(self.lens.slope_x);
@@ -173,7 +180,7 @@ impl<R: Real> Certify<'_, R> {
         entries.map(|n| (front_low(s, self.lens, &self.front(n)), n as u32))
     }
 
-    fn near_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
+    pub(crate) fn near_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
         self.nears.iter().zip(0..).map(|(near, slot)| (near_low(s, near, self.terms), NEAR | slot))
     }
 

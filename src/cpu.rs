@@ -1,17 +1,18 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
-use crate::certify::stage::Stage;
-use crate::certify::{Certify, VANISH};
+mod certified;
+
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::nearest::nearest;
 use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
-use crate::settle::Unsure;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
 use rayon::prelude::*;
+
+pub(crate) use certified::certified;
 
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
@@ -30,84 +31,6 @@ pub(crate) fn render(
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
     kernel.method.dispatch(Frame { kernel, view, colors, raw, go_on });
-}
-
-/// Fills `raw` with certified answers; what cannot be proved comes back.
-pub(crate) fn certified(
-    kernel: &Kernel,
-    view: &View,
-    stage: &Stage,
-    colors: Option<&[[f32; 3]]>,
-    raw: &mut Raw,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Vec<Unsure> {
-    let certify = Certify::new(&view.record, stage);
-    let surface = Surface { view: &view.record, spheres: &[], colors };
-    let width = view.record.width as usize;
-    // A buffer that nobody asked for has no rows: its iterator ends at once.
-    let mut ts = raw.t.chunks_mut(width);
-    let mut widths = raw.width.chunks_mut(width);
-    let mut normals = raw.normal.chunks_mut(3 * width);
-    let mut rgbs = raw.color.chunks_mut(3 * width);
-    let rows: Vec<_> = raw
-        .id
-        .chunks_mut(width)
-        .map(|id| Row {
-            id,
-            t: ts.next().unwrap_or_default(),
-            width: widths.next().unwrap_or_default(),
-            normal: normals.next().unwrap_or_default(),
-            color: rgbs.next().unwrap_or_default(),
-        })
-        .collect();
-    let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
-    rows.flat_map_iter(|(i, row)| row.certify(i as u32, kernel, &certify, &surface)).collect()
-}
-
-/// One row of the kernel's buffers; those nobody asked for are empty.
-struct Row<'a> {
-    id: &'a mut [u32],
-    t: &'a mut [f32],
-    width: &'a mut [f32],
-    normal: &'a mut [f32],
-    color: &'a mut [f32],
-}
-
-impl Row<'_> {
-    /// The twin of certify/render.wgsl over a row; its unsure pixels come back.
-    fn certify(self, i: u32, kernel: &Kernel, certify: &Certify<'_, f32>, surface: &Surface<'_, f32>) -> Vec<Unsure> {
-        let mut unsure = Vec::new();
-        let background = certify.view.background;
-        for j in 0..self.id.len() {
-            let s = certify.slopes(i, j as u32);
-            let kept = certify.kept(&s);
-            let answer = (kept.slot != NONE).then(|| certify.judge(&s, &kept));
-            let hit = answer.map_or(Hit::NONE, |answer| Hit { t: answer.offset, id: answer.id });
-            if let Some(answer) = &answer
-                && !certify.certain(answer, &kept)
-            {
-                let pixel = i * certify.view.width + j as u32;
-                let limit = if answer.hits { answer.high + VANISH } else { f32::MAX };
-                unsure.push(Unsure { pixel, limit });
-            }
-            let ray = Ray { d: [s.x, s.y, -1.0] };
-            self.id[j] = hit.id;
-            if let Some(t) = self.t.get_mut(j) {
-                *t = hit.t;
-            }
-            if let Some(width) = self.width.get_mut(j) {
-                *width = answer.map_or(0.0, |answer| answer.high - answer.low);
-            }
-            if let Some(normal) = self.normal.get_mut(3 * j..3 * j + 3) {
-                normal.copy_from_slice(&answer.map_or([0.0; 3], |answer| surface.to_world(answer.normal)));
-            }
-            if let (Some(shade), Some(color)) = (kernel.shade, self.color.get_mut(3 * j..3 * j + 3)) {
-                let rgb = answer.map(|answer| surface.shade_normal(shade, &ray, answer.normal, answer.id));
-                color.copy_from_slice(&rgb.unwrap_or([background[0], background[1], background[2]]));
-            }
-        }
-        unsure
-    }
 }
 
 /// What becomes of a hit: three numbers per pixel.

@@ -37,11 +37,13 @@ pub fn viewing_ray<R: Real>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
 }
 
 /// x where it is positive, else 0.
+#[inline(always)]
 pub fn positive<R: Real>(x: R) -> R {
     if x > R::ZERO { x } else { R::ZERO }
 }
 
 /// a . b, summed x, y, z: the order is part of the answer's last bit.
+#[inline(always)]
 pub fn dot3<R: Real>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -52,17 +54,20 @@ pub fn cross3<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
 }
 
 /// a / |a|
+#[inline(always)]
 pub fn unit3<R: Real>(a: [R; 3]) -> [R; 3] {
     let length = dot3(a, a).sqrt();
     a.map(|x| x / length)
 }
 
 /// s a
+#[inline(always)]
 pub fn times<R: Real>(s: R, a: [R; 3]) -> [R; 3] {
     a.map(|x| s * x)
 }
 
 /// a - b
+#[inline(always)]
 pub fn minus<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

@@ -37,6 +37,7 @@ pub(crate) struct Front<R> {
 }
 
 impl<R: Real> Front<R> {
+    #[inline(always)]
     pub(crate) fn new(f: &FrontRecord, more: &FrontMoreRecord) -> Self {
         Self {
             x: f.x,
@@ -51,24 +52,24 @@ impl<R: Real> Front<R> {
 }
 
 /// a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
+#[inline(always)]
 fn front_discriminant<R: Real>(s: &Slopes<R>, rho: R, o: [R; 2]) -> R {
     let across = s.x * o[1] - s.y * o[0];
     s.a * (rho * rho) - (o[0] * o[0] + o[1] * o[1] + across * across)
 }
 
 /// A lower bound of the depth of the near root, or MISS for a certain miss.
+#[inline(always)]
 pub(crate) fn front_low<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>) -> R {
     let c = R::exact;
     let o = [R::whole(s.fixed_column - f.x) * c(lens.fixed_x), R::whole(f.y - s.fixed_row) * c(lens.fixed_y)];
     let disc = front_discriminant(s, f.rho, o);
     let error = c(lens.error0) + f.rho * (c(lens.error1) + f.rho * c(lens.error2));
-    if disc < -error {
-        return R::MISS;
-    }
     // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
     let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
     let size = (f.low + c(lens.depth)) * c(lens.unit);
-    f.low - total * (size * s.inverse)
+    let low = f.low - total * (size * s.inverse);
+    if disc < -error { R::MISS } else { low }
 }
 
 /// Offset, its square, slopes' square; the discriminant, and the bound of its error.
@@ -81,6 +82,7 @@ pub(super) struct Weighed<R> {
 }
 
 /// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
+#[inline(always)]
 pub(super) fn front_weigh<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let half = 1 << (lens.shift - 1);
@@ -98,6 +100,7 @@ pub(super) fn front_weigh<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R
 }
 
 /// The winner's answer and its bounds.
+#[inline(always)]
 pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>, terms: &Terms) -> Answer<R> {
     let c = R::exact;
     let Weighed { o: [dx, dy], o2, slant2, disc, error } = front_weigh(s, lens, f, terms);
@@ -120,6 +123,7 @@ pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<
     let k = (along + root) * s.inverse;
     let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
     let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse + c(UNIT) * c(4.0) * (total + o2.sqrt()) + e;
-    let sure = hits && off < c(NORMAL) * f.rho;
+    // & and not &&: nothing to skip, and compilers make vectors of it.
+    let sure = hits & (off < c(NORMAL) * f.rho);
     Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, normal }
 }

@@ -25,8 +25,8 @@ pub(crate) const WHOLE: u32 = 31;
 const SPARE: u64 = 1 << 21;
 
 /// What fills a list up: far outside the image, with no radius.
-const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
-const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], center: 0.0, id: NONE };
+pub(crate) const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
+pub(crate) const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], center: 0.0, id: NONE };
 
 /// A front sphere, ready to be binned.
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,263 @@
+//! The certified frame on the CPU path: eight pixels of a row at a time, written so that the compiler may take them
+//! together, in the widest vectors this processor has. Vectors round like the device's scalars: same operations, same bits.
+
+use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
+use crate::certify::near::near_answer;
+use crate::certify::stage::Stage;
+use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
+use crate::certify::{Answer, Certify, Kept, NEAR, Slopes, VANISH};
+use crate::frame::raw::Raw;
+use crate::plan::Kernel;
+use crate::ray::{NONE, Ray};
+use crate::settle::Unsure;
+use crate::shade::Surface;
+use crate::view::View;
+use pulp::NullaryFnOnce;
+use rayon::prelude::*;
+
+/// Pixels that are answered together: a row of a tile.
+const LANES: usize = crate::certify::tiles::TILE as usize;
+
+/// Fills `raw` with certified answers; what cannot be proved comes back. `go_on` is asked before every row.
+pub(crate) fn certified(
+    kernel: &Kernel,
+    view: &View,
+    stage: &Stage,
+    colors: Option<&[[f32; 3]]>,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Vec<Unsure> {
+    let certify = Certify::new(&view.record, stage);
+    let surface = Surface { view: &view.record, spheres: &[], colors };
+    let width = view.record.width as usize;
+    // A buffer that nobody asked for has no rows: its iterator ends at once.
+    let mut ts = raw.t.chunks_mut(width);
+    let mut widths = raw.width.chunks_mut(width);
+    let mut normals = raw.normal.chunks_mut(3 * width);
+    let mut rgbs = raw.color.chunks_mut(3 * width);
+    let rows: Vec<_> = raw
+        .id
+        .chunks_mut(width)
+        .map(|id| Row {
+            id,
+            t: ts.next().unwrap_or_default(),
+            width: widths.next().unwrap_or_default(),
+            normal: normals.next().unwrap_or_default(),
+            color: rgbs.next().unwrap_or_default(),
+        })
+        .collect();
+    let arch = pulp::Arch::new();
+    let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
+    let answer = |(i, mut row): (usize, Row<'_>)| {
+        let mut unsure = Vec::new();
+        for first in (0..width).step_by(LANES) {
+            let place = [i as u32, first as u32];
+            let (kept, answers) = arch.dispatch(Strip { certify: &certify, place });
+            row.write(place, kernel, &certify, &surface, &kept, &answers, &mut unsure);
+        }
+        unsure
+    };
+    rows.flat_map_iter(answer).collect()
+}
+
+/// Eight pixels of a row, from row and column `place` on. Those past the image's edge are answered and left alone.
+struct Strip<'a> {
+    certify: &'a Certify<'a, f32>,
+    place: [u32; 2],
+}
+
+impl NullaryFnOnce for Strip<'_> {
+    type Output = (Kepts, [Answer<f32>; LANES]);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let [i, first] = self.place;
+        let lanes = Lanes::new(self.certify, i, first);
+        let kept = lanes.kept(self.certify);
+        let answers = lanes.judge(self.certify, &kept);
+        (kept, answers)
+    }
+}
+
+/// The rays of a strip, number by number.
+struct Lanes {
+    /// What all of them have in common.
+    first: Slopes<f32>,
+    x: [f32; LANES],
+    a: [f32; LANES],
+    inverse: [f32; LANES],
+}
+
+/// The two smallest lower bounds of each, and whose the smallest is.
+struct Kepts {
+    low: [f32; LANES],
+    second: [f32; LANES],
+    slot: [u32; LANES],
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn new(certify: &Certify<'_, f32>, i: u32, first: u32) -> Self {
+        let each: [Slopes<f32>; LANES] = std::array::from_fn(|l| certify.slopes(i, first + l as u32));
+        Self { first: each[0], x: each.map(|s| s.x), a: each.map(|s| s.a), inverse: each.map(|s| s.inverse) }
+    }
+
+    #[inline(always)]
+    fn slopes(&self, shift: u32, l: usize) -> Slopes<f32> {
+        let column = self.first.column + l as i32;
+        let (x, a, inverse) = (self.x[l], self.a[l], self.inverse[l]);
+        Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
+    }
+
+    /// The twin of the search in certify/subgroup8.wgsl.
+    #[inline(always)]
+    fn kept(&self, certify: &Certify<'_, f32>) -> Kepts {
+        let mut k = Kepts { low: [f32::MAX; LANES], second: [f32::MAX; LANES], slot: [NONE; LANES] };
+        let (lens, lists) = (certify.lens, certify.lists);
+        for l in 0..LANES {
+            certify.near_lows(&self.slopes(lens.shift, l)).for_each(|(low, slot)| k.keep(l, low, slot));
+        }
+        let [first, end] = lists.range(self.first.row as u32, self.first.column as u32).map(|n| n as usize);
+        let chunks = lists.fronts[first..end].chunks_exact(CHUNK).zip(&lists.sills[first / CHUNK..end / CHUNK]);
+        for (n, (fronts, &sill)) in chunks.enumerate() {
+            let mut behind = true;
+            for l in 0..LANES {
+                let own = sill - k.low[l] > lens.slack * (lens.depth + k.low[l]);
+                k.second[l] = if own && sill < k.second[l] { sill } else { k.second[l] };
+                behind &= own;
+            }
+            if behind {
+                break;
+            }
+            for (slot, front) in (first + CHUNK * n..).zip(fronts) {
+                if *front == NOTHING {
+                    break;
+                }
+                let front = Front::<f32>::new(front, &NOTHING_MORE);
+                for l in 0..LANES {
+                    k.keep(l, front_low(&self.slopes(lens.shift, l), lens, &front), slot as u32);
+                }
+            }
+        }
+        k
+    }
+
+    /// The winners' answers.
+    #[inline(always)]
+    fn judge(&self, certify: &Certify<'_, f32>, k: &Kepts) -> [Answer<f32>; LANES] {
+        let shift = certify.lens.shift;
+        let mut answers = [Answer::MISS; LANES];
+        if k.slot.iter().any(|slot| slot & NEAR == 0) {
+            self.judge_fronts(certify, k, &mut answers);
+        }
+        for l in 0..LANES {
+            if k.slot[l] & NEAR != 0 && k.slot[l] != NONE {
+                let near = &certify.nears[(k.slot[l] & !NEAR) as usize];
+                answers[l] = near_answer(&self.slopes(shift, l), near, certify.terms);
+            }
+        }
+        answers
+    }
+
+    /// Number by number in and out: that is what compilers make vectors of.
+    #[inline(always)]
+    fn judge_fronts(&self, certify: &Certify<'_, f32>, k: &Kepts, answers: &mut [Answer<f32>; LANES]) {
+        let lists = certify.lists;
+        let winner = |l: usize| match k.slot[l] & NEAR {
+            0 => (lists.fronts[k.slot[l] as usize], lists.mores[k.slot[l] as usize]),
+            _ => (NOTHING, NOTHING_MORE),
+        };
+        let winners: [_; LANES] = std::array::from_fn(winner);
+        let (x, y, rho) = (winners.map(|w| w.0.x), winners.map(|w| w.0.y), winners.map(|w| w.0.rho));
+        let (rest_x, rest_y) = (winners.map(|w| w.1.rest[0]), winners.map(|w| w.1.rest[1]));
+        let center = winners.map(|w| w.1.center);
+        let mut flags = [[0u32; LANES]; 2];
+        let mut numbers = [[0.0f32; LANES]; 6];
+        for l in 0..LANES {
+            let front = FrontRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
+            let more = FrontMoreRecord { rest: [rest_x[l], rest_y[l]], center: center[l], id: 0 };
+            let front = Front::<f32>::new(&front, &more);
+            let a = front_answer(&self.slopes(certify.lens.shift, l), certify.lens, &front, certify.terms);
+            flags[0][l] = u32::from(a.sure);
+            flags[1][l] = u32::from(a.hits);
+            numbers[0][l] = a.offset;
+            numbers[1][l] = a.low;
+            numbers[2][l] = a.high;
+            numbers[3][l] = a.normal[0];
+            numbers[4][l] = a.normal[1];
+            numbers[5][l] = a.normal[2];
+        }
+        for l in 0..LANES {
+            if k.slot[l] & NEAR == 0 {
+                let [offset, low, high, x, y, z] = numbers.map(|number| number[l]);
+                let [sure, hits] = flags.map(|flag| flag[l] != 0);
+                answers[l] = Answer { sure, hits, id: winners[l].1.id, offset, low, high, normal: [x, y, z] };
+            }
+        }
+    }
+}
+
+impl Kepts {
+    #[inline(always)]
+    fn keep(&mut self, l: usize, low: f32, slot: u32) {
+        // Everything is written every time, by masks: no vector waits for a branch.
+        let (before, second) = (self.low[l], self.second[l]);
+        let mask = u32::from(low < before).wrapping_neg();
+        let farther = if low < before { before } else { low };
+        self.low[l] = if low < before { low } else { before };
+        self.second[l] = if farther < second { farther } else { second };
+        self.slot[l] ^= (self.slot[l] ^ slot) & mask;
+    }
+}
+
+/// One row of the kernel's buffers; those nobody asked for are empty.
+struct Row<'a> {
+    id: &'a mut [u32],
+    t: &'a mut [f32],
+    width: &'a mut [f32],
+    normal: &'a mut [f32],
+    color: &'a mut [f32],
+}
+
+impl Row<'_> {
+    /// What certify/render.wgsl writes; the unsure pixels go to `unsure`.
+    #[expect(clippy::too_many_arguments, reason = "a strip's answers, and all that a pixel is made of")]
+    fn write(
+        &mut self,
+        [i, first]: [u32; 2],
+        kernel: &Kernel,
+        certify: &Certify<'_, f32>,
+        surface: &Surface<'_, f32>,
+        kept: &Kepts,
+        answers: &[Answer<f32>; LANES],
+        unsure: &mut Vec<Unsure>,
+    ) {
+        let [red, green, blue, _] = certify.view.background;
+        let there = LANES.min(self.id.len() - first as usize);
+        for (l, answer) in answers[..there].iter().enumerate() {
+            let j = first as usize + l;
+            let hit = kept.slot[l] != NONE;
+            let k = Kept { low: kept.low[l], second: kept.second[l], slot: kept.slot[l] };
+            if hit && !certify.certain(answer, &k) {
+                let limit = if answer.hits { answer.high + VANISH } else { f32::MAX };
+                unsure.push(Unsure { pixel: i * certify.view.width + j as u32, limit });
+            }
+            self.id[j] = answer.id;
+            if let Some(t) = self.t.get_mut(j) {
+                *t = answer.offset;
+            }
+            if let Some(width) = self.width.get_mut(j) {
+                *width = answer.high - answer.low;
+            }
+            if let Some(normal) = self.normal.get_mut(3 * j..3 * j + 3) {
+                normal.copy_from_slice(&if hit { surface.to_world(answer.normal) } else { [0.0; 3] });
+            }
+            if let (Some(shade), Some(color)) = (kernel.shade, self.color.get_mut(3 * j..3 * j + 3)) {
+                let s = certify.slopes(i, j as u32);
+                let ray = Ray { d: [s.x, s.y, -1.0] };
+                let rgb = hit.then(|| surface.shade_normal(shade, &ray, answer.normal, answer.id));
+                color.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
+            }
+        }
+    }
+}
