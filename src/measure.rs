@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod picture;
 pub mod record;
+pub mod score;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
