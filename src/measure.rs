@@ -4,6 +4,7 @@ pub mod compare;
 pub mod picture;
 pub mod record;
 pub mod score;
+pub mod suite;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
