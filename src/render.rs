@@ -9,6 +9,7 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::memory;
 use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
@@ -120,6 +121,31 @@ impl Renderer {
         }
     }
 
+    /// What the adapter's arithmetic was measured to be; `None` for the reference path, which is what it should be.
+    ///
+    /// # Errors
+    /// What measuring it runs into.
+    pub fn verdict(&mut self) -> Result<Option<&Verdict>> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.verdict().map(Some),
+            Place::Cpu => Ok(None),
+        }
+    }
+
+    /// Whether kernels are timed by the device's own clock, beside the wall clock.
+    #[must_use]
+    pub fn has_clock(&self) -> bool {
+        matches!(&self.place, Place::Gpu(gpu) if gpu.has_clock())
+    }
+
+    /// How long kernels ran since this was last asked.
+    fn kernel_ms(&mut self) -> Option<f64> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.kernel_ms(),
+            Place::Cpu => None,
+        }
+    }
+
     /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
     /// looked at again.
     ///
@@ -177,7 +203,10 @@ impl Renderer {
             _ => None,
         };
         let mut raw = Raw::new(&plan.kernel, pixels)?;
+        // What ran before, a self-test say, is not this frame's.
+        self.kernel_ms();
         let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+        let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
         }
@@ -202,6 +231,7 @@ impl Renderer {
             warnings(scene, report.hits, expected.and_then(|expected| expected.warning(plan.kernel.method)));
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
+        report.kernel_ms = kernel_ms.into_iter().collect();
         Ok(frame)
     }
 

@@ -49,6 +49,8 @@ pub struct Report {
     /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first
     /// includes compiling the kernel.
     pub frame_ms: Vec<f64>,
+    /// The kernels' part of each of these frames by the adapter's own clock; empty where it offers none.
+    pub kernel_ms: Vec<f64>,
     /// Where the last frame's time went.
     pub stages_ms: BTreeMap<&'static str, f64>,
     /// What to be careful about, in whole sentences.

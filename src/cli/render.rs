@@ -118,12 +118,14 @@ impl Render {
         say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = renderer.render(&scene, &settings)?;
         let mut times = frame.report.frame_ms.clone();
+        let mut kernels = frame.report.kernel_ms.clone();
         for _ in 1..self.repeat.get() {
             drop(std::mem::take(&mut frame.buffers));
             frame = renderer.render(&scene, &settings)?;
             times.extend(&frame.report.frame_ms);
+            kernels.extend(&frame.report.kernel_ms);
         }
-        frame.report.frame_ms = times;
+        (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
         for warning in &frame.report.warnings {
             say(format_args!("warning: {warning}"));
         }

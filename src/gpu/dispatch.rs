@@ -3,6 +3,7 @@
 use crate::certify::stage::Stage;
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
+use crate::gpu::clock::Clock;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
@@ -31,6 +32,7 @@ pub(crate) struct Gpu {
     limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
+    clock: Option<Clock>,
     pub(super) verdict: Option<Verdict>,
 }
 
@@ -67,7 +69,8 @@ pub(super) struct Band {
 impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
-        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
+        let clock = Clock::new(&open);
+        Self { clock, summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
     }
 
     /// Fills `output` by `kernel`. `go_on` is asked between bands.
@@ -79,6 +82,16 @@ impl Gpu {
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
         self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
+    }
+
+    /// Whether kernels are timed.
+    pub(crate) fn has_clock(&self) -> bool {
+        self.clock.is_some()
+    }
+
+    /// How long kernels ran since this was last asked, milliseconds by the device's clock, if it has one.
+    pub(crate) fn kernel_ms(&mut self) -> Option<f64> {
+        self.clock.as_mut().map(Clock::take)
     }
 
     /// Does `work` and turns what the device complains of meanwhile into errors of ours.
@@ -254,7 +267,7 @@ impl Gpu {
     }
 
     /// One dispatch, and copies of what it wrote to where they can be read.
-    pub(super) fn submit(&self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
+    pub(super) fn submit(&mut self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
         let pipeline = &self.pipelines[kernel];
         let entries: Vec<_> = pipeline
             .bindings
@@ -273,7 +286,10 @@ impl Gpu {
             Some(Pass::Emit) => encoder.clear_buffer(&self.buffers["pairs"], 0, Some(8)),
         }
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: self.clock.as_ref().map(Clock::writes),
+            });
             pass.set_pipeline(&pipeline.compute);
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(groups.0, groups.1, 1);
@@ -282,8 +298,18 @@ impl Gpu {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
         }
+        if let Some(clock) = &self.clock {
+            clock.resolve(&mut encoder);
+        }
         self.open.queue.submit([encoder.finish()]);
-        self.wait()
+        if let Some(clock) = &self.clock {
+            clock.ask();
+        }
+        self.wait()?;
+        if let Some(clock) = &mut self.clock {
+            clock.add();
+        }
+        Ok(())
     }
 
     fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
