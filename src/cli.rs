@@ -2,6 +2,7 @@
 
 mod adapters;
 mod compare;
+mod measure;
 mod render;
 
 use clap::{Parser, Subcommand};
@@ -25,6 +26,7 @@ enum Command {
     Render(Box<render::Render>),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
+    Measure(Box<measure::Measure>),
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -45,6 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Measure(measure) => measure.run(),
     }
 }
 

@@ -19,6 +19,7 @@
 //! it. So whatever is predicted of a method as {outline, distance} must be at least {outline, the largest relative}.
 
 mod clearance;
+mod crop;
 #[cfg(test)]
 mod tests;
 
@@ -255,6 +256,11 @@ fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Score {
+    /// Counts the pixels of another picture as well. A map is of the first one alone.
+    pub fn add(&mut self, other: Self) {
+        self.pixels.extend(other.pixels);
+    }
+
     /// How each pixel stands, row by row.
     pub fn verdicts(&self) -> impl Iterator<Item = Verdict> + '_ {
         self.pixels.iter().map(|pixel| pixel.verdict)
@@ -286,15 +292,16 @@ impl Score {
         self.pixels.iter().filter_map(|pixel| pixel.of_bound).reduce(f64::max)
     }
 
-    /// Where it is wrong, in as many cells as a person can see.
+    /// Where the (first) picture is wrong, in as many cells as a person can see.
     #[must_use]
     pub fn map(&self) -> Map {
         let [width, height] = self.size;
+        let pixels = &self.pixels[..(width as usize * height as usize).min(self.pixels.len())];
         let cell = width.max(height).div_ceil(CELLS).max(1);
         let size = self.size.map(|side| side.div_ceil(cell));
         let cells = (size[0] * size[1]) as usize;
         let mut map = Map { cell, size, error: vec![0.0; cells], wrong: vec![0; cells] };
-        for (k, pixel) in self.pixels.iter().enumerate() {
+        for (k, pixel) in pixels.iter().enumerate() {
             let [i, j] = [k as u32 / width, k as u32 % width];
             let n = (i / cell * size[0] + j / cell) as usize;
             if pixel.verdict != Verdict::Right {
@@ -303,6 +310,8 @@ impl Score {
                 map.error[n] = map.error[n].max(relative as f32);
             }
         }
+        // Three digits are more than a picture shows, and a third of the file.
+        map.error.iter_mut().for_each(|x| *x = format!("{x:.2e}").parse().unwrap_or(*x));
         map
     }
 }
