@@ -21,6 +21,10 @@ const PITCH: f64 = 2.5;
 /// How far a centre is moved along the wall in each direction, and at most into it, in radii.
 const JITTER: f64 = 0.2;
 
+/// The viewport's distance. Powers of ten up to 1e10 are numbers of f32, and at a viewport 1 away t would be one: no
+/// scene of anyone's is so lucky.
+const LENS: f64 = 0.7;
+
 /// The wall's jitter is the same on every rung.
 const SEED: u64 = 0x5eed_1add;
 
@@ -53,7 +57,7 @@ pub fn scene(rung: f64) -> Result<Scene> {
     camera.eye = -view * rung;
     // The wall reaches middle + 1/2 pitches to one side and half a pitch less to the other.
     let side = PITCH * f64::from(WALL + 1);
-    camera.lens = Lens::Viewport { vw: side / rung, vh: side / rung, distance: 1.0 };
+    camera.lens = Lens::Viewport { vw: LENS * side / rung, vh: LENS * side / rung, distance: LENS };
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.02, 0.02, 0.03] };
     Ok(Scene { camera, image, spheres, skipped: Skipped::default() })
 }
