@@ -119,8 +119,8 @@ fn proved(run: &Run) -> f64 {
 }
 
 /// The largest; infinite, which is `None`, is largest of all.
-fn worst(errors: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    errors.fold(Some(0.0), |a, b| Some(a?.max(b?)))
+fn worst(mut errors: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    errors.try_fold(0.0, |a: f64, b| Some(a.max(b?)))
 }
 
 fn error(x: Option<f64>) -> String {
