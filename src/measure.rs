@@ -2,7 +2,13 @@
 
 pub mod compare;
 pub mod picture;
+#[cfg(feature = "plots")]
+pub mod plot;
 pub mod record;
+#[cfg(feature = "plots")]
+pub mod report;
+pub mod total;
+pub mod verdict;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
