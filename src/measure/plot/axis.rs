@@ -127,7 +127,8 @@ impl ValueFormatter<f64> for Axis {
         let decade = (tick + 1e-6).floor();
         let factor = 10f64.powf(tick - decade).round() as i32;
         match self.unit {
-            Unit::Plain if self.high - self.low > 4.5 && decade != 0.0 => power(decade as i32),
+            // Powers throughout where some of them have to be.
+            Unit::Plain if (self.low < -2.5 || self.high > 4.0) && decade != 0.0 => power(decade as i32),
             unit => number(factor, decade as i32, unit),
         }
     }

@@ -8,8 +8,9 @@ use crate::measure::total::main_place;
 use crate::measure::verdict::percent;
 use plotters::prelude::*;
 
-/// A cell with a wrong pixel: red stands out of blue, grey and yellow for every kind of colour vision.
-const WRONG: [u8; 3] = [0xe4, 0x00, 0x2b];
+/// A cell with a wrong pixel: 22 or more in CIELAB from all of viridis, for every kind of colour vision that Machado,
+/// Oliveira and Fernandes model (IEEE TVCG 15, 2009).
+const WRONG: [u8; 3] = [0xff, 0x2d, 0x00];
 /// A cell without an error, or without a hit.
 const NONE: [u8; 3] = [0xe8, 0xe8, 0xe8];
 /// Cells along a side that are shown at most; more are drawn together.
@@ -41,12 +42,12 @@ impl Scale {
         Self { low: low.floor().clamp(high - DECADES, high - 1.0), high }
     }
 
-    /// cividis: as even for the colour-blind as for others (Nunez, Anderton, Renslow, PLOS ONE 13, 2018).
+    /// viridis of van der Walt and Smith (SciPy 2015): even steps, for the colour-blind and in grey too.
     fn color(&self, decade: f64) -> [u8; 3] {
         let share = (decade - self.low) / (self.high - self.low);
         // Steps finer than anybody tells apart would only make the file longer.
         let step = (share.clamp(0.0, 1.0) * 48.0).round() / 48.0;
-        let colorous::Color { r, g, b } = colorous::CIVIDIS.eval_continuous(step);
+        let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(step);
         [r, g, b]
     }
 }
@@ -78,7 +79,7 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
     let pitch = height + WORDS + GAP;
     let rows = maps.len().div_ceil(columns) as i32;
     svg(top + (rows * pitch).max(460) + 90, |area| {
-        header(area, record, "Error of the distance over the image", &[place], false)?;
+        header(area, record, "Error of the hit distance t over the image", &[place], false)?;
         let mut over = String::new();
         for (index, (run, map)) in runs.iter().enumerate() {
             let x = MARGIN + (index % columns) as i32 * (width + GAP);

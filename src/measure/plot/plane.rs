@@ -22,6 +22,8 @@ struct Point<'a> {
     ns: [f64; 3],
     error: Option<f64>,
     at: (i32, i32),
+    /// Columns of the least and the greatest time.
+    whisker: [i32; 2],
 }
 
 /// The methods that were timed, one mark a place.
@@ -33,7 +35,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
                 Against::Wrong => Some(total.wrong_share()),
                 Against::Distance => total.relative,
             };
-            Some(Point { ns: total.ns?, error, total, at: (0, 0) })
+            Some(Point { ns: total.ns?, error, total, at: (0, 0), whisker: [0; 2] })
         })
         .collect();
     let mut places: Vec<usize> = points.iter().map(|point| point.total.place).collect();
@@ -64,8 +66,9 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
         let chart = chart(area, (x, y), top, 60)?;
         for point in &mut points {
             point.at = chart.at(point.ns[1], point.error, lane(point.total.method, &methods));
+            point.whisker = [point.ns[0], point.ns[2]].map(|ns| chart.at(ns, Some(1.0), 0.5).0);
         }
-        let mut taken = Vec::new();
+        let mut lines = Vec::new();
         for (row, place) in places.iter().enumerate() {
             let (x, y) = (WIDTH - MARGIN - 190, header_row(row));
             line(area, &front(&record.places[*place].backend), &[(x - 70, y), (x - 12, y)], 3)?;
@@ -73,20 +76,19 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
             let here: Vec<&Point<'_>> = points.iter().filter(|point| point.total.place == *place).collect();
             let steps = steps(&chart, &here);
             line(area, &front(&record.places[*place].backend), &steps, 3)?;
-            taken.extend(steps.windows(2).map(|ends| around(ends[0], ends[1], 3)));
+            lines.extend(steps.windows(2).map(|ends| around(ends[0], ends[1], 3)));
         }
         for point in &points {
-            let [least, _, greatest] = point.ns.map(|ns| chart.at(ns, Some(1.0), 0.5).0);
+            let [least, greatest] = point.whisker;
             let look = Look { dash: None, ..look(point.total.method) };
             line(area, &look, &[(least, point.at.1), (greatest, point.at.1)], 3)?;
-            taken.push(around((least, point.at.1), (greatest, point.at.1), 8));
-            taken.push(around(point.at, point.at, 18));
+            lines.push(around((least, point.at.1), (greatest, point.at.1), 8));
             for end in [least, greatest] {
                 line(area, &look, &[(end, point.at.1 - 8), (end, point.at.1 + 8)], 3)?;
             }
-            mark(area, &look, point.at, 13, record.places[point.total.place].backend != "cpu")?;
+            mark(area, &look, point.at, 13, is_filled(record, &point.total))?;
         }
-        labels(area, &chart, &points, taken)?;
+        labels(area, record, &chart, &points, &lines)?;
         Ok(String::new())
     })
 }
@@ -123,48 +125,75 @@ fn front(backend: &str) -> Look {
     Look { color: RGBColor(0xaa, 0xaa, 0xaa), mark: Mark::Circle, dash }
 }
 
-/// A rectangle that a label must not cover.
+/// A rectangle that names keep clear of.
 type Box = [i32; 4];
 
 fn around(a: (i32, i32), b: (i32, i32), spare: i32) -> Box {
     [a.0.min(b.0) - spare, a.1.min(b.1) - spare, a.0.max(b.0) + spare, a.1.max(b.1) + spare]
 }
 
-/// Each mark's name beside it, where no other mark or name is.
-fn labels(area: &Area<'_>, chart: &Chart, points: &[Point<'_>], mut taken: Vec<Box>) -> Drawn {
-    const SIZE: i32 = 26;
-    for point in points {
+fn meet(a: &Box, b: &Box) -> bool {
+    a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
+}
+
+/// Size of the names, and room for the mark before one that lies apart from its own.
+const SIZE: i32 = 26;
+const TWIN: i32 = 28;
+
+/// Each mark's name beside it, or where there is room for it, a leader and the mark once more.
+/// `lines` may be crossed by leaders, though not by names.
+fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>], lines: &[Box]) -> Drawn {
+    let mut taken: Vec<Box> = points.iter().map(|point| around(point.at, point.at, 17)).collect();
+    for (index, point) in points.iter().enumerate() {
         let total = &point.total;
         let scenes = format!("{} ({} of {} scenes)", total.method, total.scenes, total.of_scenes);
         let words = if total.is_whole() { total.method } else { &scenes };
         let (x, y) = point.at;
-        let (wide, high) = (width(words, SIZE), SIZE + 4);
-        let candidates = [26, 60, 100, 150].into_iter().flat_map(|away| {
-            let (up, down) = (y - away, y + away);
-            [
-                (x + away, y),
-                (x - away - wide, y),
-                (x + away / 2, up),
-                (x + away / 2, down),
-                (x - wide / 2, up),
-                (x - wide / 2, down),
-                (x - away / 2 - wide, up),
-                (x - away / 2 - wide, down),
-            ]
-        });
-        let boxed = |(x, y): (i32, i32)| [x, y - high / 2, x + wide, y + high / 2];
+        let wide = width(words, SIZE);
+        let name = |left: i32, y: i32, wide: i32| [left, y - SIZE / 2 - 2, left + wide, y + SIZE / 2 + 2];
         let free = |b: &Box| {
             let inside = b[0] > chart.left && b[2] < chart.right && b[1] > chart.top && b[3] < chart.bottom;
-            inside && taken.iter().all(|t| b[2] < t[0] || t[2] < b[0] || b[3] < t[1] || t[3] < b[1])
+            inside && !taken.iter().chain(lines).any(|other| meet(b, other))
         };
-        let at = candidates.clone().find(|at| free(&boxed(*at))).unwrap_or((x + 26, y));
-        let b = boxed(at);
-        if (at.1 - y).abs() > 40 {
-            let foot = (x.clamp(b[0], b[2]), if at.1 < y { b[3] } else { b[1] });
-            area.draw(&PathElement::new(vec![point.at, foot], QUIET.stroke_width(1)))?;
+        let [left, right] = [point.whisker[0].min(x - 16) - 12, point.whisker[1].max(x + 16) + 12];
+        if let Some(b) = [name(right, y, wide), name(left - wide, y, wide)].into_iter().find(|b| free(b)) {
+            text(area, words, &font(SIZE).color(&INK), (b[0], y))?;
+            taken.push(b);
+            continue;
         }
-        text(area, words, &font(SIZE).color(&INK), at)?;
+        let wide = wide + TWIN;
+        let apart = |(across, down): (i32, i32)| {
+            let left = if across < 0 { x + across - wide } else { x + across };
+            name(left, y + down, wide)
+        };
+        let clear = |b: &Box| {
+            let foot = foot(point.at, b);
+            let along = (1..=16).map(|i| (x + (foot.0 - x) * i / 16, y + (foot.1 - y) * i / 16));
+            let others = || taken.iter().enumerate().filter(|(other, _)| *other != index);
+            along.into_iter().all(|at| !others().any(|(_, other)| meet(&around(at, at, 0), other)))
+        };
+        let steps = [52, 88, 124, 170].into_iter();
+        let mut candidates = steps.flat_map(|down| [30, 90, -30, -90].map(|across| [(across, -down), (across, down)]));
+        let found = candidates.find_map(|pair| pair.map(apart).into_iter().find(|b| free(b) && clear(b)));
+        let b = found.unwrap_or_else(|| apart((30, -52)));
+        let look = look(total.method);
+        let middle = (b[1] + b[3]) / 2;
+        area.draw(&PathElement::new(vec![point.at, foot(point.at, &b)], QUIET.stroke_width(2)))?;
+        mark(area, &look, point.at, 13, is_filled(record, total))?;
+        mark(area, &look, (b[0] + 12, middle), 10, is_filled(record, total))?;
+        text(area, words, &font(SIZE).color(&INK), (b[0] + TWIN, middle))?;
         taken.push(b);
     }
     Ok(())
+}
+
+/// Where a leader from `at` meets a name: at the nearer end of its nearer edge.
+fn foot(at: (i32, i32), name: &Box) -> (i32, i32) {
+    let x = if at.0 < name[0] { name[0] + 12 } else { name[2] - 12 };
+    (x, if name[1] > at.1 { name[1] } else { name[3] })
+}
+
+/// Marks of adapters are filled, those of the reference path hollow.
+fn is_filled(record: &Record, total: &Total<'_>) -> bool {
+    record.places[total.place].backend != "cpu"
 }
