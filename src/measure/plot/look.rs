@@ -42,9 +42,12 @@ pub(super) struct Look {
     pub(super) dash: Option<(i32, i32)>,
 }
 
+/// A line of the table below: a method and its colour, mark and dash.
+type Named = (&'static str, [u8; 3], Mark, Option<(i32, i32)>);
+
 /// Okabe and Ito's palette (jfly.uni-koeln.de/color, 2008), its yellow darkened to show on white. Methods that round
 /// alike and so lie on top of each other have different dashes.
-const LOOKS: [(&str, [u8; 3], Mark, Option<(i32, i32)>); 8] = [
+const LOOKS: [Named; 8] = [
     ("textbook", [0xd5, 0x5e, 0x00], Mark::Circle, None),
     ("unit", [0xe6, 0x9f, 0x00], Mark::Square, None),
     ("geometric", [0xcc, 0x79, 0xa7], Mark::Diamond, Some((18, 14))),

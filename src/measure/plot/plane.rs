@@ -138,7 +138,7 @@ fn meet(a: &Box, b: &Box) -> bool {
 
 /// Size of the names, and room for the mark before one that lies apart from its own.
 const SIZE: i32 = 26;
-const TWIN: i32 = 28;
+const TWIN: i32 = 32;
 
 /// Each mark's name beside it, or where there is room for it, a leader and the mark once more.
 /// `lines` may be crossed by leaders, though not by names.
@@ -166,16 +166,22 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
             let left = if across < 0 { x + across - wide } else { x + across };
             name(left, y + down, wide)
         };
+        // A leader may leave from under the marks that crowd its own, and must then cross none.
         let clear = |b: &Box| {
-            let foot = foot(point.at, b);
-            let along = (1..=16).map(|i| (x + (foot.0 - x) * i / 16, y + (foot.1 - y) * i / 16));
+            let (foot, crowd) = (foot(point.at, b), around(point.at, point.at, 36));
+            let mut along = (1..=16).map(|i| (x + (foot.0 - x) * i / 16, y + (foot.1 - y) * i / 16));
             let others = || taken.iter().enumerate().filter(|(other, _)| *other != index);
-            along.into_iter().all(|at| !others().any(|(_, other)| meet(&around(at, at, 0), other)))
+            along.all(|at| {
+                meet(&around(at, at, 0), &crowd) || !others().any(|(_, other)| meet(&around(at, at, 0), other))
+            })
         };
-        let steps = [52, 88, 124, 170].into_iter();
-        let mut candidates = steps.flat_map(|down| [30, 90, -30, -90].map(|across| [(across, -down), (across, down)]));
-        let found = candidates.find_map(|pair| pair.map(apart).into_iter().find(|b| free(b) && clear(b)));
-        let b = found.unwrap_or_else(|| apart((30, -52)));
+        let steps = [52, 88, 124, 170, 220, 280].into_iter();
+        let candidates = steps.flat_map(|down| {
+            [30, 90, 150, -30, -90, -150].into_iter().flat_map(move |across| [(across, -down), (across, down)])
+        });
+        let mut boxes = candidates.map(apart).filter(free).peekable();
+        let first = boxes.peek().copied();
+        let b = boxes.find(clear).or(first).unwrap_or_else(|| apart((30, -52)));
         let look = look(total.method);
         let middle = (b[1] + b[3]) / 2;
         area.draw(&PathElement::new(vec![point.at, foot(point.at, &b)], QUIET.stroke_width(2)))?;

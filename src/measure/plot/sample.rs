@@ -110,7 +110,7 @@ fn run(scene: usize, place: usize, index: usize, &(name, fails, error, growth, g
         of_bound: proved.then_some(0.07),
         predicted: Predicted {
             outline: (name == "textbook").then(|| 10f64.powf(2.0 * decade - 6.5)),
-            distance: (most > 0.0).then(|| most * 12.0).filter(|_| decade < 7.0 || fails > 9.0),
+            distance: (most > 0.0).then_some(most * 12.0).filter(|_| decade < 7.0 || fails > 9.0),
         },
         map: None,
         crop: Some(crop(beyond, seed)),

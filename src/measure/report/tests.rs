@@ -33,7 +33,8 @@ fn the_page_names_every_method_and_place_and_escapes_them() {
 fn a_broken_run_is_shouted_and_a_sound_one_is_not() {
     let sound = sample::ladder();
     assert!(!page_of(&sound).contains("BROKEN"));
-    let planted: [(&str, fn(&mut Run)); 4] = [
+    type Plant = fn(&mut Run);
+    let planted: [(&str, Plant); 4] = [
         ("certified", |run| run.errors.false_miss = 1),
         ("certified", |run| run.of_bound = Some(1.25)),
         ("unit", |run| run.predicted.distance = Some(1e-9)),
