@@ -1,6 +1,6 @@
 //! What a record says in words: which runs are broken, which method to take, who left the chart where.
 
-use super::record::{Record, Run};
+use super::record::{PlaceRecord, Record, Run};
 use super::total::{Total, main_place, methods, totals};
 
 /// Methods that promise to be right in every pixel.
@@ -42,7 +42,7 @@ pub fn summary(record: &Record) -> Vec<String> {
     let mut sentences: Vec<String> = (0..record.places.len())
         .filter_map(|place| {
             let here: Vec<&Total<'_>> = totals.iter().filter(|t| t.place == place && t.is_whole()).collect();
-            fastest(&record.places[place].adapter, &here)
+            fastest(&name(&record.places[place]), &here)
         })
         .collect();
     sentences.extend(ladder(record));
@@ -53,6 +53,11 @@ pub fn summary(record: &Record) -> Vec<String> {
         n => format!("{n} runs broke a promise; they are marked BROKEN below."),
     });
     sentences
+}
+
+/// A place in a sentence.
+fn name(place: &PlaceRecord) -> String {
+    if place.backend == "cpu" { format!("the CPU ({})", place.driver) } else { place.adapter.clone() }
 }
 
 /// The fastest right method of a place, and what the fastest wrong one would save.
@@ -82,36 +87,37 @@ fn fastest(place: &str, totals: &[&Total<'_>]) -> Option<String> {
     Some(sentence + ".")
 }
 
-/// Where along a ladder each method left the chart.
+/// Where along a ladder each method left the chart; methods that left alike share a sentence.
 fn ladder(record: &Record) -> Vec<String> {
     let Some(place) = main_place(record).filter(|_| is_ladder(record)) else { return Vec::new() };
     let runs = || record.runs.iter().filter(|run| run.place == place && run.refused.is_none());
-    let mut sound = Vec::new();
-    let mut sentences = Vec::new();
+    let mut fates: Vec<([Option<f64>; 2], Vec<&str>)> = Vec::new();
     for method in methods(runs()) {
         let beyond = |share: f64| {
-            let first = runs().find(|run| run.method == method && run.errors.wrong_share() > share)?;
-            record.scenes.get(first.scene)?.farthest
+            let of_method = runs().filter(|run| run.method == method && run.errors.wrong_share() > share);
+            of_method.filter_map(|run| record.scenes.get(run.scene)?.farthest).min_by(f64::total_cmp)
         };
-        match (beyond(0.0), beyond(LEFT)) {
-            (None, _) => sound.push(method),
-            (Some(first), None) => {
-                sentences.push(format!("{method} shows its first wrong pixel at a distance of {first:.0e} radii."));
-            }
-            (Some(first), Some(left)) if first == left => {
-                sentences
-                    .push(format!("{method} leaves the chart at {left:.0e} radii: more than 1 % of the pixels wrong."));
-            }
-            (Some(first), Some(left)) => sentences.push(format!(
-                "{method} shows its first wrong pixel at {first:.0e} radii and leaves the chart, with more than 1 % \
-                 wrong, at {left:.0e}."
-            )),
+        let fate = [0.0, LEFT].map(beyond);
+        match fates.iter_mut().find(|(other, _)| *other == fate) {
+            Some((_, methods)) => methods.push(method),
+            None => fates.push((fate, vec![method])),
         }
     }
-    if !sound.is_empty() {
-        sentences.push(format!("Right in every pixel at every distance: {}.", sound.join(", ")));
-    }
-    sentences
+    let sentence = |([first, left], methods): ([Option<f64>; 2], Vec<&str>)| {
+        let names = methods.join(", ");
+        match (first, left) {
+            (None, _) => format!("Right in every pixel at every distance: {names}."),
+            (Some(first), None) => {
+                format!("First wrong pixel at {first:.0e} radii, never more than 1 % wrong: {names}.")
+            }
+            (Some(first), Some(left)) => {
+                format!(
+                    "First wrong pixel at {first:.0e} radii, off the chart (more than 1 % wrong) at {left:.0e}: {names}."
+                )
+            }
+        }
+    };
+    fates.into_iter().map(sentence).collect()
 }
 
 /// Whether the scenes form a ladder: two or more, each farther than the one before.

@@ -136,11 +136,9 @@ fn meet(a: &Box, b: &Box) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
-/// Size of the names, and room for the mark before one that lies apart from its own.
 const SIZE: i32 = 26;
-const TWIN: i32 = 32;
 
-/// Each mark's name beside it, or where there is room for it, a leader and the mark once more.
+/// Each mark's name beside it, or where there is room for it at the end of a line in the method's colour.
 /// `lines` may be crossed by leaders, though not by names.
 fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>], lines: &[Box]) -> Drawn {
     let mut taken: Vec<Box> = points.iter().map(|point| around(point.at, point.at, 17)).collect();
@@ -161,7 +159,6 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
             taken.push(b);
             continue;
         }
-        let wide = wide + TWIN;
         let apart = |(across, down): (i32, i32)| {
             let left = if across < 0 { x + across - wide } else { x + across };
             name(left, y + down, wide)
@@ -182,21 +179,19 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
         let mut boxes = candidates.map(apart).filter(free).peekable();
         let first = boxes.peek().copied();
         let b = boxes.find(clear).or(first).unwrap_or_else(|| apart((30, -52)));
-        let look = look(total.method);
-        let middle = (b[1] + b[3]) / 2;
-        area.draw(&PathElement::new(vec![point.at, foot(point.at, &b)], QUIET.stroke_width(2)))?;
+        let (look, near) = (look(total.method), foot(point.at, &b));
+        let far = (b[0] + b[2] - near.0, near.1);
+        area.draw(&PathElement::new(vec![point.at, near, far], look.color.stroke_width(3)))?;
         mark(area, &look, point.at, 13, is_filled(record, total))?;
-        mark(area, &look, (b[0] + 12, middle), 10, is_filled(record, total))?;
-        text(area, words, &font(SIZE).color(&INK), (b[0] + TWIN, middle))?;
+        text(area, words, &font(SIZE).color(&INK), (b[0], (b[1] + b[3]) / 2))?;
         taken.push(b);
     }
     Ok(())
 }
 
-/// Where a leader from `at` meets a name: at the nearer end of its nearer edge.
+/// Where a leader from `at` meets a name: at the nearer end of the line under it.
 fn foot(at: (i32, i32), name: &Box) -> (i32, i32) {
-    let x = if at.0 < name[0] { name[0] + 12 } else { name[2] - 12 };
-    (x, if name[1] > at.1 { name[1] } else { name[3] })
+    (if (at.0 - name[0]).abs() < (at.0 - name[2]).abs() { name[0] } else { name[2] }, name[3])
 }
 
 /// Marks of adapters are filled, those of the reference path hollow.

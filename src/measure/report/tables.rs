@@ -59,15 +59,15 @@ pub(super) fn results(record: &Record) -> String {
         let runs: Vec<&Run> = record.runs.iter().filter(|run| run.scene == index).collect();
         let reasons: String = runs.iter().map(|run| shout(record, run)).collect();
         let badge = if reasons.is_empty() { "" } else { BADGE };
-        let far = scene.farthest.map_or(String::new(), |far| format!(", the farthest {far:.3e} radii away"));
+        let far = scene.farthest.map_or(String::new(), |far| format!(", the farthest {far:.1e} radii away"));
         // One scene, or a broken one, is to be seen at once.
         let open = if record.scenes.len() == 1 || !reasons.is_empty() { " open" } else { "" };
         let [columns, rows] = scene.size;
         format!(
-            "<details{open}>\n<summary>{} {badge}</summary>\n<p>{} spheres{far}; {columns} \u{d7} {rows} pixels, {} of \
+            "<details{open}>\n<summary>{} {badge}</summary>\n<p>{}{far}; {columns} \u{d7} {rows} pixels, {} of \
              them hit something. Content <code>{}</code></p>\n{reasons}{}</details>\n",
             escaped(&scene.name),
-            scene.spheres,
+            if scene.spheres == 1 { "1 sphere".into() } else { format!("{} spheres", scene.spheres) },
             scene.hits,
             escaped(scene.fingerprint.get(..16).unwrap_or(&scene.fingerprint)),
             table(&HEADS, runs.iter().map(|run| row(record, run)).collect()),
@@ -88,11 +88,11 @@ fn shout(record: &Record, run: &Run) -> String {
 const HEADS: [&str; 22] = [
     "method",
     "place",
-    "first frame, ms",
-    "steady frame, ms (least to greatest)",
-    "kernels, ms",
-    "ns per ray",
     "wrong pixels",
+    "ns per ray",
+    "steady frame, ms (least to greatest)",
+    "first frame, ms",
+    "kernels, ms",
     "false hits",
     "false misses",
     "wrong sphere",
@@ -126,12 +126,12 @@ fn row(record: &Record, run: &Run) -> Vec<String> {
     // No prediction and an unbounded one look alike in a record.
     let predicted = |bound: Option<f64>| bound.map_or("no bound".into(), |bound| format!("{bound:.1e}"));
     cells.extend([
-        run.first_ms.map_or_else(none, |ms| format!("{ms:.2}")),
+        format!("{} ({})", errors.wrong(), percent(errors.wrong_share())),
+        ns_per_ray(record, &[run]).map_or_else(none, |[_, median, _]| format!("{median:.3}")),
         spread(&run.steady_ms)
             .map_or_else(none, |[least, median, most]| format!("{median:.3} ({least:.3} to {most:.3})")),
+        run.first_ms.map_or_else(none, |ms| format!("{ms:.2}")),
         spread(&run.kernel_ms).map_or_else(none, |[_, median, _]| format!("{median:.3}")),
-        ns_per_ray(record, &[run]).map_or_else(none, |[_, median, _]| format!("{median:.3}")),
-        format!("{} ({})", errors.wrong(), percent(errors.wrong_share())),
         errors.false_hit.to_string(),
         errors.false_miss.to_string(),
         errors.wrong_sphere.to_string(),
