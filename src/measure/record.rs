@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Place, Result};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A whole measurement; `records.json` is this.
 ///
@@ -18,6 +19,10 @@ pub struct Record {
     pub subject: String,
     /// The command line that repeats it.
     pub command: String,
+    /// Relative error of the distance that certified answers promised.
+    pub tolerance: f64,
+    /// The unit of each number, by the name of its field.
+    pub units: BTreeMap<String, String>,
     /// Where it ran: the adapter, and the CPU reference path.
     pub places: Vec<PlaceRecord>,
     /// What was rendered.
@@ -43,16 +48,18 @@ pub struct PlaceRecord {
     pub timestamps: bool,
 }
 
-/// A scene that was measured.
+/// A scene that was measured, or a family of scenes that were measured together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
     /// File name, family of the extremes, or rung of the ladder.
     pub name: String,
     /// BLAKE3 of the scene's content.
     pub fingerprint: String,
-    /// Spheres.
+    /// How many pictures go by this name: 1, but for a family of the extremes. Times are then sums over all.
+    pub pictures: u64,
+    /// Spheres, in all pictures.
     pub spheres: u64,
-    /// Columns and rows of pixels.
+    /// Columns and rows of pixels; zeros where the pictures of a family differ.
     pub size: [u32; 2],
     /// Largest distance from the eye to a sphere's centre, in its radii; `None` without spheres.
     pub farthest: Option<f64>,
@@ -160,7 +167,8 @@ pub struct Map {
     pub cell: u32,
     /// Columns and rows of cells; the last ones may stand over.
     pub size: [u32; 2],
-    /// Largest relative error of the distance in each cell, right sphere and root; 0 where nothing is hit.
+    /// Largest relative error of the distance in each cell, right sphere and root, to three digits; 0 where nothing is
+    /// hit.
     pub error: Vec<f32>,
     /// Wrong pixels in each cell.
     pub wrong: Vec<u32>,

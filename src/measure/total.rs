@@ -56,7 +56,7 @@ pub fn totals(record: &Record) -> Vec<Total<'_>> {
                 pixels: runs.iter().map(|run| run.errors.pixels).sum(),
                 wrong: runs.iter().map(|run| run.errors.wrong()).sum(),
                 relative: runs.iter().try_fold(0.0, |most: f64, run| Some(most.max(run.errors.relative.max?))),
-                ns: ns_per_ray(record, &runs),
+                ns: ns_per_ray(&runs),
             });
         }
     }
@@ -77,12 +77,12 @@ pub fn methods<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<&'a str> {
 
 /// Nanoseconds a ray over some runs: least, median and greatest; `None` if any of them was not timed.
 #[must_use]
-pub fn ns_per_ray(record: &Record, runs: &[&Run]) -> Option<[f64; 3]> {
+pub fn ns_per_ray(runs: &[&Run]) -> Option<[f64; 3]> {
     let mut ms = [0.0; 3];
     let mut rays = 0.0;
     for run in runs {
-        let [columns, rows] = record.scenes.get(run.scene)?.size;
-        rays += f64::from(columns) * f64::from(rows);
+        // One ray a pixel; the pictures of a family have no common size.
+        rays += run.errors.pixels as f64;
         for (sum, value) in ms.iter_mut().zip(spread(&run.steady_ms)?) {
             *sum += value;
         }

@@ -56,6 +56,12 @@ impl Axis {
         }
     }
 
+    /// The same with room above for names.
+    pub(super) fn roomy(mut self) -> Self {
+        self.high += 0.1 * (self.high - self.low);
+        self
+    }
+
     /// Where a value lies; `lane` (0 to 1, from above) keeps apart what is all zero.
     pub(super) fn at(&self, value: Option<f64>, lane: f64) -> f64 {
         match value {

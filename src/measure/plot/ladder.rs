@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Chart, Unit, chart};
 use super::canvas::{Area, Drawn, header, header_height, line, mark, svg, text};
-use super::look::{INK, Look, QUIET, font, lane, look};
+use super::look::{INK, Look, QUIET, font, lane, look, width};
 use crate::measure::record::{Record, Run};
 use crate::measure::total::{main_place, methods};
 use crate::measure::verdict::is_ladder;
@@ -84,16 +84,16 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
     svg(top + 1120, |area| {
         header(area, record, title, &[place], false)?;
         let chart = chart(area, (x, y), top, SIDE)?;
-        if against == Against::Distance {
-            reference(area, &chart)?;
-        }
         let mut ends = Vec::new();
+        let mut busy = Vec::new();
         for name in &names {
             let these: Vec<&Run> = runs.iter().copied().filter(|run| run.method == *name).collect();
             let (look, lane) = (look(name), lane(name, &zeros));
             let at = |run: &&Run| chart.at(distance(run), against.seen(run), lane);
             let points: Vec<(i32, i32)> = these.iter().map(at).collect();
+            busy.extend(&points);
             if connected {
+                busy.extend(along(&points));
                 bounds(area, &chart, &look, &these, &|run| Some((distance(run), against.predicted(run)?)))?;
                 line(area, &look, &points, 5)?;
             }
@@ -101,6 +101,9 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
                 mark(area, &look, *point, if connected { 10 } else { 8 }, true)?;
             }
             ends.push((*name, points.last().copied().unwrap_or_default()));
+        }
+        if against == Against::Distance {
+            references(area, &chart, record.tolerance, &busy)?;
         }
         beside(area, &chart, ends, connected)?;
         let dotted = runs.iter().any(|run| against.predicted(run).is_some());
@@ -111,14 +114,34 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
     })
 }
 
-/// What f32 can promise at all.
-fn reference(area: &Area<'_>, chart: &Chart) -> Drawn {
-    let (left, y) = chart.at(0.0, Some(HALF_ULP), 0.5);
-    if (chart.top + 40..chart.bottom).contains(&y) && chart.zero_edge().is_none_or(|edge| y < edge) {
-        area.draw(&PathElement::new(vec![(left.max(chart.left), y), (chart.right, y)], QUIET.stroke_width(2)))?;
-        text(area, "half an ulp of f32", &font(22).color(&QUIET), (chart.left + 16, y + 20))?;
+/// What f32 can promise at all, and what certified answers promised; named where none of the `busy` points is.
+fn references(area: &Area<'_>, chart: &Chart, tolerance: f64, busy: &[(i32, i32)]) -> Drawn {
+    for (value, words) in [(HALF_ULP, "half an ulp of f32"), (tolerance, "tolerance of certified")] {
+        let (_, y) = chart.at(1.0, Some(value), 0.5);
+        let inside = (chart.top + 40..chart.bottom).contains(&y) && chart.zero_edge().is_none_or(|edge| y < edge);
+        if value > 0.0 && inside {
+            area.draw(&PathElement::new(vec![(chart.left, y), (chart.right, y)], QUIET.stroke_width(2)))?;
+            let wide = width(words, 22);
+            let free = |(x, y): &(i32, i32)| {
+                let covers =
+                    |point: &(i32, i32)| (x - 14..x + wide + 14).contains(&point.0) && (y - point.1).abs() < 26;
+                !busy.iter().any(covers)
+            };
+            let last = chart.right - 16 - wide;
+            let places = (0..=12).map(|i| chart.left + 16 + (last - chart.left - 16) * i / 12);
+            let at = places.flat_map(|x| [(x, y + 20), (x, y - 18)]).find(free).unwrap_or((chart.left + 16, y + 20));
+            text(area, words, &font(22).color(&QUIET), at)?;
+        }
     }
     Ok(())
+}
+
+/// Points along a line, close enough that nothing written between two of them crosses it.
+fn along(line: &[(i32, i32)]) -> impl Iterator<Item = (i32, i32)> {
+    line.windows(2).flat_map(|ends| {
+        let [(x0, y0), (x1, y1)] = [ends[0], ends[1]];
+        (0..=32).map(move |i| (x0 + (x1 - x0) * i / 32, y0 + (y1 - y0) * i / 32))
+    })
 }
 
 /// The predicted bound as dots in the method's colour; unbounded predictions leave a gap.

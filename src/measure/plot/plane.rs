@@ -57,7 +57,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
         ),
         Against::Distance => (
             "Speed against error of the hit distance t",
-            Axis::new("largest relative error |t \u{2212} t*| / t*", Unit::Plain, errors),
+            Axis::new("largest relative error |t \u{2212} t*| / t*", Unit::Plain, errors).roomy(),
         ),
     };
     let top = header_height(&places);
@@ -172,15 +172,22 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
                 meet(&around(at, at, 0), &crowd) || !others().any(|(_, other)| meet(&around(at, at, 0), other))
             })
         };
-        let steps = [52, 88, 124, 170, 220, 280].into_iter();
-        let candidates = steps.flat_map(|down| {
-            [30, 90, 150, -30, -90, -150].into_iter().flat_map(move |across| [(across, -down), (across, down)])
-        });
-        let mut boxes = candidates.map(apart).filter(free).peekable();
+        let downs = [50, 84, 120, 160, 210, 270].into_iter().flat_map(|down| [-down, down]);
+        let mut candidates: Vec<(i32, i32)> = downs
+            .flat_map(|down| {
+                [30, 80, 140, 200, 260].into_iter().flat_map(move |across| [(across, down), (-across, down)])
+            })
+            .collect();
+        // Up before down and right before left where it is as far.
+        candidates.sort_by_key(|(across, down)| (across.abs() + 2 * down.abs(), *down > 0, *across < 0));
+        let mut boxes = candidates.into_iter().map(apart).filter(free).peekable();
         let first = boxes.peek().copied();
         let b = boxes.find(clear).or(first).unwrap_or_else(|| apart((30, -52)));
         let (look, near) = (look(total.method), foot(point.at, &b));
         let far = (b[0] + b[2] - near.0, near.1);
+        // Nor may a later name cover the leader, once it is out of the crowd.
+        let along = (6..16).map(|i| (x + (near.0 - x) * i / 16, y + (near.1 - y) * i / 16));
+        taken.extend(along.map(|at| around(at, at, 2)));
         area.draw(&PathElement::new(vec![point.at, near, far], look.color.stroke_width(3)))?;
         mark(area, &look, point.at, 13, is_filled(record, total))?;
         text(area, words, &font(SIZE).color(&INK), (b[0], (b[1] + b[3]) / 2))?;

@@ -62,10 +62,14 @@ pub(super) fn results(record: &Record) -> String {
         let far = scene.farthest.map_or(String::new(), |far| format!(", the farthest {far:.1e} radii away"));
         // One scene, or a broken one, is to be seen at once.
         let open = if record.scenes.len() == 1 || !reasons.is_empty() { " open" } else { "" };
-        let [columns, rows] = scene.size;
+        let size = match (scene.size, scene.pictures) {
+            ([0, _] | [_, 0], pictures) => format!("{pictures} pictures"),
+            ([columns, rows], 0 | 1) => format!("{columns} \u{d7} {rows} pixels"),
+            ([columns, rows], pictures) => format!("{pictures} pictures of {columns} \u{d7} {rows} pixels"),
+        };
         format!(
-            "<details{open}>\n<summary>{} {badge}</summary>\n<p>{}{far}; {columns} \u{d7} {rows} pixels, {} of \
-             them hit something. Content <code>{}</code></p>\n{reasons}{}</details>\n",
+            "<details{open}>\n<summary>{} {badge}</summary>\n<p>{}{far}; {size}, {} rays hit \
+             something. Content <code>{}</code></p>\n{reasons}{}</details>\n",
             escaped(&scene.name),
             if scene.spheres == 1 { "1 sphere".into() } else { format!("{} spheres", scene.spheres) },
             scene.hits,
@@ -127,7 +131,7 @@ fn row(record: &Record, run: &Run) -> Vec<String> {
     let predicted = |bound: Option<f64>| bound.map_or("no bound".into(), |bound| format!("{bound:.1e}"));
     cells.extend([
         format!("{} ({})", errors.wrong(), percent(errors.wrong_share())),
-        ns_per_ray(record, &[run]).map_or_else(none, |[_, median, _]| format!("{median:.3}")),
+        ns_per_ray(&[run]).map_or_else(none, |[_, median, _]| format!("{median:.3}")),
         spread(&run.steady_ms)
             .map_or_else(none, |[least, median, most]| format!("{median:.3} ({least:.3} to {most:.3})")),
         run.first_ms.map_or_else(none, |ms| format!("{ms:.2}")),
