@@ -134,7 +134,7 @@ impl ValueFormatter<f64> for Axis {
         let factor = 10f64.powf(tick - decade).round() as i32;
         match self.unit {
             // Powers throughout where some of them have to be.
-            Unit::Plain if (self.low < -2.5 || self.high > 4.0) && decade != 0.0 => power(decade as i32),
+            Unit::Plain if factor == 1 && decade != 0.0 && (self.low < -2.5 || self.high > 4.0) => power(decade as i32),
             unit => number(factor, decade as i32, unit),
         }
     }

@@ -1,9 +1,10 @@
-use super::axis::{Unit, number, rounded};
+use super::axis::{Axis, Unit, number, rounded};
 use super::canvas::cells;
 use super::plane::pareto;
 use super::sample;
 use super::*;
 use crate::measure::record::{Map, Run};
+use plotters::coord::ranged1d::{BoldPoints, Ranged, ValueFormatter};
 use resvg::usvg::roxmltree::Document;
 
 fn samples() -> [Record; 3] {
@@ -133,6 +134,35 @@ fn numbers_of_an_axis_are_short() {
     }
     assert_eq!(rounded(9.7e5), "10\u{2076}");
     assert_eq!(rounded(1000.0), "1000");
+}
+
+#[test]
+fn ticks_say_where_they_are() {
+    for (low, high) in [(330.0, 48_000.0), (1e-14, 3.0), (0.2, 0.9), (2.0, 2.0), (1e-3, 2e5)] {
+        let axis = Axis::new("", Unit::Plain, [Some(low), Some(high)].into_iter());
+        let ticks = axis.key_points(BoldPoints(99));
+        assert!(ticks.len() > 1 || high / low < 2.0, "{low} to {high}: {ticks:?}");
+        for tick in ticks {
+            let label = axis.format_ext(&tick);
+            let digits = |c: char| {
+                "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}"
+                    .chars()
+                    .position(|d| d == c)
+            };
+            let power: String = label
+                .chars()
+                .filter_map(|c| digits(c).map(|d| d.to_string()).or((c == '\u{207b}').then(|| "-".into())))
+                .collect();
+            let plain: String = label.chars().filter(|c| c.is_ascii_digit() || *c == '.').collect();
+            let value = match (label.split_once('\u{b7}'), power.is_empty()) {
+                (Some((factor, _)), _) => format!("{factor}e{power}"),
+                (None, false) => format!("1e{power}"),
+                (None, true) => plain,
+            };
+            let value: f64 = value.parse().expect("a number");
+            assert!((value.log10() - tick).abs() < 1e-9, "{label} at {}", 10f64.powf(tick));
+        }
+    }
 }
 
 #[test]
