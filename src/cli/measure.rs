@@ -8,9 +8,9 @@ use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::frame::file::check_writable;
 use halfline::measure::contender::Contender;
-use halfline::measure::export;
 use halfline::measure::record::Record;
 use halfline::measure::run::{Options, Subject, measure};
+use halfline::measure::{export, report};
 use halfline::plan::{Backend, Tolerance};
 use halfline::scene::{ReadOptions, Scene};
 use std::io::{ErrorKind, Write};
@@ -165,7 +165,8 @@ fn write(record: &Record, folder: &Path) -> Result<()> {
         return Err(Error::Interrupted);
     }
     std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
-    export::write(record, folder)
+    export::write(record, folder)?;
+    report::write(record, folder).map(drop)
 }
 
 /// The command line as a shell takes it.
