@@ -5,7 +5,7 @@
 //!
 //! - *false hit*, *false miss*, *wrong sphere*: by id.
 //! - *wrong root*: the right id, but the distance shown is no finite number, or nearer to where the ray's line meets
-//!   the sphere the other time than to the truth.
+//!   the sphere the other time than to the truth, and off by more than an ulp of f32.
 //! - *ulp*, *radii*, *normal*: |t - t*| in units of the last place of f32 at t*, |t - t*| |d| / r, and the angle
 //!   between the normals in degrees; only where sphere and root are right.
 //! - *outline*: the change of radius, relative to it, that would make the wrong pixel right. A half-line at l_X from
@@ -233,11 +233,12 @@ fn answer(judge: &Judge, i: u32, j: u32) -> Option<Answer> {
 /// The right sphere: its root and how far off it is.
 fn hit(truth: &Answer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     let relative = off(distance, truth.distance);
-    let aside = (distance - truth.other).abs() < (distance - truth.distance).abs();
-    let wrong = !distance.is_finite() || aside;
-    let verdict = if wrong { Verdict::WrongRoot } else { Verdict::Right };
     // t* / 2^e is its significand, of which f32 keeps 23 bits after the point.
     let ulps = relative * (truth.t / 2f64.powi(crate::dd::exponent(truth.t))) * f64::from(1u32 << 23);
+    // Where f32 cannot tell the roots apart, the right one rounded may well be nearer to the other.
+    let aside = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
+    let wrong = !distance.is_finite() || aside;
+    let verdict = if wrong { Verdict::WrongRoot } else { Verdict::Right };
     let fine = [ulps, (distance - truth.distance).abs() / radius, degrees(normal, truth.normal)];
     Pixel { verdict, outline: None, relative: Some(relative), fine: (!wrong).then_some(fine), of_bound: None }
 }
