@@ -2,7 +2,9 @@
 
 mod adapters;
 mod compare;
+mod plan;
 mod render;
+mod scene_args;
 
 use clap::{Parser, Subcommand};
 use halfline::error::{Error, Result};
@@ -25,6 +27,7 @@ enum Command {
     Render(Box<render::Render>),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
+    Plan(Box<plan::Plan>),
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -45,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Plan(plan) => plan.run(),
     }
 }
 
