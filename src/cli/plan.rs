@@ -54,7 +54,8 @@ impl Display for Words<'_> {
         }
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
         writeln!(f, "accuracy   {}, tolerance {:.1e}", e.accuracy, e.tolerance)?;
-        writeln!(f, "method     {}: {}", e.method, e.reason)?;
+        writeln!(f, "method     {}", e.method)?;
+        writeln!(f, "why        {}", e.reason)?;
         if let Some(p) = &e.predicted {
             writeln!(
                 f,

@@ -80,7 +80,7 @@ fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> boo
     let best = all.iter().min_by(|a, b| a.1.worst().total_cmp(&b.1.worst()));
     let reason = best.map_or("no method runs here".into(), |(method, p)| {
         format!(
-            "certified: no cheaper method keeps the tolerance {tolerance:.1e}; {} comes closest: {}, from sphere {}, \
+            "certified: no cheaper method keeps the tolerance {tolerance:.1e}; {} comes closest: {}, worst at sphere {}, \
              {:.1e} radii away",
             method.name(),
             within(p),

@@ -4,7 +4,7 @@
 use super::{Accuracy, Backend, Kernel, Pass, Plan, Settings, Sharing};
 use crate::certify::TERMS;
 use crate::certify::stage::Stage;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::compose::compose;
 use crate::gpu::device::{self, Found};
@@ -133,8 +133,14 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     scene.check()?;
     let found = adapter(settings)?;
     let summary = found.as_ref().map(|found| &found.summary);
-    // What only a device can tell is not asked: those methods are never the cheapest.
+    // What only an open device can tell is not asked: those methods are never the cheapest.
     let plan = Plan::new(scene, settings, &mut |method| summary.is_none() || !method.is_wide())?;
+    if let (Some(summary), Method::Native64, Accuracy::Fast) = (summary, plan.kernel.method, plan.accuracy)
+        && !summary.f64
+    {
+        let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
+        return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
+    }
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
     let view = View::for_kernel(scene, &kernel)?;
     let promise = settings.promise().relative();
@@ -242,7 +248,7 @@ fn precision(plan: &Plan, traced: bool) -> String {
             format!("f32 with a bound of its error; {host}; what stays open is settled in exact arithmetic")
         }
         (_, Method::Native64) => format!("f64; {host} and handed over as sums of two f32"),
-        (_, Method::DoubleFloat) => format!("sums of two f32, 48 bits; {host}"),
+        (_, Method::DoubleFloat) => format!("sums of two f32, 48 bits, where the self-test allows it; {host}"),
         _ => format!("f32; {host} and rounded once"),
     }
 }
@@ -294,7 +300,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         }
     }
     match plan.accuracy {
-        Accuracy::Fast => leave("certificate", &plan.reason),
+        Accuracy::Fast => leave("certificate", "the accuracy is fast"),
         _ if !kernel.width => leave("width of the depth's interval", "no bound is asked for"),
         _ => {}
     }
