@@ -2,6 +2,7 @@
 
 mod adapters;
 mod compare;
+mod measure;
 mod plan;
 mod render;
 mod scene_args;
@@ -27,6 +28,7 @@ enum Command {
     Render(Box<render::Render>),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
+    Measure(Box<measure::Measure>),
     Plan(Box<plan::Plan>),
 }
 
@@ -48,6 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
     }
 }

@@ -1,8 +1,11 @@
 //! Measuring: numbers about frames and about how far they lie apart.
 
 pub mod compare;
+pub mod contender;
+pub mod export;
 pub mod picture;
 pub mod record;
+pub mod run;
 pub mod score;
 pub mod suite;
 

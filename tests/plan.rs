@@ -1,5 +1,6 @@
 //! The promise of `halfline plan` and of the choice by tolerance: what is told is what is done.
 
+#[expect(dead_code, reason = "the helpers of tests that walk the methods")]
 mod common;
 
 use common::{cpu, gpu};

@@ -24,7 +24,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "NAME=FILE", value_parser = aov)]
     aov: Vec<(Aov, PathBuf)>,
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = scene_size)]
     size: Option<(u32, u32)>,
     /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable, f64,
     /// double-float.
@@ -144,7 +144,7 @@ fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
     Ok((name.parse().map_err(|e: Error| e.to_string())?, Path::new(file).to_path_buf()))
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let sides = sides.ok_or("write WxH, such as 1920x1080")?;
     halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
@@ -162,7 +162,7 @@ fn vector(text: &str) -> Result<DVec3, String> {
     }
 }
 
-fn tolerance(text: &str) -> Result<Tolerance, String> {
+pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {
     let number = text.parse().map_err(|_| "a tolerance is a number".to_owned())?;
     Tolerance::new(number).map_err(|e| e.to_string())
 }

@@ -16,11 +16,12 @@
 //! A wrong sphere is a wrong outline or a wrong order. With A shown for B and d as above, A in front (t <= t*) is a
 //! wrong outline of A if the ray misses A, else a wrong order by d. A behind (t > t*) means that B was missed or put
 //! behind A: either a wrong outline of B, by what that would cost, or a wrong order by d. Nothing tells which, so the
-//! smaller of both counts, or the one that was predicted ([`Score::errors_given`]); A's outline is wrong in any case if
+//! smaller of both counts, or the one that was predicted ([`Score::given`]); A's outline is wrong in any case if
 //! the ray misses it. So whatever is predicted of a method as {outline, distance} must be at least {outline, the largest
-//! relative} of its errors given that prediction.
+//! relative} of the errors of a score given that prediction.
 
 mod clearance;
+mod crop;
 #[cfg(test)]
 mod tests;
 
@@ -95,6 +96,19 @@ struct Pixel {
     /// Ulp of f32, radii and degrees.
     fine: Option<[f64; 3]>,
     of_bound: Option<f64>,
+}
+
+impl Pixel {
+    /// One explanation instead of two; `by_order` says whether that is the relative error.
+    fn explained(self, by_order: impl Fn([f64; 2]) -> bool) -> Self {
+        match self.either {
+            None => self,
+            Some(either) if by_order(either) => Self { relative: Some(either[1]), either: None, ..self },
+            Some([outline, _]) => {
+                Self { outline: Some(self.outline.unwrap_or(0.0).max(outline)), either: None, ..self }
+            }
+        }
+    }
 }
 
 /// One frame against the truth.
@@ -266,31 +280,28 @@ fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Score {
+    /// Counts the pixels of another picture as well. A map is of the first one alone.
+    pub fn add(&mut self, other: Self) {
+        self.pixels.extend(other.pixels);
+    }
+
     /// How each pixel stands, row by row.
     pub fn verdicts(&self) -> impl Iterator<Item = Verdict> + '_ {
         self.pixels.iter().map(|pixel| pixel.verdict)
     }
 
+    /// The same beside a prediction: of two explanations the one that takes less of what was predicted.
+    #[must_use]
+    pub fn given(self, predicted: &Prediction) -> Self {
+        let by_order = |[outline, relative]: [f64; 2]| relative / predicted.distance <= outline / predicted.outline;
+        Self { pixels: self.pixels.into_iter().map(|pixel| pixel.explained(by_order)).collect(), ..self }
+    }
+
     /// All of it in one set of numbers; of two explanations the smaller one counts.
     #[must_use]
     pub fn errors(&self) -> Errors {
-        self.errors_if(|[outline, relative]| relative <= outline)
-    }
-
-    /// The same beside a prediction: of two explanations the one that takes less of what was predicted.
-    #[must_use]
-    pub fn errors_given(&self, predicted: &Prediction) -> Errors {
-        self.errors_if(|[outline, relative]| relative / predicted.distance <= outline / predicted.outline)
-    }
-
-    /// `by_order` says whether an outline or a relative error, either of which explains a pixel, is the latter.
-    fn errors_if(&self, by_order: impl Fn([f64; 2]) -> bool) -> Errors {
-        let explained = |pixel: &Pixel| match pixel.either {
-            None => *pixel,
-            Some(either) if by_order(either) => Pixel { relative: Some(either[1]), ..*pixel },
-            Some([outline, _]) => Pixel { outline: Some(pixel.outline.unwrap_or(0.0).max(outline)), ..*pixel },
-        };
-        let pixels: Vec<Pixel> = self.pixels.iter().map(explained).collect();
+        let by_order = |[outline, relative]: [f64; 2]| relative <= outline;
+        let pixels: Vec<Pixel> = self.pixels.iter().map(|pixel| pixel.explained(by_order)).collect();
         let count = |verdict| self.verdicts().filter(|v| *v == verdict).count() as u64;
         let spread = |error: fn(&Pixel) -> Option<f64>| Spread::of(pixels.iter().filter_map(error).collect());
         Errors {
@@ -314,15 +325,16 @@ impl Score {
         self.pixels.iter().filter_map(|pixel| pixel.of_bound).reduce(f64::max)
     }
 
-    /// Where it is wrong, in as many cells as a person can see.
+    /// Where the (first) picture is wrong, in as many cells as a person can see.
     #[must_use]
     pub fn map(&self) -> Map {
         let [width, height] = self.size;
+        let pixels = &self.pixels[..(width as usize * height as usize).min(self.pixels.len())];
         let cell = width.max(height).div_ceil(CELLS).max(1);
         let size = self.size.map(|side| side.div_ceil(cell));
         let cells = (size[0] * size[1]) as usize;
         let mut map = Map { cell, size, error: vec![0.0; cells], wrong: vec![0; cells] };
-        for (k, pixel) in self.pixels.iter().enumerate() {
+        for (k, pixel) in pixels.iter().enumerate() {
             let [i, j] = [k as u32 / width, k as u32 % width];
             let n = (i / cell * size[0] + j / cell) as usize;
             if pixel.verdict != Verdict::Right {
@@ -331,6 +343,8 @@ impl Score {
                 map.error[n] = map.error[n].max(relative as f32);
             }
         }
+        // Three digits are more than a picture shows, and a third of the file.
+        map.error.iter_mut().for_each(|x| *x = format!("{x:.2e}").parse().unwrap_or(*x));
         map
     }
 }

@@ -201,3 +201,16 @@ fn a_broken_kernel_shows_up_as_broken() {
     assert!(errors.normal.max.is_some_and(|x| x > 0.1), "{errors:?}");
     assert!(errors.ulp.median > sound.ulp.max, "{errors:?}");
 }
+
+#[test]
+fn a_crop_shows_light_and_verdict() {
+    let scene = scene();
+    let mut frame = exact(&scene);
+    ids(&mut frame)[2] = 0;
+    let score = Truths::of(&scene).expect("truths").score(&frame).expect("a score");
+    let crop = score.crop(&scene, &frame).expect("a crop");
+    assert_eq!((crop.size, crop.verdict.as_str()), ([3, 3], "--h------"));
+    // The corner that is wrongly hit has no normal; the middle one faces the light.
+    assert_eq!((&crop.shade[..5], &crop.shade[6..]), ("..0.f", "..."), "{}", crop.shade);
+    assert!(crop.shade.as_bytes()[RIGHT].is_ascii_hexdigit());
+}
