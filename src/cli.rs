@@ -3,7 +3,9 @@
 mod adapters;
 mod compare;
 mod measure;
+mod plan;
 mod render;
+mod scene_args;
 
 use clap::{Parser, Subcommand};
 use halfline::error::{Error, Result};
@@ -27,6 +29,7 @@ enum Command {
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
     Measure(Box<measure::Measure>),
+    Plan(Box<plan::Plan>),
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -48,6 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
         Command::Measure(measure) => measure.run(),
+        Command::Plan(plan) => plan.run(),
     }
 }
 

@@ -7,5 +7,6 @@ pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
 pub(crate) mod selftest;
+pub(crate) mod traffic;
 
 pub(crate) use dispatch::Gpu;

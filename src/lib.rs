@@ -49,6 +49,7 @@ pub mod measure;
 mod memory;
 mod nearest;
 pub mod plan;
+pub mod predict;
 pub mod ray;
 pub mod real;
 pub mod render;

@@ -12,7 +12,8 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::memory;
-use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::predict::Prediction;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled};
@@ -153,7 +154,7 @@ impl Renderer {
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let plan = Plan::new(scene, settings)?;
+        let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
@@ -197,7 +198,7 @@ impl Renderer {
         let mut stages = Stages::default();
         let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
         let pixels = view.record.width as usize * view.record.height as usize;
-        let tolerance = settings.tolerance.relative();
+        let tolerance = settings.promise().relative();
         let stage = match plan.accuracy {
             Accuracy::Certified => stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS))?,
             _ => None,
@@ -214,8 +215,8 @@ impl Renderer {
         let depths = stage.as_ref().map(|stage| &stage.depths[..]).or(certify.then_some(&[]));
         let answers = Answers { view: &view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
-        let expected = match plan.accuracy {
-            Accuracy::Fast => Expected::of(&view, plan.kernel.method),
+        let predicted = match plan.accuracy {
+            Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, plan.kernel.method)),
             _ => None,
         };
         let mut frame =
@@ -226,9 +227,9 @@ impl Renderer {
         report.settled = settled.len() as u64;
         report.certified = if stage.is_some() { (pixels - settled.len()) as f64 / pixels as f64 } else { 0.0 };
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
-        report.expected = expected;
+        report.predicted = predicted;
         report.warnings =
-            warnings(scene, report.hits, expected.and_then(|expected| expected.warning(plan.kernel.method)));
+            warnings(scene, report.hits, predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
         report.kernel_ms = kernel_ms.into_iter().collect();
@@ -248,6 +249,7 @@ impl Renderer {
             backend: if self.is_gpu() { "gpu" } else { "cpu" },
             method: plan.method,
             accuracy: plan.accuracy.name(),
+            reason: plan.reason.clone(),
             shade: plan.kernel.shade.map(|shade| shade.name()),
             search: plan.search,
             setup_ms: self.setup_ms,

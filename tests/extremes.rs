@@ -52,7 +52,7 @@ const POINT: f64 = 1.0 / (1u64 << 48) as f64;
 const SETTLED: f64 = 1.0 / (1u64 << 50) as f64;
 
 fn settings(accuracy: Accuracy, tolerance: f64) -> Settings {
-    let tolerance = Tolerance::new(tolerance).expect("a tolerance that can be promised");
+    let tolerance = Some(Tolerance::new(tolerance).expect("a tolerance that can be promised"));
     Settings { accuracy, tolerance, aovs: AOVS.to_vec(), ..Settings::default() }
 }
 

@@ -5,6 +5,7 @@
 mod bounds;
 mod claims;
 mod corners;
+mod predicted;
 mod sabotage;
 mod sound;
 mod wild;

@@ -2,7 +2,7 @@
 
 mod table;
 
-use super::render::{scene_size, tolerance};
+use super::scene_args::{scene_size, tolerance};
 use super::{go_on, say};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};

@@ -1,8 +1,9 @@
 //! The certified frame on the device: one pass that answers and proves, one that names the candidates of the rest.
 
-use super::dispatch::{Band, Gpu, Input};
+use super::dispatch::Gpu;
+use super::traffic::{Band, list_size};
 use crate::error::Result;
-use crate::plan::{Kernel, Pass};
+use crate::plan::Kernel;
 use crate::settle::Open;
 use crate::view::ViewRecord;
 
@@ -20,26 +21,15 @@ const LIST: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_SRC).union(wgpu::BufferUsages::COPY_DST);
 
 /// Bytes before the entries of a list: the count, and padding.
-const HEAD: u64 = 8;
+pub(super) const LIST_HEAD: u64 = 8;
 
 /// Bytes of an entry: two u32.
-const ENTRY: u64 = 8;
+pub(super) const ENTRY: u64 = 8;
 
 impl Gpu {
-    /// Uploads what the certified kernels read.
-    pub(super) fn upload_stage(&mut self, input: &Input<'_>) -> Result<()> {
-        let Some(stage) = input.stage else { return Ok(()) };
-        self.fill("lens", bytemuck::bytes_of(&stage.lens))?;
-        // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-        let mut fill = |name, bytes: &[u8]| self.fill(name, if bytes.is_empty() { &[0; 64] } else { bytes });
-        fill("fronts", bytemuck::cast_slice(&stage.fronts))?;
-        fill("front_mores", bytemuck::cast_slice(&stage.mores))?;
-        fill("nears", bytemuck::cast_slice(&stage.nears))
-    }
-
     /// Room for the list of unsure pixels of a band: all of them, so that it cannot overflow.
     pub(super) fn reserve_unsure(&mut self, pixels: u64) {
-        self.reserve("unsure", HEAD + ENTRY * pixels, LIST);
+        self.reserve("unsure", list_size(pixels), LIST);
     }
 
     /// Reads the band's unsure pixels and asks for their candidates.
@@ -57,21 +47,13 @@ impl Gpu {
         }
         let unsure = if first.count > FIRST.min(all) { self.read_list("unsure", first.count)? } else { first };
         open.pixels.extend(unsure.entries.iter().map(|entry| entry[0]));
-        let emit = Kernel {
-            certify: Some(Pass::Emit),
-            shade: None,
-            colors: false,
-            t: false,
-            normal: false,
-            width: false,
-            ..*kernel
-        };
+        let emit = kernel.emitting();
         self.pipeline(&emit)?;
         let groups = unsure.count.div_ceil(u64::from(super::dispatch::GROUP)) as u32;
-        let mut room = self.size("pairs").map_or(PAIRS, |size| (size - HEAD) / ENTRY);
+        let mut room = self.size("pairs").map_or(PAIRS, |size| (size - LIST_HEAD) / ENTRY);
         loop {
-            self.check_size("pairs", HEAD + ENTRY * room)?;
-            self.reserve("pairs", HEAD + ENTRY * room, LIST);
+            self.check_size("pairs", list_size(room))?;
+            self.reserve("pairs", list_size(room), LIST);
             self.submit(&emit, 0, (groups.min(GROUPS), groups.div_ceil(GROUPS)))?;
             let pairs = self.read_list("pairs", room)?;
             if pairs.count <= room {
@@ -84,10 +66,11 @@ impl Gpu {
 
     /// The count of a list, and its entries as far as they were asked for.
     fn read_list(&mut self, name: &'static str, entries: u64) -> Result<List> {
-        let bytes = self.read(name, HEAD + ENTRY * entries)?;
+        let bytes = self.read(name, list_size(entries))?;
         let count = bytes.first_chunk().map_or(0, |c| u64::from(u32::from_ne_bytes(*c)));
         let there = count.min(entries) as usize;
-        let entries = bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&bytes[HEAD as usize..][..ENTRY as usize * there]);
+        let entries =
+            bytemuck::pod_collect_to_vec::<u8, [u32; 2]>(&bytes[LIST_HEAD as usize..][..ENTRY as usize * there]);
         Ok(List { count, entries })
     }
 }

@@ -8,11 +8,11 @@ use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
+use crate::gpu::traffic::{Band, Reach, bands, outputs, uploads};
 use crate::plan::{Kernel, Pass, Rays};
 use crate::report::Stages;
 use crate::settle::Open;
-use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
-use bytemuck::Zeroable;
+use crate::view::{SphereRecord, View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 
@@ -21,9 +21,6 @@ pub(crate) const TILE: u32 = 8;
 
 /// Invocations in a workgroup, rays in a group; the same test.
 pub(crate) const GROUP: u32 = 64;
-
-/// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
-const TESTS_PER_DISPATCH: u64 = 1 << 32;
 
 /// An opened device, its pipelines and its buffers, kept from frame to frame.
 pub(crate) struct Gpu {
@@ -58,12 +55,6 @@ pub(crate) struct Output<'a> {
     /// What a certified kernel could not prove.
     pub(crate) open: Open,
     pub(crate) stages: &'a mut Stages,
-}
-
-/// A band of the frame: rows of pixels, or a run of given rays in one row.
-pub(super) struct Band {
-    pub(super) first: u32,
-    pub(super) count: u32,
 }
 
 impl Gpu {
@@ -132,7 +123,7 @@ impl Gpu {
         self.check_limits(kernel, &record)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
-        for band in self.bands(kernel, &record, input.rays.len() as u32) {
+        for band in bands(kernel, &record, input.rays.len() as u32, &Reach::from(&self.limits)) {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
@@ -200,45 +191,7 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        if kernel.certify.is_some() {
-            self.upload_stage(input)?;
-        } else {
-            // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-            let nothing = [SphereRecord::zeroed()];
-            let spheres = if input.view.spheres.is_empty() { &nothing[..] } else { &input.view.spheres };
-            self.fill("spheres", bytemuck::cast_slice(spheres))?;
-        }
-        if let (true, Some(colors)) = (kernel.colors, input.colors) {
-            self.fill("colors", bytemuck::cast_slice(colors))?;
-        }
-        if kernel.rays != Rays::Camera {
-            self.fill("rays", bytemuck::cast_slice(input.rays))?;
-        }
-        if kernel.rays == Rays::Spread || kernel.is_wide() {
-            let nothing = [SphereLow::zeroed()];
-            let lows = if input.view.lows.is_empty() { &nothing[..] } else { &input.view.lows };
-            self.fill("lows", bytemuck::cast_slice(lows))?;
-        }
-        Ok(())
-    }
-
-    /// The rays in pieces that fit the adapter's bindings and its patience.
-    fn bands(&self, kernel: &Kernel, record: &ViewRecord, rays: u32) -> Vec<Band> {
-        let binding = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let pixels = (binding / 12).min(TESTS_PER_DISPATCH / u64::from(record.spheres.max(1)));
-        let (total, step) = match kernel.rays {
-            Rays::Camera => {
-                let tiles = (pixels / u64::from(record.width * TILE)).max(1);
-                let most = u64::from(self.limits.max_compute_workgroups_per_dimension);
-                (record.height, tiles.min(most) as u32 * TILE)
-            }
-            _ => {
-                let groups =
-                    (pixels / u64::from(GROUP)).max(1).min(u64::from(self.limits.max_compute_workgroups_per_dimension));
-                (rays, groups as u32 * GROUP)
-            }
-        };
-        (0..total).step_by(step as usize).map(|first| Band { first, count: step.min(total - first) }).collect()
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
     }
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
@@ -396,28 +349,6 @@ impl Gpu {
 
 /// What a buffer is for that the host reads.
 const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
-
-/// A buffer that a kernel writes: its binding, where it is read from, bytes per pixel.
-struct Written {
-    name: &'static str,
-    staging: &'static str,
-    bytes: u64,
-}
-
-/// The buffers that a kernel writes.
-fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
-    [
-        (kernel.certify != Some(Pass::Emit), "frame_id", "read frame_id", 4),
-        (kernel.width, "frame_width", "read frame_width", 4),
-        (kernel.t, "frame_t", "read frame_t", 4),
-        (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
-        (kernel.normal, "frame_normal", "read frame_normal", 12),
-        (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
-    ]
-    .into_iter()
-    .filter(|(written, ..)| *written)
-    .map(|(_, name, staging, bytes)| Written { name, staging, bytes })
-}
 
 #[cfg(test)]
 mod tests {

@@ -41,6 +41,7 @@ impl Contender {
             Self::Certified => (None, Accuracy::Certified),
             Self::Exact => (None, Accuracy::Exact),
         };
+        let tolerance = Some(tolerance);
         Settings { backend, method, accuracy, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
     }
 }

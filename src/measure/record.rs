@@ -1,6 +1,7 @@
 //! What a measurement leaves: one record with units and raw samples. Tables, plots and reports read nothing else.
 
 use crate::error::{Error, Place, Result};
+use crate::predict::Prediction;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -107,6 +108,17 @@ pub struct Predicted {
     pub outline: Option<f64>,
     /// How far the distance may be off, relative to itself.
     pub distance: Option<f64>,
+}
+
+impl Predicted {
+    /// The worse of both; `first` if nothing was predicted yet.
+    pub(crate) fn worse(self, other: &Prediction, first: bool) -> Self {
+        let worse = |a: Option<f64>, b: f64| match (first, a) {
+            (true, _) => finite(b),
+            (false, a) => a.and_then(|a| finite(a.max(b))),
+        };
+        Self { outline: worse(self.outline, other.outline), distance: worse(self.distance, other.distance) }
+    }
 }
 
 /// Errors of one frame against exact arithmetic.

@@ -358,6 +358,10 @@ impl Turns<'_> {
             let frame = self.render(station, entry.contender, &[Aov::Distance, Aov::Normal, Aov::Bound])?;
             score = truths.score(&frame)?;
         }
+        if let Some(predicted) = &frame.report.predicted {
+            score = score.given(predicted);
+            entry.run.predicted = entry.run.predicted.worse(predicted, entry.score.is_none());
+        }
         match &mut entry.score {
             Some(all) => all.add(score),
             none => *none = Some(score),

@@ -14,9 +14,11 @@
 //! - *relative*: d = |t - t*| / t* where the right sphere is shown, even by its other root.
 //!
 //! A wrong sphere is a wrong outline or a wrong order. With A shown for B and d as above, A in front (t <= t*) is a
-//! wrong outline of A if the ray misses A, else a wrong order by d. A behind (t > t*) is a wrong order by d if d is no
-//! more than the outline of B would cost, else both outlines are to blame; that of A is in any case if the ray misses
-//! it. So whatever is predicted of a method as {outline, distance} must be at least {outline, the largest relative}.
+//! wrong outline of A if the ray misses A, else a wrong order by d. A behind (t > t*) means that B was missed or put
+//! behind A: either a wrong outline of B, by what that would cost, or a wrong order by d. Nothing tells which, so the
+//! smaller of both counts, or the one that was predicted ([`Score::given`]); A's outline is wrong in any case if
+//! the ray misses it. So whatever is predicted of a method as {outline, distance} must be at least {outline, the largest
+//! relative} of the errors of a score given that prediction.
 
 mod clearance;
 mod crop;
@@ -27,6 +29,7 @@ use super::record::{Errors, Map, Spread, finite};
 use crate::error::{Error, Result};
 use crate::exact::{Judge, Root};
 use crate::frame::{Aov, Frame};
+use crate::predict::Prediction;
 use crate::scene::Scene;
 use clearance::Sight;
 use rayon::prelude::*;
@@ -88,9 +91,24 @@ struct Pixel {
     verdict: Verdict,
     outline: Option<f64>,
     relative: Option<f64>,
+    /// Either this outline or this relative error, where nothing tells which.
+    either: Option<[f64; 2]>,
     /// Ulp of f32, radii and degrees.
     fine: Option<[f64; 3]>,
     of_bound: Option<f64>,
+}
+
+impl Pixel {
+    /// One explanation instead of two; `by_order` says whether that is the relative error.
+    fn explained(self, by_order: impl Fn([f64; 2]) -> bool) -> Self {
+        match self.either {
+            None => self,
+            Some(either) if by_order(either) => Self { relative: Some(either[1]), either: None, ..self },
+            Some([outline, _]) => {
+                Self { outline: Some(self.outline.unwrap_or(0.0).max(outline)), either: None, ..self }
+            }
+        }
+    }
 }
 
 /// One frame against the truth.
@@ -167,28 +185,27 @@ impl<'a> Truths<'a> {
     }
 
     fn pixel(&self, k: usize, id: i32, distance: f64, normal: [f64; 3]) -> Pixel {
-        let none = Pixel { verdict: Verdict::Right, outline: None, relative: None, fine: None, of_bound: None };
+        let none =
+            Pixel { verdict: Verdict::Right, outline: None, relative: None, either: None, fine: None, of_bound: None };
         match (u32::try_from(id).ok(), self.answers[k]) {
             (None, None) => none,
             (Some(a), None) => Pixel { verdict: Verdict::FalseHit, outline: Some(self.grow(k, a)), ..none },
             (None, Some(b)) => Pixel { verdict: Verdict::FalseMiss, outline: Some(self.shrink(k, b.id)), ..none },
             (Some(a), Some(b)) if a == b.id => hit(&b, self.scene.spheres.radii[a as usize], distance, normal),
             (Some(a), Some(b)) => {
-                let (outline, relative) = self.confusion(k, a, b.id, distance, b.distance);
-                Pixel { verdict: Verdict::WrongSphere, outline, relative, ..none }
+                Pixel { verdict: Verdict::WrongSphere, ..self.confusion(none, k, a, b.id, distance, b.distance) }
             }
         }
     }
 
     /// What a wrong sphere says of outlines and of distances; the module's head derives it.
-    fn confusion(&self, k: usize, a: u32, b: u32, shown: f64, truth: f64) -> (Option<f64>, Option<f64>) {
+    fn confusion(&self, none: Pixel, k: usize, a: u32, b: u32, shown: f64, truth: f64) -> Pixel {
         let d = off(shown, truth);
         let grow = self.misses(k, a).then(|| self.grow(k, a));
         if shown <= truth {
-            return (grow, grow.is_none().then_some(d));
+            return Pixel { outline: grow, relative: grow.is_none().then_some(d), ..none };
         }
-        let shrink = self.shrink(k, b);
-        if d <= shrink { (grow, Some(d)) } else { (Some(grow.unwrap_or(0.0).max(shrink)), None) }
+        Pixel { outline: grow, either: Some([self.shrink(k, b), d]), ..none }
     }
 
     /// Whether the ray really misses a sphere: its line does, or the sphere lies behind.
@@ -240,7 +257,14 @@ fn hit(truth: &Answer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     let wrong = !distance.is_finite() || aside;
     let verdict = if wrong { Verdict::WrongRoot } else { Verdict::Right };
     let fine = [ulps, (distance - truth.distance).abs() / radius, degrees(normal, truth.normal)];
-    Pixel { verdict, outline: None, relative: Some(relative), fine: (!wrong).then_some(fine), of_bound: None }
+    Pixel {
+        verdict,
+        outline: None,
+        relative: Some(relative),
+        either: None,
+        fine: (!wrong).then_some(fine),
+        of_bound: None,
+    }
 }
 
 /// |a - b| / b, infinite for what is no number.
@@ -267,18 +291,27 @@ impl Score {
         self.pixels.iter().map(|pixel| pixel.verdict)
     }
 
-    /// All of it in one set of numbers.
+    /// The same beside a prediction: of two explanations the one that takes less of what was predicted.
+    #[must_use]
+    pub fn given(self, predicted: &Prediction) -> Self {
+        let by_order = |[outline, relative]: [f64; 2]| relative / predicted.distance <= outline / predicted.outline;
+        Self { pixels: self.pixels.into_iter().map(|pixel| pixel.explained(by_order)).collect(), ..self }
+    }
+
+    /// All of it in one set of numbers; of two explanations the smaller one counts.
     #[must_use]
     pub fn errors(&self) -> Errors {
+        let by_order = |[outline, relative]: [f64; 2]| relative <= outline;
+        let pixels: Vec<Pixel> = self.pixels.iter().map(|pixel| pixel.explained(by_order)).collect();
         let count = |verdict| self.verdicts().filter(|v| *v == verdict).count() as u64;
-        let spread = |error: fn(&Pixel) -> Option<f64>| Spread::of(self.pixels.iter().filter_map(error).collect());
+        let spread = |error: fn(&Pixel) -> Option<f64>| Spread::of(pixels.iter().filter_map(error).collect());
         Errors {
             pixels: self.pixels.len() as u64,
             false_hit: count(Verdict::FalseHit),
             false_miss: count(Verdict::FalseMiss),
             wrong_sphere: count(Verdict::WrongSphere),
             wrong_root: count(Verdict::WrongRoot),
-            outline: finite(self.pixels.iter().filter_map(|pixel| pixel.outline).fold(0.0, f64::max)),
+            outline: finite(pixels.iter().filter_map(|pixel| pixel.outline).fold(0.0, f64::max)),
             relative: spread(|pixel| pixel.relative),
             ulp: spread(|pixel| pixel.fine.map(|[ulp, ..]| ulp)),
             radii: spread(|pixel| pixel.fine.map(|[_, radii, _]| radii)),
