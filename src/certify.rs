@@ -15,11 +15,11 @@ use crate::ray::NONE;
 use crate::real::Real;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
-use front::{Front, front_answer, front_low};
-use near::{Near, near_answer, near_low};
+use front::{Front, front_low};
+use near::{Near, near_low};
 use stage::Stage;
 use std::ops::Range;
-use tiles::{CHUNK, Lists};
+use tiles::Lists;
 
 /// The kernel's second uniform; certify/lens.wgsl declares it.
 #[repr(C)]
@@ -124,24 +124,6 @@ impl<R: Real> Answer<R> {
         Self { sure: true, hits: true, id: NONE, offset: R::MISS, low: R::ZERO, high: R::ZERO, normal: [R::ZERO; 3] };
 }
 
-/// The two smallest lower bounds of depth, and whose the smallest is.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Kept<R> {
-    pub(crate) low: R,
-    pub(crate) second: R,
-    pub(crate) slot: u32,
-}
-
-impl<R: Real> Kept<R> {
-    fn keep(&mut self, (low, slot): (R, u32)) {
-        if low < self.low {
-            *self = Self { low, second: self.low, slot };
-        } else if low < self.second {
-            self.second = low;
-        }
-    }
-}
-
 /// Marks a slot in the list of near spheres.
 pub(crate) const NEAR: u32 = 0x8000_0000;
 
@@ -196,41 +178,16 @@ impl<R: Real> Certify<'_, R> {
         first as usize..end as usize
     }
 
-    /// The two smallest lower bounds.
-    pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
-        let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
-        self.near_lows(s).for_each(|candidate| k.keep(candidate));
-        for first in self.entries(s).step_by(CHUNK) {
-            let sill = R::exact(self.lists.sills[first / CHUNK]);
-            if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
-                // All that follow lie behind.
-                k.second = if sill < k.second { sill } else { k.second };
-                break;
-            }
-            self.lows(s, first..first + CHUNK).for_each(|candidate| k.keep(candidate));
-        }
-        k
-    }
-
-    /// The winner alone is judged, by its own bounds.
-    pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
-        let slot = (k.slot & !NEAR) as usize;
-        if k.slot & NEAR != 0 {
-            return near_answer(s, &self.nears[slot], self.terms);
-        }
-        front_answer(s, self.lens, &self.front(slot), self.terms)
-    }
-
     fn front(&self, entry: usize) -> Front<R> {
         Front::new(&self.lists.fronts[entry], &self.lists.mores[entry])
     }
 
-    /// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth
-    /// that may have lost bits below the normal numbers never is.
-    pub(crate) fn certain(&self, answer: &Answer<R>, k: &Kept<R>) -> bool {
+    /// Hit, root and normal are certain, nobody else, from the second smallest lower bound on, can be as near, and the
+    /// depth is as sharp as promised. A depth that may have lost bits below the normal numbers never is.
+    pub(crate) fn certain(&self, answer: &Answer<R>, second: R) -> bool {
         let depth = R::exact(self.lens.depth) + answer.low;
         let sharp = answer.high - answer.low < R::exact(self.lens.tolerance) * depth && depth > R::exact(VANISH);
-        answer.sure && answer.high < k.second && sharp
+        answer.sure && answer.high < second && sharp
     }
 
     /// The id in a slot.

@@ -2,7 +2,10 @@
 
 mod adapters;
 mod compare;
+mod measure;
+mod plan;
 mod render;
+mod scene_args;
 
 use clap::{Parser, Subcommand};
 use halfline::error::{Error, Result};
@@ -25,6 +28,8 @@ enum Command {
     Render(Box<render::Render>),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
+    Measure(Box<measure::Measure>),
+    Plan(Box<plan::Plan>),
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -45,6 +50,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Measure(measure) => measure.run(),
+        Command::Plan(plan) => plan.run(),
     }
 }
 

@@ -1,10 +1,12 @@
 //! The device side: which adapter, which shader text, and the dispatches of a frame.
 
 mod certified;
+mod clock;
 pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
 pub(crate) mod selftest;
+pub(crate) mod traffic;
 
 pub(crate) use dispatch::Gpu;

@@ -34,7 +34,7 @@ pub(crate) trait Visit {
 }
 
 macro_rules! variants {
-    ($($name:ident $file:ident $command:literal $about:literal)*) => {
+    ($($name:ident $file:ident $command:literal $form:ident $cost:literal $about:literal)*) => {
         /// The form of the quadratic, by its name on the command line.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Method {
@@ -57,15 +57,14 @@ macro_rules! variants {
                 match self { $(Self::$name => $about,)* }
             }
 
-            /// What rounding does to a sphere's outline, in radii, as a factor of the unit roundoff, for a sphere at `k` radii:
-            /// the lecture's three forms subtract squares of the distance, the perpendicular form does not.
-            pub(crate) fn outline_error(self, k: f64) -> f64 {
-                match self {
-                    Self::Stable => 4.0 * k,
-                    // Inputs of two f32 and 48 bits or more from there on.
-                    Self::Native64 | Self::DoubleFloat => 4.0 * k * 2f64.powi(-24),
-                    _ => 4.0 * k * k,
-                }
+            /// Its discriminant and its roots.
+            pub(crate) fn form(self) -> Form {
+                match self { $(Self::$name => Form::$form,)* }
+            }
+
+            /// What its kernel costs beside that of `stable`.
+            pub(crate) fn cost(self) -> f64 {
+                match self { $(Self::$name => $cost,)* }
             }
 
             /// The variant's part of a shader: file name and text.
@@ -80,13 +79,26 @@ macro_rules! variants {
         }
     };
 }
+// The costs are steady kernel times for balls_s4.nff (7,382 spheres), 256 x 256, ids alone, by the clock of lavapipe
+// (Mesa 22.3.6, LLVM 15, 2 cores), least of nine. Other adapters order them alike but for f64, which few do faster.
 variants! {
-    Textbook textbook "textbook" "the general quadratic with d.d"
-    Unit unit "unit" "the quadratic for d of unit length"
-    Geometric geometric "geometric" "closest approach t_m, its distance l_m, half the chord delta t"
-    Stable stable "stable" "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
-    Native64 native64 "f64" "the perpendicular form in the adapter's f64"
-    DoubleFloat double_float "double-float" "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
+    Textbook textbook "textbook" General 0.75 "the general quadratic with d.d"
+    Unit unit "unit" Normalised 0.86 "the quadratic for d of unit length"
+    Geometric geometric "geometric" Normalised 0.86 "closest approach t_m, its distance l_m, half the chord delta t"
+    Stable stable "stable" Perpendicular 1.0 "the perpendicular form: discriminant from the cross product, power of the eye from the host, root of matched sign"
+    Native64 native64 "f64" Perpendicular 3.4 "the perpendicular form in the adapter's f64"
+    DoubleFloat double_float "double-float" Perpendicular 24.0 "the perpendicular form in sums of two f32, where the adapter's arithmetic was measured to allow it"
+}
+
+/// How a variant makes its discriminant and its roots; what rounding does to them follows from that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// a r^2 - |p x d|^2, roots of matched sign.
+    Perpendicular,
+    /// b^2 - a c, roots by their signs.
+    General,
+    /// b^2 - |p|^2 + r^2 for d of unit length.
+    Normalised,
 }
 
 impl Method {

@@ -1,8 +1,19 @@
 //! Measuring: numbers about frames and about how far they lie apart.
 
 pub mod compare;
+pub mod contender;
+pub mod export;
 pub mod picture;
+#[cfg(feature = "plots")]
+pub mod plot;
 pub mod record;
+#[cfg(feature = "plots")]
+pub mod report;
+pub mod run;
+pub mod score;
+pub mod suite;
+pub mod total;
+pub mod verdict;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};

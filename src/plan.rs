@@ -1,13 +1,19 @@
 //! What a scene requires, decided in one place: which kernel, which sharing, which buffers, which precision.
 
+mod choose;
+mod explain;
+mod search;
+
+pub use explain::{Binding, Explanation, LeftOut, Part, Shown, Staged, explain};
+pub use search::Search;
+
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::device::AdapterSummary;
 use crate::intersect::Method;
+use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::shade::Shade;
-use crate::view::{SphereRecord, View};
-use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -94,12 +100,29 @@ pub struct Settings {
     pub method: Option<Method>,
     /// How sure the answers must be.
     pub accuracy: Accuracy,
+    /// How candidates are found.
+    pub search: Search,
     /// How a hit becomes a colour.
     pub shade: Shade,
     /// Which buffers the frame shall hold; ids are always computed.
     pub aovs: Vec<Aov>,
-    /// Promised relative error of t where answers are certified.
-    pub tolerance: Tolerance,
+    /// The error that is allowed. Certified answers promise it of t, relative to itself; where accuracy and method are
+    /// left open, the cheapest method is taken whose predicted errors it allows. `None` promises the default and leaves
+    /// the choice to the buffers.
+    pub tolerance: Option<Tolerance>,
+}
+
+impl Settings {
+    /// What is promised of t where answers are certified.
+    #[must_use]
+    pub fn promise(&self) -> Tolerance {
+        self.tolerance.unwrap_or_default()
+    }
+
+    /// Whether any of these buffers shall be in the frame.
+    pub(crate) fn asks(&self, some: &[Aov]) -> bool {
+        some.iter().any(|aov| self.aovs.contains(aov))
+    }
 }
 
 /// A promised relative error: at least 2^-50, the default 1e-5.
@@ -207,82 +230,46 @@ pub struct Plan {
     pub method: &'static str,
     /// What the answers are worth: fast, certified or exact.
     pub accuracy: Accuracy,
-    /// How candidates are found: `all` spheres.
-    pub search: &'static str,
+    /// Why this accuracy and this method.
+    pub reason: String,
+    /// What rounding can do at worst, where that was asked before choosing.
+    pub predicted: Option<Prediction>,
+    /// How candidates are found: never `auto`.
+    #[serde(serialize_with = "by_name")]
+    pub search: Search,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
 }
 
-/// The buffers that are answers, not looks: asking for one asks for a certificate.
-const ANSWERS: [Aov; 8] =
-    [Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask, Aov::Certainty, Aov::Bound];
-
-/// What f32 without a certificate is expected to do to a scene, before it is rendered.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Expected {
-    /// How far the outline of the worst sphere may be off, in its radii.
-    pub outline: f64,
-    /// Which sphere that is.
-    pub sphere: u32,
-    /// Its distance in its radii.
-    pub distance: f64,
-}
-
-/// Outlines that are off by more than this are warned of: a fiftieth of a radius can be seen.
-const VISIBLE: f64 = 0.02;
-
-impl Expected {
-    /// The worst sphere of `view` for `method`; `None` without spheres.
-    #[must_use]
-    pub fn of(view: &View, method: Method) -> Option<Self> {
-        let farness = |s: &SphereRecord| {
-            let [x, y, z, r] = s.ball.map(f64::from);
-            (x * x + y * y + z * z).sqrt() / r
-        };
-        let each = view.spheres.par_iter().enumerate().map(|(id, s)| (farness(s), id));
-        let (distance, id) = each.reduce_with(|a, b| if b.0 > a.0 { b } else { a })?;
-        // 2^-24: hardware rounds to nearest.
-        let outline = method.outline_error(distance) * 2f64.powi(-24);
-        Some(Self { outline, sphere: id as u32, distance })
-    }
-
-    /// A warning with a number and a mend, where the error can be seen.
-    #[must_use]
-    pub fn warning(&self, method: Method) -> Option<String> {
-        let Self { outline, sphere, distance } = self;
-        (*outline > VISIBLE).then(|| {
-            format!(
-                "method {} places the outline of sphere {sphere}, {distance:.1e} radii away, only within {outline:.1e} \
-                 radii; use --accuracy certified",
-                method.name()
-            )
-        })
-    }
+fn by_name<S: serde::Serializer>(search: &Search, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(search.name())
 }
 
 impl Plan {
-    /// Decides what `scene` requires for the buffers asked for.
+    /// Decides what `scene` requires for the buffers asked for, among the methods that `admits` lets run.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a method together with a certificate, [`Error::Accuracy`] for a promise that cannot be
-    /// kept.
-    pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
+    /// [`Error::Settings`] for a method together with a certificate, [`Error::Scene`] for spheres that do not fit one
+    /// frame.
+    pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
         let mut plan = Self::for_method(settings)?;
-        let asked = |some: &[Aov]| some.iter().any(|aov| settings.aovs.contains(aov));
-        let shade = asked(&[Aov::Color]).then_some(settings.shade);
+        let shade = settings.asks(&[Aov::Color]).then_some(settings.shade);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
-        plan.kernel.t = asked(&[Aov::Distance, Aov::Depth, Aov::Position]);
-        plan.kernel.normal = asked(&[Aov::Normal]);
-        plan.accuracy = match (settings.accuracy, settings.method) {
-            (Accuracy::Auto, None) if asked(&ANSWERS) => Accuracy::Certified,
-            (Accuracy::Auto, _) => Accuracy::Fast,
-            (stated, _) => stated,
-        };
+        plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
+        plan.kernel.normal = settings.asks(&[Aov::Normal]);
+        let choice = choose::choose(scene, settings, admits)?;
+        plan.kernel.method = choice.method;
+        (plan.accuracy, plan.method) = (choice.accuracy, choice.method.name());
+        (plan.reason, plan.predicted) = (choice.reason, choice.predicted);
         if matches!(plan.accuracy, Accuracy::Certified | Accuracy::Exact) {
             plan.method = plan.accuracy.name();
             plan.kernel.certify = true;
-            plan.kernel.width = asked(&[Aov::Bound]);
+            plan.kernel.width = settings.asks(&[Aov::Bound]);
+            plan.search = if settings.search == Search::All { Search::All } else { Search::Tiles };
+        } else if settings.search == Search::Tiles {
+            let problem = format!("method {} asks every sphere: it has no search by tiles", plan.method);
+            return Err(Error::settings(problem, "use --accuracy certified, or leave out --search"));
         }
         Ok(plan)
     }
@@ -306,6 +293,7 @@ impl Plan {
             certify: false,
             width: false,
         };
-        Ok(Self { method: method.name(), accuracy: Accuracy::Fast, search: "all", kernel })
+        let (method, accuracy) = (method.name(), Accuracy::Fast);
+        Ok(Self { method, accuracy, reason: String::new(), predicted: None, search: Search::All, kernel })
     }
 }

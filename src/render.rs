@@ -9,9 +9,11 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::memory;
-use crate::plan::{Accuracy, Backend, Expected, Kernel, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::predict::Prediction;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled, Unsure};
@@ -120,6 +122,31 @@ impl Renderer {
         }
     }
 
+    /// What the adapter's arithmetic was measured to be; `None` for the reference path, which is what it should be.
+    ///
+    /// # Errors
+    /// What measuring it runs into.
+    pub fn verdict(&mut self) -> Result<Option<&Verdict>> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.verdict().map(Some),
+            Place::Cpu => Ok(None),
+        }
+    }
+
+    /// Whether kernels are timed by the device's own clock, beside the wall clock.
+    #[must_use]
+    pub fn has_clock(&self) -> bool {
+        matches!(&self.place, Place::Gpu(gpu) if gpu.has_clock())
+    }
+
+    /// How long kernels ran since this was last asked.
+    fn kernel_ms(&mut self) -> Option<f64> {
+        match &mut self.place {
+            Place::Gpu(gpu) => gpu.kernel_ms(),
+            Place::Cpu => None,
+        }
+    }
+
     /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
     /// looked at again.
     ///
@@ -127,7 +154,7 @@ impl Renderer {
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let plan = Plan::new(scene, settings)?;
+        let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
@@ -171,13 +198,18 @@ impl Renderer {
         let mut stages = Stages::default();
         let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
         let pixels = view.record.width as usize * view.record.height as usize;
-        let tolerance = settings.tolerance.relative();
+        let tolerance = settings.promise().relative();
         let stage = match plan.accuracy {
-            Accuracy::Certified => stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, 0))?,
+            Accuracy::Certified => {
+                stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, plan.search.level()))?
+            }
             _ => None,
         };
         let mut raw = Raw::new(&plan.kernel, pixels)?;
+        // What ran before, a self-test say, is not this frame's.
+        self.kernel_ms();
         let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+        let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
         }
@@ -185,8 +217,8 @@ impl Renderer {
         let depths = certify.then(|| Depths::new(scene, &view, stage.as_ref()));
         let answers = Answers { view: &view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
-        let expected = match plan.accuracy {
-            Accuracy::Fast => Expected::of(&view, plan.kernel.method),
+        let predicted = match plan.accuracy {
+            Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, plan.kernel.method)),
             _ => None,
         };
         let mut frame =
@@ -197,11 +229,12 @@ impl Renderer {
         report.settled = settled.len() as u64;
         report.certified = if stage.is_some() { (pixels - settled.len()) as f64 / pixels as f64 } else { 0.0 };
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
-        report.expected = expected;
+        report.predicted = predicted;
         report.warnings =
-            warnings(scene, report.hits, expected.and_then(|expected| expected.warning(plan.kernel.method)));
+            warnings(scene, report.hits, predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
+        report.kernel_ms = kernel_ms.into_iter().collect();
         Ok(frame)
     }
 
@@ -218,8 +251,9 @@ impl Renderer {
             backend: if self.is_gpu() { "gpu" } else { "cpu" },
             method: plan.method,
             accuracy: plan.accuracy.name(),
+            reason: plan.reason.clone(),
             shade: plan.kernel.shade.map(|shade| shade.name()),
-            search: plan.search,
+            search: plan.search.name(),
             setup_ms: self.setup_ms,
             ..Report::default()
         }

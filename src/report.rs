@@ -1,6 +1,6 @@
 //! What is told of a rendering: who computed it, how, how long, and what to be careful about.
 
-use crate::plan::Expected;
+use crate::predict::Prediction;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -32,6 +32,8 @@ pub struct Report {
     pub method: &'static str,
     /// `fast`, `certified` or `exact`.
     pub accuracy: &'static str,
+    /// Why this method and this accuracy.
+    pub reason: String,
     /// How colour was made; `None` when nobody asked for colour.
     pub shade: Option<&'static str>,
     /// How candidates were found.
@@ -42,13 +44,15 @@ pub struct Report {
     pub settled: u64,
     /// Proven bound of t's relative error, the promised tolerance or less; `None` when nothing is proven.
     pub bound: Option<f64>,
-    /// What f32 without a certificate was expected to do; `None` where answers are certified.
-    pub expected: Option<Expected>,
+    /// What rounding could do at worst, known beforehand; `None` where answers are certified.
+    pub predicted: Option<Prediction>,
     /// Opening the device, milliseconds.
     pub setup_ms: f64,
     /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first
     /// includes compiling the kernel.
     pub frame_ms: Vec<f64>,
+    /// The kernels' part of each of these frames by the adapter's own clock; empty where it offers none.
+    pub kernel_ms: Vec<f64>,
     /// Where the last frame's time went.
     pub stages_ms: BTreeMap<&'static str, f64>,
     /// What to be careful about, in whole sentences.

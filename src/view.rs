@@ -159,7 +159,7 @@ impl View {
     }
 
     /// Camera, pixels and the frame's unit.
-    fn without_spheres(scene: &Scene) -> Result<Self> {
+    pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
         scene.check()?;
         let (width, height) = (scene.image.width, scene.image.height);
         let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
@@ -235,8 +235,17 @@ impl View {
     }
 
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
+        self.spheres = self.moved(centers, radii).collect();
+    }
+
+    /// The records of these spheres, one after the other, without keeping them.
+    pub(crate) fn moved<'a>(
+        &self,
+        centers: &'a [[f64; 3]],
+        radii: &'a [f64],
+    ) -> impl IndexedParallelIterator<Item = SphereRecord> + use<'a> {
         let (basis, unit) = (self.basis, self.unit);
-        self.spheres = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r).record(unit)).collect();
+        centers.par_iter().zip(radii).map(move |(c, r)| Moved::new(&basis, *c, *r).record(unit))
     }
 }
 

@@ -7,10 +7,11 @@
 #[expect(dead_code, reason = "the helpers of tests that walk the methods")]
 mod common;
 
-use common::{Random, cpu, gpu};
+use common::{cpu, gpu};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
+use halfline::measure::suite::Random;
 use halfline::plan::{Accuracy, Settings};
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};

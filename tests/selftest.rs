@@ -7,11 +7,12 @@
 
 mod common;
 
-use common::{Random, admitted, cpu, gpu};
+use common::{admitted, cpu, gpu};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
+use halfline::measure::suite::Random;
 use halfline::plan::{Accuracy, Settings};
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use std::process::Command;

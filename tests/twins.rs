@@ -7,11 +7,12 @@
 
 mod common;
 
-use common::{Random, cpu, gpu};
+use common::{cpu, gpu};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::intersect::Method;
+use halfline::measure::suite::Random;
 use halfline::plan::Settings;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};

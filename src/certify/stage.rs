@@ -58,6 +58,8 @@ pub(crate) struct Stage {
     pub(crate) lens: LensRecord,
     pub(crate) lists: Lists,
     pub(crate) nears: Vec<NearRecord>,
+    /// Front spheres that some ray may meet.
+    pub(crate) seen: u64,
 }
 
 /// c - e in world space and in the camera: right, up, forward; in f64.
@@ -181,8 +183,9 @@ impl Stage {
         let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
         record.nears = nears.len() as u32;
         let placed: Vec<_> = batches.into_iter().map(|batch| batch.placed).collect();
+        let seen = placed.iter().map(|batch| batch.len() as u64).sum();
         let lists = Lists::new(&placed, [width, height], level);
-        Ok(Some(Self { lens: record, lists, nears }))
+        Ok(Some(Self { lens: record, lists, nears, seen }))
     }
 }
 

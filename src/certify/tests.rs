@@ -5,7 +5,9 @@
 mod bounds;
 mod claims;
 mod corners;
+mod predicted;
 mod sabotage;
+mod single;
 mod sound;
 mod wild;
 mod worlds;

@@ -1,7 +1,7 @@
 //! `halfline adapters`.
 
 use halfline::error::{Error, Result};
-use halfline::{AdapterVerdict, adapters, verdicts};
+use halfline::{adapters, verdicts};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -57,7 +57,7 @@ impl Adapters {
                     mib(a.max_binding),
                     mib(a.max_buffer),
                     match measured {
-                        Ok(verdict) => words(verdict),
+                        Ok(verdict) => format!("   {}", verdict.lines().join("\n   ")),
                         Err(error) => format!("   arithmetic not measured: {error}"),
                     },
                 );
@@ -67,24 +67,4 @@ impl Adapters {
         std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
         Ok(ExitCode::SUCCESS)
     }
-}
-
-/// The verdict in a few lines.
-fn words(v: &AdapterVerdict) -> String {
-    let f32 = if v.f32 { "as WGSL promises" } else { "NOT AS WGSL PROMISES" };
-    let twin = if v.strict_twin { "kernels equal their CPU twins" } else { "kernels differ from their CPU twins" };
-    let rounding = serde_json::to_value(v.rounding).ok().and_then(|r| Some(r.as_str()?.to_owned())).unwrap_or_default();
-    let subnormals = if v.flushes_subnormals { "flushed" } else { "kept" };
-    let usable = |u: &halfline::Usable| match (&u.by, &u.reason) {
-        (Some(by), _) => by.clone(),
-        (None, reason) => format!("not used: {}", reason.as_deref().unwrap_or("no reason was given")),
-    };
-    format!(
-        "   f32 {f32}, rounds {rounding}, / {:.3} ulp, sqrt {:.3} ulp, subnormals {subnormals}; {twin}\n   \
-         f64 {}\n   double-float {}",
-        v.div_ulp,
-        v.sqrt_ulp,
-        usable(&v.f64),
-        usable(&v.double_float),
-    )
 }

@@ -37,6 +37,12 @@ impl Source {
         source
     }
 
+    /// Each part's name and how many lines it has.
+    pub(crate) fn parts(&self) -> Vec<(&'static str, usize)> {
+        let ends = self.starts.iter().skip(1).map(|(first, _)| *first).chain([self.text.lines().count() + 1]);
+        self.starts.iter().zip(ends).map(|((first, name), end)| (*name, end - first)).collect()
+    }
+
     /// `shaders/FILE:LINE` of a line of the whole, both from 1.
     pub(crate) fn place(&self, line: usize) -> String {
         let (first, name) = self.starts.iter().rfind(|(first, _)| *first <= line).copied().unwrap_or((1, "?"));

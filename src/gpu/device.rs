@@ -146,9 +146,9 @@ pub(crate) struct Open {
     pub(crate) lost: Arc<Mutex<Option<String>>>,
 }
 
-/// Opens a device with all the adapter's limits and the features the kernels know how to use.
+/// Opens a device with all the adapter's limits and the features the kernels know how to use, and a clock for them.
 pub(crate) fn open(found: &Found) -> Result<Open> {
-    let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64;
+    let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),
         required_features: found.adapter.features() & wanted,

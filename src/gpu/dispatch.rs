@@ -4,24 +4,21 @@ use crate::certify::stage::Stage;
 use crate::certify::tiles::TILE;
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
-use crate::gpu::certified;
+use crate::gpu::clock::Clock;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
+use crate::gpu::traffic::{Band, Reach, bands, lists, outputs, uploads};
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
 use crate::settle::Unsure;
-use crate::view::{SphereLow, SphereRecord, View, ViewRecord};
-use bytemuck::Zeroable;
+use crate::view::{SphereRecord, View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 
 /// Invocations in a workgroup, rays in a group; the same test.
 pub(crate) const GROUP: u32 = 64;
-
-/// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
-const TESTS_PER_DISPATCH: u64 = 1 << 32;
 
 /// An opened device, its pipelines and its buffers, kept from frame to frame.
 pub(crate) struct Gpu {
@@ -30,6 +27,7 @@ pub(crate) struct Gpu {
     limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
+    clock: Option<Clock>,
     pub(super) verdict: Option<Verdict>,
 }
 
@@ -57,16 +55,11 @@ pub(crate) struct Output<'a> {
     pub(crate) stages: &'a mut Stages,
 }
 
-/// A band of the frame: rows of pixels, or a run of given rays in one row.
-pub(super) struct Band {
-    pub(super) first: u32,
-    pub(super) count: u32,
-}
-
 impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
-        Self { summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
+        let clock = Clock::new(&open);
+        Self { clock, summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
     }
 
     /// Fills `output` by `kernel`. `go_on` is asked between bands.
@@ -78,6 +71,16 @@ impl Gpu {
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
         self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
+    }
+
+    /// Whether kernels are timed.
+    pub(crate) fn has_clock(&self) -> bool {
+        self.clock.is_some()
+    }
+
+    /// How long kernels ran since this was last asked, milliseconds by the device's clock, if it has one.
+    pub(crate) fn kernel_ms(&mut self) -> Option<f64> {
+        self.clock.as_mut().map(Clock::take)
     }
 
     /// Does `work` and turns what the device complains of meanwhile into errors of ours.
@@ -118,12 +121,14 @@ impl Gpu {
         self.check_limits(kernel, &record)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
-        for band in self.bands(kernel, input) {
+        for band in bands(kernel, input, &Reach::from(&self.limits)) {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
             if let Some(stage) = input.stage {
-                stages.time("upload", || self.upload_lists(stage, &band))?;
+                stages.time("upload", || {
+                    lists(stage, &band).uploads().into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
+                })?;
             }
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
             stages.time("readback", || self.read_back(kernel, &record, &band, raw, unsure))?;
@@ -186,55 +191,7 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        if let Some(stage) = input.stage {
-            self.upload_stage(stage)?;
-        } else {
-            // A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-            let nothing = [SphereRecord::zeroed()];
-            let spheres = if input.view.spheres.is_empty() { &nothing[..] } else { &input.view.spheres };
-            self.fill("spheres", bytemuck::cast_slice(spheres))?;
-        }
-        if let (true, Some(colors)) = (kernel.colors, input.colors) {
-            self.fill("colors", bytemuck::cast_slice(colors))?;
-        }
-        if kernel.rays != Rays::Camera {
-            self.fill("rays", bytemuck::cast_slice(input.rays))?;
-        }
-        if kernel.rays == Rays::Spread || kernel.is_wide() {
-            let nothing = [SphereLow::zeroed()];
-            let lows = if input.view.lows.is_empty() { &nothing[..] } else { &input.view.lows };
-            self.fill("lows", bytemuck::cast_slice(lows))?;
-        }
-        Ok(())
-    }
-
-    /// The rays in pieces that fit the adapter's bindings and its patience.
-    fn bands(&self, kernel: &Kernel, input: &Input<'_>) -> Vec<Band> {
-        let record = &input.view.record;
-        let binding = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let most = self.limits.max_compute_workgroups_per_dimension;
-        let tests = match input.stage {
-            // What a pixel of an average tile may be asked.
-            Some(stage) => stage.lists.mean(),
-            None => u64::from(record.spheres),
-        };
-        let pixels = (binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));
-        let (total, step) = match kernel.rays {
-            Rays::Camera => {
-                let tiles = (pixels / u64::from(record.width * TILE)).max(1);
-                (record.height, tiles.min(u64::from(most)) as u32 * TILE)
-            }
-            _ => (input.rays.len() as u32, (pixels / u64::from(GROUP)).max(1).min(u64::from(most)) as u32 * GROUP),
-        };
-        let mut bands = Vec::new();
-        let mut first = 0;
-        while first < total {
-            let most = step.min(total - first);
-            let count = input.stage.map_or(most, |stage| certified::rows_that_fit(stage, first, most, binding));
-            bands.push(Band { first, count });
-            first += count;
-        }
-        bands
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
     }
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
@@ -263,7 +220,7 @@ impl Gpu {
     }
 
     /// One dispatch, and copies of what it wrote to where they can be read.
-    pub(super) fn submit(&self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
+    pub(super) fn submit(&mut self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
         let pipeline = &self.pipelines[kernel];
         let entries: Vec<_> = pipeline
             .bindings
@@ -280,7 +237,10 @@ impl Gpu {
             encoder.clear_buffer(&self.buffers["unsure"], 0, Some(8));
         }
         {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: None,
+                timestamp_writes: self.clock.as_ref().map(Clock::writes),
+            });
             pass.set_pipeline(&pipeline.compute);
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(groups.0, groups.1, 1);
@@ -293,8 +253,18 @@ impl Gpu {
             let (from, to) = (&self.buffers["unsure"], &self.buffers["read unsure"]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, Self::unsure_bytes(pixels));
         }
+        if let Some(clock) = &self.clock {
+            clock.resolve(&mut encoder);
+        }
         self.open.queue.submit([encoder.finish()]);
-        self.wait()
+        if let Some(clock) = &self.clock {
+            clock.ask();
+        }
+        self.wait()?;
+        if let Some(clock) = &mut self.clock {
+            clock.add();
+        }
+        Ok(())
     }
 
     fn read_back(
@@ -394,28 +364,6 @@ fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
 
 /// What a buffer is for that the host reads.
 pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
-
-/// A buffer that a kernel writes: its binding, where it is read from, bytes per pixel.
-struct Written {
-    name: &'static str,
-    staging: &'static str,
-    bytes: u64,
-}
-
-/// The buffers that a kernel writes.
-fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
-    [
-        (true, "frame_id", "read frame_id", 4),
-        (kernel.width, "frame_width", "read frame_width", 4),
-        (kernel.t, "frame_t", "read frame_t", 4),
-        (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
-        (kernel.normal, "frame_normal", "read frame_normal", 12),
-        (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
-    ]
-    .into_iter()
-    .filter(|(written, ..)| *written)
-    .map(|(_, name, staging, bytes)| Written { name, staging, bytes })
-}
 
 #[cfg(test)]
 mod tests {

@@ -85,6 +85,34 @@ pub struct Verdict {
     pub milliseconds: f64,
 }
 
+impl Verdict {
+    /// It in words, a few lines.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let f32 = if self.f32 { "as WGSL promises" } else { "NOT AS WGSL PROMISES" };
+        let twin =
+            if self.strict_twin { "kernels equal their CPU twins" } else { "kernels differ from their CPU twins" };
+        let rounding = match self.rounding {
+            Rounding::NearestEven => "nearest-even",
+            Rounding::TowardZero => "toward-zero",
+            Rounding::Other => "other",
+        };
+        let subnormals = if self.flushes_subnormals { "flushed" } else { "kept" };
+        let usable = |u: &Usable| match (&u.by, &u.reason) {
+            (Some(by), _) => by.clone(),
+            (None, reason) => format!("not used: {}", reason.as_deref().unwrap_or("no reason was given")),
+        };
+        let (div, sqrt) = (self.div_ulp, self.sqrt_ulp);
+        vec![
+            format!(
+                "f32 {f32}, rounds {rounding}, / {div:.3} ulp, sqrt {sqrt:.3} ulp, subnormals {subnormals}; {twin}"
+            ),
+            format!("f64 {}", usable(&self.f64)),
+            format!("double-float {}", usable(&self.double_float)),
+        ]
+    }
+}
+
 /// Division's largest error that WGSL allows, ulp.
 const DIV_ULP: f64 = 2.5;
 

@@ -1,7 +1,9 @@
 //! What a measurement leaves: one record with units and raw samples. Tables, plots and reports read nothing else.
 
 use crate::error::{Error, Place, Result};
+use crate::predict::Prediction;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A whole measurement; `records.json` is this.
 ///
@@ -18,6 +20,10 @@ pub struct Record {
     pub subject: String,
     /// The command line that repeats it.
     pub command: String,
+    /// Relative error of the distance that certified answers promised.
+    pub tolerance: f64,
+    /// The unit of each number, by the name of its field.
+    pub units: BTreeMap<String, String>,
     /// Where it ran: the adapter, and the CPU reference path.
     pub places: Vec<PlaceRecord>,
     /// What was rendered.
@@ -43,16 +49,18 @@ pub struct PlaceRecord {
     pub timestamps: bool,
 }
 
-/// A scene that was measured.
+/// A scene that was measured, or a family of scenes that were measured together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
     /// File name, family of the extremes, or rung of the ladder.
     pub name: String,
     /// BLAKE3 of the scene's content.
     pub fingerprint: String,
-    /// Spheres.
+    /// How many pictures go by this name: 1, but for a family of the extremes. Times are then sums over all.
+    pub pictures: u64,
+    /// Spheres, in all pictures.
     pub spheres: u64,
-    /// Columns and rows of pixels.
+    /// Columns and rows of pixels; zeros where the pictures of a family differ.
     pub size: [u32; 2],
     /// Largest distance from the eye to a sphere's centre, in its radii; `None` without spheres.
     pub farthest: Option<f64>,
@@ -100,6 +108,17 @@ pub struct Predicted {
     pub outline: Option<f64>,
     /// How far the distance may be off, relative to itself.
     pub distance: Option<f64>,
+}
+
+impl Predicted {
+    /// The worse of both; `first` if nothing was predicted yet.
+    pub(crate) fn worse(self, other: &Prediction, first: bool) -> Self {
+        let worse = |a: Option<f64>, b: f64| match (first, a) {
+            (true, _) => finite(b),
+            (false, a) => a.and_then(|a| finite(a.max(b))),
+        };
+        Self { outline: worse(self.outline, other.outline), distance: worse(self.distance, other.distance) }
+    }
 }
 
 /// Errors of one frame against exact arithmetic.
@@ -160,7 +179,8 @@ pub struct Map {
     pub cell: u32,
     /// Columns and rows of cells; the last ones may stand over.
     pub size: [u32; 2],
-    /// Largest relative error of the distance in each cell, right sphere and root; 0 where nothing is hit.
+    /// Largest relative error of the distance in each cell, right sphere and root, to three digits; 0 where nothing is
+    /// hit.
     pub error: Vec<f32>,
     /// Wrong pixels in each cell.
     pub wrong: Vec<u32>,
@@ -196,6 +216,37 @@ impl Record {
             (schema, version) => Err(foreign(format!("it is a {schema:?} of version {version}"))),
         }
     }
+}
+
+/// The units of a record's numbers, by the names of the fields.
+pub(crate) fn units() -> BTreeMap<String, String> {
+    let unit = |(name, unit): (&str, &str)| (name.to_owned(), unit.to_owned());
+    [
+        ("tolerance", "relative to the distance"),
+        ("farthest", "radii"),
+        ("hits", "pixels"),
+        ("first_ms", "milliseconds, wall clock"),
+        ("steady_ms", "milliseconds, wall clock"),
+        ("kernel_ms", "milliseconds, clock of the device"),
+        ("errors.false_hit", "pixels"),
+        ("errors.false_miss", "pixels"),
+        ("errors.wrong_sphere", "pixels"),
+        ("errors.wrong_root", "pixels"),
+        ("errors.outline", "radii of the sphere"),
+        ("errors.relative", "relative to the distance"),
+        ("errors.ulp", "units of the last place of f32 at t"),
+        ("errors.radii", "radii of the sphere"),
+        ("errors.normal", "degrees"),
+        ("certified", "share of the pixels"),
+        ("settled", "pixels"),
+        ("of_bound", "share of the stated bound"),
+        ("predicted.outline", "radii of the sphere"),
+        ("predicted.distance", "relative to the distance"),
+        ("map.error", "relative to the distance"),
+        ("map.wrong", "pixels"),
+    ]
+    .map(unit)
+    .into()
 }
 
 /// What JSON can hold of a number: `None` for what is not finite.

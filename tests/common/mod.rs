@@ -47,21 +47,3 @@ pub(crate) fn cpu() -> Renderer {
     let settings = Settings { backend: Backend::Cpu, ..Settings::default() };
     Renderer::new(&settings).expect("the CPU path is always there")
 }
-
-/// xorshift64* (Vigna 2016), so that every run sees the same cases.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    pub(crate) fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in [-1, 1)^3.
-    pub(crate) fn cube(&mut self) -> [f64; 3] {
-        std::array::from_fn(|_| 2.0 * self.unit() - 1.0)
-    }
-}

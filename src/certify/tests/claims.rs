@@ -127,7 +127,7 @@ pub(super) fn check<R: Value>(
     }
     let lens = twin.lens;
     let certain = if checks == Checks::ALL {
-        twin.certain(&answer, &kept)
+        twin.certain(&answer, kept.second)
     } else {
         let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };

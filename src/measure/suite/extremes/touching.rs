@@ -1,38 +1,39 @@
 //! Nearly or exactly touching: rays that graze, eyes on surfaces, planets underfoot.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::common::Random;
+use crate::camera::{Lens, Look};
+use crate::error::Result;
+use crate::exact::Judge;
+use crate::measure::suite::Random;
+use crate::scene::{Scene, Spheres};
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
-use halfline::exact::Judge;
-use halfline::scene::{Scene, Spheres};
 
 const CANONICAL: Lens = Lens::Viewport { vw: 2.0, vh: 1.5, distance: 1.0 };
 
 /// The direction through the centre of row i, column j, of an image whose lens has d = 1, within rounding.
-fn direction(scene: &Scene, i: u32, j: u32) -> DVec3 {
+fn direction(scene: &Scene, i: u32, j: u32) -> Result<DVec3> {
     let (camera, image) = (&scene.camera, &scene.image);
-    let basis = camera.basis().expect("a good camera");
-    let lens = camera.viewport(image.width, image.height).expect("a good lens");
+    let basis = camera.basis()?;
+    let lens = camera.viewport(image.width, image.height)?;
     let odd = |k: u32, n: u32| (2.0 * f64::from(k) + 1.0 - f64::from(n)) / (2.0 * f64::from(n));
-    basis.u * (odd(j, image.width) * lens.vw) - basis.v * (odd(i, image.height) * lens.vh) - basis.w * lens.d
+    Ok(basis.u * (odd(j, image.width) * lens.vw) - basis.v * (odd(i, image.height) * lens.vh) - basis.w * lens.d)
 }
 
 /// The least f64 radius with which the ray of that pixel hits a sphere about `center`: its exact impact, rounded up.
 /// `guess` is within 2^-20 of it.
-fn impact(scene: &Scene, [i, j]: [u32; 2], center: DVec3, guess: f64) -> f64 {
-    let hit = |radius: f64| {
+fn impact(scene: &Scene, [i, j]: [u32; 2], center: DVec3, guess: f64) -> Result<f64> {
+    let hit = |radius: f64| -> Result<bool> {
         let alone = Scene { spheres: one(center, radius), ..scene.clone() };
-        Judge::new(&alone).expect("a good scene").pixel(i, j).is_some()
+        Ok(Judge::new(&alone)?.pixel(i, j).is_some())
     };
     // Positive f64 are in the order of their bits.
     let [mut missed, mut touched] = [-1.0, 1.0].map(|side| (guess * (1.0 + side * 2f64.powi(-20))).to_bits());
-    assert!(!hit(f64::from_bits(missed)) && hit(f64::from_bits(touched)), "the guess {guess:e} is off");
+    debug_assert!(!hit(f64::from_bits(missed))? && hit(f64::from_bits(touched))?, "the guess {guess:e} is off");
     while touched - missed > 1 {
         let middle = missed + (touched - missed) / 2;
-        *if hit(f64::from_bits(middle)) { &mut touched } else { &mut missed } = middle;
+        *if hit(f64::from_bits(middle))? { &mut touched } else { &mut missed } = middle;
     }
-    f64::from_bits(touched)
+    Ok(f64::from_bits(touched))
 }
 
 /// Distance of `center` from the line through the eye, within rounding.
@@ -48,7 +49,7 @@ fn nearly(b: f64, n: i32) -> f64 {
 }
 
 /// Beside each of 192 rays a small sphere of its own that the ray touches or just misses.
-pub(super) fn grazing(seed: u64) -> Vec<Scene> {
+pub(super) fn grazing(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for depths in [[2.0, 20.0], [1e3, 1e5]] {
@@ -57,24 +58,24 @@ pub(super) fn grazing(seed: u64) -> Vec<Scene> {
         let mut n = 0;
         for i in (0..24).step_by(2) {
             for j in (0..32).step_by(2) {
-                let d = direction(&scene, i, j);
+                let d = direction(&scene, i, j)?;
                 let z = depths[0] + (depths[1] - depths[0]) * random.unit();
                 let aside = d.cross(DVec3::from_array(random.cube())).normalize();
                 // 0.3 of a pixel's pitch at that depth, so that no other ray comes near.
                 let center = scene.camera.eye + z * (d + aside * (0.3 * 2.0 / 32.0));
                 let guess = distance(&scene, d, center);
-                let b = impact(&scene, [i, j], center, guess);
+                let b = impact(&scene, [i, j], center, guess)?;
                 scene.spheres.push(center.to_array(), nearly(b, n), None);
                 n += 1;
             }
         }
         scenes.push(scene);
     }
-    scenes
+    Ok(scenes)
 }
 
 /// A sphere that fills half the picture and is touched by one of its rays, near and far, oblique and on the axis.
-pub(super) fn grazing_large(seed: u64) -> Vec<Scene> {
+pub(super) fn grazing_large(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for (distances, axis) in [(5.0, false), (1e3, false), (1e6, false), (1e6, true)] {
@@ -86,13 +87,13 @@ pub(super) fn grazing_large(seed: u64) -> Vec<Scene> {
                 picture(eye, Look::View(-away), filled_by(tangent(distances)), [24, 18], Spheres::default());
             let center = DVec3::from_array(random.cube()) * 0.1;
             let pixel = [9 + (4.0 * random.unit()) as u32, 15 + (4.0 * random.unit()) as u32];
-            let guess = distance(&scene, direction(&scene, pixel[0], pixel[1]), center);
-            let b = impact(&scene, pixel, center, guess);
+            let guess = distance(&scene, direction(&scene, pixel[0], pixel[1])?, center);
+            let b = impact(&scene, pixel, center, guess)?;
             scene.spheres = one(center, nearly(b, n));
             scenes.push(scene);
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Rays whose discriminant is exactly 0.
@@ -122,7 +123,7 @@ fn tangent_rays(eye: DVec3, unit: f64) -> Scene {
 }
 
 /// Exact tangency along the axes, and in oblique views through the middle pixel.
-pub(super) fn touched(_: u64) -> Vec<Scene> {
+pub(super) fn touched(_: u64) -> Result<Vec<Scene>> {
     let mut scenes = vec![
         tangent_rays(DVec3::ZERO, 1.0),
         tangent_rays(DVec3::new(1e6, -3e6, 1e9), 2f64.powi(-60)),
@@ -138,7 +139,7 @@ pub(super) fn touched(_: u64) -> Vec<Scene> {
         spheres.push((eye + (t + 2.0 * s) * view).to_array(), 0.5 * s, None);
         scenes.push(picture(eye, Look::View(view), filled_by(s / t), [33, 25], spheres));
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Points of a sphere of radius 7 about the origin, and views inward, outward and along the surface.
@@ -161,7 +162,7 @@ fn shore(random: &mut Random, eye: DVec3, view: DVec3, degrees: f64) -> Scene {
 }
 
 /// Exactly on it, at 1 and at other scales.
-pub(super) fn on_surface(seed: u64) -> Vec<Scene> {
+pub(super) fn on_surface(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for [eye, view] in poses() {
@@ -180,11 +181,11 @@ pub(super) fn on_surface(seed: u64) -> Vec<Scene> {
         }
         scenes.push(picture(eye * scale, Look::View(view), lens, [32, 24], spheres));
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Outside and inside by an ulp, 2^-40, 1e-9 and 1e-4 of the radius.
-pub(super) fn off_surface(seed: u64) -> Vec<Scene> {
+pub(super) fn off_surface(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for ([eye, view], off) in poses().into_iter().zip([2f64.powi(-52), 2f64.powi(-50), 2f64.powi(-40), 1e-9, 1e-4]) {
@@ -195,11 +196,11 @@ pub(super) fn off_surface(seed: u64) -> Vec<Scene> {
     }
     // The nearest f64 to a point of the unit sphere that has no rational one there.
     scenes.push(picture(aslant(), Look::View(DVec3::X), CANONICAL, [32, 24], one(DVec3::ZERO, 1.0)));
-    scenes
+    Ok(scenes)
 }
 
 /// The Earth's radius, from 1.7 m to 100 km, and 40 stones whose size goes with the height.
-pub(super) fn planet(seed: u64) -> Vec<Scene> {
+pub(super) fn planet(seed: u64) -> Result<Vec<Scene>> {
     const R: f64 = 6.4e6;
     let mut random = Random(seed);
     let up = aslant();
@@ -219,11 +220,11 @@ pub(super) fn planet(seed: u64) -> Vec<Scene> {
         scene.camera.up = up;
         scene
     };
-    [1.7, 10.0, 100.0, 1e3, 1e4, 1e5].into_iter().map(&mut scene).collect()
+    Ok([1.7, 10.0, 100.0, 1e3, 1e4, 1e5].into_iter().map(&mut scene).collect())
 }
 
 /// The horizon alone, enlarged: a silhouette of a sphere that fills half the world.
-pub(super) fn horizon(_: u64) -> Vec<Scene> {
+pub(super) fn horizon(_: u64) -> Result<Vec<Scene>> {
     let mut scenes = Vec::new();
     for (radius, height) in [(6.4e6, 1.7), (6.4e6, 1e5), (1e6, 1.0), (6.957e8, 1e-3)] {
         let eye = (radius + height) * aslant();
@@ -239,5 +240,5 @@ pub(super) fn horizon(_: u64) -> Vec<Scene> {
             scenes.push(scene);
         }
     }
-    scenes
+    Ok(scenes)
 }

@@ -1,10 +1,11 @@
 //! Far away: from the scene, from the origin.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::common::Random;
+use crate::camera::{Lens, Look};
+use crate::error::Result;
+use crate::measure::suite::Random;
+use crate::scene::Scene;
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
-use halfline::scene::Scene;
 
 /// Distances in radii, from almost touching.
 fn distances() -> impl Iterator<Item = f64> {
@@ -12,7 +13,7 @@ fn distances() -> impl Iterator<Item = f64> {
 }
 
 /// A unit sphere straight ahead along the world's axes.
-pub(super) fn on_axis(_: u64) -> Vec<Scene> {
+pub(super) fn on_axis(_: u64) -> Result<Vec<Scene>> {
     let scene = |distance: f64| {
         let mut scene = picture(
             DVec3::Z * distance,
@@ -24,11 +25,11 @@ pub(super) fn on_axis(_: u64) -> Vec<Scene> {
         scene.camera.up = DVec3::Y;
         scene
     };
-    distances().map(scene).collect()
+    Ok(distances().map(scene).collect())
 }
 
 /// The same along (1, 2, 3).
-pub(super) fn oblique(_: u64) -> Vec<Scene> {
+pub(super) fn oblique(_: u64) -> Result<Vec<Scene>> {
     let scene = |distance: f64| {
         picture(
             aslant() * distance,
@@ -38,11 +39,11 @@ pub(super) fn oblique(_: u64) -> Vec<Scene> {
             one(DVec3::ZERO, 1.0),
         )
     };
-    distances().map(scene).collect()
+    Ok(distances().map(scene).collect())
 }
 
 /// The same, off the middle of the picture and in wide lenses far off it, with centres that are no round numbers.
-pub(super) fn off_axis(seed: u64) -> Vec<Scene> {
+pub(super) fn off_axis(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for distance in distances() {
@@ -63,22 +64,22 @@ pub(super) fn off_axis(seed: u64) -> Vec<Scene> {
             scenes.push(picture(eye, Look::View(view), lens, [96, 64], one(center, 0.2 * distance)));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// 40 spheres of radius 0.5 to 1.5, the lens narrowed with distance.
-pub(super) fn clusters(seed: u64) -> Vec<Scene> {
+pub(super) fn clusters(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |distance: f64| {
         let spheres = cloud(&mut random, 40, DVec3::ZERO, 4.0, [0.5, 1.5]);
         let eye = distance * DVec3::new(1.0, -2.0, 3.0) / 14f64.sqrt();
         picture(eye, Look::At(DVec3::ZERO), filled_by(4.0 / distance), [64, 48], spheres)
     };
-    decades(3, 9, 1).map(&mut scene).collect()
+    Ok(decades(3, 9, 1).map(&mut scene).collect())
 }
 
 /// Scene and eye together far from the origin, where coordinates are coarse.
-pub(super) fn offsets(seed: u64) -> Vec<Scene> {
+pub(super) fn offsets(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |offset: f64| {
         let at = offset * DVec3::new(1.0, -2.0, 3.0);
@@ -86,11 +87,11 @@ pub(super) fn offsets(seed: u64) -> Vec<Scene> {
         let spheres = cloud(&mut random, 40, at, 3.0, [0.5, 1.5]);
         picture(eye, Look::At(at), filled_by(0.3), [48, 36], spheres)
     };
-    decades(3, 12, 1).map(&mut scene).collect()
+    Ok(decades(3, 12, 1).map(&mut scene).collect())
 }
 
 /// What other renderers were seen to get wrong.
-pub(super) fn peers(seed: u64) -> Vec<Scene> {
+pub(super) fn peers(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     // A unit sphere filling half the picture, view along (1, 2, 3): false at 1e4, gone at 1e8.
     let small = |distance: f64| {
@@ -118,5 +119,5 @@ pub(super) fn peers(seed: u64) -> Vec<Scene> {
     // And from 800 scene radii through a narrow lens.
     let spheres = cloud(&mut random, 300, DVec3::ZERO, 1.0, [0.05, 0.1]);
     scenes.push(picture(aslant() * 800.0, Look::At(DVec3::ZERO), filled_by(1.0 / 800.0), [96, 64], spheres));
-    scenes
+    Ok(scenes)
 }

@@ -1,10 +1,11 @@
 //! Anything at all: every number of the scene drawn over its whole range, so that cases meet that nobody thought of.
 
 use super::picture;
-use crate::common::Random;
+use crate::camera::{Lens, Look};
+use crate::error::Result;
+use crate::measure::suite::Random;
+use crate::scene::{Scene, Spheres};
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
-use halfline::scene::{Scene, Spheres};
 
 /// 10^x for x uniform between.
 fn log(random: &mut Random, from: f64, to: f64) -> f64 {
@@ -24,10 +25,10 @@ fn lens(random: &mut Random) -> Lens {
 }
 
 /// A sphere that the picture is likely to show, at `depth`: small or large for a pixel, or about to touch the eye.
-fn add(random: &mut Random, scene: &mut Scene, depth: f64) {
+fn add(random: &mut Random, scene: &mut Scene, depth: f64) -> Result<()> {
     let [x, y, _] = random.cube();
-    let basis = scene.camera.basis().expect("a good camera");
-    let viewport = scene.camera.viewport(scene.image.width, scene.image.height).expect("a good lens");
+    let basis = scene.camera.basis()?;
+    let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
     let slope = [0.55 * x * viewport.vw / viewport.d, 0.55 * y * viewport.vh / viewport.d];
     let away = depth * (basis.u * slope[0] + basis.v * slope[1] - basis.w);
     let pixel = depth * viewport.vh / viewport.d / f64::from(scene.image.height);
@@ -54,12 +55,13 @@ fn add(random: &mut Random, scene: &mut Scene, depth: f64) {
     } else if radius > 0.0 {
         spheres.push(center.to_array(), radius, None);
     }
+    Ok(())
 }
 
 /// Scenes of 1 to 40 spheres.
-pub(super) fn anything(seed: u64) -> Vec<Scene> {
+pub(super) fn anything(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
-    let mut scene = || {
+    let mut scene = || -> Result<Scene> {
         let scale = if random.unit() < 0.7 { 1.0 } else { log(&mut random, -30.0, 30.0) };
         let far = if random.unit() < 0.5 { 0.0 } else { log(&mut random, -2.0, 9.0) };
         let eye = scale * far * DVec3::from_array(random.cube());
@@ -74,9 +76,9 @@ pub(super) fn anything(seed: u64) -> Vec<Scene> {
         let spread = if random.unit() < 0.5 { 0.02 } else { 6.0 * random.unit() };
         for _ in 0..1 + (40.0 * random.unit()) as usize {
             let depth = scale * log(&mut random, -spread, spread);
-            add(&mut random, &mut scene, depth);
+            add(&mut random, &mut scene, depth)?;
         }
-        scene
+        Ok(scene)
     };
     (0..60).map(|_| scene()).collect()
 }

@@ -1,13 +1,14 @@
 //! Very small, very large, very wide, very narrow.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::common::Random;
+use crate::camera::{Lens, Look};
+use crate::error::Result;
+use crate::measure::suite::Random;
+use crate::scene::{Scene, Spheres};
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
-use halfline::scene::{Scene, Spheres};
 
 /// A cluster about the origin, scaled; seen from outside and from among it.
-pub(super) fn sizes(seed: u64) -> Vec<Scene> {
+pub(super) fn sizes(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for scale in decades(-30, 30, 10).chain([1e-250, 1e-140, 1e140, 1e250]) {
@@ -17,11 +18,11 @@ pub(super) fn sizes(seed: u64) -> Vec<Scene> {
             scenes.push(picture(aslant() * away * scale, Look::View(-aslant()), lens, [32, 24], spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Spheres of all sizes, each a tenth to a third as large as it is far.
-pub(super) fn mixed(seed: u64) -> Vec<Scene> {
+pub(super) fn mixed(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |eye: DVec3| {
         let mut spheres = Spheres::default();
@@ -32,22 +33,22 @@ pub(super) fn mixed(seed: u64) -> Vec<Scene> {
         }
         picture(eye, Look::View(aslant()), Lens::Vfov { degrees: 80.0, distance: 1.0 }, [64, 48], spheres)
     };
-    vec![scene(DVec3::ZERO), scene(DVec3::new(-3e-9, 1e-9, 2e-9))]
+    Ok(vec![scene(DVec3::ZERO), scene(DVec3::new(-3e-9, 1e-9, 2e-9))])
 }
 
 /// |d| from 1e-20 to 1e20: the viewport and its distance together.
-pub(super) fn viewports(seed: u64) -> Vec<Scene> {
+pub(super) fn viewports(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |unit: f64| {
         let spheres = cloud(&mut random, 60, DVec3::ZERO, 3.0, [0.1, 1.0]);
         let lens = Lens::Viewport { vw: 1.2 * unit, vh: 0.7 * unit, distance: 1.1 * unit };
         picture(aslant() * 7.0, Look::At(DVec3::ZERO), lens, [32, 24], spheres)
     };
-    decades(-20, 20, 5).map(&mut scene).collect()
+    Ok(decades(-20, 20, 5).map(&mut scene).collect())
 }
 
 /// Up to nearly a half space, from among the spheres and from before a large one.
-pub(super) fn wide(seed: u64) -> Vec<Scene> {
+pub(super) fn wide(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for degrees in [120.0, 160.0, 175.0, 178.0, 179.9, 179.999_999, 179.999_999_999] {
@@ -59,11 +60,11 @@ pub(super) fn wide(seed: u64) -> Vec<Scene> {
         spheres.push((aslant() * 1e3).to_array(), 990.0, None);
         scenes.push(picture(DVec3::ZERO, Look::View(aslant()), lens, [48, 36], spheres));
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Down to 1e-28 degrees, at the silhouette of a unit sphere, of two that overlap, and inside a picture's disc.
-pub(super) fn long(seed: u64) -> Vec<Scene> {
+pub(super) fn long(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for degrees in decades(-28, 0, 2) {
@@ -82,11 +83,11 @@ pub(super) fn long(seed: u64) -> Vec<Scene> {
         let seam = p + 0.25 * aside + (15.0f64 / 16.0).sqrt() * out;
         scenes.push(picture(eye, Look::View(seam), lens, [32, 24], spheres));
     }
-    scenes
+    Ok(scenes)
 }
 
 /// The smallest pictures and the thinnest ones.
-pub(super) fn slivers(seed: u64) -> Vec<Scene> {
+pub(super) fn slivers(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for size in [[1, 1], [1, 2], [2, 1], [1, 97], [3001, 1], [3, 3]] {
@@ -97,19 +98,19 @@ pub(super) fn slivers(seed: u64) -> Vec<Scene> {
             scenes.push(picture(aslant() * 6.0, Look::At(DVec3::splat(0.1)), lens, size, spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Thousands of spheres of a thousandth of a pixel, every other one where a pixel's ray passes.
-pub(super) fn dust(seed: u64) -> Vec<Scene> {
+pub(super) fn dust(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for distance in [10.0, 1e5] {
         let eye = aslant() * distance;
         let lens = filled_by(tangent(distance));
         let mut scene = picture(eye, Look::View(-aslant()), lens, [64, 48], Spheres::default());
-        let basis = scene.camera.basis().expect("a good camera");
-        let lens = scene.camera.viewport(64, 48).expect("a good lens");
+        let basis = scene.camera.basis()?;
+        let lens = scene.camera.viewport(64, 48)?;
         let pitch = lens.vw / 64.0 * distance;
         for n in 0..3000 {
             let anywhere = [64.0 * random.unit(), 48.0 * random.unit()];
@@ -123,11 +124,11 @@ pub(super) fn dust(seed: u64) -> Vec<Scene> {
         }
         scenes.push(scene);
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Pixels that are up to 1e12 times as wide as high, or as high as wide.
-pub(super) fn stretched(seed: u64) -> Vec<Scene> {
+pub(super) fn stretched(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for stretch in [1e-12, 1e-6, 1e-2, 1e3, 1e7] {
@@ -137,11 +138,11 @@ pub(super) fn stretched(seed: u64) -> Vec<Scene> {
             scenes.push(picture(aslant() * 5.0, Look::At(DVec3::splat(0.1)), lens, [32, 24], spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// An up that hardly differs from the view, so that the roll hangs on the last bits; near and far from the origin.
-pub(super) fn rolled(seed: u64) -> Vec<Scene> {
+pub(super) fn rolled(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for sine in [1e-14, 1e-11, 1e-7] {
@@ -154,12 +155,12 @@ pub(super) fn rolled(seed: u64) -> Vec<Scene> {
             scenes.push(scene);
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Depths in one frame from 1e-45 to 1e40: an eye so close to small spheres that f32 has no normal number for it beside
 /// the large ones.
-pub(super) fn span(seed: u64) -> Vec<Scene> {
+pub(super) fn span(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for (tiny, huge) in [(1e-20, 1e30), (1e-25, 1e35), (1e-30, 1e30), (1e-30, 1e40)] {
@@ -174,5 +175,5 @@ pub(super) fn span(seed: u64) -> Vec<Scene> {
             scenes.push(picture(DVec3::ZERO, Look::View(aslant()), lens, [32, 24], spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }

@@ -1,16 +1,17 @@
 //! Many at once: in each other, on each other, around the eye; and scenes that nobody here wrote.
 
 use super::{aslant, cloud, filled_by, one, picture};
-use crate::common::Random;
+use crate::camera::{Lens, Look};
+use crate::error::{Error, Place, Result};
+use crate::measure::suite::Random;
+use crate::scene::{ReadOptions, Scene, Spheres};
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
-use halfline::scene::{ReadOptions, Scene, Spheres};
-use std::path::PathBuf;
+use std::path::Path;
 
 const LENS: Lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
 
 /// Concentric spheres 1e-9 r apart, in either order, from outside and inside; and pairs shifted by as much.
-pub(super) fn shells(seed: u64) -> Vec<Scene> {
+pub(super) fn shells(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for gap in [1e-9, -1e-9, 1e-15] {
@@ -29,11 +30,11 @@ pub(super) fn shells(seed: u64) -> Vec<Scene> {
             scenes.push(picture(away * aslant(), Look::At(DVec3::ZERO), lens, [32, 24], spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Every sphere three times, among others: the lowest index is what is seen.
-pub(super) fn coincident(seed: u64) -> Vec<Scene> {
+pub(super) fn coincident(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for away in [4.0, 1e4, 0.1] {
@@ -47,11 +48,11 @@ pub(super) fn coincident(seed: u64) -> Vec<Scene> {
         let lens = if away < 1.0 { LENS } else { filled_by(1.0 / away) };
         scenes.push(picture(away * aslant(), Look::At(DVec3::ZERO), lens, [32, 24], spheres));
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Pairs that mirror each other in the plane of the middle column: there both are exactly as near.
-pub(super) fn ties(seed: u64) -> Vec<Scene> {
+pub(super) fn ties(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for distance in [4.0, 1e6] {
@@ -85,11 +86,11 @@ pub(super) fn ties(seed: u64) -> Vec<Scene> {
         scene.camera.up = up + view;
         scenes.push(scene);
     }
-    scenes
+    Ok(scenes)
 }
 
 /// Straddling the eye's plane, behind it, holding the eye, in front: each in its form of the discriminant.
-pub(super) fn around(seed: u64) -> Vec<Scene> {
+pub(super) fn around(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for degrees in [30.0, 90.0, 140.0, 170.0] {
@@ -105,11 +106,11 @@ pub(super) fn around(seed: u64) -> Vec<Scene> {
             scenes.push(picture(eye, Look::View(DVec3::from_array(random.cube())), lens, [48, 36], spheres));
         }
     }
-    scenes
+    Ok(scenes)
 }
 
 /// A ground that fills the picture's lower half, and crumbs lying on it.
-pub(super) fn ground(seed: u64) -> Vec<Scene> {
+pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for radius in [1e3, 1e6, 1e9] {
@@ -128,39 +129,37 @@ pub(super) fn ground(seed: u64) -> Vec<Scene> {
             spheres,
         ));
     }
-    scenes
-}
-
-/// A file of the folder with other people's scenes, or `None`, aloud.
-fn data(name: &str) -> Option<PathBuf> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
-    let folder = std::env::var_os("HALFLINE_DATA").map_or(beside, PathBuf::from);
-    let path = folder.join(name);
-    if !path.is_file() {
-        println!("SKIPPED: {} is not there; HALFLINE_DATA names the folder", path.display());
-        return None;
-    }
-    Some(path)
+    Ok(scenes)
 }
 
 /// A spiral of 5,761 spheres that overlap heavily: the whole and a corner.
-pub(super) fn spiral(_: u64) -> Vec<Scene> {
-    let Some(path) = data("shells.nff") else { return Vec::new() };
-    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("shells.nff");
+pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
+    let mut scene = Scene::read(path, &ReadOptions::default())?;
     (scene.image.width, scene.image.height) = (48, 48);
     let mut close = scene.clone();
     (close.camera.look, close.camera.lens) = (Look::At(DVec3::new(0.0, 2.0, -12.0)), filled_by(0.06));
-    vec![scene, close]
+    Ok(vec![scene, close])
 }
 
 /// Jupiter and all else from the Earth's surface: the day side and the night side, wide and through a long lens.
-pub(super) fn solar(_: u64) -> Vec<Scene> {
-    let Some(path) = data("solar_system.csv") else { return Vec::new() };
-    let text = std::fs::read_to_string(path).expect("solar_system.csv");
+pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
+    let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
     let mut bodies = Spheres::default();
-    for line in text.lines().skip(1) {
-        let numbers: Vec<f64> = line.split(',').skip(1).map(|x| x.parse().expect("a number")).collect();
-        bodies.push([numbers[0], numbers[1], numbers[2]], numbers[3], None);
+    for (number, line) in (1..).zip(text.lines()).skip(1) {
+        let numbers: Option<Vec<f64>> = line.split(',').skip(1).map(|x| x.parse().ok()).collect();
+        let Some([x, y, z, r]) = numbers.as_deref() else {
+            let place = Place::file(path.display().to_string()).at(number, 1);
+            return Err(Error::scene(place, "it is no body", "give name,x,y,z,radius"));
+        };
+        bodies.push([*x, *y, *z], *r, None);
+    }
+    if bodies.len() < 8 {
+        let place = Place::file(path.display().to_string());
+        return Err(Error::scene(
+            place,
+            "bodies are missing",
+            "give sun, mercury, venus, earth, moon, mars, jupiter, saturn",
+        ));
     }
     // In the file's order: sun, mercury, venus, earth, moon, mars, jupiter, ...
     let place = |k: usize| DVec3::from_array(bodies.centers[k]);
@@ -176,5 +175,5 @@ pub(super) fn solar(_: u64) -> Vec<Scene> {
             scenes.push(picture(eye, Look::At(place(target)), lens, [48, 36], bodies.clone()));
         }
     }
-    scenes
+    Ok(scenes)
 }

@@ -1,0 +1,115 @@
+//! Predictions under the adversary: no rounding that WGSL allows makes a method worse than src/predict.rs says.
+
+use super::wild::{Dice, Mode, Wild, under};
+use crate::camera::{Camera, Lens, Look};
+use crate::dd;
+use crate::exact::Judge;
+use crate::intersect::{Intersect, Method, Visit};
+use crate::predict::Prediction;
+use crate::ray::viewing_ray;
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::view::{Sphere, View};
+use glam::DVec3;
+
+const SIDE: u32 = 24;
+
+/// t of one sphere and one pixel under a mode, by a method; `None` for a miss.
+struct Shot<'a> {
+    view: &'a View,
+    pixel: [u32; 2],
+    mode: Mode,
+    seed: u64,
+}
+
+impl Visit for Shot<'_> {
+    type Output = Option<f64>;
+
+    fn visit<V: Intersect>(self) -> Option<f64> {
+        let record = &self.view.spheres[0];
+        let [i, j] = self.pixel;
+        let t = under(self.mode, self.seed, || {
+            V::intersect(&viewing_ray::<Wild>(&self.view.record, i, j), &Sphere::<Wild>::from(record))
+        });
+        (t.0 < f32::MAX).then(|| dd::ldexp(f64::from(t.0) * f64::from(record.scale), self.view.unit))
+    }
+}
+
+/// One sphere, from almost on its surface to far away, outside and inside; a lens as wide as it, aimed at its limb.
+fn world(dice: &mut Dice) -> Scene {
+    let gap = dice.decade(-5.0, 4.0);
+    let outside = gap > 0.9 || dice.sign() > 0.0;
+    let k = if outside { 1.0 + gap } else { 1.0 - gap };
+    let mut axis = || DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0)).normalize();
+    let (away, aside, up) = (axis(), axis(), axis());
+    let radius = dice.decade(-3.0, 3.0);
+    let eye = DVec3::new(dice.between(-1.0, 1.0), 2.0, 3.0) * radius;
+    let center = eye + k * radius * away;
+    let limb = center + radius * aside.cross(away).normalize();
+    let reach = if outside { 1.0 / k } else { 1.0 };
+    let look = Look::View((limb - eye) + 0.3 * dice.part() * aside * radius);
+    let half = reach * dice.decade(-2.0, 0.3);
+    let camera = Camera { eye, look, up, lens: Lens::Viewport { vw: 2.0 * half, vh: 2.0 * half, distance: 1.0 } };
+    let mut spheres = Spheres::default();
+    spheres.push(center.to_array(), radius, None);
+    let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
+    Scene { camera, image, spheres, skipped: Skipped::default() }
+}
+
+/// The sphere made as large as the pixel's ray passes it, within what is predicted of the form that is off least.
+fn grazed(mut scene: Scene, [i, j]: [u32; 2], dice: &mut Dice) -> Scene {
+    let view = View::new(&scene).expect("a good scene");
+    let off = Prediction::of(&scene, Method::Stable).expect("a good scene").expect("a sphere").outline;
+    let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
+    let d = view.to_world(view.direction(i as usize, j as usize)).normalize();
+    if p.dot(d) > 0.0 {
+        scene.spheres.radii[0] = p.cross(d).length() * (1.0 + dice.sign() * dice.part() * off);
+    }
+    scene
+}
+
+/// How far the half-line of a pixel is from the limb, in radii; f64 is within 1e-11 of it here.
+fn excess(view: &View, scene: &Scene, [i, j]: [u32; 2]) -> f64 {
+    let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
+    let d = view.to_world(view.direction(i as usize, j as usize)).normalize();
+    let l = if p.dot(d) > 0.0 { p.cross(d).length() } else { p.length() };
+    (l / scene.spheres.radii[0] - 1.0).abs()
+}
+
+/// Largest shares of what was predicted, by method of f32.
+#[test]
+fn no_legal_rounding_is_worse_than_predicted() {
+    let mut dice = Dice(0x5eed_000b);
+    let methods = || Method::ALL.iter().copied().filter(|method| !method.is_wide());
+    let mut worst = vec![[0.0f64; 2]; methods().count()];
+    for n in 0..4000 {
+        let touching = [dice.below(SIDE), dice.below(SIDE)];
+        let world = world(&mut dice);
+        let scene = if n % 2 == 0 { world } else { grazed(world, touching, &mut dice) };
+        let (view, judge) = (View::new(&scene).expect("a good scene"), Judge::new(&scene).expect("a good scene"));
+        let predicted: Vec<_> = methods().map(|method| Prediction::of(&scene, method)).collect();
+        for pixel in [touching, [dice.below(SIDE), dice.below(SIDE)], [dice.below(SIDE), dice.below(SIDE)]] {
+            let truth = judge.pixel(pixel[0], pixel[1]);
+            let [u, v, w] = view.direction(pixel[0] as usize, pixel[1] as usize);
+            let length = DVec3::new(u, v, w).length();
+            for ((method, predicted), worst) in methods().zip(&predicted).zip(&mut worst) {
+                let predicted = predicted.as_ref().expect("a good scene").expect("a sphere");
+                for mode in Mode::BLIND.into_iter().chain([Mode::Random; 4]) {
+                    let shown = method.dispatch(Shot { view: &view, pixel, mode, seed: dice.bits() });
+                    let [outline, distance] = match (shown, truth) {
+                        (None, None) => continue,
+                        (Some(t), Some(truth)) => [0.0, (t * length / truth.distance - 1.0).abs()],
+                        _ => [excess(&view, &scene, pixel), 0.0],
+                    };
+                    let fine = outline <= predicted.outline && distance <= predicted.distance;
+                    assert!(fine, "{} {mode:?} {pixel:?}: {outline:e} {distance:e} of {predicted:?}", method.name());
+                    worst[0] = worst[0].max(outline / predicted.outline);
+                    worst[1] = worst[1].max(if predicted.distance < 1e9 { distance / predicted.distance } else { 0.0 });
+                }
+            }
+        }
+    }
+    for (method, [outline, distance]) in methods().zip(&worst) {
+        println!("{:10} outline {outline:.3}, distance {distance:.3} of what was predicted", method.name());
+        assert!(*outline > 0.1 && *distance > 0.1, "the adversary finds the weak spots of {}", method.name());
+    }
+}

@@ -1,0 +1,53 @@
+//! One ray at a time, in any arithmetic: what the adversary looks at. src/cpu/certified.rs holds its strips against it.
+
+use crate::certify::front::front_answer;
+use crate::certify::near::near_answer;
+use crate::certify::tiles::CHUNK;
+use crate::certify::{Answer, Certify, NEAR, Slopes};
+use crate::ray::NONE;
+use crate::real::Real;
+
+/// The two smallest lower bounds of depth, and whose the smallest is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kept<R> {
+    pub(crate) low: R,
+    pub(crate) second: R,
+    pub(crate) slot: u32,
+}
+
+impl<R: Real> Kept<R> {
+    fn keep(&mut self, (low, slot): (R, u32)) {
+        if low < self.low {
+            *self = Self { low, second: self.low, slot };
+        } else if low < self.second {
+            self.second = low;
+        }
+    }
+}
+
+impl<R: Real> Certify<'_, R> {
+    /// The two smallest lower bounds.
+    pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
+        let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
+        self.near_lows(s).for_each(|candidate| k.keep(candidate));
+        for first in self.entries(s).step_by(CHUNK) {
+            let sill = R::exact(self.lists.sills[first / CHUNK]);
+            if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
+                // All that follow lie behind.
+                k.second = if sill < k.second { sill } else { k.second };
+                break;
+            }
+            self.lows(s, first..first + CHUNK).for_each(|candidate| k.keep(candidate));
+        }
+        k
+    }
+
+    /// The winner alone is judged, by its own bounds.
+    pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
+        let slot = (k.slot & !NEAR) as usize;
+        if k.slot & NEAR != 0 {
+            return near_answer(s, &self.nears[slot], self.terms);
+        }
+        front_answer(s, self.lens, &self.front(slot), self.terms)
+    }
+}

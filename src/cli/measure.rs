@@ -1,0 +1,188 @@
+//! `halfline measure`.
+
+mod table;
+
+use super::scene_args::{scene_size, tolerance};
+use super::{go_on, say};
+use clap::{Args, ValueEnum};
+use halfline::error::{Error, Result};
+use halfline::frame::file::check_writable;
+use halfline::measure::contender::Contender;
+use halfline::measure::record::Record;
+use halfline::measure::run::{Options, Subject, measure};
+use halfline::measure::{export, report};
+use halfline::plan::{Backend, Tolerance};
+use halfline::scene::{ReadOptions, Scene};
+use std::io::{ErrorKind, Write};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// Measures speed against error: every method on a scene or on a suite of scenes, on the GPU and on the CPU.
+///
+/// Each method renders a first frame, then methods take turns; errors are against exact arithmetic. Examples:
+///   halfline measure scenes/weekend.toml --out weekend
+///   halfline measure --suite ladder --methods textbook,stable,certified --out ladder
+///   halfline measure --from weekend/records.json
+#[derive(Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub(crate) struct Measure {
+    #[command(flatten)]
+    subject: What,
+    /// Who takes part, by name: textbook, unit, geometric, stable, f64, double-float, certified, exact [default: all].
+    #[arg(long, value_name = "M,M,...", value_delimiter = ',', conflicts_with = "from")]
+    methods: Vec<Contender>,
+    /// A folder for records.json, records.csv, report.html and the plots, made if it is not there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Prints the whole record on standard output, instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Frames after the first; slow methods render fewer [default: 5, in suites 1].
+    #[arg(long, value_name = "N", conflicts_with = "from")]
+    repeat: Option<NonZeroU32>,
+    /// Image size in pixels, of a scene or of the ladder.
+    #[arg(long, value_name = "WxH", value_parser = scene_size, conflicts_with = "from")]
+    size: Option<(u32, u32)>,
+    /// Where to measure: auto (both), gpu, cpu.
+    #[arg(long, value_name = "B", default_value = "auto", conflicts_with = "from")]
+    backend: Backend,
+    /// Which adapter, by index or part of its name (halfline adapters lists them).
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "from")]
+    adapter: Option<String>,
+    /// Promised relative error of certified distances; at least 2^-50.
+    #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true, conflicts_with = "from")]
+    tolerance: Tolerance,
+    /// The CPU path leaves out what would take longer than this for one frame, seconds.
+    #[arg(long, value_name = "S", default_value = "30", value_parser = seconds, conflicts_with = "from")]
+    patience: f64,
+}
+
+/// What is measured, or was.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct What {
+    /// The scene: .toml, .nff, or - for standard input.
+    scene: Option<PathBuf>,
+    /// Scenes made for measuring: extremes (where renderers break), ladder (a wall from near to far).
+    #[arg(long, value_name = "SUITE")]
+    suite: Option<Suite>,
+    /// Measures nothing and exports a records.json again; - is standard input.
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Suite {
+    Extremes,
+    Ladder,
+}
+
+impl Measure {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.out.as_deref().map_or(Ok(()), check_folder)?;
+        let record = match &self.subject.from {
+            Some(path) => read(path)?,
+            None => self.measure()?,
+        };
+        for warning in &record.warnings {
+            say(format_args!("warning: {warning}"));
+        }
+        if let Some(folder) = &self.out {
+            write(&record, folder)?;
+        }
+        let text = if self.json { export::json(&record)? } else { table::of(&record) };
+        std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn measure(&self) -> Result<Record> {
+        let options = Options {
+            backend: self.backend,
+            adapter: self.adapter.clone(),
+            contenders: match &self.methods[..] {
+                [] => Contender::all(),
+                // In the list's order, each once.
+                some => Contender::all().into_iter().filter(|contender| some.contains(contender)).collect(),
+            },
+            rounds: self.repeat.map(NonZeroU32::get),
+            tolerance: self.tolerance,
+            patience: self.patience,
+            command: command(),
+        };
+        measure(&self.subject()?, &options, &(Arc::new(go_on) as _), &mut |line| say(format_args!("{line}")))
+    }
+
+    fn subject(&self) -> Result<Subject> {
+        let subject = match (&self.subject.suite, &self.subject.scene) {
+            (Some(Suite::Extremes), _) if self.size.is_some() => {
+                return Err(Error::settings("the extremes have sizes of their own", "leave out --size"));
+            }
+            (Some(Suite::Extremes), _) => {
+                let folder = std::env::var_os("HALFLINE_DATA").map(PathBuf::from);
+                Subject::extremes(folder.as_deref())?
+            }
+            (Some(Suite::Ladder), _) => Subject::ladder()?,
+            (None, Some(path)) => {
+                let scene = Scene::read(path, &ReadOptions::default())?;
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                Subject::scene(name.to_string_lossy(), scene)
+            }
+            (None, None) => return Err(Error::settings("nothing is to be measured", "name a scene or a --suite")),
+        };
+        Ok(match self.size {
+            Some((width, height)) => subject.resized([width, height]),
+            None => subject,
+        })
+    }
+}
+
+fn read(path: &Path) -> Result<Record> {
+    let text = if halfline::frame::file::is_standard(path) {
+        std::io::read_to_string(std::io::stdin())
+    } else {
+        std::fs::read_to_string(path)
+    };
+    Record::from_json(&text.map_err(|e| Error::read(path, e))?, &path.display().to_string())
+}
+
+/// Whether files can be put into the folder, or the folder be made; asked before the work begins.
+fn check_folder(folder: &Path) -> Result<()> {
+    if folder.is_dir() {
+        return check_writable(&folder.join("records.json"));
+    }
+    if folder.exists() {
+        let why = std::io::Error::new(ErrorKind::NotADirectory, "it is not a folder");
+        return Err(Error::write(folder, why));
+    }
+    check_writable(folder)
+}
+
+/// Everything that the record is exported to.
+fn write(record: &Record, folder: &Path) -> Result<()> {
+    if !go_on() {
+        return Err(Error::Interrupted);
+    }
+    std::fs::create_dir_all(folder).map_err(|e| Error::write(folder, e))?;
+    export::write(record, folder)?;
+    report::write(record, folder).map(drop)
+}
+
+/// The command line as a shell takes it.
+fn command() -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+".contains(c);
+    let quoted = |text: String| match !text.is_empty() && text.chars().all(plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    };
+    let arguments = std::env::args_os().skip(1).map(|text| quoted(text.to_string_lossy().into_owned()));
+    std::iter::once("halfline".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 => Ok(x),
+        _ => Err("a time is a positive number of seconds".into()),
+    }
+}

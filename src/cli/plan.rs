@@ -1,0 +1,98 @@
+//! `halfline plan SCENE`.
+
+use super::scene_args::SceneArgs;
+use halfline::error::{Error, Result};
+use halfline::plan::{Binding, Explanation, Part, explain};
+use std::fmt::{self, Display};
+use std::io::Write as _;
+use std::process::ExitCode;
+
+/// Tells what a scene requires, what would be compiled, uploaded and computed and why, and what is left out.
+///
+/// Takes the options of render, and renders nothing: put `plan` in the place of `render`.
+///
+/// Examples:
+///   halfline plan scenes/weekend.toml -o weekend.png --aov distance=t.npy
+///   halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(crate) struct Plan {
+    #[command(flatten)]
+    asked: SceneArgs,
+    /// Prints one JSON object on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Plan {
+    pub(crate) fn run(&self) -> Result<ExitCode> {
+        let targets = self.asked.targets()?;
+        let told = explain(&self.asked.scene()?, &self.asked.settings(&targets))?;
+        let text = match self.json {
+            true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,
+            false => Words(&told).to_string(),
+        };
+        writeln!(std::io::stdout(), "{}", text.trim_end()).map_err(|e| Error::write("-", e))?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+/// An explanation for people.
+struct Words<'a>(&'a Explanation);
+
+impl Display for Words<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
+        writeln!(
+            f,
+            "scene      {} spheres, {} x {} rays, {} things skipped",
+            e.spheres, e.size[0], e.size[1], e.skipped
+        )?;
+        if let Some(staged) = e.staged {
+            let halfline::plan::Staged { front, near, unseen } = staged;
+            writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can meet and nobody uploads")?;
+        }
+        writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
+        writeln!(f, "accuracy   {}, tolerance {:.1e}", e.accuracy, e.tolerance)?;
+        writeln!(f, "method     {}", e.method)?;
+        writeln!(f, "why        {}", e.reason)?;
+        if let Some(p) = &e.predicted {
+            writeln!(
+                f,
+                "predicted  outline within {:.1e} radii, distance within {:.1e}; worst sphere {}, {:.1e} radii away",
+                p.outline, p.distance, p.sphere, p.radii
+            )?;
+        }
+        writeln!(f, "precision  {}", e.precision)?;
+        writeln!(f, "search     {}: {}", e.search, e.search_reason)?;
+        let lines = |parts: &[Part]| parts.iter().map(|part| part.lines).sum::<usize>();
+        if !e.kernel.is_empty() {
+            let what = if e.dispatches == 1 { "dispatch" } else { "dispatches" };
+            writeln!(f, "kernel     {} lines of WGSL, {} {what}", lines(&e.kernel), e.dispatches)?;
+            write_parts(f, &e.kernel)?;
+        }
+        write_bindings(f, "uploaded", &e.uploaded)?;
+        write_bindings(f, "written and read back", &e.written)?;
+        writeln!(f, "frame")?;
+        for shown in &e.frame {
+            let shape: Vec<_> = shown.shape.iter().map(u64::to_string).collect();
+            let always = if shown.asked { "" } else { ", always made" };
+            let [name, dtype, shape] = [shown.name, shown.dtype, &shape.join(" x ")];
+            writeln!(f, "  {name:20} {:>14} bytes, {shape} of {dtype}{always}", shown.bytes)?;
+        }
+        writeln!(f, "left out")?;
+        e.left_out.iter().try_for_each(|left| writeln!(f, "  {}: {}", left.what, left.why))
+    }
+}
+
+fn write_parts(f: &mut fmt::Formatter<'_>, parts: &[Part]) -> fmt::Result {
+    parts.iter().try_for_each(|part| writeln!(f, "  shaders/{:32} {:>4} lines", part.file, part.lines))
+}
+
+fn write_bindings(f: &mut fmt::Formatter<'_>, title: &str, bindings: &[Binding]) -> fmt::Result {
+    if bindings.is_empty() {
+        return Ok(());
+    }
+    writeln!(f, "{title}, {} bytes", bindings.iter().map(|b| b.bytes).sum::<u64>())?;
+    bindings.iter().try_for_each(|b| writeln!(f, "  {:20} {:>14} bytes", b.name, b.bytes))
+}

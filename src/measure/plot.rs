@@ -1,0 +1,135 @@
+//! Plots of a measurement, as SVG and as PNG of the very same. They read nothing but the record.
+
+mod axis;
+mod canvas;
+mod crops;
+mod heat;
+mod ladder;
+mod look;
+mod plane;
+mod raster;
+
+use super::record::Record;
+use super::total::main_place;
+use crate::error::{Error, Result};
+use crate::frame::file;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A drawn plot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plot {
+    /// Stem of its files.
+    pub name: &'static str,
+    /// How to read it.
+    pub caption: &'static str,
+    /// The picture.
+    pub svg: String,
+}
+
+/// One kind of plot.
+struct Kind {
+    name: &'static str,
+    caption: &'static str,
+    /// Whether the record has what it shows.
+    applies: fn(&Record) -> bool,
+    draw: fn(&Record) -> canvas::Drawn<String>,
+}
+
+/// THE list of plots, and of what each one needs of the record.
+const KINDS: [Kind; 7] = [
+    Kind {
+        name: "speed-error",
+        caption: "Down and to the left is better. A method below and left of the line would beat every other one.",
+        applies: is_timed,
+        draw: |record| plane::draw(record, plane::Against::Wrong),
+    },
+    Kind {
+        name: "speed-distance",
+        caption: "The same against the largest relative error of a distance, where the right sphere is shown.",
+        applies: is_timed,
+        draw: |record| plane::draw(record, plane::Against::Distance),
+    },
+    Kind {
+        name: "error-distance",
+        caption: "The share of pixels that show what is not there. Methods without any lie side by side at the foot.",
+        applies: has_distances,
+        draw: |record| ladder::draw(record, ladder::Against::Wrong),
+    },
+    Kind {
+        name: "error-distance-t",
+        caption: "The largest relative error of a distance, where the right sphere is shown.",
+        applies: has_distances,
+        draw: |record| ladder::draw(record, ladder::Against::Distance),
+    },
+    Kind {
+        name: "error-distance-outline",
+        caption: "The change of radius, relative to it, that would make every wrong pixel right.",
+        applies: has_distances,
+        draw: |record| ladder::draw(record, ladder::Against::Outline),
+    },
+    Kind {
+        name: "heat",
+        caption: "The largest relative error of the distance in each cell of the image, on one scale for all methods.",
+        applies: |record| heat::place(record).is_some(),
+        draw: heat::draw,
+    },
+    Kind {
+        name: "crops",
+        caption: "The middle of each picture as it was rendered; pixels that show what is not there are coloured.",
+        applies: |record| crops::place(record).is_some(),
+        draw: crops::draw,
+    },
+];
+
+fn is_timed(record: &Record) -> bool {
+    record.runs.iter().any(|run| run.refused.is_none() && !run.steady_ms.is_empty())
+}
+
+/// One distance makes no axis.
+fn has_distances(record: &Record) -> bool {
+    let Some(place) = main_place(record) else { return false };
+    let here = record.runs.iter().filter(|run| run.place == place && run.refused.is_none());
+    let mut distances =
+        here.filter_map(|run| record.scenes.get(run.scene)?.farthest).filter(|distance| *distance > 0.0);
+    distances.next().is_some_and(|first| distances.any(|other| other != first))
+}
+
+/// Every plot that the record has the data for.
+///
+/// # Errors
+/// [`Error::Io`] at the plot's name, should it fail to be drawn.
+pub fn plots(record: &Record) -> Result<Vec<Plot>> {
+    let drawn = |kind: &Kind| {
+        let svg = (kind.draw)(record).map_err(|error| Error::write(kind.name, io::Error::other(error)))?;
+        Ok(Plot { name: kind.name, caption: kind.caption, svg })
+    };
+    KINDS.iter().filter(|kind| (kind.applies)(record)).map(drawn).collect()
+}
+
+impl Plot {
+    /// The picture as a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] at the plot's name.
+    pub fn png(&self) -> Result<Vec<u8>> {
+        raster::png(&self.svg).map_err(|error| Error::write(self.name, io::Error::other(error)))
+    }
+
+    /// Writes `NAME.svg` and `NAME.png` into a folder that exists.
+    ///
+    /// # Errors
+    /// [`Error::Io`] naming the file.
+    pub fn write(&self, dir: &Path) -> Result<[PathBuf; 2]> {
+        let paths = ["svg", "png"].map(|ending| dir.join(format!("{}.{ending}", self.name)));
+        file::write_atomically(&paths[0], |out| out.write_all(self.svg.as_bytes()))?;
+        let png = self.png()?;
+        file::write_atomically(&paths[1], |out| out.write_all(&png))?;
+        Ok(paths)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod sample;
+#[cfg(test)]
+mod tests;

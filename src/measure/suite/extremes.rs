@@ -1,0 +1,158 @@
+//! THE table of extremes: small pictures of what breaks ray tracers. `halfline measure --suite extremes` and a test
+//! walk it; the modules make the scenes. Oblique views unless a case needs the axes: an axis-aligned view hides what rounded directions do.
+//!
+//! Sources named in the comments: *peers* are the failures of other renderers, measured 2026-11 with their own
+//! programs (Embree, Cycles, OVITO, POV-Ray, Mitsuba, Tachyon); *numerics* are measurements of the forms of the
+//! quadratic in f32, f64 and big floats for this project; issues are named by repository and number.
+
+mod crowd;
+mod distance;
+mod scale;
+mod touching;
+mod wild;
+
+use super::Random;
+use crate::camera::{Camera, Lens, Look};
+use crate::error::Result;
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use glam::DVec3;
+use std::path::Path;
+
+/// The seed of the published tables.
+pub const SEED: u64 = 0x5eed_0003;
+
+/// Scenes that are hard for one reason.
+pub struct Family {
+    /// What is hard.
+    pub name: &'static str,
+    make: Make,
+}
+
+/// Where scenes come from.
+enum Make {
+    /// A seed.
+    Seed(fn(u64) -> Result<Vec<Scene>>),
+    /// Other people's data, in a file of this name.
+    File(&'static str, fn(&Path) -> Result<Vec<Scene>>),
+}
+
+impl Family {
+    /// The file of other people's data that it is made of, if it is.
+    #[must_use]
+    pub fn file(&self) -> Option<&'static str> {
+        match self.make {
+            Make::Seed(_) => None,
+            Make::File(name, _) => Some(name),
+        }
+    }
+
+    /// Its scenes for a seed. Data is looked for in `folder`; a family whose file is not there is empty.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`], for data that makes no sense.
+    pub fn scenes(&self, seed: u64, folder: Option<&Path>) -> Result<Vec<Scene>> {
+        match self.make {
+            Make::Seed(make) => make(seed),
+            Make::File(name, make) => match folder.map(|folder| folder.join(name)).filter(|path| path.is_file()) {
+                Some(path) => make(&path),
+                None => Ok(Vec::new()),
+            },
+        }
+    }
+}
+
+/// All of them.
+pub const FAMILIES: &[Family] = &[
+    // pbrt-v3#44 (a unit sphere 1e4 away shrinks), mitsuba3#512 (rings), pytracer#22 (missed at 4e3 radii).
+    Family { name: "far, on the axis", make: Make::Seed(distance::on_axis) },
+    Family { name: "far, oblique", make: Make::Seed(distance::oblique) },
+    Family { name: "far, off the axis", make: Make::Seed(distance::off_axis) },
+    // numerics: from 1e7 on the order of hits, not hit or miss, is what f32 gets wrong.
+    Family { name: "clusters 1e3 to 1e9 away", make: Make::Seed(distance::clusters) },
+    // OVITO: 50 % of the pixels of 300 spheres at 1e7 wrong; pbrt-v3#265 (dark ring 8e5 from the origin).
+    Family { name: "offsets 1e3 to 1e12", make: Make::Seed(distance::offsets) },
+    // peers: OVITO's picture is empty at 800 scene radii; Embree's 1,405 + 1,607 wrong pixels at 1e6.
+    Family { name: "peers' failures", make: Make::Seed(distance::peers) },
+    // numerics: f32 decides nothing from k = 24 on, the stable forms in f64 from 48.
+    Family { name: "grazing, b = r(1 +- 2^-k)", make: Make::Seed(touching::grazing) },
+    Family { name: "grazing a large disc", make: Make::Seed(touching::grazing_large) },
+    // A tangent ray hits (aardvark.base#127); D = 0 by Pythagorean triples and quadruples.
+    Family { name: "exact tangency", make: Make::Seed(touching::touched) },
+    // peers: Embree loses 40 % of the inward rays there, and 13 % of the outward rays hit what they leave.
+    Family { name: "eye on a surface", make: Make::Seed(touching::on_surface) },
+    Family { name: "eye just off a surface", make: Make::Seed(touching::off_surface) },
+    // OSPRay's comment on large spheres (Intersect.ih); peers: Embree's horizon, 512 false hits.
+    Family { name: "planet with pebbles", make: Make::Seed(touching::planet) },
+    Family { name: "horizon in a long lens", make: Make::Seed(touching::horizon) },
+    // numerics: without scaling 29 % wrong at r = 1e20, everything at |d| = 1e20.
+    Family { name: "r = 1e-30 to 1e30", make: Make::Seed(scale::sizes) },
+    Family { name: "sizes 1e-9 to 1e9 at once", make: Make::Seed(scale::mixed) },
+    Family { name: "depths 1e-45 to 1e40 at once", make: Make::Seed(scale::span) },
+    Family { name: "viewport 1e-20 to 1e20", make: Make::Seed(scale::viewports) },
+    Family { name: "wide lenses", make: Make::Seed(scale::wide) },
+    Family { name: "long lenses", make: Make::Seed(scale::long) },
+    Family { name: "stretched pixels", make: Make::Seed(scale::stretched) },
+    // up x view cancels to its last bits.
+    Family { name: "up almost along the view", make: Make::Seed(scale::rolled) },
+    Family { name: "1 x 1, 1 x N, N x 1", make: Make::Seed(scale::slivers) },
+    Family { name: "spheres of 1e-3 pixels", make: Make::Seed(scale::dust) },
+    // mitsuba3#1871: an epsilon thicker than a shell.
+    Family { name: "shells 1e-9 r apart", make: Make::Seed(crowd::shells) },
+    Family { name: "coincident spheres", make: Make::Seed(crowd::coincident) },
+    Family { name: "mirror-symmetric ties", make: Make::Seed(crowd::ties) },
+    // numerics: one bound for a ray and one for a sphere differ most on wide lenses, near the eye plane.
+    Family { name: "around the eye", make: Make::Seed(crowd::around) },
+    // The cover of Ray Tracing in One Weekend and worse.
+    Family { name: "ground and crumbs", make: Make::Seed(crowd::ground) },
+    Family { name: "anything at all", make: Make::Seed(wild::anything) },
+    // Haines' Standard Procedural Databases.
+    Family { name: "shells.nff", make: Make::File("shells.nff", crowd::spiral) },
+    // JPL ephemeris DE421.
+    Family { name: "Jupiter from the Earth", make: Make::File("solar_system.csv", crowd::solar) },
+];
+
+/// The oblique direction of the measurements, unit length within rounding.
+fn aslant() -> DVec3 {
+    DVec3::new(1.0, 2.0, 3.0).normalize()
+}
+
+/// A picture of `spheres` from `eye`, rolled a little.
+fn picture(eye: DVec3, look: Look, lens: Lens, size: [u32; 2], spheres: Spheres) -> Scene {
+    let camera = Camera { eye, look, up: DVec3::new(0.1, 1.0, 0.2), lens };
+    let image = ImagePlane { width: size[0], height: size[1], background: [0.0; 3] };
+    Scene { camera, image, spheres, skipped: Skipped::default() }
+}
+
+/// The lens for a picture of 4:3 in which a sphere of tangent-of-angular-radius `tangent` fills half: its disc has the
+/// radius 0.46 of the height.
+fn filled_by(tangent: f64) -> Lens {
+    let vh = tangent / 0.46;
+    Lens::Viewport { vw: vh * 4.0 / 3.0, vh, distance: 1.0 }
+}
+
+/// Tangent of the angular radius of a sphere of radius 1 whose centre is `distance` away.
+fn tangent(distance: f64) -> f64 {
+    1.0 / ((distance - 1.0) * (distance + 1.0)).sqrt()
+}
+
+/// `count` spheres of radius `radii` in a cube of half side `side` about `at`.
+fn cloud(random: &mut Random, count: usize, at: DVec3, side: f64, radii: [f64; 2]) -> Spheres {
+    let mut spheres = Spheres::default();
+    for _ in 0..count {
+        let center = at + side * DVec3::from_array(random.cube());
+        spheres.push(center.to_array(), radii[0] + (radii[1] - radii[0]) * random.unit(), None);
+    }
+    spheres
+}
+
+/// One sphere.
+fn one(center: DVec3, radius: f64) -> Spheres {
+    let mut spheres = Spheres::default();
+    spheres.push(center.to_array(), radius, None);
+    spheres
+}
+
+/// 10^k for k from `from` in steps of `step` up to `to`.
+fn decades(from: i32, to: i32, step: usize) -> impl Iterator<Item = f64> {
+    (from..=to).step_by(step).map(|k| 10f64.powi(k))
+}

@@ -1,0 +1,314 @@
+//! What a scene requires, as an answer: what would be compiled, uploaded and computed, why, and what is left out.
+//! Nothing is rendered and no device is opened.
+
+use super::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
+use crate::error::{Error, Result};
+use crate::frame::Aov;
+use crate::gpu::compose::compose;
+use crate::gpu::device::{self, Found};
+use crate::gpu::dispatch::Input;
+use crate::gpu::traffic::{Reach, bands, list_size, lists, outputs, uploads};
+use crate::intersect::Method;
+use crate::predict::Prediction;
+use crate::scene::Scene;
+use crate::shade::Shade;
+use crate::view::{View, ViewRecord};
+use serde::Serialize;
+
+/// What a scene requires; the command line prints it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Explanation {
+    /// `halfline-plan`.
+    pub schema: &'static str,
+    /// Version of this object's shape.
+    pub version: u32,
+    /// The program that planned.
+    pub halfline: &'static str,
+    /// Spheres in the scene.
+    pub spheres: u64,
+    /// Things in the scene file that are no spheres and are left out.
+    pub skipped: u64,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Viewing rays: pixels.
+    pub rays: u64,
+    /// `gpu` or `cpu`.
+    pub backend: &'static str,
+    /// The adapter's name; `cpu` for the reference path.
+    pub adapter: String,
+    /// `fast`, `certified` or `exact`.
+    pub accuracy: &'static str,
+    /// The form of the quadratic, `certified` or `exact`.
+    pub method: &'static str,
+    /// Why these two.
+    pub reason: String,
+    /// What is allowed, or promised where answers are certified.
+    pub tolerance: f64,
+    /// What rounding can do at worst; `None` where answers are certified.
+    pub predicted: Option<Prediction>,
+    /// The arithmetic of the kernel, and where it comes from.
+    pub precision: String,
+    /// How candidates are found.
+    pub search: &'static str,
+    /// Why so.
+    pub search_reason: String,
+    /// How a certified kernel sees the spheres; `None` for others.
+    pub staged: Option<Staged>,
+    /// The files that make up the kernel, in their order; empty where no kernel runs.
+    pub kernel: Vec<Part>,
+    /// What is uploaded.
+    pub uploaded: Vec<Binding>,
+    /// What the kernel writes and the host reads back, for all pixels together.
+    pub written: Vec<Binding>,
+    /// In how many dispatches; 0 where no kernel runs.
+    pub dispatches: u64,
+    /// What the frame holds when it is done.
+    pub frame: Vec<Shown>,
+    /// What is not needed, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Spheres by what a certified kernel does with them.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Staged {
+    /// Wholly in front of the eye, by their projected centres.
+    pub front: u64,
+    /// Around the eye, across its plane, or large and close.
+    pub near: u64,
+    /// Behind the eye or beside the image: no ray meets them, none is uploaded.
+    pub unseen: u64,
+}
+
+/// A file of WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Part {
+    /// Its name under shaders/.
+    pub file: &'static str,
+    /// Its lines.
+    pub lines: usize,
+}
+
+/// A buffer on the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Binding {
+    /// Its name in WGSL.
+    pub name: &'static str,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// A buffer of the frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct Shown {
+    /// Its name.
+    pub name: &'static str,
+    /// Rows, columns, and components if more than one.
+    pub shape: Vec<u64>,
+    /// The type of its values, by NumPy's name.
+    pub dtype: &'static str,
+    /// Its size.
+    pub bytes: u64,
+    /// Whether it was asked for; ids are always there.
+    pub asked: bool,
+}
+
+/// Something that this scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// What.
+    pub what: &'static str,
+    /// Why.
+    pub why: String,
+}
+
+/// Explains what `scene` requires on the adapter that `settings` choose, or on the CPU path if there is none.
+///
+/// # Errors
+/// [`crate::Error::Adapter`] where rendering would find none, else those of [`Plan::new`] and [`View::new`].
+pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
+    scene.check()?;
+    let found = adapter(settings)?;
+    let summary = found.as_ref().map(|found| &found.summary);
+    // What only an open device can tell is not asked: those methods are never the cheapest.
+    let plan = Plan::new(scene, settings, &mut |method| summary.is_none() || !method.is_wide())?;
+    if let (Some(summary), Method::Native64, Accuracy::Fast) = (summary, plan.kernel.method, plan.accuracy)
+        && !summary.f64
+    {
+        let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
+        return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
+    }
+    let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
+    let view = View::for_kernel(scene, &kernel)?;
+    let promise = settings.promise().relative();
+    let stage = match plan.accuracy {
+        Accuracy::Certified => Stage::new(scene, &view, promise, &TERMS, plan.search.level())?,
+        _ => None,
+    };
+    let predicted = match plan.accuracy {
+        Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, kernel.method)),
+        _ => None,
+    };
+    let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
+    let on_device = found.as_ref().filter(|_| traced);
+    let work = on_device.map(|found| Work::of(&kernel, scene, &view, stage.as_ref(), found)).unwrap_or_default();
+    let size = [view.record.width, view.record.height];
+    Ok(Explanation {
+        schema: "halfline-plan",
+        version: 1,
+        halfline: env!("CARGO_PKG_VERSION"),
+        spheres: scene.spheres.len() as u64,
+        skipped: scene.skipped.total(),
+        size,
+        rays: u64::from(size[0]) * u64::from(size[1]),
+        backend: if found.is_some() { "gpu" } else { "cpu" },
+        adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
+        accuracy: plan.accuracy.name(),
+        method: plan.method,
+        precision: precision(&plan, traced),
+        tolerance: promise,
+        predicted,
+        search: plan.search.name(),
+        search_reason: plan.search.reason(plan.kernel.certify).to_owned(),
+        staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
+        frame: frame(settings, size),
+        left_out: left_out(&plan, &kernel, scene, settings, on_device.is_some()),
+        reason: plan.reason,
+        kernel: work.kernel,
+        uploaded: work.uploaded,
+        written: work.written,
+        dispatches: work.dispatches,
+    })
+}
+
+/// The adapter that rendering would take, unopened.
+fn adapter(settings: &Settings) -> Result<Option<Found>> {
+    if settings.backend == Backend::Cpu {
+        return Ok(None);
+    }
+    let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
+    match device::choose(device::find()?, named.as_deref())? {
+        None if settings.backend == Backend::Gpu => Err(device::none_found()),
+        found => Ok(found),
+    }
+}
+
+/// What the device would be given to do.
+#[derive(Default)]
+struct Work {
+    kernel: Vec<Part>,
+    uploaded: Vec<Binding>,
+    written: Vec<Binding>,
+    dispatches: u64,
+}
+
+impl Work {
+    fn of(kernel: &Kernel, scene: &Scene, view: &View, stage: Option<&Stage>, found: &Found) -> Self {
+        let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
+        let pixels = u64::from(view.record.width) * u64::from(view.record.height);
+        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+        let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
+        let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
+        uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
+        let mut written: Vec<_> =
+            outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
+        if kernel.certify {
+            written.push(Binding { name: "unsure", bytes: list_size(pixels) });
+        }
+        let bands = bands(kernel, &input, &Reach::from(&found.adapter.limits()));
+        if let Some(stage) = stage {
+            // Band by band into the same buffers: all of it passes through.
+            let mut of_lists: Vec<Binding> = Vec::new();
+            for (name, more) in bands.iter().flat_map(|band| lists(stage, band).uploads().map(|b| (b.0, b.1.len()))) {
+                match of_lists.iter_mut().find(|b| b.name == name) {
+                    Some(b) => b.bytes += more as u64,
+                    None => of_lists.push(Binding { name, bytes: more as u64 }),
+                }
+            }
+            uploaded.extend(of_lists);
+        }
+        Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64 }
+    }
+}
+
+impl Staged {
+    fn of(stage: &Stage, scene: &Scene) -> Self {
+        let (front, near) = (stage.seen, stage.nears.len() as u64);
+        Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
+    }
+}
+
+fn precision(plan: &Plan, traced: bool) -> String {
+    let host = "the world is moved to the eye in f64 on the host";
+    match (plan.accuracy, plan.kernel.method) {
+        (Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
+        _ if !traced => "double-double and exact integers on the CPU, every pixel: f32 cannot bound this lens".into(),
+        (Accuracy::Certified, _) => {
+            format!("f32 with a bound of its error; {host}; what stays open is settled in exact arithmetic")
+        }
+        (_, Method::Native64) => format!("f64; {host} and handed over as sums of two f32"),
+        (_, Method::DoubleFloat) => format!("sums of two f32, 48 bits, where the self-test allows it; {host}"),
+        _ => format!("f32; {host} and rounded once"),
+    }
+}
+
+/// The buffers of the finished frame; ids are always among them.
+fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
+    let shown = |aov: &Aov| {
+        let asked = settings.aovs.contains(aov);
+        let mut shape = vec![u64::from(height), u64::from(width)];
+        shape.extend((aov.channels() > 1).then_some(aov.channels() as u64));
+        let one = match aov.dtype() {
+            "float64" => 8,
+            "uint8" => 1,
+            _ => 4,
+        };
+        let bytes = one * shape.iter().product::<u64>();
+        (asked || *aov == Aov::Id).then(|| Shown { name: aov.name(), shape, dtype: aov.dtype(), bytes, asked })
+    };
+    Aov::ALL.iter().filter_map(shown).collect()
+}
+
+/// What nobody asked for or the scene does not have, and what is done without it.
+fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, device: bool) -> Vec<LeftOut> {
+    let mut out = Vec::new();
+    let mut leave = |what, why: &str| out.push(LeftOut { what, why: why.to_owned() });
+    if !device {
+        let why = match plan.accuracy {
+            Accuracy::Exact => "exact answers are made on the CPU",
+            Accuracy::Certified if settings.backend != Backend::Cpu => "the CPU does this frame",
+            _ => "the CPU path runs the kernels' twins",
+        };
+        leave("device", why);
+    }
+    match kernel.shade {
+        None => leave("shading", "no picture is asked for"),
+        Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not show them"),
+        Some(_) if scene.spheres.colors.is_none() => {
+            leave("sphere colours", "the scene has none: one constant for all");
+        }
+        Some(_) => {}
+    }
+    if !kernel.t {
+        leave("t", "no distance, depth or position is asked for");
+    }
+    if !kernel.normal {
+        match kernel.shade {
+            None | Some(Shade::Flat) => leave("normals", "nobody asked, and nothing is shaded by them"),
+            Some(_) => leave("normal buffer", "nobody asked: normals are made for shading and not kept"),
+        }
+    }
+    match plan.accuracy {
+        Accuracy::Fast => leave("certificate", "the accuracy is fast"),
+        _ if !kernel.width => leave("width of the depth's interval", "no bound is asked for"),
+        _ => {}
+    }
+    if !kernel.is_wide() {
+        leave("low parts of the spheres", "only arithmetic beyond f32 reads them");
+    }
+    if device && kernel.sharing == Sharing::None {
+        leave("sharing of loads", "this adapter loads a shared address once by itself, or has no fitting subgroups");
+    }
+    out
+}

@@ -1,0 +1,296 @@
+//! What rounding can do to a method's answers, known before anything is rendered: a bound from the spheres' extents
+//! alone, for every ray of every picture from this eye. docs/prediction.md derives it line by line.
+//!
+//! Two numbers, each the exact counterpart of what [`crate::measure::score`] observes:
+//!
+//! - *outline*: a ray whose distance l from a sphere's centre differs from its radius r by more than outline * r is
+//!   not misjudged: no false hit, no false miss;
+//! - *distance*: |t - t*| / t* of what is rightly shown, and of a sphere shown in the place of another that is as near.
+//!
+//! With k = |p|/r, p from the eye to the centre, the perpendicular form has an outline of order k u and the lecture's
+//! forms of order k^2 u: they subtract squares of the distance from each other. Near the outline D is small and its
+//! error counts by its square root, which is what makes distances worst there.
+
+use crate::error::Result;
+use crate::intersect::{Form, Method};
+use crate::scene::Scene;
+use crate::view::{SphereRecord, View};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The unit roundoff of WGSL's f32: it may round either way.
+const U: f64 = 1.0 / (1u64 << 23) as f64;
+/// The host's rounding to f32, to nearest.
+const HOST: f64 = 1.0 / (1u64 << 24) as f64;
+/// What two f32 keep of an f64: the low part is rounded to 24 bits of what the high one left, half an ulp at most.
+const PAIR: f64 = HOST * HOST;
+/// f64 on a device, rounding either way like its f32.
+const U64: f64 = 1.0 / (1u64 << 52) as f64;
+/// c - e rotated by the host in f64, as a vector: 5 * 2^-53 |c - e|_1 a component (certify/stage.rs), twice sqrt(3).
+const ROTATED: f64 = 15.0 / (1u64 << 53) as f64;
+/// The power of the eye from double-double, in a unit in which max(|p|, r) is at least 1 and the terms below 16.
+const POWER: f64 = HOST * HOST * HOST / (1u64 << 20) as f64;
+/// t times a length, in f64 on the host: some ten roundings.
+const ASSEMBLED: f64 = 1.0 / (1u64 << 49) as f64;
+/// The largest norm of (a_y b_z + a_z b_y, ...) for unit vectors, sqrt(4/3) at a = b = (1, 1, 1)/sqrt(3): what the
+/// roundings of a cross product add up to.
+const CROSS: f64 = 1.1548;
+/// Numbers below 2^-126 may be flushed; |d| < 4 and a few factors of 2 lie between t and what is flushed.
+const VANISH: f64 = HOST * HOST * HOST * HOST * HOST / 4.0;
+/// Products of two errors, and the rounding of the extents to f32: some ten times 2^-23 of the bound itself, 2^-10 where
+/// an error is so large that its square counts.
+const INFLATE: f64 = 1.0 + 1.0 / 1024.0;
+
+/// A-priori bounds of one method on one scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Prediction {
+    /// How far an outline may be off, in radii of its sphere.
+    pub outline: f64,
+    /// How far a distance may be off, relative to itself; infinite where nothing can be said.
+    pub distance: f64,
+    /// The sphere with the worst of both; indices count in the scene's order.
+    pub sphere: u32,
+    /// How far that sphere's centre is from the eye, in its radii.
+    pub radii: f64,
+}
+
+impl Prediction {
+    /// For `method` on `scene`; `None` without spheres.
+    ///
+    /// # Errors
+    /// Those of [`View::new`].
+    pub fn of(scene: &Scene, method: Method) -> Result<Option<Self>> {
+        Ok(Self::each(scene, &[method])?.map(|each| each[0]))
+    }
+
+    /// For each of `methods`, in one pass over the spheres.
+    pub(crate) fn each(scene: &Scene, methods: &[Method]) -> Result<Option<Vec<Self>>> {
+        let view = View::without_spheres(scene)?;
+        Ok(Self::among(view.moved(&scene.spheres.centers, &scene.spheres.radii), methods))
+    }
+
+    /// For the spheres of a view.
+    pub(crate) fn of_view(view: &View, method: Method) -> Option<Self> {
+        Self::among(view.spheres.par_iter().copied(), &[method]).map(|each| each[0])
+    }
+
+    fn among(spheres: impl IndexedParallelIterator<Item = SphereRecord>, methods: &[Method]) -> Option<Vec<Self>> {
+        let each = spheres.enumerate().map(|(id, s)| {
+            let extent = Extent::of(&s);
+            methods.iter().map(|method| Self::of_sphere(&extent, id as u32, *method)).collect::<Vec<_>>()
+        });
+        each.reduce_with(|a, b| a.into_iter().zip(b).map(|(a, b)| a.and(b)).collect())
+    }
+
+    fn of_sphere(extent: &Extent, sphere: u32, method: Method) -> Self {
+        let [outline, distance] = match method.form() {
+            Form::Perpendicular => perpendicular(&Arithmetic::of(method), extent),
+            Form::General => lecture(&general(extent), extent),
+            Form::Normalised => lecture(&normalised(extent), extent),
+        };
+        // What is no number is no promise.
+        let sure = |x: f64| if x.is_nan() { f64::INFINITY } else { INFLATE * x };
+        Self { outline: sure(outline), distance: sure(distance), sphere, radii: extent.k }
+    }
+
+    /// Both together; of equally bad spheres the first.
+    fn and(self, other: Self) -> Self {
+        let worse = other.worst() > self.worst() || other.worst() == self.worst() && other.sphere < self.sphere;
+        let named = if worse { other } else { self };
+        Self { outline: self.outline.max(other.outline), distance: self.distance.max(other.distance), ..named }
+    }
+
+    /// The larger of both numbers: what a tolerance is held against.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        self.outline.max(self.distance)
+    }
+}
+
+/// Outlines that are off by more than this are warned of: a fiftieth of a radius can be seen.
+const VISIBLE: f64 = 0.02;
+
+impl Prediction {
+    /// A warning with a number and a mend, where the error can be seen.
+    #[must_use]
+    pub fn warning(&self, method: Method) -> Option<String> {
+        (self.outline > VISIBLE).then(|| {
+            let Self { outline, distance, sphere, radii } = self;
+            format!(
+                "method {} places outlines only within {outline:.1e} radii and distances within {distance:.1e}, worst at \
+                 sphere {sphere}, {radii:.1e} radii away; use --accuracy certified",
+                method.name()
+            )
+        })
+    }
+}
+
+/// All that the bounds need to know of a sphere.
+struct Extent {
+    /// Distance of its centre in radii.
+    k: f64,
+    /// Power of the eye in squares of its radius, |k^2 - 1|, exact where k^2 - 1 would cancel.
+    power: f64,
+    outside: bool,
+    /// What flushing may take from t, relative to the distance of the surface.
+    flushed: f64,
+}
+
+impl Extent {
+    fn of(s: &SphereRecord) -> Self {
+        let [x, y, z, r] = s.ball.map(f64::from);
+        let (far, power) = ((x * x + y * y + z * z).sqrt(), f64::from(s.power));
+        // |p| - r = c / (|p| + r).
+        let gap = power.abs() / (far + r);
+        let flushed = VANISH / (gap * f64::from(s.scale).min(1.0));
+        Self { k: far / r, power: power.abs() / (r * r), outside: power > 0.0, flushed }
+    }
+
+    /// |k - 1|: the distance of the surface.
+    fn gap(&self) -> f64 {
+        self.power / (self.k + 1.0)
+    }
+}
+
+/// Relative errors of one arithmetic: of its inputs, and of its operations.
+struct Arithmetic {
+    /// Of p, as a vector.
+    center: f64,
+    radius: f64,
+    /// Of d, as a vector: viewport and distance rounded, times an exact odd integer.
+    direction: f64,
+    power: f64,
+    add: f64,
+    mul: f64,
+    div: f64,
+    /// WGSL: 2.5 ulp, and sqrt is 1/inverseSqrt of 2 ulp: 4.5 ulp, 4.6 with the second order.
+    root: f64,
+}
+
+const F32: Arithmetic = Arithmetic {
+    center: HOST + ROTATED,
+    radius: HOST,
+    direction: HOST + U,
+    power: HOST,
+    add: U,
+    mul: U,
+    div: 2.5 * U,
+    root: 4.6 * U,
+};
+
+const F64: Arithmetic = Arithmetic {
+    center: PAIR + ROTATED,
+    radius: PAIR,
+    direction: PAIR + 2.0 * U64,
+    power: PAIR,
+    add: U64,
+    mul: U64,
+    div: 2.5 * U64,
+    root: 4.6 * U64,
+};
+
+/// Its operations as published (intersect/double_float.rs names the sources), with v^3 terms in the last digit.
+const DOUBLE_FLOAT: Arithmetic = Arithmetic {
+    center: PAIR + ROTATED,
+    radius: PAIR,
+    // Rounded, and a product with one f32: 1 for the one cross term, 2 for its sum.
+    direction: 4.01 * PAIR,
+    power: PAIR,
+    add: 3.01 * PAIR,
+    mul: 5.01 * PAIR,
+    div: 15.01 * PAIR,
+    root: 3.13 * PAIR,
+};
+
+impl Arithmetic {
+    fn of(method: Method) -> Self {
+        match method {
+            Method::Native64 => F64,
+            Method::DoubleFloat => DOUBLE_FLOAT,
+            _ => F32,
+        }
+    }
+
+    /// A sum of three products, relative to the sum of their sizes.
+    fn dot(&self) -> f64 {
+        self.mul + 2.0 * self.add
+    }
+}
+
+/// D = a r^2 - g.g with g = p x d, t = c/q or q/a: intersect/stable.rs in any arithmetic.
+fn perpendicular(a: &Arithmetic, s: &Extent) -> [f64; 2] {
+    // Of g, in r |d|: its products and both its inputs, |p||d| as large. Its differences are off by a share of g itself.
+    let tilt = (CROSS * a.mul + a.center + a.direction) * s.k;
+    // |g| = r |d| at the outline; of squares, a r^2 and g.g, half.
+    let outline = tilt + a.add + 0.5 * (2.0 * a.dot() + 2.0 * a.mul) + a.radius;
+    // Of D, in a r^2, for a ray that hits: |g| <= r |d|.
+    let e = tilt * (2.0 + tilt) + 2.0 * (a.direction + a.radius + a.dot() + a.mul + a.add);
+    // Of D over the least that b^2 or D leave for q, c: sqrt(D) and sqrt(D + e) differ by less than sqrt(e).
+    let x2 = e / s.power;
+    // b, q, and all else that is relative to t; b >= sqrt(a c) or q >= sqrt(a |c|).
+    let b = (a.dot() + a.center + a.direction) * s.k / s.power.sqrt();
+    let host = a.power + POWER * (s.k * s.k).max(1.0) / s.power + ASSEMBLED;
+    let y = b + host + a.div + 2.0 * a.add + a.root + a.dot() + 2.0 * a.direction + s.flushed;
+    let lost = match s.outside {
+        // q = b + sqrt(D) with b^2 = D + a c: the worst loses a D as large as its error.
+        true => (x2 / (1.0 + x2)).sqrt() + 1.0,
+        // |b| + sqrt(D) where b may be 0 and D is at least a |c|.
+        false if x2 < 1.0 => 1.0 / (1.0 - x2).sqrt(),
+        false => f64::INFINITY,
+    };
+    [outline, if y < 1.0 { lost / (1.0 - y) - 1.0 } else { f64::INFINITY }]
+}
+
+/// What sets the lecture's forms apart, in r^2, r and the like.
+struct Quadratic {
+    /// Of D, in a r^2, by its arithmetic alone.
+    squares: f64,
+    /// Of b, in |p||d|, with its inputs.
+    b: f64,
+    /// Of what t is divided by.
+    scale: f64,
+}
+
+/// b^2 - a c: 2|b| 3u |b|, its product u; a 3u, c 3u |p|^2 + u r^2 + u |c|, the product u.
+fn general(s: &Extent) -> Quadratic {
+    let k2 = s.k * s.k;
+    let squares = F32.dot() * (2.0 * k2 + k2 + s.power) + U * (k2 + 1.0 + 2.0 * s.power);
+    Quadratic { squares, b: F32.dot() + F32.center + F32.direction, scale: F32.dot() + 2.0 * F32.direction }
+}
+
+/// b^2 - |p|^2 + r^2 for d divided by its length: the length is off by half of d.d and by sqrt, each quotient by its
+/// division, and b^2 by twice that, for nothing cancels it in |p|^2.
+fn normalised(s: &Extent) -> Quadratic {
+    let k2 = s.k * s.k;
+    let length = 0.5 * F32.dot() + F32.root;
+    let b = length + F32.div + F32.dot();
+    let squares = (2.0 * b + F32.mul + F32.dot() + U) * k2 + 2.0 * U;
+    Quadratic { squares, b: b + F32.center + F32.direction, scale: length + F32.direction }
+}
+
+/// t = (b -+ sqrt(D))/a, the near root if it is positive.
+fn lecture(form: &Quadratic, s: &Extent) -> [f64; 2] {
+    let tilt = (F32.center + F32.direction) * s.k;
+    // l^2 and r^2 are compared, so their error is that of a square: |l/r - 1| where |l^2/r^2 - 1| = squares.
+    let of_square = |e: f64| {
+        let grow = e / ((1.0 + e).sqrt() + 1.0);
+        if e < 1.0 { e / ((1.0 - e).sqrt() + 1.0) } else { grow.max(1.0) }
+    };
+    let mut outline = tilt + F32.radius + of_square(form.squares);
+    // With the inputs', for a ray that hits.
+    let e = form.squares + tilt * (2.0 + tilt) + 2.0 * (F32.direction + F32.radius);
+    // The sign of a root is that of c: a sphere is seen though it lies behind, or from inside not at all.
+    let sign = e + 2.0 * F32.root * s.k * s.k + U * (s.k * s.k + 1.0);
+    if s.power <= sign {
+        outline = outline.max(s.gap());
+    }
+    let x2 = e / s.power;
+    // sqrt(D) is off by min(sqrt(e), e/sqrt(D)): of the near root that is worst where D = e, of the far one from inside
+    // where D is largest.
+    let rooted = if s.outside { x2 + (x2 * (1.0 + x2)).sqrt() } else { x2 * (1.0 + s.k) };
+    let host = ASSEMBLED + s.flushed;
+    let y = (form.b * s.k + F32.root) / s.gap() + form.scale + F32.div + F32.add + host;
+    // Off by the whole distance, the other root may be taken.
+    let distance = rooted + y;
+    [outline, if distance < 1.0 { distance } else { f64::INFINITY }]
+}

@@ -1,0 +1,208 @@
+//! The promise of `halfline plan` and of the choice by tolerance: what is told is what is done.
+
+#[expect(dead_code, reason = "the helpers of tests that walk the methods")]
+mod common;
+
+use common::{cpu, gpu};
+use halfline::frame::Aov;
+use halfline::intersect::Method;
+use halfline::plan::{Accuracy, Backend, Explanation, Settings, Tolerance, explain};
+use halfline::render::Renderer;
+use halfline::scene::{ReadOptions, Scene};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Spheres from 5 to 2000 radii away, without colours.
+fn scene() -> Scene {
+    let mut scene = weekend();
+    scene.spheres = Default::default();
+    for n in 1..20 {
+        let far = 5.0 * f64::from(n * n);
+        scene.spheres.push([13.0 - far, 0.0, 0.0], 1.0, None);
+    }
+    scene.image.width = 40;
+    scene.image.height = 24;
+    scene
+}
+
+fn weekend() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+    Scene::read(&path, &ReadOptions::default()).expect("weekend")
+}
+
+fn settings(backend: Backend, tolerance: Option<f64>, aovs: &[Aov]) -> Settings {
+    let tolerance = tolerance.map(|x| Tolerance::new(x).expect("a tolerance"));
+    Settings { backend, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
+}
+
+fn told(scene: &Scene, settings: &Settings) -> Explanation {
+    explain(scene, settings).expect("a plan")
+}
+
+/// Every backend there is.
+fn renderers() -> Vec<(Backend, Renderer)> {
+    [(Backend::Cpu, Some(cpu())), (Backend::Gpu, gpu())].into_iter().filter_map(|(b, r)| Some((b, r?))).collect()
+}
+
+#[test]
+fn a_tolerance_takes_the_cheapest_method_that_keeps_it() {
+    let scene = scene();
+    for (backend, mut renderer) in renderers() {
+        let mut chosen = Vec::new();
+        for tolerance in [10.0, 1e-1, 3e-3, 1e-9] {
+            let settings = settings(backend, Some(tolerance), &[Aov::Color, Aov::Distance, Aov::Id]);
+            let report = renderer.render(&scene, &settings).expect("a frame").report;
+            let plan = told(&scene, &settings);
+            assert_eq!((report.method, report.accuracy, &report.reason), (plan.method, plan.accuracy, &plan.reason));
+            assert_eq!(report.predicted, plan.predicted);
+            match report.predicted {
+                Some(predicted) => assert!(predicted.worst() <= tolerance, "{predicted:?}"),
+                None => assert_eq!((report.accuracy, report.bound.map(|b| b <= tolerance)), ("certified", Some(true))),
+            }
+            chosen.push(report.method);
+        }
+        assert_eq!(chosen, ["textbook", "stable", "stable", "certified"], "{backend:?}");
+    }
+}
+
+#[test]
+fn without_a_tolerance_the_buffers_decide() {
+    let scene = scene();
+    for (aovs, method, word) in
+        [(&[Aov::Color][..], "stable", "no buffer of answers"), (&[Aov::Color, Aov::Distance], "certified", "distance")]
+    {
+        let plan = told(&scene, &settings(Backend::Cpu, None, aovs));
+        assert_eq!(plan.method, method);
+        assert!(plan.reason.contains(word), "{}", plan.reason);
+    }
+    for aov in [Aov::Certainty, Aov::Bound, Aov::Normal] {
+        let plan = told(&scene, &settings(Backend::Cpu, Some(1.0), &[aov]));
+        assert!(plan.accuracy == "certified" && plan.reason.contains(aov.name()), "{plan:?}");
+    }
+    let stated = Settings { accuracy: Accuracy::Fast, ..settings(Backend::Cpu, Some(1e-12), &[Aov::Id]) };
+    assert_eq!(told(&scene, &stated).method, "stable", "what is stated is done");
+    let method = Settings { method: Some(Method::Unit), ..settings(Backend::Cpu, Some(1e-12), &[Aov::Id]) };
+    assert_eq!(told(&scene, &method).method, "unit");
+    let mut empty = scene.clone();
+    empty.spheres = Default::default();
+    assert_eq!(told(&empty, &settings(Backend::Cpu, Some(1e-12), &[Aov::Id])).accuracy, "fast");
+}
+
+#[test]
+fn the_frame_is_as_large_as_told() {
+    let scene = scene();
+    for (backend, mut renderer) in renderers() {
+        for tolerance in [None, Some(0.1)] {
+            let settings = settings(backend, tolerance, &[Aov::Color, Aov::Position, Aov::Mask]);
+            let (plan, frame) = (told(&scene, &settings), renderer.render(&scene, &settings).expect("a frame"));
+            let made: Vec<_> = frame.buffers.iter().map(|b| (b.aov.name(), b.data.len() as u64)).collect();
+            let of = |shown: &halfline::plan::Shown| (shown.name, shown.shape.iter().product::<u64>());
+            assert_eq!(plan.frame.iter().map(of).collect::<Vec<_>>(), made);
+            assert!(plan.frame.iter().all(|shown| shown.asked != (shown.name == "id")), "{:?}", plan.frame);
+        }
+    }
+}
+
+#[test]
+fn what_goes_to_the_device_is_told_and_what_is_left_out() {
+    let Some(renderer) = gpu() else { return };
+    let (mut scene, asked) = (scene(), settings(Backend::Gpu, Some(0.1), &[Aov::Color]));
+    let n = scene.spheres.len() as u64;
+    let names = |plan: &Explanation| plan.uploaded.iter().map(|b| (b.name, b.bytes)).collect::<Vec<_>>();
+    let plan = told(&scene, &asked);
+    assert_eq!(plan.adapter, renderer.adapter());
+    assert_eq!(names(&plan), [("view", 112), ("spheres", 32 * n)]);
+    assert!(plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
+    let pixels = plan.rays;
+    let written: Vec<_> = plan.written.iter().map(|b| (b.name, b.bytes)).collect();
+    assert_eq!(written, [("frame_id", 4 * pixels), ("frame_color", 12 * pixels)]);
+    assert!(plan.dispatches == 1 && plan.kernel.iter().any(|part| part.file == "intersect/stable.wgsl"));
+    for part in &plan.kernel {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(part.file);
+        let text = std::fs::read_to_string(file).expect("a file of the kernel");
+        assert_eq!(text.lines().count(), part.lines, "{}", part.file);
+    }
+    scene.spheres.colors = Some(vec![[0.5; 3]; scene.spheres.len()]);
+    let plan = told(&scene, &asked);
+    assert_eq!(names(&plan).last(), Some(&("colors", 12 * n)));
+    assert!(!plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
+    let plan = told(&weekend(), &settings(Backend::Gpu, None, &[Aov::Distance]));
+    let staged = plan.staged.expect("a certified frame is staged");
+    assert_eq!(staged.front + staged.near + staged.unseen, plan.spheres);
+    assert!(staged.unseen > 0);
+    // 16 and 24 bytes a sphere in front, by loads of 32.
+    let padded = staged.front.next_multiple_of(32);
+    assert!(names(&plan).contains(&("fronts", 16 * padded)) && names(&plan).contains(&("front_mores", 24 * padded)));
+}
+
+fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_halfline"));
+    command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).env("NODEVICE_SELECT", "1");
+    command.envs(environment.iter().copied()).output().expect("halfline runs")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+const NO_ADAPTER: [(&str, &str); 2] = [("VK_DRIVER_FILES", "no-such-driver.json"), ("WGPU_BACKEND", "vulkan")];
+
+#[test]
+fn the_command_tells_people_and_programs() {
+    let asked = ["-o", "x.png", "--aov", "distance=t.npy", "--aov", "bound=b.npy", "--size", "64x48"];
+    let arguments = [&["plan", "scenes/weekend.toml"][..], &asked].concat();
+    let said = run(&arguments, &[]);
+    assert!(said.status.success(), "{}", text(&said.stderr));
+    let words = text(&said.stdout);
+    for word in ["color", "distance", "bound", "id", "certified", "f32", "left out", "48 x 64 x 3 of float32"] {
+        assert!(words.contains(word), "no {word:?} in {words}");
+    }
+    assert!(!Path::new(env!("CARGO_MANIFEST_DIR")).join("x.png").exists(), "nothing is rendered");
+    let said = run(&[&arguments[..], &["--json"]].concat(), &[]);
+    let json: Value = serde_json::from_slice(&said.stdout).expect("one JSON object");
+    assert_eq!((&json["schema"], &json["version"]), (&"halfline-plan".into(), &1.into()));
+    let frame: Vec<_> = json["frame"].as_array().expect("buffers").iter().map(|b| b["name"].clone()).collect();
+    assert_eq!(frame, ["color", "distance", "id", "bound"]);
+    // Without any adapter the CPU path is planned.
+    let said = run(&[&arguments[..], &["--json"]].concat(), &NO_ADAPTER);
+    let json: Value = serde_json::from_slice(&said.stdout).expect("one JSON object");
+    assert_eq!((&json["backend"], &json["dispatches"]), (&"cpu".into(), &0.into()));
+}
+
+#[test]
+fn the_command_fails_as_rendering_would() {
+    for (code, arguments, environment) in [
+        (2, &["plan", "scenes/weekend.toml", "--method", "unit", "--accuracy", "certified"][..], &[][..]),
+        (2, &["plan", "scenes/weekend.toml", "-o", "a.png", "--aov", "color=a.png"], &[]),
+        (3, &["plan", "scenes/weekend.toml", "--up", "0,0,0"], &[]),
+        (8, &["plan", "no-such-scene.toml"], &[]),
+        (4, &["plan", "scenes/weekend.toml", "--backend", "gpu"], &NO_ADAPTER),
+    ] {
+        let said = run(arguments, environment);
+        assert_eq!(said.status.code(), Some(code), "{arguments:?}: {}", text(&said.stderr));
+        assert!(said.stdout.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_choice_by_tolerance_is_told_in_one_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("x.png");
+    let arguments =
+        ["render", "scenes/canonical.toml", "-o", picture.to_str().expect("a name"), "--tolerance", "1e-2", "--json"];
+    let said = run(&arguments, &[]);
+    let err = text(&said.stderr);
+    assert!(said.status.success(), "{err}");
+    let json: Value = serde_json::from_slice(&said.stdout).expect("one JSON object");
+    let lines: Vec<_> = err.lines().filter(|line| line.contains("tolerance")).collect();
+    assert_eq!(lines.len(), 1, "{err}");
+    assert_eq!(lines[0], format!("halfline: {}", json["reason"].as_str().expect("words")));
+    let predicted = &json["predicted"];
+    let within = |name: &str| predicted[name].as_f64().is_some_and(|x| x <= 1e-2);
+    assert!(
+        within("outline") && within("distance") && predicted["sphere"] == 0 && predicted["radii"].as_f64() == Some(3.0),
+        "{json}"
+    );
+    assert_eq!(json["accuracy"], "fast");
+}
