@@ -217,6 +217,15 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
+    /// Whether subgroups are used; the lists of a certified kernel are shared by a broadcast or not at all.
+    pub(crate) fn shares(&self) -> bool {
+        match self.sharing {
+            Sharing::None => false,
+            Sharing::Shuffle => !self.certify,
+            Sharing::Subgroup4 | Sharing::Subgroup8 => true,
+        }
+    }
+
     /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
     pub(crate) fn is_wide(&self) -> bool {
         !self.certify && self.method.is_wide()

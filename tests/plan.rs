@@ -131,9 +131,12 @@ fn what_goes_to_the_device_is_told_and_what_is_left_out() {
     let staged = plan.staged.expect("a certified frame is staged");
     assert_eq!(staged.front + staged.near + staged.unseen, plan.spheres);
     assert!(staged.unseen > 0);
-    // 16 and 24 bytes a sphere in front, by loads of 32.
-    let padded = staged.front.next_multiple_of(32);
-    assert!(names(&plan).contains(&("fronts", 16 * padded)) && names(&plan).contains(&("front_mores", 24 * padded)));
+    // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 8 for every tile.
+    let bytes = |name: &str| names(&plan).iter().find(|b| b.0 == name).map_or(0, |b| b.1);
+    assert!(bytes("fronts") >= 16 * staged.front && bytes("fronts") % (16 * 8) == 0, "{:?}", names(&plan));
+    assert_eq!((bytes("front_mores"), bytes("sills")), (bytes("fronts"), bytes("fronts") / 32));
+    let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
+    assert_eq!((plan.search, bytes("tiles")), ("tiles", 8 * tiles[0] * tiles[1]));
 }
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {

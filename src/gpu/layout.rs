@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
 use crate::intersect::Method;
-use crate::plan::{Kernel, Sharing};
+use crate::plan::Kernel;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// A buffer that the shader binds in group 0.
@@ -67,7 +67,7 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
     let wide = kernel.is_wide() && kernel.method == Method::Native64;
     let wide = if wide { Capabilities::FLOAT64 } else { Capabilities::empty() };
-    wide | if kernel.sharing == Sharing::None { Capabilities::empty() } else { Capabilities::SUBGROUP }
+    wide | if kernel.shares() { Capabilities::SUBGROUP } else { Capabilities::empty() }
 }
 
 #[cfg(test)]
@@ -80,7 +80,7 @@ mod tests {
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
-    use crate::plan::Rays;
+    use crate::plan::{Rays, Sharing};
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn subgroups_are_asked_of_the_device_exactly_where_they_are_used() {
-        let sharing = kernels().into_iter().filter(|k| k.sharing != Sharing::None);
+        let sharing = kernels().into_iter().filter(Kernel::shares);
         for kernel in sharing {
             validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
         }
