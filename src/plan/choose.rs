@@ -25,6 +25,10 @@ const PROVEN: [Aov; 3] = [Aov::Certainty, Aov::Bound, Aov::Normal];
 /// What a certified frame costs beside `stable` with all spheres in view (docs/certificate.md, section 6).
 const CERTIFIED: f64 = 1.1;
 
+/// Spheres beyond which certified answers are the cheapest: a form asks all of them for every ray, a certified frame those
+/// of a tile. On lavapipe both cost the same between 16 and 64 (clouds, 1024 x 1024, colour alone; docs/performance.md).
+const FEW: usize = 32;
+
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
     let choice = |accuracy, method: Option<Method>, reason: String| Choice {
         accuracy,
@@ -44,9 +48,22 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             let reason = format!("a tolerance is given, and no prediction vouches for {}", named(&PROVEN));
             choice(Accuracy::Certified, None, reason)
         }
+        (Accuracy::Auto, None, Some(tolerance)) if scene.spheres.len() > FEW => {
+            let reason = format!(
+                "certified, distance within {:.1e}: with {} spheres nothing is cheaper, for a form would ask all of them \
+                 for every ray",
+                tolerance.relative(),
+                scene.spheres.len()
+            );
+            choice(Accuracy::Certified, None, reason)
+        }
         (Accuracy::Auto, None, Some(tolerance)) => cheapest(scene, tolerance.relative(), admits)?,
         (Accuracy::Auto, None, None) if settings.asks(&ANSWERS) => {
             choice(Accuracy::Certified, None, format!("buffers of answers are asked for: {}", named(&ANSWERS)))
+        }
+        (Accuracy::Auto, None, None) if scene.spheres.len() > FEW => {
+            let reason = format!("with {} spheres nothing is cheaper than certified answers", scene.spheres.len());
+            choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, None) => {
             choice(Accuracy::Fast, None, "no buffer of answers and no tolerance is asked for".into())
