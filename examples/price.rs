@@ -5,34 +5,10 @@
 //! ```
 //! Image side, frames of each kind, scenes; `cloud:N` makes N equal spheres uniform in a unit cube, 3 % of its volume.
 
-use glam::DVec3;
-use halfline::{
-    Accuracy, Aov, Backend, Camera, ImagePlane, Lens, Look, ReadOptions, Renderer, Scene, Settings, Skipped, Spheres,
-};
+mod cloud;
 
-/// The cloud of the peers' comparison.
-fn cloud(count: usize) -> Scene {
-    let radius = (0.03 / count as f64 * 3.0 / (4.0 * std::f64::consts::PI)).cbrt();
-    let mut state = 2026u64;
-    // xorshift64* (Vigna 2016).
-    let mut next = || {
-        state ^= state >> 12;
-        state ^= state << 25;
-        state ^= state >> 27;
-        (state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let mut spheres = Spheres::default();
-    for _ in 0..count {
-        spheres.push([next(), next(), next()], radius, None);
-    }
-    let camera = Camera {
-        eye: DVec3::new(2.2, 1.6, 2.9),
-        look: Look::At(DVec3::splat(0.5)),
-        up: DVec3::Y,
-        lens: Lens::Vfov { degrees: 32.0, distance: 1.0 },
-    };
-    Scene { camera, image: ImagePlane::default(), spheres, skipped: Skipped::default() }
-}
+use cloud::cloud;
+use halfline::{Accuracy, Aov, Backend, ReadOptions, Renderer, Scene, Settings};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
