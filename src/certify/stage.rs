@@ -3,7 +3,7 @@
 
 use super::front::{FrontMoreRecord, FrontRecord};
 use super::near::NearRecord;
-use super::tiles::{Lists, Placed, TILE, TOGETHER};
+use super::tiles::{Bin, Lists, Placed, Run, TILE, TOGETHER};
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
@@ -41,6 +41,8 @@ const UNKNOWN: f32 = (1u64 << 60) as f32;
 const SLACK: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
 /// The bounds' own roundings, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
+/// Projected radii, and depths of their unit, that f32 squares without loss: 2^-60 to 2^60.
+const RANGE: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
 /// Columns go with u, rows against v.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 /// Pixels of error in a projected centre that f64 may leave; and that double-double may start from, 2^40 of these.
@@ -107,6 +109,8 @@ struct Projected {
     fixed: [i32; 2],
     rest: [f32; 2],
     rho: f64,
+    /// Root of twice the bound of its discriminant's error.
+    blurred: f64,
     /// Largest slopes of the rays that may meet it.
     steepest: [f64; 2],
     /// First and last column and row of the tiles in which they are.
@@ -116,7 +120,7 @@ struct Projected {
 /// Spheres that were staged together.
 #[derive(Default)]
 struct Batch {
-    placed: Vec<Placed>,
+    run: Run,
     nears: Vec<NearRecord>,
     /// Least and largest depth of the front spheres.
     range: Option<(f64, f64)>,
@@ -150,6 +154,9 @@ struct Lens {
     edge: [f64; 2],
     /// Pixels beyond which a projected centre has no fixed-point form, or differences to it are no longer exact.
     farthest: f64,
+    /// 1 / unit; 1 / step and a little more.
+    per_unit: f64,
+    per_step: [f64; 2],
     /// 2^shift, and 2^-frame.
     fixed: f64,
     to_frame: f64,
@@ -182,9 +189,9 @@ impl Stage {
         let mut record = lens.record(reference, tolerance);
         let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
         record.nears = nears.len() as u32;
-        let placed: Vec<_> = batches.into_iter().map(|batch| batch.placed).collect();
-        let seen = placed.iter().map(|batch| batch.len() as u64).sum();
-        let lists = Lists::new(&placed, [width, height], level);
+        let runs: Vec<_> = batches.into_iter().map(|batch| batch.run).collect();
+        let seen = runs.iter().map(|run| run.bins.len() as u64).sum();
+        let lists = Lists::new(&runs, [width, height], level);
         Ok(Some(Self { lens: record, lists, nears, seen }))
     }
 }
@@ -229,6 +236,8 @@ impl Lens {
             per_slope: slope.map(|s| 0.5 / s),
             edge,
             farthest: (dd::ldexp(1.0, (FIXED_BITS - shift) as i32) - 1.0).min(FARTHEST),
+            per_unit: 1.0 / unit,
+            per_step: step.map(|step| WIDEN[1] / step),
             fixed: dd::ldexp(1.0, shift as i32),
             to_frame: dd::ldexp(1.0, -view.unit),
             coarse,
@@ -266,7 +275,7 @@ impl Lens {
     fn batches(&self, scene: &Scene, reference: f32) -> Vec<Batch> {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         let stage = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
-            let mut batch = Batch { placed: Vec::with_capacity(centers.len()), ..Batch::default() };
+            let mut batch = Batch { run: Run::with_capacity(centers.len()), ..Batch::default() };
             for (k, (center, radius)) in centers.iter().zip(radii).enumerate() {
                 let id = (n * TOGETHER + k) as u32;
                 match self.stage(id, *center, *radius) {
@@ -275,7 +284,9 @@ impl Lens {
                     Staged::Front(p) => {
                         let (least, most) = batch.range.unwrap_or((p.depth, p.depth));
                         batch.range = Some((least.min(p.depth), most.max(p.depth)));
-                        batch.placed.push(self.place(id, &p, reference));
+                        let (placed, bin) = self.place(id, &p, reference);
+                        batch.run.placed.push(placed);
+                        batch.run.bins.push(bin);
                     }
                 }
             }
@@ -284,7 +295,7 @@ impl Lens {
         spheres.enumerate().map(stage).collect()
     }
 
-    fn place(&self, id: u32, p: &Projected, reference: f32) -> Placed {
+    fn place(&self, id: u32, p: &Projected, reference: f32) -> (Placed, Bin) {
         let center = p.depth - f64::from(reference);
         let low = not_above(center - self.depth_error(p, center));
         // The kernel's lower bound is low minus total times size: at most these, and what rounds.
@@ -293,14 +304,14 @@ impl Lens {
         let [x, y] = p.steepest;
         let square = (x * x + y * y).min(self.widest - 1.0);
         let rays = Steepness { slant: (x + y).min(self.all.slant), length: 1.0 + 0.5 * square, square: 1.0 + square };
-        let most = INFLATE * self.total(p.rho, &rays)[0] * size;
+        let most = INFLATE * self.total(p.rho, p.blurred, &rays)[0] * size;
         let sill = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
-        Placed {
+        let bin = Bin { sill: not_above(sill), tiles: p.tiles };
+        let placed = Placed {
             front: FrontRecord { x: p.fixed[0], y: p.fixed[1], rho: p.rho as f32, low },
             more: FrontMoreRecord { rest: p.rest, center: center as f32, id },
-            sill: not_above(sill),
-            tiles: p.tiles,
-        }
+        };
+        (placed, bin)
     }
 
     /// Beyond this offset from the projected centre a miss is certain for `rays`, whatever rounds.
@@ -309,15 +320,14 @@ impl Lens {
     }
 
     /// |slope along the offset| + root of a candidate, at most; and the root alone.
-    fn total(&self, rho: f64, rays: &Steepness) -> [f64; 2] {
-        let error = self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]);
-        let root = rays.length * rho + (2.0 * error).sqrt();
+    fn total(&self, rho: f64, blurred: f64, rays: &Steepness) -> [f64; 2] {
+        let root = rays.length * rho + blurred;
         [rays.slant * self.reach(rho, rays) + root, root]
     }
 
     /// Bound of all errors of a candidate's depth, frame's unit.
     fn depth_error(&self, p: &Projected, center: f64) -> f64 {
-        let [total, root] = self.total(p.rho, &self.all);
+        let [total, root] = self.total(p.rho, p.blurred, &self.all);
         let slant = self.all.slant;
         let [whole, each, along, of_root, of_center] = self.terms.depth.map(f64::from);
         let roundings = (whole + each * (self.widest - 1.0)) * total
@@ -349,16 +359,19 @@ impl Lens {
 
     /// The projected centre; `None` where a number leaves the range of the bounds.
     fn project(&self, center: [f64; 3], [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
-        let rho = radius / (z * self.unit);
+        let inverse = 1.0 / z;
+        let rho = radius * inverse * self.per_unit;
         let depth = z * self.to_frame;
-        let small = |x: f64| (2f64.powi(-60)..2f64.powi(60)).contains(&x);
-        if !small(rho) || !small(depth * self.unit) || self.total(rho, &self.all)[0] * self.unit > STEEPEST {
+        let small = |x: f64| (RANGE[0]..RANGE[1]).contains(&x);
+        // The discriminant's bound, as a root.
+        let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
+        if !small(rho) || !small(depth * self.unit) || self.total(rho, blurred, &self.all)[0] * self.unit > STEEPEST {
             return None;
         }
         // Pixels of error that the f64 rotation leaves in the projected centre.
-        let far = error / z;
+        let far = error * inverse;
         let blur = |q: f64, k: usize| (far * (1.0 + q.abs()) + 4.0 * U64 * q.abs()) * self.per_slope[k];
-        let q = [x / z, y / z];
+        let q = [x * inverse, y * inverse];
         // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down. 2^-29 pixels are lost here, 2^22 from the
         // image at most.
         let mut place = [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]);
@@ -385,6 +398,7 @@ impl Lens {
             fixed: [0; 2],
             rest: [0.0; 2],
             rho,
+            blurred,
             steepest,
             tiles: [[0; 2]; 2],
         };
@@ -392,7 +406,7 @@ impl Lens {
         for k in 0..2 {
             // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2; and
             // sqrt(1 + x) <= 1 + x / 2.
-            let half = rho * (1.0 + 0.5 * steepest[k] * steepest[k]) * WIDEN[1] / self.step[k] + WIDEN[0];
+            let half = rho * (1.0 + 0.5 * steepest[k] * steepest[k]) * self.per_step[k] + WIDEN[0];
             let (from, to) = (place[k] - half, place[k] + half);
             seen &= to >= 0.0 && from <= self.size[k] - 1.0;
             if place[k].abs() >= self.farthest {

@@ -28,15 +28,33 @@ const SPARE: u64 = 1 << 21;
 pub(crate) const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
 pub(crate) const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], center: 0.0, id: NONE };
 
-/// A front sphere, ready to be binned.
+/// What becomes of a front sphere in a list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placed {
     pub(crate) front: FrontRecord,
     pub(crate) more: FrontMoreRecord,
+}
+
+/// Where it belongs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bin {
     /// No ray is given a lower bound of depth below this.
     pub(crate) sill: f32,
     /// First and last column and row of the tiles in which a pixel's ray may hit.
     pub(crate) tiles: [[u32; 2]; 2],
+}
+
+/// Front spheres that were prepared together, at most [`TOGETHER`]: binning reads the bins alone, sphere by sphere.
+#[derive(Debug, Default)]
+pub(crate) struct Run {
+    pub(crate) placed: Vec<Placed>,
+    pub(crate) bins: Vec<Bin>,
+}
+
+impl Run {
+    pub(crate) fn with_capacity(spheres: usize) -> Self {
+        Self { placed: Vec::with_capacity(spheres), bins: Vec::with_capacity(spheres) }
+    }
 }
 
 /// The candidates of every tile.
@@ -54,17 +72,17 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Bins `placed`, in runs of at most [`TOGETHER`], for an image of `size` pixels. Squares of 2^`level` tiles, or
+    /// Bins the spheres of `runs` for an image of `size` pixels. Squares of 2^`level` tiles, or
     /// larger ones, share a list.
-    pub(crate) fn new(placed: &[Vec<Placed>], size: [u32; 2], level: u32) -> Self {
+    pub(crate) fn new(runs: &[Run], size: [u32; 2], level: u32) -> Self {
         let tiles = size.map(|n| n.div_ceil(TILE));
-        let count: usize = placed.iter().map(Vec::len).sum();
-        let fits = |level: &u32| *level >= WHOLE || entries(placed, *level) <= 8 * count as u64 + SPARE;
+        let count: usize = runs.iter().map(|run| run.bins.len()).sum();
+        let fits = |level: &u32| *level >= WHOLE || entries(runs, *level) <= 8 * count as u64 + SPARE;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
         let [columns, rows] = tiles.map(|n| ((n - 1) >> level) + 1);
         let grid = Grid { level, tiles: tiles[0], columns, rows };
-        let (keys, starts) = grid.scatter(placed);
-        Self::gather(grid, placed, &keys, &starts)
+        let (keys, starts) = grid.scatter(runs);
+        Self::gather(grid, runs, &keys, &starts)
     }
 
     /// The entries of the tile that holds the pixel of `row` and `column`: the first, and the one past the last.
@@ -87,7 +105,7 @@ impl Lists {
     }
 
     /// Sorts each list and writes it out, padded.
-    fn gather(grid: Grid, placed: &[Vec<Placed>], keys: &[AtomicU64], starts: &[u32]) -> Self {
+    fn gather(grid: Grid, runs: &[Run], keys: &[AtomicU64], starts: &[u32]) -> Self {
         let mut ends = Vec::with_capacity(starts.len());
         let mut end = 0;
         for pair in starts.windows(2) {
@@ -124,10 +142,11 @@ impl Lists {
             fronts[keys.len()..].fill(NOTHING);
             mores[keys.len()..].fill(NOTHING_MORE);
             for (n, &key) in sorted.iter().enumerate() {
-                let p = &placed[(key as u32 >> 16) as usize][(key & 0xffff) as usize];
-                (fronts[n], mores[n]) = (p.front, p.more);
+                let run = &runs[(key as u32 >> 16) as usize];
+                let place = (key & 0xffff) as usize;
+                (fronts[n], mores[n]) = (run.placed[place].front, run.placed[place].more);
                 if n % CHUNK == 0 {
-                    sills[n / CHUNK] = p.sill;
+                    sills[n / CHUNK] = run.bins[place].sill;
                 }
             }
         });
@@ -136,9 +155,9 @@ impl Lists {
 }
 
 /// Entries of all lists if squares of 2^level tiles share one.
-fn entries(placed: &[Vec<Placed>], level: u32) -> u64 {
+fn entries(runs: &[Run], level: u32) -> u64 {
     let cells = |[first, last]: [u32; 2]| u64::from((last >> level) - (first >> level) + 1);
-    placed.par_iter().flatten_iter().map(|p| cells(p.tiles[0]) * cells(p.tiles[1])).sum()
+    runs.par_iter().flat_map_iter(|run| &run.bins).map(|p| cells(p.tiles[0]) * cells(p.tiles[1])).sum()
 }
 
 /// Squares of 2^level tiles a side that share a list: cells.
@@ -156,24 +175,24 @@ impl Grid {
         ((row >> self.level) * self.columns + (column >> self.level)) as usize
     }
 
-    /// Every cell that `placed` covers.
-    fn cells(&self, placed: &Placed) -> impl Iterator<Item = usize> + use<> {
-        let [[left, right], [top, bottom]] = placed.tiles.map(|range| range.map(|tile| tile >> self.level));
+    /// Every cell that `bin` covers.
+    fn cells(&self, bin: &Bin) -> impl Iterator<Item = usize> + use<> {
+        let [[left, right], [top, bottom]] = bin.tiles.map(|range| range.map(|tile| tile >> self.level));
         let columns = self.columns;
         (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * columns + column) as usize))
     }
 
     /// Keys of the spheres, sill first and then place, cell by cell; and where each cell's begin, with the end of all.
-    fn scatter(&self, placed: &[Vec<Placed>]) -> (Vec<AtomicU64>, Vec<u32>) {
+    fn scatter(&self, runs: &[Run]) -> (Vec<AtomicU64>, Vec<u32>) {
         // Each group of runs counts for itself, so that each knows its own places in every cell.
-        let group = placed.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+        let group = runs.len().div_ceil(2 * rayon::current_num_threads()).max(1);
         let cells = (self.columns * self.rows) as usize;
-        let count = |runs: &[Vec<Placed>]| {
+        let count = |runs: &[Run]| {
             let mut counts = vec![0u32; cells];
-            runs.iter().flatten().for_each(|p| self.cells(p).for_each(|cell| counts[cell] += 1));
+            runs.iter().flat_map(|run| &run.bins).for_each(|p| self.cells(p).for_each(|cell| counts[cell] += 1));
             counts
         };
-        let mut places: Vec<Vec<u32>> = placed.par_chunks(group).map(count).collect();
+        let mut places: Vec<Vec<u32>> = runs.par_chunks(group).map(count).collect();
         let mut starts = Vec::with_capacity(cells + 1);
         let mut total = 0;
         for cell in 0..cells {
@@ -184,9 +203,9 @@ impl Grid {
         }
         starts.push(total);
         let keys: Vec<AtomicU64> = (0..total).into_par_iter().map(|_| AtomicU64::new(0)).collect();
-        placed.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (runs, places))| {
+        runs.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (runs, places))| {
             for (run, own) in runs.iter().enumerate() {
-                for (at, p) in own.iter().enumerate() {
+                for (at, p) in own.bins.iter().enumerate() {
                     let slot = ((n * group + run) << 16 | at) as u64;
                     let key = u64::from(ordered(p.sill)) << 32 | slot;
                     for cell in self.cells(p) {
