@@ -58,7 +58,10 @@ fn frames(criterion: &mut Criterion) {
                     continue;
                 }
                 group.bench_function(format!("{}/{}", accuracy.name(), backend.backend.name()), |bencher| {
-                    bencher.iter(|| renderer.render(&scene, &settings).expect("a frame"));
+                    bencher.iter(|| {
+                        let frame = renderer.render(&scene, &settings).expect("a frame");
+                        renderer.recycle(frame);
+                    });
                 });
             }
         }

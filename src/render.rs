@@ -11,7 +11,7 @@ use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
-use crate::memory;
+use crate::memory::{self, Pool};
 use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
 use crate::predict::Prediction;
 use crate::report::{Report, Stages, milliseconds};
@@ -36,6 +36,7 @@ pub struct Renderer {
     pub(crate) place: Place,
     setup_ms: f64,
     go_on: Arc<dyn Fn() -> bool + Send + Sync>,
+    pub(crate) pool: Arc<Pool>,
 }
 
 /// Where frames are computed.
@@ -69,7 +70,7 @@ impl Renderer {
                 }
             }
         };
-        Ok(Self { place, setup_ms: milliseconds(start), go_on: Arc::new(|| true) })
+        Ok(Self { place, setup_ms: milliseconds(start), go_on: Arc::new(|| true), pool: Arc::default() })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -77,7 +78,12 @@ impl Renderer {
     pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let summary = AdapterSummary::of_device(&device);
         let open = Open { device, queue, lost: Arc::new(Mutex::new(None)) };
-        Self { place: Place::Gpu(Box::new(Gpu::new(open, summary))), setup_ms: 0.0, go_on: Arc::new(|| true) }
+        Self {
+            place: Place::Gpu(Box::new(Gpu::new(open, summary))),
+            setup_ms: 0.0,
+            go_on: Arc::new(|| true),
+            pool: Arc::default(),
+        }
     }
 
     /// Asks `go_on` now and then; when it says no, the work ends with [`Error::Interrupted`].
@@ -147,6 +153,19 @@ impl Renderer {
         }
     }
 
+    /// Takes back a frame that nobody needs any longer: the next ones are written into its memory.
+    pub fn recycle(&mut self, frame: Frame) {
+        for buffer in frame.buffers {
+            match buffer.data {
+                // The kernels' ids are the same bits.
+                Data::I32(v) => self.pool.give(bytemuck::allocation::cast_vec::<i32, u32>(v)),
+                Data::F32(v) => self.pool.give(v),
+                Data::F64(v) => self.pool.give(v),
+                Data::U8(_) => {}
+            }
+        }
+    }
+
     /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
     /// looked at again.
     ///
@@ -195,17 +214,19 @@ impl Renderer {
     /// One frame as planned.
     fn frame(&mut self, plan: &Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let start = Instant::now();
+        let pool = Arc::clone(&self.pool);
+        pool.turn();
         let mut stages = Stages::default();
         let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let tolerance = settings.promise().relative();
         let stage = match plan.accuracy {
             Accuracy::Certified => {
-                stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, plan.search.level()))?
+                stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, plan.search.level(), &pool))?
             }
             _ => None,
         };
-        let mut raw = Raw::new(&plan.kernel, pixels)?;
+        let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
         self.kernel_ms();
         let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
@@ -215,7 +236,7 @@ impl Renderer {
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, &view, stage.as_ref()));
-        let answers = Answers { view: &view, raw, depths, settled: &settled };
+        let answers = Answers { pool: &pool, view: &view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, plan.kernel.method)),
@@ -235,6 +256,9 @@ impl Renderer {
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
         report.kernel_ms = kernel_ms.into_iter().collect();
+        if let Some(stage) = stage {
+            stage.give_to(&pool);
+        }
         Ok(frame)
     }
 

@@ -89,7 +89,7 @@ impl Renderer {
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
             let records: Vec<_> = group.rays.par_iter().map(record).collect();
             let kernel = Kernel { rays: group.kind, ..plan.kernel };
-            let mut raw = Raw::new(&kernel, records.len())?;
+            let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
             match &mut self.place {
                 Place::Gpu(gpu) => {
                     gpu.admit(kernel.method)?;

@@ -134,9 +134,9 @@ fn what_goes_to_the_device_is_told_and_what_is_left_out() {
     // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 8 for every tile.
     let bytes = |name: &str| names(&plan).iter().find(|b| b.0 == name).map_or(0, |b| b.1);
     assert!(bytes("fronts") >= 16 * staged.front && bytes("fronts") % (16 * 8) == 0, "{:?}", names(&plan));
-    assert_eq!((bytes("front_mores"), bytes("sills")), (bytes("fronts"), bytes("fronts") / 32));
+    assert_eq!(bytes("others"), bytes("fronts") + 64 * staged.near);
     let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
-    assert_eq!((plan.search, bytes("tiles")), ("tiles", 8 * tiles[0] * tiles[1]));
+    assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("fronts") / 32));
 }
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {

@@ -7,7 +7,7 @@ fn judge(s: Slopes, k: Kept) -> Answer {
         answer = front_answer(s, front(k.slot), front_more(k.slot));
     }
     for (var once = (k.slot & NEAR) != 0u && k.slot != NONE; once; once = false) {
-        answer = near_answer(s, nears[k.slot & ~NEAR]);
+        answer = near_answer(s, near(k.slot & ~NEAR));
     }
     return answer;
 }

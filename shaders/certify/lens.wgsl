@@ -50,15 +50,15 @@ struct Near {
     blur: f32,       // what the host's rounding leaves in it
 }
 
+// Few buffers, since adapters bind as few as ten; of vectors, since software adapters load a vector at once, a struct
+// number by number.
 @group(0) @binding(9) var<uniform> lens: Lens;
-// Read as vectors: software adapters load a vector at once, a struct number by number.
 @group(0) @binding(10) var<storage, read> fronts: array<vec4<i32>>;
-@group(0) @binding(11) var<storage, read> front_mores: array<vec4<i32>>;
-@group(0) @binding(12) var<storage, read> nears: array<Near>;
-// Of every tile of 8 x 8 pixels: its first entry in fronts and front_mores, and the one past its last; multiples of CHUNK.
-@group(0) @binding(14) var<storage, read> tiles: array<vec2<u32>>;
-// Of every CHUNK entries: nobody in it, or behind it in its list, has a lower bound of depth below this.
-@group(0) @binding(17) var<storage, read> sills: array<f32>;
+// The near spheres, four vectors each, and then, in the order of fronts, what only a winner is asked, one each.
+@group(0) @binding(11) var<storage, read> others: array<vec4<i32>>;
+// Of every tile of 8 x 8 pixels its first entry in fronts and the one past its last, multiples of CHUNK; then for every
+// CHUNK entries the sill: nobody in it, or behind it in its list, has a lower bound of depth below this.
+@group(0) @binding(12) var<storage, read> lists: array<u32>;
 
 const CHUNK: u32 = 8u;
 
@@ -68,8 +68,24 @@ fn front(n: u32) -> Front {
 }
 
 fn front_more(n: u32) -> FrontMore {
-    let v = front_mores[n];
+    let v = others[4u * lens.nears + n];
     return FrontMore(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
+}
+
+fn near(n: u32) -> Near {
+    let a = bitcast<vec4<f32>>(others[4u * n]);
+    let b = others[4u * n + 1u];
+    let c = others[4u * n + 2u];
+    let d = others[4u * n + 3u];
+    return Near(
+        a, bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
+        bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
+    );
+}
+
+fn sill(entry: u32) -> f32 {
+    let tiles = ((view.width + 7u) / 8u) * ((view.rows + 7u) / 8u);
+    return bitcast<f32>(lists[2u * tiles + entry / CHUNK]);
 }
 
 // What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.

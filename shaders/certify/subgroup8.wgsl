@@ -3,12 +3,12 @@
 fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
     var k = Kept(MISS, MISS, NONE);
     for (var slot = 0u; slot < lens.nears; slot++) {
-        k = keep(k, near_low(s, nears[slot]), NEAR | slot);
+        k = keep(k, near_low(s, near(slot)), NEAR | slot);
     }
     for (var first = range.x; first < range.y; first += CHUNK) {
-        let sill = sills[first / CHUNK];
-        let behind = is_behind(s, k, sill);
-        k.second = select(k.second, min(k.second, sill), behind);
+        let least = sill(first);
+        let behind = is_behind(s, k, least);
+        k.second = select(k.second, min(k.second, least), behind);
         if (subgroupAll(behind)) {
             break;
         }

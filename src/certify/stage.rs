@@ -9,6 +9,7 @@ use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
 use crate::error::Result;
 use crate::exact;
+use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
@@ -62,6 +63,15 @@ pub(crate) struct Stage {
     pub(crate) nears: Vec<NearRecord>,
     /// Front spheres that some ray may meet.
     pub(crate) seen: u64,
+}
+
+impl Stage {
+    /// Leaves its memory to the next frame.
+    pub(crate) fn give_to(self, pool: &Pool) {
+        pool.give(self.lists.fronts);
+        pool.give(self.lists.mores);
+        pool.give(self.lists.sills);
+    }
 }
 
 /// c - e in world space and in the camera: right, up, forward; in f64.
@@ -173,7 +183,14 @@ struct Lens {
 impl Stage {
     /// Prepares `scene`; `None` when its lens is too wide or too narrow for f32, and everything must be judged exactly.
     /// Tiles share the lists of candidates from `level` on ([`Lists::new`]).
-    pub(crate) fn new(scene: &Scene, view: &View, tolerance: f64, terms: &Terms, level: u32) -> Result<Option<Self>> {
+    pub(crate) fn new(
+        scene: &Scene,
+        view: &View,
+        tolerance: f64,
+        terms: &Terms,
+        level: u32,
+        pool: &Pool,
+    ) -> Result<Option<Self>> {
         let (width, height) = (view.record.width, view.record.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
@@ -181,17 +198,21 @@ impl Stage {
         if narrow || lens.widest > UNBOUNDED {
             return Ok(None);
         }
-        let mut batches = lens.batches(scene, 0.0);
+        let mut batches = lens.batches(scene, 0.0, pool);
         let reference = reference(&batches);
         if reference > 0.0 {
-            batches = lens.batches(scene, reference);
+            batches = lens.batches(scene, reference, pool);
         }
         let mut record = lens.record(reference, tolerance);
         let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
         record.nears = nears.len() as u32;
         let runs: Vec<_> = batches.into_iter().map(|batch| batch.run).collect();
         let seen = runs.iter().map(|run| run.bins.len() as u64).sum();
-        let lists = Lists::new(&runs, [width, height], level);
+        let lists = Lists::new(&runs, [width, height], level, pool);
+        for run in runs {
+            pool.give(run.placed);
+            pool.give(run.bins);
+        }
         Ok(Some(Self { lens: record, lists, nears, seen }))
     }
 }
@@ -272,10 +293,10 @@ impl Lens {
     }
 
     /// Stages all spheres; depths of front spheres are kept relative to `reference`.
-    fn batches(&self, scene: &Scene, reference: f32) -> Vec<Batch> {
+    fn batches(&self, scene: &Scene, reference: f32, pool: &Pool) -> Vec<Batch> {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         let stage = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
-            let mut batch = Batch { run: Run::with_capacity(centers.len()), ..Batch::default() };
+            let mut batch = Batch { run: Run::with_capacity(centers.len(), pool), ..Batch::default() };
             for (k, (center, radius)) in centers.iter().zip(radii).enumerate() {
                 let id = (n * TOGETHER + k) as u32;
                 match self.stage(id, *center, *radius) {

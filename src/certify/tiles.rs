@@ -4,6 +4,7 @@
 //! large spheres would make lists of single tiles too long; one list for all is the search `all`.
 
 use super::front::{FrontMoreRecord, FrontRecord};
+use crate::memory::Pool;
 use crate::ray::NONE;
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
@@ -52,9 +53,17 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    pub(crate) fn with_capacity(spheres: usize) -> Self {
-        Self { placed: Vec::with_capacity(spheres), bins: Vec::with_capacity(spheres) }
+    pub(crate) fn with_capacity(spheres: usize, pool: &Pool) -> Self {
+        Self { placed: empty(spheres, pool), bins: empty(spheres, pool) }
     }
+}
+
+/// An empty vector with room for `n`.
+fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
+    let mut vector = pool.take(n);
+    vector.clear();
+    vector.reserve(n);
+    vector
 }
 
 /// The candidates of every tile.
@@ -74,15 +83,17 @@ pub(crate) struct Lists {
 impl Lists {
     /// Bins the spheres of `runs` for an image of `size` pixels. Squares of 2^`level` tiles, or
     /// larger ones, share a list.
-    pub(crate) fn new(runs: &[Run], size: [u32; 2], level: u32) -> Self {
+    pub(crate) fn new(runs: &[Run], size: [u32; 2], level: u32, pool: &Pool) -> Self {
         let tiles = size.map(|n| n.div_ceil(TILE));
         let count: usize = runs.iter().map(|run| run.bins.len()).sum();
         let fits = |level: &u32| *level >= WHOLE || entries(runs, *level) <= 8 * count as u64 + SPARE;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
         let [columns, rows] = tiles.map(|n| ((n - 1) >> level) + 1);
         let grid = Grid { level, tiles: tiles[0], columns, rows };
-        let (keys, starts) = grid.scatter(runs);
-        Self::gather(grid, runs, &keys, &starts)
+        let (keys, starts) = grid.scatter(runs, pool);
+        let lists = Self::gather(grid, runs, &keys, &starts, pool);
+        pool.give(keys);
+        lists
     }
 
     /// The entries of the tile that holds the pixel of `row` and `column`: the first, and the one past the last.
@@ -105,7 +116,7 @@ impl Lists {
     }
 
     /// Sorts each list and writes it out, padded.
-    fn gather(grid: Grid, runs: &[Run], keys: &[AtomicU64], starts: &[u32]) -> Self {
+    fn gather(grid: Grid, runs: &[Run], keys: &[AtomicU64], starts: &[u32], pool: &Pool) -> Self {
         let mut ends = Vec::with_capacity(starts.len());
         let mut end = 0;
         for pair in starts.windows(2) {
@@ -113,8 +124,8 @@ impl Lists {
             ends.push(end);
         }
         let total = end as usize;
-        let (mut fronts, mut mores) = (zeroed_vec(total), zeroed_vec(total));
-        let mut sills: Vec<f32> = zeroed_vec(total / CHUNK);
+        let (mut fronts, mut mores) = (sized(total, pool), sized(total, pool));
+        let mut sills: Vec<f32> = sized(total / CHUNK, pool);
         let mut jobs = Vec::with_capacity(ends.len());
         let (mut front, mut more, mut sill) = (&mut fronts[..], &mut mores[..], &mut sills[..]);
         let mut first = 0;
@@ -154,6 +165,16 @@ impl Lists {
     }
 }
 
+/// `n` values, all of which are to be written.
+fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
+    let mut vector = pool.take(n);
+    if vector.is_empty() {
+        return zeroed_vec(n);
+    }
+    vector.resize(n, T::zeroed());
+    vector
+}
+
 /// Entries of all lists if squares of 2^level tiles share one.
 fn entries(runs: &[Run], level: u32) -> u64 {
     let cells = |[first, last]: [u32; 2]| u64::from((last >> level) - (first >> level) + 1);
@@ -183,7 +204,7 @@ impl Grid {
     }
 
     /// Keys of the spheres, sill first and then place, cell by cell; and where each cell's begin, with the end of all.
-    fn scatter(&self, runs: &[Run]) -> (Vec<AtomicU64>, Vec<u32>) {
+    fn scatter(&self, runs: &[Run], pool: &Pool) -> (Vec<AtomicU64>, Vec<u32>) {
         // Each group of runs counts for itself, so that each knows its own places in every cell.
         let group = runs.len().div_ceil(2 * rayon::current_num_threads()).max(1);
         let cells = (self.columns * self.rows) as usize;
@@ -202,7 +223,8 @@ impl Grid {
             }
         }
         starts.push(total);
-        let keys: Vec<AtomicU64> = (0..total).into_par_iter().map(|_| AtomicU64::new(0)).collect();
+        let mut keys: Vec<AtomicU64> = pool.take(total as usize);
+        keys.resize_with(total as usize, AtomicU64::default);
         runs.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (runs, places))| {
             for (run, own) in runs.iter().enumerate() {
                 for (at, p) in own.bins.iter().enumerate() {

@@ -51,7 +51,7 @@ impl Render {
         let mut times = frame.report.frame_ms.clone();
         let mut kernels = frame.report.kernel_ms.clone();
         for _ in 1..self.repeat.get() {
-            drop(std::mem::take(&mut frame.buffers));
+            renderer.recycle(frame);
             frame = renderer.render(&scene, &settings)?;
             times.extend(&frame.report.frame_ms);
             kernels.extend(&frame.report.kernel_ms);

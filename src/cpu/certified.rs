@@ -275,7 +275,9 @@ mod tests {
         (scene.image.width, scene.image.height) = (136, 77);
         let view = View::new(&scene).expect("a view");
         for level in [0, crate::certify::tiles::WHOLE] {
-            let stage = Stage::new(&scene, &view, 1e-5, &TERMS, level).expect("a stage").expect("a lens");
+            let stage = Stage::new(&scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
+                .expect("a stage")
+                .expect("a lens");
             let certify = Certify::<f32>::new(&view.record, &stage);
             let mut hits = 0;
             for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {

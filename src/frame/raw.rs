@@ -1,9 +1,10 @@
 //! What a kernel leaves behind, and the frame made of it.
 
 use crate::certify::stage::Depths;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
+use crate::memory::Pool;
 use crate::plan::Kernel;
 use crate::ray::NONE;
 use crate::settle::Settled;
@@ -32,14 +33,14 @@ impl Raw {
     ///
     /// # Errors
     /// [`Error::Limits`] when the memory cannot be had.
-    pub(crate) fn new(kernel: &Kernel, pixels: usize) -> Result<Self> {
+    pub(crate) fn new(kernel: &Kernel, pixels: usize, pool: &Pool) -> Result<Self> {
         Ok(Self {
-            id: room(pixels)?,
-            t: room(if kernel.t { pixels } else { 0 })?,
-            t_low: room(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
-            normal: room(if kernel.normal { 3 * pixels } else { 0 })?,
-            color: room(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
-            width: room(if kernel.width { pixels } else { 0 })?,
+            id: pool.values(pixels)?,
+            t: pool.values(if kernel.t { pixels } else { 0 })?,
+            t_low: pool.values(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
+            normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
+            color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
+            width: pool.values(if kernel.width { pixels } else { 0 })?,
         })
     }
 
@@ -66,6 +67,7 @@ impl Raw {
 
 /// A finished frame's answers: the kernel's, and over them what was settled.
 pub(crate) struct Answers<'a> {
+    pub(crate) pool: &'a Pool,
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
     /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for the others.
@@ -116,6 +118,9 @@ impl Answers<'_> {
             };
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
+        for unused in [self.raw.t, self.raw.t_low, self.raw.width] {
+            self.pool.give(unused);
+        }
         let ids = bytemuck::allocation::cast_vec(self.raw.id);
         buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);
         buffers.sort_by_key(|b| b.aov);
@@ -143,7 +148,7 @@ impl Answers<'_> {
     ) -> Result<Vec<f64>> {
         let width = self.view.record.width as usize;
         let unit = crate::dd::ldexp(1.0, self.view.unit);
-        let mut out: Vec<f64> = room(N * self.raw.id.len())?;
+        let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
             for (j, values) in row.chunks_exact_mut(N).enumerate() {
                 let pixel = i * width + j;
@@ -172,15 +177,4 @@ impl Answers<'_> {
 
 fn length(d: [f64; 3]) -> f64 {
     d.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// A zeroed vector, or an error instead of an abort when the memory cannot be had.
-fn room<T: Clone + Default>(n: usize) -> Result<Vec<T>> {
-    let mut v = Vec::new();
-    v.try_reserve_exact(n).map_err(|_| Error::Limits {
-        problem: format!("{} bytes for one buffer of the frame cannot be had", n.saturating_mul(size_of::<T>())),
-        mend: "render a smaller --size or fewer buffers".into(),
-    })?;
-    v.resize(n, T::default());
-    Ok(v)
 }

@@ -127,7 +127,7 @@ impl Gpu {
             }
             if let Some(stage) = input.stage {
                 stages.time("upload", || {
-                    lists(stage, &band).uploads().into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
+                    lists(stage, &band).uploads().iter().try_for_each(|(name, parts)| self.fill_parts(name, parts))
                 })?;
             }
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
@@ -342,11 +342,22 @@ impl Gpu {
     }
 
     pub(super) fn fill(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        self.fill_parts(name, &[bytes])
+    }
+
+    /// Parts one after the other; each a multiple of four bytes.
+    pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
         let uniform = ["view", "lens"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-        self.check_size(name, bytes.len() as u64)?;
-        self.reserve(name, bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
-        self.open.queue.write_buffer(&self.buffers[name], 0, bytes);
+        // A binding may not be empty; the kernels count, so what is not written is never looked at.
+        let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
+        self.check_size(name, size)?;
+        self.reserve(name, size, usage | wgpu::BufferUsages::COPY_DST);
+        let mut offset = 0;
+        for part in parts {
+            self.open.queue.write_buffer(&self.buffers[name], offset, part);
+            offset += part.len() as u64;
+        }
         Ok(())
     }
 
@@ -357,6 +368,9 @@ impl Gpu {
         }
     }
 }
+
+/// Bytes of the smallest buffer: room for one record of any kind.
+const SMALLEST: u64 = 64;
 
 /// The first bytes of a buffer that was mapped for reading.
 fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
@@ -371,6 +385,7 @@ mod tests {
     use super::*;
     use crate::gpu::device;
     use crate::intersect::Method;
+    use crate::memory::Pool;
     use crate::plan::Sharing;
     use crate::scene::{ReadOptions, Scene};
     use crate::shade::Shade;
@@ -394,7 +409,9 @@ mod tests {
         // The low parts are there for those that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
-        let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0).expect("a stage").expect("a lens");
+        let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
+            .expect("a stage")
+            .expect("a lens");
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
             if lanes < least {
@@ -418,7 +435,7 @@ mod tests {
             let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
             let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
             for kernel in [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64) {
-                let mut raw = Raw::new(&kernel, 131 * 74).expect("room");
+                let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
                 let stage = Some(&stage);
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
                 let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };

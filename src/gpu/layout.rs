@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 18] = [
+pub(crate) const BUFFERS: [&str; 16] = [
     "view",
     "spheres",
     "colors",
@@ -28,13 +28,11 @@ pub(crate) const BUFFERS: [&str; 18] = [
     "lows",
     "lens",
     "fronts",
-    "front_mores",
-    "nears",
+    "others",
+    "lists",
     "unsure",
-    "tiles",
     "frame_width",
     "frame_t_low",
-    "sills",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -148,11 +146,9 @@ mod tests {
                 (true, "frame_id"),
                 (certify, "lens"),
                 (certify, "fronts"),
-                (certify, "front_mores"),
-                (certify, "nears"),
+                (certify, "others"),
+                (certify, "lists"),
                 (certify, "unsure"),
-                (certify, "tiles"),
-                (certify, "sills"),
                 (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),

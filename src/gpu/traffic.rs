@@ -3,10 +3,10 @@
 use super::certified::{ENTRY, LIST_HEAD};
 use super::dispatch::{GROUP, Input};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
+use crate::certify::near::NearRecord;
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, TILE};
 use crate::plan::{Kernel, Rays};
-use crate::view::{SphereLow, SphereRecord};
 
 /// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
 const TESTS_PER_DISPATCH: u64 = 1 << 32;
@@ -73,8 +73,9 @@ fn rows_that_fit(stage: &Stage, first: u32, most: u32, binding: u64) -> u32 {
     rows
 }
 
-/// The tiles' lists of a band, counted from their own beginning.
+/// The tiles' lists of a band, counted from their own beginning, and the near spheres.
 pub(crate) struct Lists<'a> {
+    nears: &'a [NearRecord],
     tiles: Vec<[u32; 2]>,
     fronts: &'a [FrontRecord],
     mores: &'a [FrontMoreRecord],
@@ -93,6 +94,7 @@ pub(crate) fn lists<'a>(stage: &'a Stage, band: &Band) -> Lists<'a> {
     }
     let (first, end) = (first as usize, end as usize);
     Lists {
+        nears: &stage.nears,
         tiles,
         fronts: &all.fronts[first..end],
         mores: &all.mores[first..end],
@@ -101,32 +103,23 @@ pub(crate) fn lists<'a>(stage: &'a Stage, band: &Band) -> Lists<'a> {
 }
 
 impl Lists<'_> {
-    /// By the names of their bindings.
-    pub(crate) fn uploads(&self) -> [(&'static str, &[u8]); 4] {
+    /// By the names of their bindings, part by part.
+    pub(crate) fn uploads(&self) -> [(&'static str, [&[u8]; 2]); 3] {
         [
-            ("tiles", or_nothing(bytemuck::cast_slice(&self.tiles))),
-            ("fronts", or_nothing(bytemuck::cast_slice(self.fronts))),
-            ("front_mores", or_nothing(bytemuck::cast_slice(self.mores))),
-            ("sills", or_nothing(bytemuck::cast_slice(self.sills))),
+            ("fronts", [bytemuck::cast_slice(self.fronts), &[]]),
+            ("others", [bytemuck::cast_slice(self.nears), bytemuck::cast_slice(self.mores)]),
+            ("lists", [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(self.sills)]),
         ]
     }
-}
-
-/// A binding may not be empty; the kernels count, so one record of nothing is never looked at.
-fn or_nothing(bytes: &[u8]) -> &[u8] {
-    if bytes.is_empty() { &[0; 64] } else { bytes }
 }
 
 /// What a kernel reads besides the view and the lists of a band, by the name of its binding.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
     match (kernel.certify, input.stage) {
-        (true, Some(stage)) => all.extend([
-            ("lens", bytemuck::bytes_of(&stage.lens)),
-            ("nears", or_nothing(bytemuck::cast_slice(&stage.nears))),
-        ]),
+        (true, Some(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
         (true, None) => {}
-        (false, _) => all.push(("spheres", or_nothing(bytemuck::cast_slice::<SphereRecord, u8>(&input.view.spheres)))),
+        (false, _) => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
     if let (true, Some(colors)) = (kernel.colors, input.colors) {
         all.push(("colors", bytemuck::cast_slice(colors)));
@@ -135,7 +128,7 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
         all.push(("rays", bytemuck::cast_slice(input.rays)));
     }
     if kernel.rays == Rays::Spread || kernel.is_wide() {
-        all.push(("lows", or_nothing(bytemuck::cast_slice::<SphereLow, u8>(&input.view.lows))));
+        all.push(("lows", bytemuck::cast_slice(&input.view.lows)));
     }
     all
 }

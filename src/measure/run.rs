@@ -371,7 +371,9 @@ impl Turns<'_> {
 
     /// One more frame, timed and forgotten. How long it took.
     fn again(&self, station: &mut Station, entry: &mut Entry, round: usize) -> Result<f64> {
-        let report = self.render(station, entry.contender, &AOVS)?.report;
+        let mut frame = self.render(station, entry.contender, &AOVS)?;
+        let report = std::mem::take(&mut frame.report);
+        station.renderer.recycle(frame);
         let add = |samples: &mut Vec<f64>, ms: f64| match samples.get_mut(round) {
             Some(sample) => *sample += ms,
             None => samples.push(ms),

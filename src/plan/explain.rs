@@ -11,6 +11,7 @@ use crate::gpu::device::{self, Found};
 use crate::gpu::dispatch::Input;
 use crate::gpu::traffic::{Reach, bands, list_size, lists, outputs, uploads};
 use crate::intersect::Method;
+use crate::memory::Pool;
 use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::shade::Shade;
@@ -143,7 +144,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     let view = View::for_kernel(scene, &kernel)?;
     let promise = settings.promise().relative();
     let stage = match plan.accuracy {
-        Accuracy::Certified => Stage::new(scene, &view, promise, &TERMS, plan.search.level())?,
+        Accuracy::Certified => Stage::new(scene, &view, promise, &TERMS, plan.search.level(), &Pool::default())?,
         _ => None,
     };
     let predicted = match plan.accuracy {
@@ -220,7 +221,9 @@ impl Work {
         if let Some(stage) = stage {
             // Band by band into the same buffers: all of it passes through.
             let mut of_lists: Vec<Binding> = Vec::new();
-            for (name, more) in bands.iter().flat_map(|band| lists(stage, band).uploads().map(|b| (b.0, b.1.len()))) {
+            for (name, more) in bands.iter().flat_map(|band| {
+                lists(stage, band).uploads().map(|b| (b.0, b.1.iter().map(|part| part.len()).sum::<usize>()))
+            }) {
                 match of_lists.iter_mut().find(|b| b.name == name) {
                     Some(b) => b.bytes += more as u64,
                     None => of_lists.push(Binding { name, bytes: more as u64 }),

@@ -81,7 +81,15 @@ impl Shot {
             site.scene.spheres.push(site.place((d * self.z * self.second).to_array()), self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
-        let stage = Stage::new(&site.scene, &view, 1e-5, terms, super::claims::coarse(&site.scene)).ok()??;
+        let stage = Stage::new(
+            &site.scene,
+            &view,
+            1e-5,
+            terms,
+            super::claims::coarse(&site.scene),
+            &crate::memory::Pool::default(),
+        )
+        .ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
         let unit = match stage.nears.first() {

@@ -7,6 +7,7 @@ use crate::certify::tiles::TILE;
 use crate::certify::{Certify, Terms};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact::{Judge, Truth};
+use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::scene::Scene;
 use crate::view::View;
@@ -44,7 +45,7 @@ impl Case {
     /// `None` where the stage leaves the scene to the judge.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let stage = Stage::new(&scene, &view, tolerance, terms, coarse(&scene)).expect("a stage")?;
+        let stage = Stage::new(&scene, &view, tolerance, terms, coarse(&scene), &Pool::default()).expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -57,7 +58,7 @@ impl Case {
 
     /// The stage for other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> Stage {
-        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene));
+        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene), &Pool::default());
         stage.expect("a stage").expect("a lens")
     }
 

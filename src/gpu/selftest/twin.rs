@@ -11,6 +11,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
+use crate::memory::Pool;
 use crate::plan::{Kernel, Rays, Sharing, Tolerance};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
@@ -56,12 +57,13 @@ impl Gpu {
 
     pub(super) fn compare_twins(&mut self) -> Result<Check> {
         let scene = scene();
+        let pool = Pool::default();
         let view = View::new(&scene)?;
-        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0)?;
+        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
-            let (mut device, mut host) = (Raw::new(&kernel, pixels)?, Raw::new(&kernel, pixels)?);
+            let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
             let input =
                 Input { view: &view, colors: None, rays: &[], stage: stage.as_ref().filter(|_| kernel.certify) };
             let mut output = Output { raw: &mut device, unsure: Vec::new(), stages: &mut Stages::default() };
