@@ -5,6 +5,7 @@
 //! their projected centre, the others by centre and power.
 
 pub(crate) mod front;
+mod lens;
 pub(crate) mod near;
 pub(crate) mod stage;
 #[cfg(test)]

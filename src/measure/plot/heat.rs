@@ -86,7 +86,7 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
             let y = top + (index / columns) as i32 * pitch;
             let most = run.errors.relative.max.map_or("unbounded".into(), rounded);
             text(area, &run.method, &bold(28), (x, y + 14))?;
-            let words = format!("{} wrong, error up to {most}", percent(run.errors.wrong_share()));
+            let words = format!("{} wrong, up to {most}", percent(run.errors.wrong_share()));
             text(area, &shortened(&words, (width / 13) as usize), &font(22).color(&QUIET), (x, y + 48))?;
             let at = (x, y + WORDS);
             frame(area, at, (width, height))?;
