@@ -158,11 +158,12 @@ impl<R: Real> Certify<'_, R> {
         Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
     }
 
-    /// The lower bounds of depth of the near spheres, and of a run of list entries; with their slots.
+    /// The lower bounds of depth of a run of list entries, with their slots.
     fn lows(&self, s: &Slopes<R>, entries: Range<usize>) -> impl Iterator<Item = (R, u32)> {
         entries.map(|n| (front_low(s, self.lens, &self.front(n)), n as u32))
     }
 
+    /// The same of the near spheres.
     pub(crate) fn near_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
         self.nears.iter().zip(0..).map(|(near, slot)| (near_low(s, near, self.terms), NEAR | slot))
     }

@@ -83,9 +83,9 @@ fn near(n: u32) -> Near {
     );
 }
 
-fn sill(entry: u32) -> f32 {
-    let tiles = ((view.width + 7u) / 8u) * ((view.rows + 7u) / 8u);
-    return bitcast<f32>(lists[2u * tiles + entry / CHUNK]);
+// Tiles in a row of the image.
+fn tile_columns() -> u32 {
+    return (view.width + TILE - 1u) / TILE;
 }
 
 // What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
@@ -104,6 +104,7 @@ struct Slopes {
     depth: f32,
     unit: f32,
     slack: f32,
+    sills: u32, // where they begin in lists
 }
 
 // A winner's answer. The depth is the centre's depth (0 for a near sphere) plus offset; it lies between low and high.
@@ -137,5 +138,6 @@ fn slopes(i: u32, j: u32) -> Slopes {
     let shift = lens.shift;
     return Slopes(
         x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, lens.depth, lens.unit, lens.slack,
+        2u * tile_columns() * ((view.rows + TILE - 1u) / TILE),
     );
 }

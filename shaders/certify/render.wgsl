@@ -20,8 +20,7 @@ fn render(tile: vec3<u32>, index: u32) {
     let row = tile.y * TILE + index / TILE;
     let column = tile.x * TILE + index % TILE;
     let s = slopes(view.first_row + row, column);
-    let columns = (view.width + TILE - 1u) / TILE;
-    let list = 2u * (tile.y * columns + tile.x);
+    let list = 2u * (tile.y * tile_columns() + tile.x);
     let k = candidates(s, vec2<u32>(lists[list], lists[list + 1u]));
     // Only now may invocations outside the image leave: they carried spheres for their subgroup.
     if (row >= view.rows || column >= view.width) {

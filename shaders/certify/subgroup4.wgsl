@@ -1,24 +1,13 @@
-// The spheres of a tile as candidates, nearest first, loaded once per subgroup and shared. A subgroup leaves the list
-// together: to those that could leave earlier, what follows makes no difference, since all of it lies behind the sill.
-fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
-    var k = Kept(MISS, MISS, NONE);
-    for (var slot = 0u; slot < lens.nears; slot++) {
-        k = keep(k, near_low(s, near(slot)), NEAR | slot);
-    }
-    for (var first = range.x; first < range.y; first += CHUNK) {
-        let least = sill(first);
-        let behind = is_behind(s, k, least);
-        k.second = select(k.second, min(k.second, least), behind);
-        if (subgroupAll(behind)) {
-            break;
-        }
-        k = share(s, k, first);
-        k = share(s, k, first + 4u);
-    }
-    return k;
+// Subgroups of 4: each invocation loads one candidate, and all share it.
+fn all_of_us(yes: bool) -> bool {
+    return subgroupAll(yes);
 }
 
-fn share(s: Slopes, start: Kept, first: u32) -> Kept {
+fn ask(s: Slopes, k: Kept, first: u32) -> Kept {
+    return ask_half(s, ask_half(s, k, first), first + 4u);
+}
+
+fn ask_half(s: Slopes, start: Kept, first: u32) -> Kept {
     let mine = front(first + lane);
     var k = start;
     k = keep(k, front_low(s, share0(mine)), first + 0u);

@@ -1,27 +1,19 @@
-// The spheres of a tile as candidates, nearest first, loaded once per subgroup and shared. A subgroup leaves the list
-// together: to those that could leave earlier, what follows makes no difference, since all of it lies behind the sill.
-fn candidates(s: Slopes, range: vec2<u32>) -> Kept {
-    var k = Kept(MISS, MISS, NONE);
-    for (var slot = 0u; slot < lens.nears; slot++) {
-        k = keep(k, near_low(s, near(slot)), NEAR | slot);
-    }
-    for (var first = range.x; first < range.y; first += CHUNK) {
-        let least = sill(first);
-        let behind = is_behind(s, k, least);
-        k.second = select(k.second, min(k.second, least), behind);
-        if (subgroupAll(behind)) {
-            break;
-        }
-        let mine = front(first + lane);
-        k = keep(k, front_low(s, share0(mine)), first + 0u);
-        k = keep(k, front_low(s, share1(mine)), first + 1u);
-        k = keep(k, front_low(s, share2(mine)), first + 2u);
-        k = keep(k, front_low(s, share3(mine)), first + 3u);
-        k = keep(k, front_low(s, share4(mine)), first + 4u);
-        k = keep(k, front_low(s, share5(mine)), first + 5u);
-        k = keep(k, front_low(s, share6(mine)), first + 6u);
-        k = keep(k, front_low(s, share7(mine)), first + 7u);
-    }
+// Subgroups of 8: each invocation loads one candidate, and all share it.
+fn all_of_us(yes: bool) -> bool {
+    return subgroupAll(yes);
+}
+
+fn ask(s: Slopes, start: Kept, first: u32) -> Kept {
+    let mine = front(first + lane);
+    var k = start;
+    k = keep(k, front_low(s, share0(mine)), first + 0u);
+    k = keep(k, front_low(s, share1(mine)), first + 1u);
+    k = keep(k, front_low(s, share2(mine)), first + 2u);
+    k = keep(k, front_low(s, share3(mine)), first + 3u);
+    k = keep(k, front_low(s, share4(mine)), first + 4u);
+    k = keep(k, front_low(s, share5(mine)), first + 5u);
+    k = keep(k, front_low(s, share6(mine)), first + 6u);
+    k = keep(k, front_low(s, share7(mine)), first + 7u);
     return k;
 }
 

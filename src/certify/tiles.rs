@@ -22,7 +22,7 @@ pub(crate) const TOGETHER: usize = 1 << 16;
 /// The level at which every image is one square of tiles.
 pub(crate) const WHOLE: u32 = 31;
 
-/// Entries that may be spent beyond eight for each sphere before tiles share their lists: 80 MiB.
+/// Entries that may be spent beyond eight for each sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;
 
 /// What fills a list up: far outside the image, with no radius.

@@ -109,7 +109,7 @@ impl Lanes {
         Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
     }
 
-    /// The twin of the search in certify/subgroup8.wgsl.
+    /// The twin of the search in certify/candidates.wgsl.
     #[inline(always)]
     fn kept(&self, certify: &Certify<'_, f32>) -> Kepts {
         let mut k = Kepts { low: [f32::MAX; LANES], second: [f32::MAX; LANES], slot: [NONE; LANES] };

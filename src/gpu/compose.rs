@@ -118,7 +118,8 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
         Sharing::Subgroup4 => [part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::Subgroup8 => [part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
     });
-    parts.extend([part!("certify/keep.wgsl"), part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
+    parts.extend([part!("certify/keep.wgsl"), part!("certify/candidates.wgsl")]);
+    parts.extend([part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
     parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
 }
 

@@ -65,9 +65,14 @@ pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Ba
 
 /// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
 fn rows_that_fit(stage: &Stage, first: u32, most: u32, binding: u64) -> u32 {
+    // The near spheres lie in the same buffer.
+    let room = binding.saturating_sub(size_of_val(&stage.nears[..]) as u64);
+    if size_of_val(&stage.lists.mores[..]) as u64 <= room {
+        return most;
+    }
     let bytes = |rows: u32| size_of_val(lists(stage, &Band { first, count: rows }).mores) as u64;
     let mut rows = most;
-    while rows > TILE && bytes(rows) > binding {
+    while rows > TILE && bytes(rows) > room {
         rows = (rows / 2).next_multiple_of(TILE);
     }
     rows
