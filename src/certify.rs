@@ -16,8 +16,8 @@ use crate::ray::NONE;
 use crate::real::Real;
 use crate::view::ViewRecord;
 use bytemuck::{Pod, Zeroable};
-use front::{Front, front_low};
-use near::{Near, near_low};
+use front::{Front, front_answer, front_low};
+use near::{Near, near_answer, near_low};
 use stage::Stage;
 use std::ops::Range;
 use tiles::Lists;
@@ -190,6 +190,15 @@ impl<R: Real> Certify<'_, R> {
         let depth = R::exact(self.lens.depth) + answer.low;
         let sharp = answer.high - answer.low < R::exact(self.lens.tolerance) * depth && depth > R::exact(VANISH);
         answer.sure && answer.high < second && sharp
+    }
+
+    /// What the sphere in a slot answers, with its bounds.
+    pub(crate) fn answer(&self, s: &Slopes<R>, slot: u32) -> Answer<R> {
+        let place = (slot & !NEAR) as usize;
+        if slot & NEAR != 0 {
+            return near_answer(s, &self.nears[place], self.terms);
+        }
+        front_answer(s, self.lens, &self.front(place), self.terms)
     }
 
     /// The id in a slot.

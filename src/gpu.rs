@@ -1,6 +1,5 @@
 //! The device side: which adapter, which shader text, and the dispatches of a frame.
 
-mod certified;
 mod clock;
 pub(crate) mod compose;
 pub(crate) mod device;

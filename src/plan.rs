@@ -7,6 +7,7 @@ mod search;
 pub use explain::{Binding, Explanation, LeftOut, Part, Shown, Staged, explain};
 pub use search::Search;
 
+use crate::certify::stage::Stage;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::device::AdapterSummary;
@@ -212,6 +213,8 @@ pub(crate) struct Kernel {
     pub(crate) normal: bool,
     /// With a certificate instead of `method`.
     pub(crate) certify: bool,
+    /// Some spheres are not wholly in front of the eye plane: only a stage tells.
+    pub(crate) nears: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
 }
@@ -224,6 +227,11 @@ impl Kernel {
             Sharing::Shuffle => !self.certify,
             Sharing::Subgroup4 | Sharing::Subgroup8 => true,
         }
+    }
+
+    /// The same, with what the staged scene requires.
+    pub(crate) fn for_stage(self, stage: Option<&Stage>) -> Self {
+        Self { nears: stage.is_some_and(|stage| !stage.nears.is_empty()), ..self }
     }
 
     /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
@@ -300,6 +308,7 @@ impl Plan {
             t: false,
             normal: false,
             certify: false,
+            nears: false,
             width: false,
         };
         let (method, accuracy) = (method.name(), Accuracy::Fast);

@@ -22,6 +22,9 @@ pub struct Hit<R> {
 /// id of a ray that hits nothing.
 pub const NONE: u32 = u32::MAX;
 
+/// id where a certified kernel could not prove its answer: the host decides.
+pub(crate) const UNSURE: u32 = u32::MAX - 1;
+
 impl<R: Real> Hit<R> {
     /// No hit.
     pub const NONE: Self = Self { t: R::MISS, id: NONE };

@@ -16,7 +16,7 @@ use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
 use crate::predict::Prediction;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
-use crate::settle::{self, Settled, Unsure};
+use crate::settle::{self, Settled};
 use crate::shade;
 use crate::view::View;
 use rayon::prelude::*;
@@ -295,18 +295,18 @@ impl Renderer {
     ) -> Result<Vec<Settled>> {
         let go_on = Arc::clone(&self.go_on);
         let settled = if stage.is_some() || plan.accuracy == Accuracy::Fast {
-            let unsure = self.trace_frame(plan, scene, view, stage, raw, stages)?;
+            self.trace_frame(plan, scene, view, stage, raw, stages)?;
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            stages.time("settle", || stage.map_or(Ok(Vec::new()), |stage| settle::settle(scene, view, stage, unsure)))
+            stages.time("settle", || stage.map_or(Ok(Vec::new()), |stage| settle::settle(scene, view, stage, &raw.id)))
         } else {
             stages.time("settle", || settle::exact(scene, &*go_on))
         };
         if go_on() { settled } else { Err(Error::Interrupted) }
     }
 
-    /// The kernel's answers into `raw`; what a certified kernel leaves open comes back.
+    /// The kernel's answers into `raw`.
     fn trace_frame(
         &mut self,
         plan: &Plan,
@@ -315,24 +315,20 @@ impl Renderer {
         stage: Option<&Stage>,
         raw: &mut Raw,
         stages: &mut Stages,
-    ) -> Result<Vec<Unsure>> {
+    ) -> Result<()> {
         let colors = scene.spheres.colors.as_deref();
         match &mut self.place {
             Place::Gpu(gpu) => {
-                let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel };
+                let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(stage);
                 let input = Input { view, colors, rays: &[], stage };
-                let mut output = Output { raw, unsure: Vec::new(), stages };
-                gpu.run(&kernel, &input, &mut output, &*self.go_on)?;
-                Ok(output.unsure)
+                gpu.run(&kernel, &input, &mut Output { raw, stages }, &*self.go_on)?;
             }
-            Place::Cpu => Ok(stages.time("trace", || match stage {
-                None => {
-                    cpu::render(&plan.kernel, view, colors, raw, &*self.go_on);
-                    Vec::new()
-                }
+            Place::Cpu => stages.time("trace", || match stage {
+                None => cpu::render(&plan.kernel, view, colors, raw, &*self.go_on),
                 Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &*self.go_on),
-            })),
+            }),
         }
+        Ok(())
     }
 }
 

@@ -1,9 +1,10 @@
 //! Settle: what f32 could not prove is decided again, in double-double with proven bounds and then exactly.
 
-use crate::certify::Certify;
 use crate::certify::stage::Stage;
+use crate::certify::{Certify, VANISH};
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
+use crate::ray::UNSURE;
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
 use rayon::prelude::*;
@@ -17,28 +18,24 @@ pub(crate) struct Settled {
     pub(crate) truth: Option<Truth>,
 }
 
-/// A pixel that the kernel could not prove.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(crate) struct Unsure {
-    /// Row times width plus column.
-    pub(crate) pixel: u32,
-    /// The depth, in the frame's unit and as the kernel counts it, that the nearest hit surely does not exceed.
-    pub(crate) limit: f32,
-}
-
-/// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth; the order
-/// of atomics leaves no trace.
-pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, mut unsure: Vec<Unsure>) -> Result<Vec<Settled>> {
+/// Decides every pixel of `ids` that is [`UNSURE`], among the spheres that may be its nearest hit by their lower bounds of
+/// depth. The twin asks anew: its bounds hold as the kernel's do, however either rounds.
+pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, ids: &[u32]) -> Result<Vec<Settled>> {
+    let unsure: Vec<u32> = ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect();
     if unsure.is_empty() {
         return Ok(Vec::new());
     }
-    unsure.par_sort_unstable_by_key(|u| u.pixel);
     let width = scene.image.width;
     let twin = Certify::<f32>::new(&view.record, stage);
-    let candidates = |u: &Unsure| {
-        let slopes = twin.slopes(u.pixel / width, u.pixel % width);
-        let near = twin.candidates(&slopes).filter(|(low, _)| *low <= u.limit);
-        let mut ids: Vec<u32> = near.map(|(_, slot)| twin.id(slot)).collect();
+    let candidates = |pixel: &u32| {
+        let slopes = twin.slopes(pixel / width, pixel % width);
+        let mut all: Vec<_> = twin.candidates(&slopes).collect();
+        // The depth that the nearest hit surely does not exceed.
+        let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
+        let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
+        all.retain(|(low, _)| *low <= limit);
+        let mut ids: Vec<u32> = all.into_iter().map(|(_, slot)| twin.id(slot)).collect();
         ids.sort_unstable();
         ids
     };
@@ -54,10 +51,10 @@ pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, mut unsure: Vec<
     let few = Scene { camera: scene.camera, image: scene.image, spheres, skipped: Default::default() };
     let judge = Judge::new(&few)?;
     let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
-    let decide = |(u, own): (&Unsure, &Vec<u32>)| {
+    let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
         let candidates: Vec<u32> = own.iter().map(local).collect();
-        let truth = judge.among(u.pixel / width, u.pixel % width, &candidates);
-        Settled { pixel: u.pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
+        let truth = judge.among(pixel / width, pixel % width, &candidates);
+        Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
     };
     Ok(unsure.par_iter().zip(&lists).map(decide).collect())
 }

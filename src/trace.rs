@@ -94,7 +94,7 @@ impl Renderer {
                 Place::Gpu(gpu) => {
                     gpu.admit(kernel.method)?;
                     let input = Input { view: &view, colors: None, rays: &records, stage: None };
-                    let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };
+                    let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
                     gpu.run(&kernel, &input, &mut output, &|| true)?;
                 }
                 Place::Cpu => {

@@ -1,15 +1,11 @@
 // The winner alone is judged: by its own bounds, and against the second smallest lower bound.
 
-// Loops that run once at most: software adapters run both sides of a branch, but pass over a loop that nobody enters.
 fn judge(s: Slopes, k: Kept) -> Answer {
     var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
-    for (var once = (k.slot & NEAR) == 0u; once; once = false) {
+    if ((k.slot & NEAR) == 0u) {
         answer = front_answer(s, front(k.slot), front_more(k.slot));
     }
-    for (var once = (k.slot & NEAR) != 0u && k.slot != NONE; once; once = false) {
-        answer = near_answer(s, near(k.slot & ~NEAR));
-    }
-    return answer;
+    return judge_near(s, k, answer);
 }
 
 // Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth that may

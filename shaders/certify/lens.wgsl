@@ -35,21 +35,6 @@ struct FrontMore {
     id: u32,
 }
 
-// Any other sphere: around the eye, beside it, close and large. Both p.d and the rest of the record are times 2^-k.
-struct Near {
-    ball: vec4<f32>, // centre minus eye and radius
-    power: f32,      // of the eye, 2^-2k; its sign is exact
-    scale: f32,      // depth of this record times scale is depth in the frame's unit
-    form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
-    id: u32,
-    column: i32,     // a pixel where p.d is nearly zero, and how p.d goes from there
-    row: i32,
-    start: f32,
-    by_column: f32,
-    by_row: f32,
-    blur: f32,       // what the host's rounding leaves in it
-}
-
 // Few buffers, since adapters bind as few as ten; of vectors, since software adapters load a vector at once, a struct
 // number by number.
 @group(0) @binding(9) var<uniform> lens: Lens;
@@ -70,17 +55,6 @@ fn front(n: u32) -> Front {
 fn front_more(n: u32) -> FrontMore {
     let v = others[4u * lens.nears + n];
     return FrontMore(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
-}
-
-fn near(n: u32) -> Near {
-    let a = bitcast<vec4<f32>>(others[4u * n]);
-    let b = others[4u * n + 1u];
-    let c = others[4u * n + 2u];
-    let d = others[4u * n + 3u];
-    return Near(
-        a, bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
-        bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
-    );
 }
 
 // Tiles in a row of the image.

@@ -1,4 +1,30 @@
-// Any other sphere, with a bound for each ray.
+// Spheres that are not wholly in front, with a bound for each ray.
+
+// Any other sphere: around the eye, beside it, close and large. Both p.d and the rest of the record are times 2^-k.
+struct Near {
+    ball: vec4<f32>, // centre minus eye and radius
+    power: f32,      // of the eye, 2^-2k; its sign is exact
+    scale: f32,      // depth of this record times scale is depth in the frame's unit
+    form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
+    id: u32,
+    column: i32,     // a pixel where p.d is nearly zero, and how p.d goes from there
+    row: i32,
+    start: f32,
+    by_column: f32,
+    by_row: f32,
+    blur: f32,       // what the host's rounding leaves in it
+}
+
+fn near(n: u32) -> Near {
+    let a = bitcast<vec4<f32>>(others[4u * n]);
+    let b = others[4u * n + 1u];
+    let c = others[4u * n + 2u];
+    let d = others[4u * n + 3u];
+    return Near(
+        a, bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
+        bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
+    );
+}
 
 // b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
 struct Weighed {
@@ -107,4 +133,22 @@ fn near_answer(s: Slopes, n: Near) -> Answer {
     // What is smaller may have been flushed, on one side and not on the other.
     hits = hits && low > VANISH;
     return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, normal);
+}
+
+// The near spheres are asked by every ray.
+fn keep_nears(s: Slopes, start: Kept) -> Kept {
+    var k = start;
+    let nears = lens.nears;
+    for (var slot = 0u; slot < nears; slot++) {
+        k = keep(k, near_low(s, near(slot)), NEAR | slot);
+    }
+    return k;
+}
+
+// The winner's answer, if it is a near sphere; else the one given.
+fn judge_near(s: Slopes, k: Kept, other: Answer) -> Answer {
+    if ((k.slot & NEAR) != 0u && k.slot != NONE) {
+        return near_answer(s, near(k.slot & ~NEAR));
+    }
+    return other;
 }

@@ -1,13 +1,7 @@
 // The data's way, once per pixel, with a certificate: slopes, candidates, the winner's judgement, colour, frame.
 const TILE: u32 = 8u; // pixels along a side of a workgroup's tile
 
-// Pixels whose answer f32 cannot prove, and the depth that the nearest hit surely does not exceed.
-struct Unsure {
-    count: atomic<u32>,
-    entries: array<vec2<u32>>,
-}
-
-@group(0) @binding(13) var<storage, read_write> unsure: Unsure;
+const UNSURE: u32 = 0xfffffffeu; // the id where f32 cannot prove the answer: the host decides
 
 var<private> certified_normal: vec3<f32>;
 
@@ -30,13 +24,9 @@ fn render(tile: vec3<u32>, index: u32) {
     let answer = judge(s, k);
     let hit = Hit(answer.offset, answer.id);
     certified_normal = answer.normal;
-    for (var once = k.slot != NONE && !certain(answer, k); once; once = false) {
-        let place = atomicAdd(&unsure.count, 1u);
-        let limit = select(MISS, answer.high + VANISH, answer.hits);
-        unsure.entries[place] = vec2<u32>((view.first_row + row) * view.width + column, bitcast<u32>(limit));
-    }
     let ray = Ray(vec3<f32>(s.x, s.y, -1.0));
-    write_id(pixel, hit);
+    let proved = k.slot == NONE || certain(answer, k);
+    write_id(pixel, Hit(answer.offset, select(UNSURE, answer.id, proved)));
     write_t(pixel, hit);
     write_width(pixel, answer.high - answer.low);
     write_normal(pixel, ray, hit);

@@ -5,11 +5,10 @@ use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, f
 use crate::certify::near::near_answer;
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
-use crate::certify::{Answer, Certify, NEAR, Slopes, VANISH};
+use crate::certify::{Answer, Certify, NEAR, Slopes};
 use crate::frame::raw::Raw;
 use crate::plan::Kernel;
-use crate::ray::{NONE, Ray};
-use crate::settle::Unsure;
+use crate::ray::{NONE, Ray, UNSURE};
 use crate::shade::Surface;
 use crate::view::View;
 use pulp::NullaryFnOnce;
@@ -18,7 +17,7 @@ use rayon::prelude::*;
 /// Pixels that are answered together: a row of a tile.
 const LANES: usize = crate::certify::tiles::TILE as usize;
 
-/// Fills `raw` with certified answers; what cannot be proved comes back. `go_on` is asked before every row.
+/// Fills `raw` with certified answers, ids with [`UNSURE`] where there is no proof. `go_on` is asked before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -26,7 +25,7 @@ pub(crate) fn certified(
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
-) -> Vec<Unsure> {
+) {
     let certify = Certify::new(&view.record, stage);
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let width = view.record.width as usize;
@@ -49,15 +48,13 @@ pub(crate) fn certified(
     let arch = pulp::Arch::new();
     let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
     let answer = |(i, mut row): (usize, Row<'_>)| {
-        let mut unsure = Vec::new();
         for first in (0..width).step_by(LANES) {
             let place = [i as u32, first as u32];
             let (kept, answers) = arch.dispatch(Strip { certify: &certify, place });
-            row.write(place, kernel, &certify, &surface, &kept, &answers, &mut unsure);
+            row.write(place, kernel, &certify, &surface, &kept, &answers);
         }
-        unsure
     };
-    rows.flat_map_iter(answer).collect()
+    rows.for_each(answer);
 }
 
 /// Eight pixels of a row, from row and column `place` on. Those past the image's edge are answered and left alone.
@@ -220,8 +217,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// What certify/render.wgsl writes; the unsure pixels go to `unsure`.
-    #[expect(clippy::too_many_arguments, reason = "a strip's answers, and all that a pixel is made of")]
+    /// What certify/render.wgsl writes.
     fn write(
         &mut self,
         [i, first]: [u32; 2],
@@ -230,18 +226,14 @@ impl Row<'_> {
         surface: &Surface<'_, f32>,
         kept: &Kepts,
         answers: &[Answer<f32>; LANES],
-        unsure: &mut Vec<Unsure>,
     ) {
         let [red, green, blue, _] = certify.view.background;
         let there = LANES.min(self.id.len() - first as usize);
         for (l, answer) in answers[..there].iter().enumerate() {
             let j = first as usize + l;
             let hit = kept.slot[l] != NONE;
-            if hit && !certify.certain(answer, kept.second[l]) {
-                let limit = if answer.hits { answer.high + VANISH } else { f32::MAX };
-                unsure.push(Unsure { pixel: i * certify.view.width + j as u32, limit });
-            }
-            self.id[j] = answer.id;
+            let proved = !hit || certify.certain(answer, kept.second[l]);
+            self.id[j] = if proved { answer.id } else { UNSURE };
             if let Some(t) = self.t.get_mut(j) {
                 *t = answer.offset;
             }

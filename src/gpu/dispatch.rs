@@ -12,7 +12,6 @@ use crate::gpu::selftest::Verdict;
 use crate::gpu::traffic::{Band, Reach, bands, lists, outputs, uploads};
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
-use crate::settle::Unsure;
 use crate::view::{SphereRecord, View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -50,8 +49,6 @@ pub(crate) struct Input<'a> {
 /// What a run leaves behind.
 pub(crate) struct Output<'a> {
     pub(crate) raw: &'a mut Raw,
-    /// What a certified kernel could not prove.
-    pub(crate) unsure: Vec<Unsure>,
     pub(crate) stages: &'a mut Stages,
 }
 
@@ -116,7 +113,7 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn() -> bool,
     ) -> Result<()> {
-        let Output { raw, unsure, stages } = output;
+        let Output { raw, stages } = output;
         let record = input.view.record;
         self.check_limits(kernel, &record)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
@@ -131,7 +128,7 @@ impl Gpu {
                 })?;
             }
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
-            stages.time("readback", || self.read_back(kernel, &record, &band, raw, unsure))?;
+            stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
         }
         Ok(())
     }
@@ -214,9 +211,6 @@ impl Gpu {
             self.reserve(output.name, bytes, usage);
             self.reserve(output.staging, bytes, READING);
         }
-        if kernel.certify {
-            self.reserve_unsure(pixels);
-        }
         self.submit(kernel, pixels, groups)
     }
 
@@ -234,9 +228,6 @@ impl Gpu {
             entries: &entries,
         });
         let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        if kernel.certify {
-            encoder.clear_buffer(&self.buffers["unsure"], 0, Some(8));
-        }
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: None,
@@ -249,10 +240,6 @@ impl Gpu {
         for output in outputs(kernel) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
-        }
-        if kernel.certify {
-            let (from, to) = (&self.buffers["unsure"], &self.buffers["read unsure"]);
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, Self::unsure_bytes(pixels));
         }
         if let Some(clock) = &self.clock {
             clock.resolve(&mut encoder);
@@ -268,30 +255,14 @@ impl Gpu {
         Ok(())
     }
 
-    fn read_back(
-        &mut self,
-        kernel: &Kernel,
-        record: &ViewRecord,
-        band: &Band,
-        raw: &mut Raw,
-        unsure: &mut Vec<Unsure>,
-    ) -> Result<()> {
+    fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
         let row = if kernel.rays == Rays::Camera { record.width as usize } else { 1 };
         let (first, pixels) = (band.first as usize * row, band.count as usize * row);
         let read: Vec<_> = outputs(kernel).collect();
         for output in &read {
             self.buffers[output.staging].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
         }
-        let listed = Self::unsure_bytes(pixels as u64);
-        if kernel.certify {
-            self.buffers["read unsure"].map_async(wgpu::MapMode::Read, 0..listed, |_| {});
-        }
         self.wait()?;
-        if kernel.certify {
-            let list = mapped(&self.buffers["read unsure"], listed)?.to_vec();
-            self.buffers["read unsure"].unmap();
-            unsure.extend(self.unsure(&list)?);
-        }
         for output in &read {
             let staging = &self.buffers[output.staging];
             {
@@ -301,20 +272,6 @@ impl Gpu {
             staging.unmap();
         }
         Ok(())
-    }
-
-    /// The first bytes of a buffer.
-    pub(super) fn read(&mut self, name: &'static str, size: u64) -> Result<Vec<u8>> {
-        self.reserve("read list", size, READING);
-        let staging = &self.buffers["read list"];
-        let mut encoder = self.open.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.buffers[name], 0, staging, 0, size);
-        self.open.queue.submit([encoder.finish()]);
-        staging.map_async(wgpu::MapMode::Read, 0..size, |_| {});
-        self.wait()?;
-        let bytes = mapped(staging, size)?.to_vec();
-        staging.unmap();
-        Ok(bytes)
     }
 
     pub(super) fn wait(&self) -> Result<()> {
@@ -427,9 +384,10 @@ mod tests {
                 t: true,
                 normal: true,
                 certify: false,
+                nears: false,
                 width: false,
             };
-            let certified = Kernel { certify: true, width: true, ..kernel };
+            let certified = Kernel { certify: true, nears: true, width: true, ..kernel };
             let mut raws = Vec::new();
             // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
             let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
@@ -438,19 +396,17 @@ mod tests {
                 let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
                 let stage = Some(&stage);
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
-                let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };
+                let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
                 gpu.run(&kernel, &input, &mut output, &|| true).expect("a frame");
-                let mut unsure = output.unsure;
-                unsure.sort_unstable_by_key(|u| u.pixel);
-                raws.push((raw, unsure));
+                raws.push(raw);
             }
             answers.push((sharing, raws));
         }
         assert!(
-            answers[0].1.iter().all(|(raw, _)| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000),
+            answers[0].1.iter().all(|raw| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000),
             "the scene shows something"
         );
-        assert!(!answers[0].1[1].1.is_empty(), "something is left to settle");
+        assert!(answers[0].1[1].id.contains(&crate::ray::UNSURE), "something is left to settle");
         for (sharing, raws) in &answers[1..] {
             assert!(raws == &answers[0].1, "{sharing:?} differs");
         }

@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 16] = [
+pub(crate) const BUFFERS: [&str; 15] = [
     "view",
     "spheres",
     "colors",
@@ -30,7 +30,6 @@ pub(crate) const BUFFERS: [&str; 16] = [
     "fronts",
     "others",
     "lists",
-    "unsure",
     "frame_width",
     "frame_t_low",
 ];
@@ -93,8 +92,9 @@ mod tests {
         let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
         let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
         let mut kernels = Vec::new();
-        let plain = Method::ALL.iter().map(|&method| (method, false));
-        for (method, certify) in plain.chain([(Method::Stable, true)]) {
+        let plain = Method::ALL.iter().map(|&method| (method, false, false));
+        let certified = both.map(|nears| (Method::Stable, true, nears));
+        for (method, certify, nears) in plain.chain(certified) {
             for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
@@ -108,6 +108,7 @@ mod tests {
                             t,
                             normal,
                             certify,
+                            nears,
                             width: t && certify,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify || k.rays == Rays::Camera));
@@ -127,7 +128,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 8) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -148,7 +149,6 @@ mod tests {
                 (certify, "fronts"),
                 (certify, "others"),
                 (certify, "lists"),
-                (certify, "unsure"),
                 (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
@@ -195,9 +195,10 @@ mod tests {
             t: true,
             normal: true,
             certify: false,
+            nears: false,
             width: false,
         };
-        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, ..any });
+        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -211,13 +212,13 @@ mod tests {
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
+        assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low);
         same!(module "Sphere", SphereRecord, ball power scale);
         same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
-        let tile = constant(&module, "NONE");
-        assert_eq!(tile, f64::from(NONE));
+        assert_eq!(constant(&module, "NONE"), f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
         assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));
     }

@@ -1,6 +1,5 @@
 //! What goes to the device, what it writes, and in how many pieces: told by `halfline plan`, done by dispatch.rs.
 
-use super::certified::{ENTRY, LIST_HEAD};
 use super::dispatch::{GROUP, Input};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
@@ -158,9 +157,4 @@ pub(crate) fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
     .into_iter()
     .filter(|(written, ..)| *written)
     .map(|(_, name, staging, bytes)| Written { name, staging, bytes })
-}
-
-/// Bytes of a list with room for so many entries of two u32.
-pub(crate) fn list_size(entries: u64) -> u64 {
-    LIST_HEAD + ENTRY * entries
 }

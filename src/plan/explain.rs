@@ -9,7 +9,7 @@ use crate::frame::Aov;
 use crate::gpu::compose::compose;
 use crate::gpu::device::{self, Found};
 use crate::gpu::dispatch::Input;
-use crate::gpu::traffic::{Reach, bands, list_size, lists, outputs, uploads};
+use crate::gpu::traffic::{Reach, bands, lists, outputs, uploads};
 use crate::intersect::Method;
 use crate::memory::Pool;
 use crate::predict::Prediction;
@@ -153,7 +153,9 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     };
     let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
     let on_device = found.as_ref().filter(|_| traced);
-    let work = on_device.map(|found| Work::of(&kernel, scene, &view, stage.as_ref(), found)).unwrap_or_default();
+    let work = on_device
+        .map(|found| Work::of(&kernel.for_stage(stage.as_ref()), scene, &view, stage.as_ref(), found))
+        .unwrap_or_default();
     let size = [view.record.width, view.record.height];
     Ok(Explanation {
         schema: "halfline-plan",
@@ -212,11 +214,7 @@ impl Work {
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
-        let mut written: Vec<_> =
-            outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
-        if kernel.certify {
-            written.push(Binding { name: "unsure", bytes: list_size(pixels) });
-        }
+        let written = outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
         let bands = bands(kernel, &input, &Reach::from(&found.adapter.limits()));
         if let Some(stage) = stage {
             // Band by band into the same buffers: all of it passes through.

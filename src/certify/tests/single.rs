@@ -1,9 +1,7 @@
 //! One ray at a time, in any arithmetic: what the adversary looks at. src/cpu/certified.rs holds its strips against it.
 
-use crate::certify::front::front_answer;
-use crate::certify::near::near_answer;
 use crate::certify::tiles::CHUNK;
-use crate::certify::{Answer, Certify, NEAR, Slopes};
+use crate::certify::{Answer, Certify, Slopes};
 use crate::ray::NONE;
 use crate::real::Real;
 
@@ -44,10 +42,6 @@ impl<R: Real> Certify<'_, R> {
 
     /// The winner alone is judged, by its own bounds.
     pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
-        let slot = (k.slot & !NEAR) as usize;
-        if k.slot & NEAR != 0 {
-            return near_answer(s, &self.nears[slot], self.terms);
-        }
-        front_answer(s, self.lens, &self.front(slot), self.terms)
+        self.answer(s, k.slot)
     }
 }

@@ -15,7 +15,6 @@ use crate::memory::Pool;
 use crate::plan::{Kernel, Rays, Sharing, Tolerance};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
-use crate::settle::Unsure;
 use crate::view::View;
 
 /// The check's name.
@@ -50,6 +49,7 @@ impl Gpu {
             t: true,
             normal: true,
             certify,
+            nears: certify,
             width: certify,
         };
         vec![kernel(false), kernel(true)]
@@ -66,26 +66,19 @@ impl Gpu {
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
             let input =
                 Input { view: &view, colors: None, rays: &[], stage: stage.as_ref().filter(|_| kernel.certify) };
-            let mut output = Output { raw: &mut device, unsure: Vec::new(), stages: &mut Stages::default() };
-            let left = match (kernel.certify, &stage) {
+            let mut output = Output { raw: &mut device, stages: &mut Stages::default() };
+            match (kernel.certify, &stage) {
                 // This scene has a stage; without one there is nothing to compare.
                 (true, None) => continue,
                 (true, Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
-                (false, _) => {
-                    cpu::render(&kernel, &view, None, &mut host, &|| true);
-                    Vec::new()
-                }
-            };
+                (false, _) => cpu::render(&kernel, &view, None, &mut host, &|| true),
+            }
             self.run(&kernel, &input, &mut output, &|| true)?;
-            let unsure = output.unsure;
-            let bits = |raw: &Raw, mut unsure: Vec<Unsure>| -> Vec<u32> {
-                // Where invocations meet, the order is theirs.
-                unsure.sort_unstable_by_key(|u| u.pixel);
-                let unsure = unsure.iter().flat_map(|u| [u.pixel, u.limit.to_bits()]);
+            let bits = |raw: &Raw| -> Vec<u32> {
                 let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
-                raw.id.iter().copied().chain(numbers).chain(unsure).collect()
+                raw.id.iter().copied().chain(numbers).collect()
             };
-            let (device, host) = (bits(&device, unsure), bits(&host, left));
+            let (device, host) = (bits(&device), bits(&host));
             values += host.len() as f64;
             different += device.iter().zip(&host).filter(|(a, b)| a != b).count() as f64;
             different += device.len().abs_diff(host.len()) as f64;
