@@ -1,9 +1,10 @@
-//! The host's part of the certificate, sphere by sphere: into the camera in f64, projected centre or power, the bounds of what
-//! f32 and the host's own rounding can do to it, and the tiles that its rays lie in. docs/certificate.md derives it all.
+//! The host's part of the certificate: the camera in f64 and the constants of its bounds. project.rs has the spheres in
+//! front, this file the others, cover.rs what hides what. docs/certificate.md derives it all.
 
-use super::front::{FrontMoreRecord, FrontRecord};
+pub(super) mod cover;
+pub(super) mod project;
+
 use super::near::NearRecord;
-use super::tiles::{Bin, Placed, TILE};
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
@@ -11,6 +12,7 @@ use crate::error::Result;
 use crate::exact;
 use crate::view::View;
 use glam::DVec3;
+use project::Landed;
 
 /// The unit roundoff of WGSL: 2^-23, since it may round either way.
 const U: f64 = 1.0 / (1u64 << 23) as f64;
@@ -46,11 +48,14 @@ const LONG: f64 = 1.0 / (1u64 << 27) as f64;
 const LONGEST: f64 = (1 << 13) as f64;
 /// 1.5 * 2^52: a sum with it is rounded to a whole number, which is in its last bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
+/// What f32 rounds subnormals by, and more.
+const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// What a sphere's place in the image is widened by, in pixels and relative to its radius: far more than the host's f64
 /// is off by (2^-27 pixels, 2^-43), far less than makes a list longer.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
 /// c - e in world space and in the camera: right, up, forward; in f64.
+#[inline(always)]
 pub(super) fn moved(basis: &Basis, center: [f64; 3]) -> (DVec3, [f64; 3]) {
     let p = DVec3::from_array(center) - basis.e;
     (p, [p.dot(basis.u), p.dot(basis.v), -p.dot(basis.w)])
@@ -60,23 +65,8 @@ pub(super) fn moved(basis: &Basis, center: [f64; 3]) -> (DVec3, [f64; 3]) {
 pub(super) enum Staged {
     /// Behind the eye plane, wholly outside the image or between its pixels: no viewing ray meets it.
     Unseen,
-    Front(Projected),
+    Front(Landed),
     Near(NearRecord),
-}
-
-/// A front sphere: depth of its centre in the frame's unit and its host error, projected centre, projected radius.
-pub(super) struct Projected {
-    pub(super) depth: f64,
-    depth_error: f64,
-    fixed: [i32; 2],
-    rest: [f32; 2],
-    rho: f64,
-    /// Root of twice the bound of its discriminant's error.
-    blurred: f64,
-    /// Largest slopes of the rays that may meet it.
-    steepest: [f64; 2],
-    /// First and last column and row of the tiles in which they are.
-    tiles: [[u32; 2]; 2],
 }
 
 /// How steep some rays may be: bounds of |(x, y)|, |d| and |d|^2.
@@ -118,7 +108,8 @@ pub(super) struct Lens {
     fine: f64,
     /// Bound of the discriminant's error by powers of rho.
     errors: [f64; 3],
-    terms: Terms,
+    /// The roundings of a candidate's depth: of the total, the slope along the offset, the root and the centre.
+    roundings: [f64; 4],
     /// Exponent of the frame's unit.
     frame: i32,
 }
@@ -150,6 +141,7 @@ impl Lens {
             INFLATE * (U * offset * 2.0 * a1 * a2 + 2.0 * m * a1) * coarse,
             INFLATE * U * (ball + offset * a1 * a1),
         ];
+        let [whole, each, along, of_root, of_center] = terms.depth.map(f64::from);
         Ok(Self {
             basis: view.basis,
             axes: [right, up, back.map(|x| -x)],
@@ -170,7 +162,7 @@ impl Lens {
             coarse,
             fine,
             errors,
-            terms: *terms,
+            roundings: [whole + each * (m - 1.0), along, of_root, of_center],
             frame: view.unit,
         })
     }
@@ -198,139 +190,20 @@ impl Lens {
         }
     }
 
-    pub(super) fn place(&self, id: u32, p: &Projected, reference: f32) -> (Placed, Bin) {
-        let center = p.depth - f64::from(reference);
-        let low = not_above(center - self.depth_error(p, center));
-        // The kernel's lower bound is low minus total times size: at most these, and what rounds.
-        let size = (f64::from(low) + f64::from(reference)) * self.unit;
-        // Bounds of its own rays, without roots: |(x, y)| <= |x| + |y|, sqrt(1 + x) <= 1 + x / 2.
-        let [x, y] = p.steepest;
-        let square = (x * x + y * y).min(self.widest - 1.0);
-        let rays = Steepness { slant: (x + y).min(self.all.slant), length: 1.0 + 0.5 * square, square: 1.0 + square };
-        let most = INFLATE * self.total(p.rho, p.blurred, &rays)[0] * size;
-        let sill = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
-        let bin = Bin { sill: not_above(sill), tiles: p.tiles };
-        let placed = Placed {
-            front: FrontRecord { x: p.fixed[0], y: p.fixed[1], rho: p.rho as f32, low },
-            more: FrontMoreRecord { rest: p.rest, center: center as f32, id },
-        };
-        (placed, bin)
-    }
-
-    /// Beyond this offset from the projected centre a miss is certain for `rays`, whatever rounds.
-    fn reach(&self, rho: f64, rays: &Steepness) -> f64 {
-        std::f64::consts::SQRT_2 * rays.length * rho + 16.0 * rays.square * self.coarse
-    }
-
-    /// |slope along the offset| + root of a candidate, at most; and the root alone.
-    fn total(&self, rho: f64, blurred: f64, rays: &Steepness) -> [f64; 2] {
-        let root = rays.length * rho + blurred;
-        [rays.slant * self.reach(rho, rays) + root, root]
-    }
-
-    /// Bound of all errors of a candidate's depth, frame's unit.
-    fn depth_error(&self, p: &Projected, center: f64) -> f64 {
-        let [total, root] = self.total(p.rho, p.blurred, &self.all);
-        let slant = self.all.slant;
-        let [whole, each, along, of_root, of_center] = self.terms.depth.map(f64::from);
-        let roundings = (whole + each * (self.widest - 1.0)) * total
-            + along * slant * self.reach(p.rho, &self.all)
-            + of_root * root;
-        let size = p.depth * self.unit;
-        let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + p.depth_error;
-        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
-        INFLATE * error / (1.0 - total * self.unit)
-    }
-
-    pub(super) fn stage(&self, id: u32, center: [f64; 3], radius: f64) -> Staged {
-        let (away, p) = moved(&self.basis, center);
-        let error = ROTATED * (away.x.abs() + away.y.abs() + away.z.abs());
-        let [x, y, z] = p;
-        if z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0 {
-            return Staged::Unseen;
-        }
-        let length2 = x * x + y * y + z * z;
-        let front = z > 1.001 * radius && length2 > 4.0 * radius * radius && length2 < 4096.0 * z * z;
-        if front
-            && self.widest <= WIDEST
-            && let Some(staged) = self.project(center, p, error, radius)
-        {
-            return staged;
-        }
-        Staged::Near(self.near(id, p, center, radius))
-    }
-
-    /// The projected centre; `None` where a number leaves the range of the bounds.
-    fn project(&self, center: [f64; 3], [x, y, z]: [f64; 3], error: f64, radius: f64) -> Option<Staged> {
-        let inverse = 1.0 / z;
-        let rho = radius * inverse * self.per_unit;
-        let depth = z * self.to_frame;
-        let small = |x: f64| (RANGE[0]..RANGE[1]).contains(&x);
-        // The discriminant's bound, as a root.
-        let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
-        if !small(rho) || !small(depth * self.unit) || self.total(rho, blurred, &self.all)[0] * self.unit > STEEPEST {
-            return None;
-        }
-        // Pixels of error that the f64 rotation leaves in the projected centre.
-        let far = error * inverse;
-        let blur = |q: f64, k: usize| (far * (1.0 + q.abs()) + 4.0 * U64 * q.abs()) * self.per_slope[k];
-        let q = [x * inverse, y * inverse];
-        // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down. 2^-29 pixels are lost here, 2^22 from the
-        // image at most.
-        let mut place = [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]);
-        let mut low = [0.0; 2];
-        if blur(q[0], 0).max(blur(q[1], 1)) > LONG {
-            // A long lens: once more in double-double, which leaves less than 2^-40 of it.
-            let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
-            let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
-            let q = [x / z, y / z];
-            if blur(q[0].hi, 0).max(blur(q[1].hi, 1)) > LONGEST {
-                return None;
+    /// What a sphere is to the viewing rays, whatever it is; depths are kept relative to `reference`.
+    pub(super) fn stage(&self, id: u32, center: [f64; 3], radius: f64, reference: f64) -> Staged {
+        match self.project(center, radius, reference) {
+            Ok(None) => Staged::Unseen,
+            Ok(Some(mut landed)) => {
+                landed.placed.more.id = id;
+                Staged::Front(landed)
             }
-            for k in 0..2 {
-                let at = q[k] / self.slope[k].into() * SIGNS[k].into() + (self.size[k] - 1.0).into();
-                (place[k], low[k]) = (0.5 * at.hi, 0.5 * at.lo);
-            }
+            Err(()) => Staged::Near(self.near(id, center, radius)),
         }
-        let reach = self.reach(rho, &self.all);
-        // Slopes of the rays that may meet it: those of its centre, and as far beyond as it reaches.
-        let steepest = [0, 1].map(|k| (q[k].abs() + reach * self.unit).min(self.edge[k]));
-        let mut p = Projected {
-            depth,
-            depth_error: error * self.to_frame + U64 * depth,
-            fixed: [0; 2],
-            rest: [0.0; 2],
-            rho,
-            blurred,
-            steepest,
-            tiles: [[0; 2]; 2],
-        };
-        let mut seen = true;
-        for k in 0..2 {
-            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2; and
-            // sqrt(1 + x) <= 1 + x / 2.
-            let half = rho * (1.0 + 0.5 * steepest[k] * steepest[k]) * self.per_step[k] + WIDEN[0];
-            let (from, to) = (place[k] - half, place[k] + half);
-            seen &= to >= 0.0 && from <= self.size[k] - 1.0;
-            if place[k].abs() >= self.farthest {
-                return (!seen).then_some(Staged::Unseen);
-            }
-            // Conversions cut off; the first pixel inside is one more, except at a pixel.
-            let first = from.max(0.0) as i64;
-            let first = first + i64::from((first as f64) < from);
-            let last = to.min(self.size[k] - 1.0) as i64;
-            seen &= first <= last;
-            // Fixed-point centres are far smaller than 2^51.
-            let fixed = (place[k] * self.fixed + ROUND).to_bits() as i32;
-            let whole = fixed.wrapping_add(1 << (self.shift - 1)) >> self.shift;
-            p.fixed[k] = fixed;
-            p.rest[k] = (SIGNS[k] * ((place[k] - f64::from(whole)) + low[k])) as f32;
-            p.tiles[k] = [first, last].map(|pixel| pixel as u32 / TILE);
-        }
-        Some(if seen { Staged::Front(p) } else { Staged::Unseen })
     }
 
-    fn near(&self, id: u32, p: [f64; 3], center: [f64; 3], radius: f64) -> NearRecord {
+    fn near(&self, id: u32, center: [f64; 3], radius: f64) -> NearRecord {
+        let (_, p) = moved(&self.basis, center);
         let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
         let largest = away.iter().fold(radius, |m, a| m.max(a.hi.abs()));
         let k = dd::exponent(largest);
@@ -378,9 +251,4 @@ impl Lens {
 fn not_below(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }
-}
-
-/// The largest f32 that is not above x.
-fn not_above(x: f64) -> f32 {
-    -not_below(-x)
 }

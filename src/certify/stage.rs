@@ -1,15 +1,18 @@
 //! What the host prepares for the certified kernel: spheres in one of two forms, each with the bounds of what f32 and
 //! the host's own rounding can do to it. docs/certificate.md derives the bounds.
 
+use super::lens::cover::Cover;
+use super::lens::project::{Eight, LANES};
 use super::lens::{Lens, Staged, moved};
 use super::near::NearRecord;
-use super::tiles::{Lists, Run, TOGETHER};
+use super::tiles::{Bin, Filling, Lists, Placed, Placing};
 use super::{LensRecord, Terms};
 use crate::camera::Basis;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::scene::Scene;
 use crate::view::View;
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// Largest |d|^2 whose squares a near sphere's bound can hold; a wider lens is judged exactly.
@@ -57,13 +60,18 @@ impl<'a> Depths<'a> {
     }
 }
 
-/// Spheres that were staged together.
-#[derive(Default)]
-struct Batch {
-    run: Run,
+/// Spheres that are binned by one job.
+const TOGETHER: usize = 1 << 14;
+
+/// Where all spheres belong.
+struct Binned {
+    /// Of every sphere, by its id.
+    bins: Vec<Bin>,
     nears: Vec<NearRecord>,
     /// Least and largest depth of the front spheres.
-    range: Option<(f64, f64)>,
+    range: Option<[f64; 2]>,
+    /// How many there are.
+    seen: u64,
 }
 
 impl Stage {
@@ -84,58 +92,177 @@ impl Stage {
         if narrow || lens.widest > UNBOUNDED {
             return Ok(None);
         }
-        let mut batches = lens.batches(scene, 0.0, pool);
-        let reference = reference(&batches);
+        let mut binned = lens.binned(scene, 0.0, pool);
+        let reference = reference(&binned);
         if reference > 0.0 {
-            batches = lens.batches(scene, reference, pool);
+            pool.give(binned.bins);
+            binned = lens.binned(scene, reference.into(), pool);
         }
         let mut record = lens.record(reference, tolerance);
-        let nears: Vec<_> = batches.iter_mut().flat_map(|batch| std::mem::take(&mut batch.nears)).collect();
-        record.nears = nears.len() as u32;
-        let runs: Vec<_> = batches.into_iter().map(|batch| batch.run).collect();
-        let seen = runs.iter().map(|run| run.bins.len() as u64).sum();
-        let lists = Lists::new(&runs, [width, height], level, pool);
-        for run in runs {
-            pool.give(run.placed);
-            pool.give(run.bins);
-        }
-        Ok(Some(Self { lens: record, lists, nears, seen }))
+        record.nears = binned.nears.len() as u32;
+        let placing = Scenery { lens: &lens, scene, size: [width, height], reference: reference.into() };
+        let lists = Lists::new(&binned.bins, [width, height], level, &placing, pool);
+        pool.give(binned.bins);
+        Ok(Some(Self { lens: record, lists, nears: binned.nears, seen: binned.seen }))
     }
 }
 
 /// A depth to keep the others relative to: where all spheres are far and close together, so that their order survives.
-fn reference(batches: &[Batch]) -> f32 {
-    if batches.iter().any(|batch| !batch.nears.is_empty()) {
-        return 0.0;
+fn reference(binned: &Binned) -> f32 {
+    match binned.range {
+        // The nearest surface is no nearer than a quarter of the nearest centre's depth.
+        Some([least, most]) if binned.nears.is_empty() && least > 4.0 * (most - least) => least as f32,
+        _ => 0.0,
     }
-    let ranges = batches.iter().filter_map(|batch| batch.range);
-    let (least, most) = ranges.fold((f64::INFINITY, 0.0f64), |(a, b), (c, d)| (a.min(c), b.max(d)));
-    // The nearest surface is no nearer than a quarter of the nearest centre's depth.
-    if least.is_finite() && least > 4.0 * (most - least) { least as f32 } else { 0.0 }
 }
 
 impl Lens {
-    /// Stages all spheres; depths of front spheres are kept relative to `reference`.
-    fn batches(&self, scene: &Scene, reference: f32, pool: &Pool) -> Vec<Batch> {
+    /// Bins all spheres; depths of front spheres are kept relative to `reference`.
+    fn binned(&self, scene: &Scene, reference: f64, pool: &Pool) -> Binned {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
-        let stage = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
-            let mut batch = Batch { run: Run::with_capacity(centers.len(), pool), ..Batch::default() };
-            for (k, (center, radius)) in centers.iter().zip(radii).enumerate() {
-                let id = (n * TOGETHER + k) as u32;
-                match self.stage(id, *center, *radius) {
-                    Staged::Unseen => {}
-                    Staged::Near(record) => batch.nears.push(record),
-                    Staged::Front(p) => {
-                        let (least, most) = batch.range.unwrap_or((p.depth, p.depth));
-                        batch.range = Some((least.min(p.depth), most.max(p.depth)));
-                        let (placed, bin) = self.place(id, &p, reference);
-                        batch.run.placed.push(placed);
-                        batch.run.bins.push(bin);
+        let mut bins = pool.take(scene.spheres.len());
+        bins.resize(scene.spheres.len(), Bin::NOWHERE);
+        let arch = pulp::Arch::new();
+        let jobs = spheres.zip(bins.par_chunks_mut(TOGETHER)).enumerate();
+        let done: Vec<_> = jobs
+            .map(|(n, ((centers, radii), bins))| {
+                let first = n * TOGETHER;
+                arch.dispatch(Batch { first, lens: self, reference, centers, radii, bins })
+            })
+            .collect();
+        let seen = done.iter().map(|job| job.seen).sum();
+        let ranges = done.iter().filter_map(|job| job.range);
+        let range = ranges.reduce(|[a, b], [least, most]| [a.min(least), b.max(most)]);
+        Binned { bins, nears: done.into_iter().flat_map(|job| job.nears).collect(), range, seen }
+    }
+}
+
+/// Spheres that one job bins.
+struct Batch<'a> {
+    first: usize,
+    lens: &'a Lens,
+    reference: f64,
+    centers: &'a [[f64; 3]],
+    radii: &'a [f64],
+    bins: &'a mut [Bin],
+}
+
+/// What it finds besides.
+#[derive(Default)]
+struct Found {
+    nears: Vec<NearRecord>,
+    range: Option<[f64; 2]>,
+    seen: u64,
+}
+
+impl Found {
+    fn see(&mut self, depth: f64) {
+        let [least, most] = self.range.unwrap_or([depth; 2]);
+        self.range = Some([least.min(depth), most.max(depth)]);
+        self.seen += 1;
+    }
+}
+
+impl NullaryFnOnce for Batch<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn call(self) -> Found {
+        let mut found = Found::default();
+        for first in (0..self.bins.len()).step_by(LANES) {
+            let there = LANES.min(self.bins.len() - first);
+            // The last ones are repeated, and then left alone.
+            let at = |l: usize| first + l.min(there - 1);
+            let (centers, radii) =
+                (std::array::from_fn(|l| self.centers[at(l)]), std::array::from_fn(|l| self.radii[at(l)]));
+            let eight = self.lens.eight(&centers, &radii, self.reference);
+            for l in 0..there {
+                let bin = &mut self.bins[first + l];
+                *bin = Bin::NOWHERE;
+                if eight.front[l] != 0 {
+                    *bin = eight.bin(l);
+                    found.see(eight.depth[l]);
+                } else if eight.other[l] != 0 {
+                    let id = (self.first + first + l) as u32;
+                    match self.lens.stage(id, centers[l], radii[l], self.reference) {
+                        Staged::Unseen => {}
+                        Staged::Near(record) => found.nears.push(record),
+                        Staged::Front(landed) => {
+                            *bin = landed.bin;
+                            found.see(landed.depth);
+                        }
                     }
                 }
             }
-            batch
-        };
-        spheres.enumerate().map(stage).collect()
+        }
+        found
+    }
+}
+
+/// Makes the records of lists.
+struct Scenery<'a> {
+    lens: &'a Lens,
+    scene: &'a Scene,
+    size: [u32; 2],
+    reference: f64,
+}
+
+/// Those of one list.
+struct Filler<'a> {
+    scenery: &'a Scenery<'a>,
+    cover: Option<Cover>,
+}
+
+impl Placing for Scenery<'_> {
+    type Filling<'a>
+        = Filler<'a>
+    where
+        Self: 'a;
+
+    fn begin(&self, tile: Option<[u32; 2]>) -> Filler<'_> {
+        Filler { scenery: self, cover: tile.map(|tile| Cover::new(tile, self.size)) }
+    }
+}
+
+/// Spheres whose records are made together.
+struct Together<'a> {
+    lens: &'a Lens,
+    centers: [[f64; 3]; LANES],
+    radii: [f64; LANES],
+    reference: f64,
+}
+
+impl NullaryFnOnce for Together<'_> {
+    type Output = Eight;
+
+    #[inline(always)]
+    fn call(self) -> Eight {
+        self.lens.eight(&self.centers, &self.radii, self.reference)
+    }
+}
+
+impl Filling for Filler<'_> {
+    fn place(&mut self, ids: &[u32], to: &mut [Placed]) {
+        let Scenery { lens, scene, reference, .. } = *self.scenery;
+        let id = |l: usize| ids[l.min(ids.len() - 1)];
+        let (centers, radii) = (
+            std::array::from_fn(|l| scene.spheres.centers[id(l) as usize]),
+            std::array::from_fn(|l| scene.spheres.radii[id(l) as usize]),
+        );
+        let eight = pulp::Arch::new().dispatch(Together { lens, centers, radii, reference });
+        for (l, placed) in to.iter_mut().enumerate() {
+            if eight.front[l] != 0 {
+                *placed = eight.placed(l, ids[l]);
+            } else if let Staged::Front(landed) = lens.stage(ids[l], centers[l], radii[l], reference) {
+                *placed = landed.placed;
+            }
+            if let Some(cover) = &mut self.cover {
+                cover.add(lens, reference, placed);
+            }
+        }
+    }
+
+    fn limit(&self) -> Option<f64> {
+        self.cover.as_ref().and_then(Cover::limit)
     }
 }

@@ -1,7 +1,8 @@
 //! Which front spheres the rays of a tile may meet: binned by what they surely cover, nearest first.
 //!
-//! No tree: count, add up, scatter, sort each list. A list serves one tile of 8 x 8 pixels, or a square of tiles where
-//! large spheres would make lists of single tiles too long; one list for all is the search `all`.
+//! No tree: count, add up, scatter, sort each list from its front on, and end it where all that follows is surely hidden.
+//! A list serves one tile of 8 x 8 pixels, or a square of tiles where large spheres would make lists of single tiles too
+//! long; one list for all is the search `all`.
 
 use super::front::{FrontMoreRecord, FrontRecord};
 use crate::memory::Pool;
@@ -16,14 +17,14 @@ pub(crate) const TILE: u32 = 8;
 /// Entries that share a sill, and that lists are padded to: what the largest sharing subgroup loads at once.
 pub(crate) const CHUNK: usize = 8;
 
-/// Spheres that are prepared together: their places among each other fit 16 bits.
-pub(crate) const TOGETHER: usize = 1 << 16;
-
 /// The level at which every image is one square of tiles.
 pub(crate) const WHOLE: u32 = 31;
 
 /// Entries that may be spent beyond eight for each sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;
+
+/// Entries that are sorted at first, and below which nobody looks for what is hidden: eight chunks cost a tile less.
+const FOREMOST: usize = 64;
 
 /// What fills a list up: far outside the image, with no radius.
 pub(crate) const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
@@ -36,7 +37,7 @@ pub(crate) struct Placed {
     pub(crate) more: FrontMoreRecord,
 }
 
-/// Where it belongs.
+/// Where a sphere belongs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bin {
     /// No ray is given a lower bound of depth below this.
@@ -45,25 +46,36 @@ pub(crate) struct Bin {
     pub(crate) tiles: [[u32; 2]; 2],
 }
 
-/// Front spheres that were prepared together, at most [`TOGETHER`]: binning reads the bins alone, sphere by sphere.
-#[derive(Debug, Default)]
-pub(crate) struct Run {
-    pub(crate) placed: Vec<Placed>,
-    pub(crate) bins: Vec<Bin>,
-}
+impl Bin {
+    /// Of a sphere that is in no list.
+    pub(crate) const NOWHERE: Self = Self { sill: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
 
-impl Run {
-    pub(crate) fn with_capacity(spheres: usize, pool: &Pool) -> Self {
-        Self { placed: empty(spheres, pool), bins: empty(spheres, pool) }
+    /// Lists that it is in, if squares of 2^level tiles share one.
+    fn entries(&self, level: u32) -> u64 {
+        let [columns, rows] =
+            self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
+        columns * rows
     }
 }
 
-/// An empty vector with room for `n`.
-fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
-    let mut vector = pool.take(n);
-    vector.clear();
-    vector.reserve(n);
-    vector
+/// Who makes the records of a list, from its front on.
+pub(crate) trait Placing: Sync {
+    /// The entries of one list, in turn.
+    type Filling<'a>: Filling
+    where
+        Self: 'a;
+
+    /// Begins the list of one tile, in this column and row of tiles, or of several (`None`).
+    fn begin(&self, tile: Option<[u32; 2]>) -> Self::Filling<'_>;
+}
+
+/// A list that is being made.
+pub(crate) trait Filling {
+    /// The records of the spheres that come next, at most [`CHUNK`].
+    fn place(&mut self, ids: &[u32], to: &mut [Placed]);
+
+    /// The depth behind which all is surely hidden, as far as is known: no sphere with a higher sill is met first.
+    fn limit(&self) -> Option<f64>;
 }
 
 /// The candidates of every tile.
@@ -81,17 +93,18 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Bins the spheres of `runs` for an image of `size` pixels. Squares of 2^`level` tiles, or
+    /// Bins spheres, whose ids are their places in `bins`, for an image of `size` pixels. Squares of 2^`level` tiles, or
     /// larger ones, share a list.
-    pub(crate) fn new(runs: &[Run], size: [u32; 2], level: u32, pool: &Pool) -> Self {
+    pub(crate) fn new(bins: &[Bin], size: [u32; 2], level: u32, placing: &impl Placing, pool: &Pool) -> Self {
         let tiles = size.map(|n| n.div_ceil(TILE));
-        let count: usize = runs.iter().map(|run| run.bins.len()).sum();
-        let fits = |level: &u32| *level >= WHOLE || entries(runs, *level) <= 8 * count as u64 + SPARE;
+        let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
+        let entries = |level: u32| bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>();
+        let fits = |level: &u32| *level >= WHOLE || entries(*level) <= most;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
         let [columns, rows] = tiles.map(|n| ((n - 1) >> level) + 1);
         let grid = Grid { level, tiles: tiles[0], columns, rows };
-        let (keys, starts) = grid.scatter(runs, pool);
-        let lists = Self::gather(grid, runs, &keys, &starts, pool);
+        let (keys, starts) = grid.scatter(bins, pool);
+        let lists = Self::gather(grid, &keys, &starts, placing, pool);
         pool.give(keys);
         lists
     }
@@ -115,54 +128,115 @@ impl Lists {
         (self.fronts.len() / self.ends.len().max(1)) as u64
     }
 
-    /// Sorts each list and writes it out, padded.
-    fn gather(grid: Grid, runs: &[Run], keys: &[AtomicU64], starts: &[u32], pool: &Pool) -> Self {
+    /// Makes the lists of every row of cells, and puts them one after the other.
+    fn gather(grid: Grid, keys: &[AtomicU64], starts: &[u32], placing: &impl Placing, pool: &Pool) -> Self {
+        let columns = grid.columns as usize;
+        let row = |i: usize| {
+            let starts = &starts[i * columns..=(i + 1) * columns];
+            let mut row = Row::with_capacity((starts[columns] - starts[0]) as usize + columns * CHUNK, pool);
+            let mut own = Vec::new();
+            for (j, pair) in starts.windows(2).enumerate() {
+                own.clear();
+                own.extend(keys[pair[0] as usize..pair[1] as usize].iter().map(|key| key.load(Ordering::Relaxed)));
+                let tile = (grid.level == 0 && own.len() > FOREMOST).then_some([j as u32, i as u32]);
+                row.fill(&mut own, &mut placing.begin(tile));
+            }
+            row
+        };
+        let made: Vec<Row> = (0..grid.rows as usize).into_par_iter().map(row).collect();
+        let total = made.iter().map(|row| row.fronts.len()).sum();
         let mut ends = Vec::with_capacity(starts.len());
-        let mut end = 0;
-        for pair in starts.windows(2) {
-            end += (pair[1] - pair[0]).next_multiple_of(CHUNK as u32);
-            ends.push(end);
-        }
-        let total = end as usize;
         let (mut fronts, mut mores) = (sized(total, pool), sized(total, pool));
         let mut sills: Vec<f32> = sized(total / CHUNK, pool);
-        let mut jobs = Vec::with_capacity(ends.len());
+        let mut jobs = Vec::with_capacity(made.len());
         let (mut front, mut more, mut sill) = (&mut fronts[..], &mut mores[..], &mut sills[..]);
         let mut first = 0;
-        for (pair, &end) in starts.windows(2).zip(&ends) {
-            let size = (end - first) as usize;
-            first = end;
-            if size > 0 {
-                let own;
-                (own, front) = front.split_at_mut(size);
-                let (of_mores, rest) = more.split_at_mut(size);
-                more = rest;
-                let (of_sills, rest) = sill.split_at_mut(size / CHUNK);
-                sill = rest;
-                jobs.push((&keys[pair[0] as usize..pair[1] as usize], own, of_mores, of_sills));
-            }
+        for row in made {
+            ends.extend(row.ends.iter().map(|end| first + end));
+            let size = row.fronts.len();
+            first += size as u32;
+            let (of_fronts, rest) = front.split_at_mut(size);
+            front = rest;
+            let (of_mores, rest) = more.split_at_mut(size);
+            more = rest;
+            let (of_sills, rest) = sill.split_at_mut(size / CHUNK);
+            sill = rest;
+            jobs.push((row, of_fronts, of_mores, of_sills));
         }
-        jobs.into_par_iter().for_each_init(Vec::new, |sorted: &mut Vec<u64>, (keys, fronts, mores, sills)| {
-            sorted.clear();
-            sorted.extend(keys.iter().map(|key| key.load(Ordering::Relaxed)));
-            if sorted.len() > TOGETHER {
-                sorted.par_sort_unstable()
-            } else {
-                sorted.sort_unstable()
-            }
-            fronts[keys.len()..].fill(NOTHING);
-            mores[keys.len()..].fill(NOTHING_MORE);
-            for (n, &key) in sorted.iter().enumerate() {
-                let run = &runs[(key as u32 >> 16) as usize];
-                let place = (key & 0xffff) as usize;
-                (fronts[n], mores[n]) = (run.placed[place].front, run.placed[place].more);
-                if n % CHUNK == 0 {
-                    sills[n / CHUNK] = run.bins[place].sill;
-                }
-            }
+        jobs.into_par_iter().for_each(|(row, fronts, mores, sills)| {
+            fronts.copy_from_slice(&row.fronts);
+            mores.copy_from_slice(&row.mores);
+            sills.copy_from_slice(&row.sills);
+            row.give_to(pool);
         });
         Self { grid, ends, fronts, mores, sills }
     }
+}
+
+/// The lists of a row of cells, counted from its own beginning.
+struct Row {
+    ends: Vec<u32>,
+    fronts: Vec<FrontRecord>,
+    mores: Vec<FrontMoreRecord>,
+    sills: Vec<f32>,
+}
+
+impl Row {
+    fn with_capacity(entries: usize, pool: &Pool) -> Self {
+        Self {
+            ends: Vec::new(),
+            fronts: empty(entries, pool),
+            mores: empty(entries, pool),
+            sills: empty(entries / CHUNK, pool),
+        }
+    }
+
+    fn give_to(self, pool: &Pool) {
+        pool.give(self.fronts);
+        pool.give(self.mores);
+        pool.give(self.sills);
+    }
+
+    /// Adds the list of these keys: in their order, as far as it is needed, padded.
+    fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
+        let nothing = Placed { front: NOTHING, more: NOTHING_MORE };
+        let mut rest = keys;
+        let mut batch = FOREMOST;
+        while !rest.is_empty() {
+            // Most of a long list may be hidden: only what comes next is sorted.
+            let size = batch.min(rest.len());
+            if size < rest.len() {
+                rest.select_nth_unstable(size - 1);
+            }
+            let (now, later) = rest.split_at_mut(size);
+            now.sort_unstable();
+            for chunk in now.chunks(CHUNK) {
+                let sill = number((chunk[0] >> 32) as u32);
+                if filling.limit().is_some_and(|limit| f64::from(sill) > limit) {
+                    self.ends.push(self.fronts.len() as u32);
+                    return;
+                }
+                let mut ids = [0; CHUNK];
+                ids.iter_mut().zip(chunk).for_each(|(id, key)| *id = *key as u32);
+                let mut placed = [nothing; CHUNK];
+                filling.place(&ids[..chunk.len()], &mut placed[..chunk.len()]);
+                self.sills.push(sill);
+                self.fronts.extend(placed.map(|p| p.front));
+                self.mores.extend(placed.map(|p| p.more));
+            }
+            rest = later;
+            batch *= 2;
+        }
+        self.ends.push(self.fronts.len() as u32);
+    }
+}
+
+/// An empty vector with room for `n`.
+fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
+    let mut vector = pool.take(n);
+    vector.clear();
+    vector.reserve(n);
+    vector
 }
 
 /// `n` values, all of which are to be written.
@@ -173,12 +247,6 @@ fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) 
     }
     vector.resize(n, T::zeroed());
     vector
-}
-
-/// Entries of all lists if squares of 2^level tiles share one.
-fn entries(runs: &[Run], level: u32) -> u64 {
-    let cells = |[first, last]: [u32; 2]| u64::from((last >> level) - (first >> level) + 1);
-    runs.par_iter().flat_map_iter(|run| &run.bins).map(|p| cells(p.tiles[0]) * cells(p.tiles[1])).sum()
 }
 
 /// Squares of 2^level tiles a side that share a list: cells.
@@ -197,23 +265,27 @@ impl Grid {
     }
 
     /// Every cell that `bin` covers.
-    fn cells(&self, bin: &Bin) -> impl Iterator<Item = usize> + use<> {
+    #[inline(always)]
+    fn each_cell(&self, bin: &Bin, mut each: impl FnMut(usize)) {
         let [[left, right], [top, bottom]] = bin.tiles.map(|range| range.map(|tile| tile >> self.level));
-        let columns = self.columns;
-        (top..=bottom).flat_map(move |row| (left..=right).map(move |column| (row * columns + column) as usize))
+        let mut row = top;
+        while row <= bottom {
+            (left..=right).for_each(|column| each((row * self.columns + column) as usize));
+            row += 1;
+        }
     }
 
-    /// Keys of the spheres, sill first and then place, cell by cell; and where each cell's begin, with the end of all.
-    fn scatter(&self, runs: &[Run], pool: &Pool) -> (Vec<AtomicU64>, Vec<u32>) {
-        // Each group of runs counts for itself, so that each knows its own places in every cell.
-        let group = runs.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+    /// Keys of the spheres, sill first and then id, cell by cell; and where each cell's begin, with the end of all.
+    fn scatter(&self, bins: &[Bin], pool: &Pool) -> (Vec<AtomicU64>, Vec<u32>) {
+        // Each group counts for itself, so that each knows its own places in every cell.
+        let group = bins.len().div_ceil(2 * rayon::current_num_threads()).max(1);
         let cells = (self.columns * self.rows) as usize;
-        let count = |runs: &[Run]| {
+        let count = |bins: &[Bin]| {
             let mut counts = vec![0u32; cells];
-            runs.iter().flat_map(|run| &run.bins).for_each(|p| self.cells(p).for_each(|cell| counts[cell] += 1));
+            bins.iter().for_each(|bin| self.each_cell(bin, |cell| counts[cell] += 1));
             counts
         };
-        let mut places: Vec<Vec<u32>> = runs.par_chunks(group).map(count).collect();
+        let mut places: Vec<Vec<u32>> = bins.par_chunks(group).map(count).collect();
         let mut starts = Vec::with_capacity(cells + 1);
         let mut total = 0;
         for cell in 0..cells {
@@ -225,16 +297,13 @@ impl Grid {
         starts.push(total);
         let mut keys: Vec<AtomicU64> = pool.take(total as usize);
         keys.resize_with(total as usize, AtomicU64::default);
-        runs.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (runs, places))| {
-            for (run, own) in runs.iter().enumerate() {
-                for (at, p) in own.bins.iter().enumerate() {
-                    let slot = ((n * group + run) << 16 | at) as u64;
-                    let key = u64::from(ordered(p.sill)) << 32 | slot;
-                    for cell in self.cells(p) {
-                        keys[places[cell] as usize].store(key, Ordering::Relaxed);
-                        places[cell] += 1;
-                    }
-                }
+        bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
+            for (id, bin) in (n * group..).zip(bins) {
+                let key = u64::from(ordered(bin.sill)) << 32 | id as u64;
+                self.each_cell(bin, |cell| {
+                    keys[places[cell] as usize].store(key, Ordering::Relaxed);
+                    places[cell] += 1;
+                });
             }
         });
         (keys, starts)
@@ -245,4 +314,9 @@ impl Grid {
 fn ordered(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// And back.
+fn number(ordered: u32) -> f32 {
+    f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }

@@ -86,6 +86,7 @@ struct Lanes {
 }
 
 /// The two smallest lower bounds of each, and whose the smallest is.
+#[derive(Clone, Copy)]
 struct Kepts {
     low: [f32; LANES],
     second: [f32; LANES],
@@ -120,21 +121,24 @@ impl Lanes {
             let mut behind = true;
             for l in 0..LANES {
                 let own = sill - k.low[l] > lens.slack * (lens.depth + k.low[l]);
-                k.second[l] = if own && sill < k.second[l] { sill } else { k.second[l] };
+                k.second[l] = pick(mask(own & (sill < k.second[l])), sill, k.second[l]);
                 behind &= own;
             }
             if behind {
                 break;
             }
+            // A copy, so that it may live in registers.
+            let mut now = k;
             for (slot, front) in (first + CHUNK * n..).zip(fronts) {
                 if *front == NOTHING {
                     break;
                 }
                 let front = Front::<f32>::new(front, &NOTHING_MORE);
                 for l in 0..LANES {
-                    k.keep(l, front_low(&self.slopes(lens.shift, l), lens, &front), slot as u32);
+                    now.keep(l, front_low(&self.slopes(lens.shift, l), lens, &front), slot as u32);
                 }
             }
+            k = now;
         }
         k
     }
@@ -197,14 +201,26 @@ impl Lanes {
 impl Kepts {
     #[inline(always)]
     fn keep(&mut self, l: usize, low: f32, slot: u32) {
-        // Everything is written every time, by masks: no vector waits for a branch.
-        let (before, second) = (self.low[l], self.second[l]);
-        let mask = u32::from(low < before).wrapping_neg();
-        let farther = if low < before { before } else { low };
-        self.low[l] = if low < before { low } else { before };
-        self.second[l] = if farther < second { farther } else { second };
-        self.slot[l] ^= (self.slot[l] ^ slot) & mask;
+        // By masks, and everything is written every time: what compilers make of a comparison may be a masked store, and
+        // that stalls the loads after it.
+        let before = self.low[l];
+        let nearer = mask(low < before);
+        self.low[l] = pick(nearer, low, before);
+        self.slot[l] ^= (self.slot[l] ^ slot) & nearer;
+        let farther = pick(nearer, before, low);
+        self.second[l] = pick(mask(farther < self.second[l]), farther, self.second[l]);
     }
+}
+
+#[inline(always)]
+fn mask(yes: bool) -> u32 {
+    u32::from(yes).wrapping_neg()
+}
+
+/// The first where the mask is set, else the second.
+#[inline(always)]
+fn pick(mask: u32, yes: f32, no: f32) -> f32 {
+    f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
 /// One row of the kernel's buffers; those nobody asked for are empty.

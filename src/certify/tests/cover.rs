@@ -1,0 +1,92 @@
+//! What hides what: pixels that count as covered are hit, and no deeper than was said.
+
+use super::wild::Dice;
+use crate::camera::Lens::Viewport;
+use crate::certify::TERMS;
+use crate::certify::lens::cover::Cover;
+use crate::certify::lens::{Lens, Staged};
+use crate::certify::tiles::TILE;
+use crate::exact::Judge;
+use crate::scene::Scene;
+use crate::view::View;
+use crate::{Camera, ImagePlane, Spheres};
+use glam::DVec3;
+
+/// Small and large spheres at all distances before an oblique camera.
+fn scene(dice: &mut Dice) -> Scene {
+    let mut spheres = Spheres::default();
+    let camera = Camera { eye: DVec3::new(1e3, -20.0, 7.0), ..Camera::CANONICAL };
+    for _ in 0..400 {
+        let depth = dice.decade(0.0, 6.0);
+        let [x, y] = [0, 1].map(|_| dice.between(-1.1, 1.1) * depth);
+        spheres.push((camera.eye + DVec3::new(x, y, -depth)).to_array(), depth * dice.decade(-3.5, -0.2), None);
+    }
+    let image = ImagePlane { width: 93, height: 61, background: [0.0; 3] };
+    Scene { camera, image, spheres, skipped: Default::default() }
+}
+
+/// Every closed pixel is hit, exactly, and no deeper than was said.
+#[test]
+fn what_is_covered_is_hit() {
+    let mut dice = Dice(5);
+    let (mut closed, mut deep) = (0, 0.0f64);
+    for _ in 0..8 {
+        let scene = scene(&mut dice);
+        let view = View::new(&scene).expect("a view");
+        let (width, height) = (scene.image.width, scene.image.height);
+        let viewport = scene.camera.viewport(width, height).expect("a viewport");
+        let lens = Lens::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+        let judge = Judge::new(&scene).expect("a judge");
+        let unit = crate::dd::ldexp(1.0, view.unit);
+        for id in 0..scene.spheres.len() {
+            let staged = lens.stage(id as u32, scene.spheres.centers[id], scene.spheres.radii[id], 0.0);
+            let Staged::Front(landed) = staged else { continue };
+            for (row, column) in (0..height.div_ceil(TILE)).flat_map(|i| (0..width.div_ceil(TILE)).map(move |j| (i, j)))
+            {
+                let mut cover = Cover::new([column, row], [width, height]);
+                let all = cover.open;
+                cover.add(&lens, 0.0, &landed.placed);
+                for bit in (0..64).filter(|bit| (all & !cover.open) >> bit & 1 == 1) {
+                    let (i, j) = (row * TILE + bit / TILE, column * TILE + bit % TILE);
+                    let truth = judge.among(i, j, &[id as u32]).expect("a covered pixel is hit");
+                    let depth = truth.depth / unit;
+                    assert!(depth <= cover.deepest, "sphere {id}, row {i}, column {j}");
+                    closed += 1;
+                    deep = deep.max((cover.deepest - depth) / cover.deepest);
+                }
+            }
+        }
+    }
+    assert!(closed > 10_000, "{closed} pixels were covered");
+    assert!(deep < 1.0, "the bound says something");
+}
+
+/// A disc of 5.1 pixels about the corner of four tiles: of each it closes what lies inside, and nothing outside the image.
+#[test]
+fn a_disc_closes_its_pixels_and_no_others() {
+    let mut spheres = Spheres::default();
+    // 16 columns for 0.005 of slope: the radius is 5.1 of them, and so small that its outline is a disc.
+    spheres.push([0.0, 0.0, -100.0], 0.159, None);
+    let image = ImagePlane { width: 16, height: 13, background: [0.0; 3] };
+    let camera = Camera { lens: Viewport { vw: 0.005, vh: 0.005, distance: 1.0 }, ..Camera::CANONICAL };
+    let scene = Scene { camera, image, spheres, skipped: Default::default() };
+    let view = View::new(&scene).expect("a view");
+    let viewport = scene.camera.viewport(16, 13).expect("a viewport");
+    let lens = Lens::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+    let Staged::Front(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a front sphere") };
+    let judge = Judge::new(&scene).expect("a judge");
+    for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let mut cover = Cover::new([column, row], [16, 13]);
+        assert_eq!(cover.open.count_ones(), TILE * if row == 0 { 8 } else { 5 }, "only what lies in the image");
+        assert_eq!(cover.limit(), None);
+        cover.add(&lens, 0.0, &landed.placed);
+        for (i, j) in
+            (row * TILE..(row * TILE + TILE).min(13)).flat_map(|i| (0..TILE).map(move |j| (i, column * TILE + j)))
+        {
+            let hit = judge.pixel(i, j).is_some();
+            let open = cover.open >> (TILE * (i % TILE) + j % TILE) & 1 == 1;
+            // No pixel lies within a hundredth of this outline.
+            assert_eq!(hit, !open, "row {i}, column {j}");
+        }
+    }
+}
