@@ -6,6 +6,7 @@ pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
+pub(crate) mod pace;
 pub(crate) mod selftest;
 pub(crate) mod traffic;
 

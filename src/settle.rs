@@ -27,11 +27,14 @@ pub(crate) struct Unsure {
 }
 
 /// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth; the order
-/// of atomics leaves no trace.
-pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, mut unsure: Vec<Unsure>) -> Result<Vec<Settled>> {
-    if unsure.is_empty() {
-        return Ok(Vec::new());
-    }
+/// of atomics leaves no trace. `go_on` is asked before every pixel; after a `false` the answers are worth nothing.
+pub(crate) fn settle(
+    scene: &Scene,
+    view: &View,
+    stage: &Stage,
+    mut unsure: Vec<Unsure>,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<Settled>> {
     unsure.par_sort_unstable_by_key(|u| u.pixel);
     let width = scene.image.width;
     let twin = Certify::<f32>::new(&view.record, stage);
@@ -55,6 +58,9 @@ pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, mut unsure: Vec<
     let judge = Judge::new(&few)?;
     let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
     let decide = |(u, own): (&Unsure, &Vec<u32>)| {
+        if !go_on() {
+            return Settled { pixel: u.pixel, truth: None };
+        }
         let candidates: Vec<u32> = own.iter().map(local).collect();
         let truth = judge.among(u.pixel / width, u.pixel % width, &candidates);
         Settled { pixel: u.pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }

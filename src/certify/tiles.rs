@@ -110,11 +110,6 @@ impl Lists {
         rows.flat_map(move |row| (0..self.grid.tiles).map(move |tile| self.range(row, tile * TILE)))
     }
 
-    /// Entries of an average tile.
-    pub(crate) fn mean(&self) -> u64 {
-        (self.fronts.len() / self.ends.len().max(1)) as u64
-    }
-
     /// Sorts each list and writes it out, padded.
     fn gather(grid: Grid, runs: &[Run], keys: &[AtomicU64], starts: &[u32], pool: &Pool) -> Self {
         let mut ends = Vec::with_capacity(starts.len());

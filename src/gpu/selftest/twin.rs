@@ -76,7 +76,7 @@ impl Gpu {
                     Vec::new()
                 }
             };
-            self.run(&kernel, &input, &mut output, &|| true)?;
+            self.run(&kernel, &input, &mut output, &|_| true)?;
             let unsure = output.unsure;
             let bits = |raw: &Raw, mut unsure: Vec<Unsure>| -> Vec<u32> {
                 // Where invocations meet, the order is theirs.
