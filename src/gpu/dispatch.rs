@@ -140,7 +140,9 @@ impl Gpu {
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
-            let seconds = start.elapsed().as_secs_f64();
+            // The wall clock counts uploads that the submission waited for, and the first time the driver's compiler.
+            let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
+            let seconds = clocked.unwrap_or_else(|| start.elapsed().as_secs_f64());
             tracing::debug!(band.first, band.count, tests, seconds, "submitted");
             if let Some(pipeline) = self.pipelines.get_mut(kernel) {
                 pipeline.pace.took(tests, seconds);

@@ -50,7 +50,7 @@ impl Pace {
         aim.min(self.trusted)
     }
 
-    /// A band of so many tests took so long.
+    /// A band of so many tests took so long: by the device's clock, or by the host's where there is none.
     pub(super) fn took(&mut self, tests: f64, seconds: f64) {
         self.seconds_per_test = Some(seconds / tests.max(1.0));
         if seconds <= self.bound {
