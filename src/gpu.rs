@@ -8,6 +8,8 @@ pub(crate) mod dispatch;
 pub(crate) mod layout;
 pub(crate) mod pace;
 pub(crate) mod selftest;
+#[cfg(test)]
+mod tests;
 pub(crate) mod traffic;
 
 pub(crate) use dispatch::Gpu;
