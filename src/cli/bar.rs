@@ -109,13 +109,14 @@ impl Artist {
         let Progress { step, done, total } = progress;
         if frame.elapsed() < LONG {
             if self.step.take().is_some() {
+                // Hiding alone would leave the line where it is.
+                self.line.finish_and_clear();
                 self.line.set_draw_target(ProgressDrawTarget::hidden());
+                self.line.reset();
             }
             return;
         }
-        if self.step.is_none() {
-            self.line.set_draw_target(ProgressDrawTarget::stderr());
-        }
+        let shown = self.step.is_some();
         if self.step != Some((step, began)) {
             self.step = Some((step, began));
             self.line.set_style(style(step));
@@ -123,6 +124,10 @@ impl Artist {
         }
         self.line.set_message(words(progress, heard.duration_since(began), heard.elapsed()));
         self.line.set_position(done);
+        if !shown {
+            self.line.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.line.tick();
     }
 }
 
