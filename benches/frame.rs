@@ -10,7 +10,7 @@ mod cloud;
 
 use cloud::cloud;
 use criterion::{Criterion, criterion_group, criterion_main};
-use halfline::{Accuracy, Aov, Backend, ReadOptions, Renderer, Scene, Settings};
+use halfline::{Accuracy, Aov, Backend, ReadOptions, Renderer, Scene, Settings, Watch};
 use std::time::{Duration, Instant};
 
 fn scene(name: &str) -> Scene {
@@ -29,7 +29,8 @@ fn scene(name: &str) -> Scene {
 fn probe(scene: &Scene, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
     let renderer = Renderer::new(settings)?;
     let began = Instant::now();
-    let cancelled = renderer.cancelled_by(move || began.elapsed() < Duration::from_secs(1)).render(scene, settings);
+    let watch = Watch::default().while_true(move || began.elapsed() < Duration::from_secs(1));
+    let cancelled = renderer.watched_by(watch).render(scene, settings);
     cancelled.map(drop).map_err(|_| "a frame takes more than a second".into())
 }
 

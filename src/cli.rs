@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, exit codes in one place.
 
 mod adapters;
+mod bar;
 mod compare;
 mod measure;
 mod plan;

@@ -54,6 +54,9 @@ pub struct Truth {
     pub tangent: bool,
 }
 
+/// What [`Judge`] keeps of a sphere, bytes, besides the digits of numbers that have many.
+pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>()) as u64;
+
 /// A scene ready to be judged, pixel by pixel, from any number of threads.
 pub struct Judge {
     bench: Bench,

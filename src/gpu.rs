@@ -5,7 +5,10 @@ pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
+pub(crate) mod pace;
 pub(crate) mod selftest;
+#[cfg(test)]
+mod tests;
 pub(crate) mod traffic;
 
 pub(crate) use dispatch::Gpu;

@@ -17,6 +17,7 @@
 //! - [`render`](mod@render): one frame the whole way; a [`Renderer`] keeps device and kernels for many.
 //! - [`trace`](mod@trace): the same for given rays.
 //! - [`plan`]: the one place that decides what a scene requires.
+//! - [`progress`]: who is told how far the work is, and who may end it.
 //! - [`measure`]: how far apart two frames are; speed against error of every form, held against exact arithmetic.
 //!
 //! # Ten lines
@@ -50,6 +51,7 @@ mod memory;
 mod nearest;
 pub mod plan;
 pub mod predict;
+pub mod progress;
 pub mod ray;
 pub mod real;
 pub mod render;
@@ -67,6 +69,7 @@ pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
 pub use plan::{Accuracy, Backend, Settings, Tolerance};
+pub use progress::{Cancel, Progress, Step, Watch};
 pub use render::{Renderer, render};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
 pub use shade::Shade;

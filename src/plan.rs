@@ -4,7 +4,7 @@ mod choose;
 mod explain;
 mod search;
 
-pub use explain::{Binding, Explanation, LeftOut, Part, Shown, Staged, explain};
+pub use explain::{Binding, Explanation, LeftOut, Part, Room, Shown, Staged, explain};
 pub use search::Search;
 
 use crate::certify::stage::Stage;

@@ -11,9 +11,10 @@ use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
-use crate::memory::{self, Pool};
+use crate::memory::{self, Need, Pool};
 use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
 use crate::predict::Prediction;
+use crate::progress::{Step, Watch};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled};
@@ -35,7 +36,7 @@ pub fn render(scene: &Scene, settings: &Settings) -> Result<Frame> {
 pub struct Renderer {
     pub(crate) place: Place,
     setup_ms: f64,
-    go_on: Arc<dyn Fn() -> bool + Send + Sync>,
+    pub(crate) watch: Watch,
     pub(crate) pool: Arc<Pool>,
 }
 
@@ -70,7 +71,7 @@ impl Renderer {
                 }
             }
         };
-        Ok(Self { place, setup_ms: milliseconds(start), go_on: Arc::new(|| true), pool: Arc::default() })
+        Ok(Self { place, setup_ms: milliseconds(start), watch: Watch::default(), pool: Arc::default() })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -81,15 +82,15 @@ impl Renderer {
         Self {
             place: Place::Gpu(Box::new(Gpu::new(open, summary))),
             setup_ms: 0.0,
-            go_on: Arc::new(|| true),
+            watch: Watch::default(),
             pool: Arc::default(),
         }
     }
 
-    /// Asks `go_on` now and then; when it says no, the work ends with [`Error::Interrupted`].
+    /// Lets `watch` hear of every frame, and end it with [`Error::Interrupted`]; the renderer stays as good as new.
     #[must_use]
-    pub fn cancelled_by(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
-        self.go_on = Arc::new(go_on);
+    pub fn watched_by(mut self, watch: Watch) -> Self {
+        self.watch = watch;
         self
     }
 
@@ -174,7 +175,7 @@ impl Renderer {
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
-        memory::check(&plan.kernel, &settings.aovs, u64::from(scene.image.width) * u64::from(scene.image.height))?;
+        Need::of(&plan, &settings.aovs, scene, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
             return self.frame(&plan, scene, settings);
@@ -217,7 +218,11 @@ impl Renderer {
         let pool = Arc::clone(&self.pool);
         pool.turn();
         let mut stages = Stages::default();
+        let watch = self.watch.clone();
+        watch.check()?;
+        let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
         let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+        watch.check()?;
         let pixels = view.record.width as usize * view.record.height as usize;
         let tolerance = settings.promise().relative();
         let stage = match plan.accuracy {
@@ -226,10 +231,12 @@ impl Renderer {
             }
             _ => None,
         };
+        staging.end()?;
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
         self.kernel_ms();
         let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+        watch.check()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
@@ -293,17 +300,25 @@ impl Renderer {
         raw: &mut Raw,
         stages: &mut Stages,
     ) -> Result<Vec<Settled>> {
-        let go_on = Arc::clone(&self.go_on);
-        let settled = if stage.is_some() || plan.accuracy == Accuracy::Fast {
+        let watch = self.watch.clone();
+        let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
+        let (settled, doing) = if stage.is_some() || plan.accuracy == Accuracy::Fast {
             self.trace_frame(plan, scene, view, stage, raw, stages)?;
-            if !go_on() {
-                return Err(Error::Interrupted);
+            let Some(stage) = stage else { return Ok(Vec::new()) };
+            let unsure = stages.time("settle", || settle::unsure(&raw.id));
+            if unsure.is_empty() {
+                return Ok(Vec::new());
             }
-            stages.time("settle", || stage.map_or(Ok(Vec::new()), |stage| settle::settle(scene, view, stage, &raw.id)))
+            let doing = settle(unsure.len());
+            let go_on = || doing.next(1);
+            (stages.time("settle", || settle::settle(scene, view, stage, &unsure, &go_on)), doing)
         } else {
-            stages.time("settle", || settle::exact(scene, &*go_on))
+            let doing = settle(raw.id.len());
+            let go_on = || doing.next(u64::from(view.record.width));
+            (stages.time("settle", || settle::exact(scene, &go_on)), doing)
         };
-        if go_on() { settled } else { Err(Error::Interrupted) }
+        doing.end()?;
+        settled
     }
 
     /// The kernel's answers into `raw`.
@@ -317,18 +332,20 @@ impl Renderer {
         stages: &mut Stages,
     ) -> Result<()> {
         let colors = scene.spheres.colors.as_deref();
+        let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
+        let row = || doing.next(u64::from(view.record.width));
         match &mut self.place {
             Place::Gpu(gpu) => {
                 let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(stage);
                 let input = Input { view, colors, rays: &[], stage };
-                gpu.run(&kernel, &input, &mut Output { raw, stages }, &*self.go_on)?;
+                gpu.run(&kernel, &input, &mut Output { raw, stages }, &|done| doing.reached(done))?;
             }
             Place::Cpu => stages.time("trace", || match stage {
-                None => cpu::render(&plan.kernel, view, colors, raw, &*self.go_on),
-                Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &*self.go_on),
+                None => cpu::render(&plan.kernel, view, colors, raw, &row),
+                Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &row),
             }),
         }
-        Ok(())
+        doing.end()
     }
 }
 

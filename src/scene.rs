@@ -82,6 +82,15 @@ impl Spheres {
         format!("the spheres lie between {} and {}", point(low), point(high))
     }
 
+    /// Makes room for so many more, with or without colours of their own; where there is none, adding them will say so.
+    pub(crate) fn reserve(&mut self, more: usize, colored: bool) {
+        let _ = self.centers.try_reserve(more);
+        let _ = self.radii.try_reserve(more);
+        if let Some(colors) = self.colors.as_mut().filter(|_| colored) {
+            let _ = colors.try_reserve(more);
+        }
+    }
+
     /// Adds one sphere. The first colour given makes a colour list; spheres without one get [`DEFAULT_COLOR`] in it.
     pub fn push(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) {
         match (&mut self.colors, color) {

@@ -18,13 +18,21 @@ pub(crate) struct Settled {
     pub(crate) truth: Option<Truth>,
 }
 
-/// Decides every pixel of `ids` that is [`UNSURE`], among the spheres that may be its nearest hit by their lower bounds of
-/// depth. The twin asks anew: its bounds hold as the kernel's do, however either rounds.
-pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, ids: &[u32]) -> Result<Vec<Settled>> {
-    let unsure: Vec<u32> = ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect();
-    if unsure.is_empty() {
-        return Ok(Vec::new());
-    }
+/// The pixels of `ids` that a certified kernel left open.
+pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
+    ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect()
+}
+
+/// Decides every unsure pixel, among the spheres that may be its nearest hit by their lower bounds of depth. The twin asks
+/// anew: its bounds hold as the kernel's do, however either rounds. `go_on` is asked before every pixel; after a `false` the
+/// answers are worth nothing.
+pub(crate) fn settle(
+    scene: &Scene,
+    view: &View,
+    stage: &Stage,
+    unsure: &[u32],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Vec<Settled>> {
     let width = scene.image.width;
     let twin = Certify::<f32>::new(&view.record, stage);
     let candidates = |pixel: &u32| {
@@ -52,6 +60,9 @@ pub(crate) fn settle(scene: &Scene, view: &View, stage: &Stage, ids: &[u32]) -> 
     let judge = Judge::new(&few)?;
     let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
     let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
+        if !go_on() {
+            return Settled { pixel, truth: None };
+        }
         let candidates: Vec<u32> = own.iter().map(local).collect();
         let truth = judge.among(pixel / width, pixel % width, &candidates);
         Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }

@@ -95,7 +95,7 @@ impl Renderer {
                     gpu.admit(kernel.method)?;
                     let input = Input { view: &view, colors: None, rays: &records, stage: None };
                     let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
-                    gpu.run(&kernel, &input, &mut output, &|| true)?;
+                    gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
                 }
                 Place::Cpu => {
                     kernel.method.dispatch(Traced { kernel: &kernel, view: &view, rays: &records, raw: &mut raw })

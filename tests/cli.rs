@@ -282,6 +282,27 @@ fn more_than_the_memory_is_5_and_at_once() {
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }
 
+/// The file is as long as 2e8 spheres, though nobody ever wrote them.
+#[test]
+#[cfg(target_os = "linux")]
+fn more_spheres_than_the_memory_are_5_and_the_number_that_would_fit() {
+    let desk = Desk::new();
+    desk.put("many.npy", npy_of(200_000_000, &[]));
+    let file = fs::File::options().write(true).open(desk.path("many.npy")).expect("the file");
+    file.set_len(128 + 32 * 200_000_000).expect("a sparse file");
+    desk.put("many.toml", SCENE.replace("[[sphere]]", "[[spheres]]\nfile = \"many.npy\"\n[[sphere]]"));
+    let start = Instant::now();
+    for command in ["render", "plan"] {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_halfline"), command]);
+        shell.args(["many.toml", "-o", "out.png", "--backend", "cpu"]).current_dir(desk.0.path());
+        let Said { code, err, .. } = said(shell.output().expect("sh runs"));
+        assert_eq!(code, 5, "{err}");
+        assert!(err.contains("200000001 spheres need 6400000032 bytes") && err.contains("give at most 1"), "{err}");
+    }
+    assert!(!desk.path("out.png").exists() && start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+}
+
 #[test]
 fn files_are_8() {
     let desk = Desk::new();

@@ -139,6 +139,35 @@ fn what_goes_to_the_device_is_told_and_what_is_left_out() {
     assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("fronts") / 32));
 }
 
+/// The room that is told has room: `fit` spheres where `n` need some bytes of a binding.
+#[test]
+fn the_room_is_told_in_spheres() {
+    let gpu = gpu().map(|_| Backend::Gpu);
+    for backend in [Some(Backend::Cpu), gpu].into_iter().flatten() {
+        for tolerance in [Some(0.1), Some(1e-12)] {
+            let plan = told(&scene(), &settings(backend, tolerance, &[Aov::Color]));
+            let (fit, free) = (plan.room.host.unwrap_or(u64::MAX), plan.room.free.unwrap_or(u64::MAX));
+            assert!(plan.room.needed < free && fit > plan.spheres && fit < free / 32, "{:?}", plan.room);
+            assert_eq!(plan.room.adapter.is_some(), backend == Backend::Gpu);
+            assert!(plan.room.adapter.is_none_or(|fit| fit > plan.spheres), "{:?}", plan.room);
+            assert_eq!(plan.dispatches, u64::from(backend == Backend::Gpu), "a light frame");
+        }
+        if backend == Backend::Gpu {
+            let most = halfline::adapters().expect("adapters")[0].max_binding;
+            let (mut colored, fast) = (scene(), settings(backend, Some(0.1), &[Aov::Color]));
+            assert_eq!(told(&colored, &fast).room.adapter, Some((most / 32).min(i32::MAX as u64)));
+            colored.spheres.colors = Some(vec![[0.5; 3]; colored.spheres.len()]);
+            let certified = Settings { tolerance: None, accuracy: Accuracy::Certified, ..fast };
+            assert!(told(&colored, &certified).room.adapter.is_some_and(|fit| fit <= most / 12));
+        }
+    }
+    // An image that no memory holds is refused as rendering would.
+    let mut wide = scene();
+    (wide.image.width, wide.image.height) = (1 << 20, 1 << 20);
+    let error = explain(&wide, &settings(Backend::Cpu, None, &[Aov::Color])).expect_err("too large").to_string();
+    assert!(error.contains("bytes") && error.contains("--size"), "{error}");
+}
+
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_halfline"));
     command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).env("NODEVICE_SELECT", "1");
@@ -158,7 +187,8 @@ fn the_command_tells_people_and_programs() {
     let said = run(&arguments, &[]);
     assert!(said.status.success(), "{}", text(&said.stderr));
     let words = text(&said.stdout);
-    for word in ["color", "distance", "bound", "id", "certified", "f32", "left out", "48 x 64 x 3 of float32"] {
+    for word in ["color", "distance", "bound", "id", "certified", "f32", "left out", "room ", "48 x 64 x 3 of float32"]
+    {
         assert!(words.contains(word), "no {word:?} in {words}");
     }
     assert!(!Path::new(env!("CARGO_MANIFEST_DIR")).join("x.png").exists(), "nothing is rendered");

@@ -123,11 +123,6 @@ impl Lists {
         rows.flat_map(move |row| (0..self.grid.tiles).map(move |tile| self.range(row, tile * TILE)))
     }
 
-    /// Entries of an average tile.
-    pub(crate) fn mean(&self) -> u64 {
-        (self.fronts.len() / self.ends.len().max(1)) as u64
-    }
-
     /// Makes the lists of every row of cells, and puts them one after the other.
     fn gather(grid: Grid, keys: &[AtomicU64], starts: &[u32], placing: &impl Placing, pool: &Pool) -> Self {
         let columns = grid.columns as usize;

@@ -2,6 +2,7 @@
 
 mod table;
 
+use super::bar::Bar;
 use super::scene_args::{scene_size, tolerance};
 use super::{go_on, say};
 use clap::{Args, ValueEnum};
@@ -17,7 +18,6 @@ use std::io::{ErrorKind, Write};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 /// Measures speed against error: every method on a scene or on a suite of scenes, on the GPU and on the CPU.
 ///
@@ -111,7 +111,9 @@ impl Measure {
             patience: self.patience,
             command: command(),
         };
-        measure(&self.subject()?, &options, &(Arc::new(go_on) as _), &mut |line| say(format_args!("{line}")))
+        let subject = self.subject()?;
+        let bar = Bar::new();
+        measure(&subject, &options, &bar.watch(), &mut |line| bar.aside(|| say(format_args!("{line}"))))
     }
 
     fn subject(&self) -> Result<Subject> {

@@ -2,7 +2,7 @@
 
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
-use halfline::plan::{Binding, Explanation, Part, explain};
+use halfline::plan::{Binding, Explanation, Part, Room, explain};
 use std::fmt::{self, Display};
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -73,6 +73,14 @@ impl Display for Words<'_> {
         }
         write_bindings(f, "uploaded", &e.uploaded)?;
         write_bindings(f, "written and read back", &e.written)?;
+        let known = |n: Option<u64>| n.map_or("an unknown number".to_owned(), |n| n.to_string());
+        let Room { adapter, host, needed, free } = e.room;
+        write!(f, "room       for {} spheres in this machine's memory", known(host))?;
+        match adapter {
+            Some(adapter) => writeln!(f, ", for {adapter} on the adapter")?,
+            None => writeln!(f)?,
+        }
+        writeln!(f, "           {needed} bytes are needed besides the scene, {} are free", known(free))?;
         writeln!(f, "frame")?;
         for shown in &e.frame {
             let shape: Vec<_> = shown.shape.iter().map(u64::to_string).collect();

@@ -1,5 +1,6 @@
 //! `halfline render SCENE`.
 
+use super::bar::Bar;
 use super::scene_args::SceneArgs;
 use super::{go_on, say};
 use clap::Args;
@@ -42,7 +43,8 @@ impl Render {
         let settings = self.asked.settings(&targets);
         // A camera that cannot see is the scene's fault, whatever adapters there are.
         scene.check()?;
-        let mut renderer = Renderer::new(&settings)?.cancelled_by(go_on);
+        let bar = Bar::new();
+        let mut renderer = Renderer::new(&settings)?.watched_by(bar.watch());
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
@@ -56,6 +58,7 @@ impl Render {
             times.extend(&frame.report.frame_ms);
             kernels.extend(&frame.report.kernel_ms);
         }
+        drop(bar);
         (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             say(format_args!("{}", frame.report.reason));

@@ -14,6 +14,8 @@ pub(super) struct Clock {
     period: f64,
     /// Of the passes since it was last asked, milliseconds.
     total: f64,
+    /// Of the last one, if it could be read.
+    last: Option<f64>,
 }
 
 impl Clock {
@@ -33,6 +35,7 @@ impl Clock {
             staging: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
             period: f64::from(queue.get_timestamp_period()),
             total: 0.0,
+            last: None,
         })
     }
 
@@ -58,12 +61,21 @@ impl Clock {
 
     /// Adds the pass, after that wait. A clock that cannot be read is no reason to fail a frame.
     pub(super) fn add(&mut self) {
+        self.last = None;
         if let Ok(mapped) = self.staging.get_mapped_range(..)
             && let [begin, end] = bytemuck::pod_collect_to_vec::<u8, u64>(&mapped)[..]
         {
-            self.total += end.saturating_sub(begin) as f64 * self.period * 1e-6;
+            let passed = end.saturating_sub(begin) as f64 * self.period * 1e-6;
+            self.total += passed;
+            // A clock that stands still tells nothing.
+            self.last = (passed > 0.0).then_some(passed);
         }
         self.staging.unmap();
+    }
+
+    /// Milliseconds of the last pass, if they are known.
+    pub(super) fn last(&self) -> Option<f64> {
+        self.last
     }
 
     /// Milliseconds since it was last asked.

@@ -8,13 +8,15 @@ use crate::gpu::clock::Clock;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
+use crate::gpu::pace::Pace;
 use crate::gpu::selftest::Verdict;
-use crate::gpu::traffic::{Band, Reach, bands, lists, outputs, uploads};
+use crate::gpu::traffic::{Band, Bands, Reach, lists, outputs, uploads};
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
-use crate::view::{SphereRecord, View, ViewRecord};
+use crate::view::{View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
+use std::time::Instant;
 
 /// Invocations in a workgroup, rays in a group; the same test.
 pub(crate) const GROUP: u32 = 64;
@@ -23,16 +25,19 @@ pub(crate) const GROUP: u32 = 64;
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
     pub(super) open: device::Open,
-    limits: wgpu::Limits,
+    pub(super) limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
     clock: Option<Clock>,
+    /// Of kernels that have not run yet.
+    pub(super) pace: Pace,
     pub(super) verdict: Option<Verdict>,
 }
 
 struct Pipeline {
     compute: wgpu::ComputePipeline,
     bindings: Vec<Binding>,
+    pace: Pace,
 }
 
 /// What the kernels read besides the view, by the name of the binding.
@@ -56,16 +61,17 @@ impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
         let clock = Clock::new(&open);
-        Self { clock, summary, open, limits, pipelines: HashMap::new(), buffers: HashMap::new(), verdict: None }
+        let (pipelines, buffers) = (HashMap::new(), HashMap::new());
+        Self { clock, summary, open, limits, pipelines, buffers, pace: Pace::default(), verdict: None }
     }
 
-    /// Fills `output` by `kernel`. `go_on` is asked between bands.
+    /// Fills `output` by `kernel`. `go_on` is told before every band how many pixels are done, and ends the work by a `false`.
     pub(crate) fn run(
         &mut self,
         kernel: &Kernel,
         input: &Input<'_>,
         output: &mut Output<'_>,
-        go_on: &dyn Fn() -> bool,
+        go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
         self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
     }
@@ -111,15 +117,17 @@ impl Gpu {
         kernel: &Kernel,
         input: &Input<'_>,
         output: &mut Output<'_>,
-        go_on: &dyn Fn() -> bool,
+        go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
         let Output { raw, stages } = output;
         let record = input.view.record;
-        self.check_limits(kernel, &record)?;
+        self.check_limits(kernel, input)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
-        for band in bands(kernel, input, &Reach::from(&self.limits)) {
-            if !go_on() {
+        let mut bands = Bands::new(kernel, input, Reach::from(&self.limits));
+        let width = if kernel.rays == Rays::Camera { record.width } else { 1 };
+        while let Some(band) = bands.next(&self.pipelines[kernel].pace) {
+            if !go_on(u64::from(width) * u64::from(band.first)) {
                 return Err(Error::Interrupted);
             }
             if let Some(stage) = input.stage {
@@ -127,24 +135,29 @@ impl Gpu {
                     lists(stage, &band).uploads().iter().try_for_each(|(name, parts)| self.fill_parts(name, parts))
                 })?;
             }
+            let (tests, start) = (bands.tests(&band), Instant::now());
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
+            // The wall clock counts uploads that the submission waited for, and the first time the driver's compiler.
+            let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
+            let seconds = clocked.unwrap_or_else(|| start.elapsed().as_secs_f64());
+            tracing::debug!(band.first, band.count, tests, seconds, "submitted");
+            if let Some(pipeline) = self.pipelines.get_mut(kernel) {
+                pipeline.pace.took(tests, seconds);
+            }
             stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
         }
         Ok(())
     }
 
     /// Refuses, before any work, what the adapter cannot hold.
-    fn check_limits(&self, kernel: &Kernel, record: &ViewRecord) -> Result<()> {
-        let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
-        let fit = largest / size_of::<SphereRecord>() as u64;
-        // A certified frame holds the lists of one band at a time.
-        if !kernel.certify && u64::from(record.spheres) > fit {
+    fn check_limits(&self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
+        let (record, reach) = (&input.view.record, Reach::from(&self.limits));
+        let (largest, fit) = (reach.binding, reach.spheres(kernel, input));
+        if u64::from(record.spheres) > fit {
             return Err(Error::Limits {
                 problem: format!(
-                    "{} spheres need {} bytes in one buffer and {} binds {largest}",
-                    record.spheres,
-                    u64::from(record.spheres) * size_of::<SphereRecord>() as u64,
-                    self.summary.name
+                    "{} spheres are more than {} can hold for this image, which binds {largest} bytes",
+                    record.spheres, self.summary.name
                 ),
                 mend: format!("render at most {fit} spheres, or use --backend cpu"),
             });
@@ -184,7 +197,7 @@ impl Gpu {
             },
             cache: None,
         });
-        self.pipelines.insert(*kernel, Pipeline { compute, bindings: bindings(&module, &info) });
+        self.pipelines.insert(*kernel, Pipeline { compute, bindings: bindings(&module, &info), pace: self.pace });
         Ok(())
     }
 
@@ -397,7 +410,7 @@ mod tests {
                 let stage = Some(&stage);
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
                 let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
-                gpu.run(&kernel, &input, &mut output, &|| true).expect("a frame");
+                gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
                 raws.push(raw);
             }
             answers.push((sharing, raws));

@@ -1,14 +1,13 @@
 //! What goes to the device, what it writes, and in how many pieces: told by `halfline plan`, done by dispatch.rs.
 
 use super::dispatch::{GROUP, Input};
+use super::pace::{PIXEL, Pace};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, TILE};
 use crate::plan::{Kernel, Rays};
-
-/// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
-const TESTS_PER_DISPATCH: u64 = 1 << 32;
+use crate::view::SphereRecord;
 
 /// What an adapter can take at once.
 #[derive(Debug, Clone, Copy)]
@@ -28,38 +27,105 @@ impl From<&wgpu::Limits> for Reach {
     }
 }
 
+impl Reach {
+    /// How many spheres it can hold for this frame. All of a form's lie in one binding, and so do colours; of a certified
+    /// kernel's, those in the fullest row of tiles, so the number is what spheres spread like these would have room for.
+    pub(crate) fn spheres(&self, kernel: &Kernel, input: &Input<'_>) -> u64 {
+        let of_colors = if kernel.colors { self.binding / size_of::<[f32; 3]>() as u64 } else { u64::MAX };
+        // Frames keep ids as i32.
+        let most = of_colors.min(i32::MAX as u64);
+        let Some(stage) = input.stage.filter(|_| kernel.certify) else {
+            return most.min(self.binding / size_of::<SphereRecord>() as u64);
+        };
+        let height = input.view.record.height;
+        let others = |first: u32| lists(stage, &Band { first, count: TILE.min(height - first) }).bytes()[1].1;
+        let fullest = (0..height).step_by(TILE as usize).map(others).max().unwrap_or(0).max(1);
+        let spheres = u128::from(input.view.record.spheres) * u128::from(self.binding) / u128::from(fullest);
+        most.min(u64::try_from(spheres).unwrap_or(u64::MAX))
+    }
+}
+
 /// A band of the frame: rows of pixels, or a run of given rays in one row.
 pub(crate) struct Band {
     pub(crate) first: u32,
     pub(crate) count: u32,
 }
 
-/// The rays in pieces that fit the adapter's bindings and its patience.
-pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Band> {
-    let record = &input.view.record;
-    let tests = match input.stage {
-        // What a pixel of an average tile may be asked.
-        Some(stage) => stage.lists.mean(),
-        None => u64::from(record.spheres),
-    };
-    let pixels = (reach.binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));
-    let most = u64::from(reach.groups);
-    let (total, step) = match kernel.rays {
-        Rays::Camera => {
-            let tiles = (pixels / u64::from(record.width * TILE)).max(1);
-            (record.height, tiles.min(most) as u32 * TILE)
-        }
-        _ => (input.rays.len() as u32, (pixels / u64::from(GROUP)).max(1).min(most) as u32 * GROUP),
-    };
-    let mut bands = Vec::new();
-    let mut first = 0;
-    while first < total {
-        let most = step.min(total - first);
-        let count = input.stage.map_or(most, |stage| rows_that_fit(stage, first, most, reach.binding));
-        bands.push(Band { first, count });
-        first += count;
+/// The rays in pieces that fit the adapter's bindings and its patience. The least piece is a row of tiles, or a group of
+/// given rays: one that takes too long by itself is submitted all the same.
+pub(crate) struct Bands<'a> {
+    kernel: &'a Kernel,
+    input: &'a Input<'a>,
+    reach: Reach,
+    /// Rows or rays that are in no band yet, and those of the frame.
+    first: u32,
+    total: u32,
+}
+
+impl<'a> Bands<'a> {
+    pub(crate) fn new(kernel: &'a Kernel, input: &'a Input<'a>, reach: Reach) -> Self {
+        let total = if kernel.rays == Rays::Camera { input.view.record.height } else { input.rays.len() as u32 };
+        Self { kernel, input, reach, first: 0, total }
     }
-    bands
+
+    /// The next one, as heavy as `pace` allows.
+    pub(crate) fn next(&mut self, pace: &Pace) -> Option<Band> {
+        let (first, left) = (self.first, self.total - self.first);
+        if left == 0 {
+            return None;
+        }
+        let (unit, pixels) = self.unit();
+        let units = (self.reach.binding / (12 * pixels)).clamp(1, u64::from(self.reach.groups));
+        let mut count = left.min(units.min(u64::from(left)) as u32 * unit);
+        let tests = pace.next(self.tests(&Band { first, count: left }));
+        if self.tests(&Band { first, count }) > tests {
+            count = self.within(first, count, tests);
+        }
+        if let Some(stage) = self.input.stage.filter(|_| self.kernel.certify) {
+            count = rows_that_fit(stage, first, count, self.reach.binding);
+        }
+        self.first += count;
+        Some(Band { first, count })
+    }
+
+    /// Rows or rays that are never parted, and their pixels.
+    fn unit(&self) -> (u32, u64) {
+        match self.kernel.rays {
+            Rays::Camera => (TILE, u64::from(self.input.view.record.width) * u64::from(TILE)),
+            _ => (GROUP, u64::from(GROUP)),
+        }
+    }
+
+    /// How many of `most`, a unit or more, stay within `tests`.
+    fn within(&self, first: u32, most: u32, tests: f64) -> u32 {
+        let (unit, _) = self.unit();
+        let (mut few, mut many) = (1, most.div_ceil(unit));
+        while few < many {
+            let middle = (few + many).div_ceil(2);
+            if self.tests(&Band { first, count: most.min(middle * unit) }) <= tests {
+                few = middle;
+            } else {
+                many = middle - 1;
+            }
+        }
+        most.min(few * unit)
+    }
+
+    /// What a band may cost at most, in ray-sphere tests of `stable`.
+    pub(crate) fn tests(&self, band: &Band) -> f64 {
+        let record = &self.input.view.record;
+        let width = if self.kernel.rays == Rays::Camera { record.width } else { 1 };
+        let pixels = f64::from(width) * f64::from(band.count);
+        let all = match self.input.stage {
+            // A ray asks its tile's list and every near sphere.
+            Some(stage) if self.kernel.certify => {
+                let listed: u64 = stage.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
+                listed as f64 * f64::from(TILE * TILE) + pixels * stage.nears.len() as f64
+            }
+            _ => pixels * f64::from(record.spheres) * self.kernel.method.cost(),
+        };
+        all + pixels * PIXEL
+    }
 }
 
 /// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
@@ -114,6 +180,11 @@ impl Lists<'_> {
             ("others", [bytemuck::cast_slice(self.nears), bytemuck::cast_slice(self.mores)]),
             ("lists", [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(self.sills)]),
         ]
+    }
+
+    /// Their sizes.
+    pub(crate) fn bytes(&self) -> [(&'static str, u64); 3] {
+        self.uploads().map(|(name, parts)| (name, parts.iter().map(|part| part.len() as u64).sum()))
     }
 }
 

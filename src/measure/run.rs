@@ -12,11 +12,11 @@ use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
 use crate::gpu::device;
 use crate::plan::{Backend, Settings, Tolerance};
+use crate::progress::Watch;
 use crate::render::Renderer;
 use crate::scene::Scene;
 use glam::DVec3;
 use std::path::Path;
-use std::sync::Arc;
 
 /// What every timed frame holds, besides the ids.
 const AOVS: [Aov; 3] = [Aov::Color, Aov::Distance, Aov::Normal];
@@ -129,15 +129,12 @@ impl Default for Options {
     }
 }
 
-/// Asked before every frame and every row of the judge; no ends the work.
-pub type GoOn = Arc<dyn Fn() -> bool + Send + Sync>;
-
-/// Measures `subject`; `say` hears a line now and then.
+/// Measures `subject`; `say` hears a line now and then, `watch` every frame and the judge's.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when `go_on` says no, and those of [`Renderer::render`]; an adapter's refusal of a method is
+/// [`Error::Interrupted`] when `watch` says no, and those of [`Renderer::render`]; an adapter's refusal of a method is
 /// part of the record, unless nothing else is.
-pub fn measure(subject: &Subject, options: &Options, go_on: &GoOn, say: &mut dyn FnMut(&str)) -> Result<Record> {
+pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dyn FnMut(&str)) -> Result<Record> {
     for scene in subject.cases.iter().flat_map(|case| &case.scenes) {
         scene.check()?;
     }
@@ -151,7 +148,7 @@ pub fn measure(subject: &Subject, options: &Options, go_on: &GoOn, say: &mut dyn
         units: units(),
         ..Record::default()
     };
-    let mut stations = stations(options, go_on, &mut record.warnings)?;
+    let mut stations = stations(options, watch, &mut record.warnings)?;
     for station in &mut stations {
         record.places.push(station.record()?);
     }
@@ -166,7 +163,7 @@ pub fn measure(subject: &Subject, options: &Options, go_on: &GoOn, say: &mut dyn
         let mut entries = entries(&stations, options);
         let mut hits = 0;
         for scene in &case.scenes {
-            let turns = Turns { scene, kind: subject.kind, options, go_on };
+            let turns = Turns { scene, kind: subject.kind, options, watch };
             hits += turns.run(&mut stations, &mut entries, say)?;
         }
         record.scenes.push(SceneRecord { hits, ..describe(case, first) });
@@ -213,11 +210,10 @@ struct Station {
 }
 
 /// Where the options want it measured.
-fn stations(options: &Options, go_on: &GoOn, warnings: &mut Vec<String>) -> Result<Vec<Station>> {
+fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Result<Vec<Station>> {
     let open = |backend: Backend, adapter: Option<String>| {
         let settings = Settings { backend, adapter, ..Settings::default() };
-        let go_on = Arc::clone(go_on);
-        Ok(Station { renderer: Renderer::new(&settings)?.cancelled_by(move || go_on()), backend })
+        Ok(Station { renderer: Renderer::new(&settings)?.watched_by(watch.clone()), backend })
     };
     let gpu = || open(Backend::Gpu, options.adapter.clone());
     let cpu = || open(Backend::Cpu, None);
@@ -296,13 +292,13 @@ struct Turns<'a> {
     scene: &'a Scene,
     kind: Kind,
     options: &'a Options,
-    go_on: &'a GoOn,
+    watch: &'a Watch,
 }
 
 impl Turns<'_> {
     /// Lets everyone render: first frames, then rounds. How many rays hit.
     fn run(&self, stations: &mut [Station], entries: &mut [Entry], say: &mut dyn FnMut(&str)) -> Result<u64> {
-        let truths = Truths::while_going(self.scene, &**self.go_on)?;
+        let truths = Truths::watched(self.scene, self.watch)?;
         for entry in entries.iter_mut().filter(|entry| entry.refusal.is_none()) {
             let station = &mut stations[entry.place];
             match self.first(station, entry, &truths) {

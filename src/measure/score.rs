@@ -30,6 +30,7 @@ use crate::error::{Error, Result};
 use crate::exact::{Judge, Root};
 use crate::frame::{Aov, Frame};
 use crate::predict::Prediction;
+use crate::progress::{Step, Watch};
 use crate::scene::Scene;
 use clearance::Sight;
 use rayon::prelude::*;
@@ -123,24 +124,26 @@ impl<'a> Truths<'a> {
     /// # Errors
     /// Those of [`Judge::new`].
     pub fn of(scene: &'a Scene) -> Result<Self> {
-        Self::while_going(scene, &|| true)
+        Self::watched(scene, &Watch::default())
     }
 
-    /// The same; `go_on` is asked before every row.
+    /// The same; `watch` is asked before every row.
     ///
     /// # Errors
     /// [`Error::Interrupted`] when it says no, else as [`Truths::of`].
-    pub fn while_going(scene: &'a Scene, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Self> {
+    pub fn watched(scene: &'a Scene, watch: &Watch) -> Result<Self> {
         let judge = Judge::new(scene)?;
         let (width, height) = (scene.image.width, scene.image.height);
+        let doing = watch.begin(Step::Settle, u64::from(width) * u64::from(height));
         let row = |i: u32| {
             let judge = &judge;
-            let columns = if go_on() { 0..width } else { 0..0 };
+            let columns = if doing.next(u64::from(width)) { 0..width } else { 0..0 };
             columns.map(move |j| answer(judge, i, j))
         };
         let answers: Vec<_> = (0..height).into_par_iter().flat_map_iter(row).collect();
+        doing.end()?;
         let sight = Sight::of(scene)?;
-        if go_on() { Ok(Self { scene, judge, sight, answers }) } else { Err(Error::Interrupted) }
+        Ok(Self { scene, judge, sight, answers })
     }
 
     /// Rays that hit something.

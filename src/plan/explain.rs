@@ -9,9 +9,10 @@ use crate::frame::Aov;
 use crate::gpu::compose::compose;
 use crate::gpu::device::{self, Found};
 use crate::gpu::dispatch::Input;
-use crate::gpu::traffic::{Reach, bands, lists, outputs, uploads};
+use crate::gpu::pace::Pace;
+use crate::gpu::traffic::{Bands, Reach, lists, outputs, uploads};
 use crate::intersect::Method;
-use crate::memory::Pool;
+use crate::memory::{self, Need, Pool};
 use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::shade::Shade;
@@ -63,8 +64,11 @@ pub struct Explanation {
     pub uploaded: Vec<Binding>,
     /// What the kernel writes and the host reads back, for all pixels together.
     pub written: Vec<Binding>,
-    /// In how many dispatches; 0 where no kernel runs.
+    /// In how many dispatches: bands of rows that fit the adapter's bindings and half a second of software; a faster adapter
+    /// takes fewer. 0 where no kernel runs.
     pub dispatches: u64,
+    /// How much there is room for.
+    pub room: Room,
     /// What the frame holds when it is done.
     pub frame: Vec<Shown>,
     /// What is not needed, and why.
@@ -80,6 +84,19 @@ pub struct Staged {
     pub near: u64,
     /// Behind the eye or beside the image: no ray meets them, none is uploaded.
     pub unseen: u64,
+}
+
+/// How many spheres there is room for, for this image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Room {
+    /// What the adapter's bindings can hold of spheres that lie like these; `None` where no kernel runs.
+    pub adapter: Option<u64>,
+    /// What this machine's memory can hold now, the scene's own included; `None` where the system does not tell.
+    pub host: Option<u64>,
+    /// What the frame needs of that memory besides the scene, bytes: an estimate.
+    pub needed: u64,
+    /// What is free of it, bytes.
+    pub free: Option<u64>,
 }
 
 /// A file of WGSL.
@@ -140,6 +157,8 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
         return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
     }
+    let (need, free) = (Need::of(&plan, &settings.aovs, scene, found.is_some()), memory::free(&Pool::default()));
+    need.check(free)?;
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
     let view = View::for_kernel(scene, &kernel)?;
     let promise = settings.promise().relative();
@@ -182,6 +201,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         uploaded: work.uploaded,
         written: work.written,
         dispatches: work.dispatches,
+        room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
     })
 }
 
@@ -204,6 +224,7 @@ struct Work {
     uploaded: Vec<Binding>,
     written: Vec<Binding>,
     dispatches: u64,
+    spheres: Option<u64>,
 }
 
 impl Work {
@@ -215,21 +236,22 @@ impl Work {
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
         let written = outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
-        let bands = bands(kernel, &input, &Reach::from(&found.adapter.limits()));
+        let reach = Reach::from(&found.adapter.limits());
+        let mut cut = Bands::new(kernel, &input, reach);
+        let bands: Vec<_> = std::iter::from_fn(|| cut.next(&Pace::default())).collect();
         if let Some(stage) = stage {
             // Band by band into the same buffers: all of it passes through.
             let mut of_lists: Vec<Binding> = Vec::new();
-            for (name, more) in bands.iter().flat_map(|band| {
-                lists(stage, band).uploads().map(|b| (b.0, b.1.iter().map(|part| part.len()).sum::<usize>()))
-            }) {
+            for (name, more) in bands.iter().flat_map(|band| lists(stage, band).bytes()) {
                 match of_lists.iter_mut().find(|b| b.name == name) {
-                    Some(b) => b.bytes += more as u64,
-                    None => of_lists.push(Binding { name, bytes: more as u64 }),
+                    Some(b) => b.bytes += more,
+                    None => of_lists.push(Binding { name, bytes: more }),
                 }
             }
             uploaded.extend(of_lists);
         }
-        Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64 }
+        let spheres = Some(reach.spheres(kernel, &input));
+        Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
 use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
 use npyz::{NpyFile, NpyHeader, Order};
 use std::io::{self, BufRead};
 use std::path::Path;
@@ -11,12 +12,17 @@ const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.sa
 
 /// Appends the spheres of the file. Memory grows with what the file holds, never with what its header claims.
 pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
-    Npy { path, reader: super::open(path)? }.read(spheres)
+    let reader = super::open(path)?;
+    // What has no length, a pipe say, holds nothing that could be counted on.
+    let bytes = reader.get_ref().metadata().map_or(0, |file| file.len());
+    Npy { path, reader, bytes }.read(spheres)
 }
 
 struct Npy<'p, R> {
     path: &'p Path,
     reader: R,
+    /// The file's length, or less.
+    bytes: u64,
 }
 
 impl<R: BufRead> Npy<'_, R> {
@@ -26,6 +32,11 @@ impl<R: BufRead> Npy<'_, R> {
             [n, width @ (4 | 7)] => (n, width as usize),
             ref other => return Err(self.fail("shape", format!("found {other:?}, wanted (n, 4) or (n, 7)"))),
         };
+        // An element has a byte at least; most have eight.
+        let size = header.dtype().num_bytes().unwrap_or(1).max(1) as u64;
+        let there = rows.min(self.bytes / (size * width as u64));
+        check_spheres(spheres.len() as u64 + there, width == COLUMNS.len())?;
+        spheres.reserve(there as usize, width == COLUMNS.len());
         let order = header.order();
         let file = match NpyFile::with_header(header, &mut self.reader).try_data::<f64>() {
             Ok(numbers) => {

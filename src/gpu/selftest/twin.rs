@@ -73,7 +73,7 @@ impl Gpu {
                 (true, Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
                 (false, _) => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
-            self.run(&kernel, &input, &mut output, &|| true)?;
+            self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {
                 let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
                 raw.id.iter().copied().chain(numbers).collect()

@@ -1,0 +1,126 @@
+//! However a frame is cut into bands, by time or by what a binding holds, its answers are the same bits.
+
+use super::pace::Pace;
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
+use crate::error::Error;
+use crate::frame::raw::Raw;
+use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::{Gpu, device};
+use crate::intersect::Method;
+use crate::memory::Pool;
+use crate::plan::{Kernel, Rays, Sharing};
+use crate::report::Stages;
+use crate::scene::{ReadOptions, Scene};
+use crate::shade::Shade;
+use crate::view::View;
+use std::cell::Cell;
+
+/// Columns and rows: neither a multiple of a tile's.
+const SIZE: [u32; 2] = [67, 45];
+
+/// A frame of weekend, if nobody ends it after so many bands; and how many it took.
+fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, usize) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+    let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    [scene.image.width, scene.image.height] = SIZE;
+    let mut view = View::new(&scene).expect("a view");
+    view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
+    let pool = Pool::default();
+    let stage = Stage::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
+    let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
+    let stage = stage.as_ref().filter(|_| kernel.certify);
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+    let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
+    let told = Cell::new(Vec::new());
+    let go_on = |done| {
+        let mut all = told.take();
+        all.push(done);
+        let on = all.len() <= bands;
+        told.set(all);
+        on
+    };
+    let outcome = gpu.run(kernel, &input, &mut output, &go_on);
+    let told = told.take();
+    assert!(
+        told.first().is_none_or(|done| *done == 0)
+            && told.is_sorted()
+            && told.iter().all(|done| done % u64::from(SIZE[0]) == 0),
+        "{told:?}"
+    );
+    (outcome.map(|()| raw), told.len())
+}
+
+/// The pinned adapter, opened twice; `None` where there shall be none.
+fn two() -> Option<[Gpu; 2]> {
+    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
+        println!("SKIPPED: HALFLINE_NO_GPU is set");
+        return None;
+    }
+    let found = device::choose(device::find().expect("adapters"), None).expect("a choice");
+    let found = found.expect("an adapter; tests/run installs and pins one");
+    let open = || Gpu::new(device::open(&found).expect("a device"), found.summary.clone());
+    Some([open(), open()])
+}
+
+/// A form and a certified kernel.
+fn kernels(gpu: &Gpu) -> [Kernel; 2] {
+    let plain = Kernel {
+        method: Method::Stable,
+        rays: Rays::Camera,
+        sharing: Sharing::on(&gpu.summary),
+        shade: Some(Shade::Flat),
+        colors: true,
+        t: true,
+        normal: false,
+        certify: false,
+        nears: false,
+        width: false,
+    };
+    [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
+}
+
+/// However a frame is cut, its answers are the same bits; and a frame that was ended leaves the next one whole.
+#[test]
+fn bands_leave_no_trace() {
+    let Some([mut whole, mut cut]) = two() else { return };
+    cut.pace = Pace::creeping();
+    let [plain, certified] = kernels(&whole);
+    for kernel in [plain, certified, Kernel { method: Method::DoubleFloat, ..plain }] {
+        let (one, bands) = frame(&mut whole, &kernel, usize::MAX);
+        assert_eq!(bands, 1, "{kernel:?} is light");
+        for ended in [3, usize::MAX] {
+            let (many, bands) = frame(&mut cut, &kernel, ended);
+            match many {
+                Err(Error::Interrupted) => assert_eq!((bands, ended), (4, 3)),
+                Err(error) => panic!("{error}"),
+                Ok(many) => {
+                    assert!(bands > 3, "{bands} bands");
+                    assert!(many == *one.as_ref().expect("a frame"), "{kernel:?} differs");
+                }
+            }
+        }
+    }
+}
+
+/// Lists that no binding holds are cut; a scene that cannot be is refused, with the number that would fit.
+#[test]
+fn what_no_binding_holds_is_cut_or_refused_by_number() {
+    let Some([mut whole, mut small]) = two() else { return };
+    let [plain, certified] = kernels(&whole);
+    let (one, bands) = frame(&mut whole, &certified, usize::MAX);
+    assert_eq!(bands, 1);
+    small.limits.max_storage_buffer_binding_size = 12 << 10;
+    let (many, bands) = frame(&mut small, &certified, usize::MAX);
+    assert!(bands > 1 && many.expect("a frame") == one.expect("a frame"), "{bands} bands");
+    for (kernel, binding, fit) in [(plain, 8 << 10, 256), (plain, 4 << 10, 128), (certified, 4 << 10, 341)] {
+        small.limits.max_storage_buffer_binding_size = binding;
+        match frame(&mut small, &kernel, usize::MAX).0 {
+            Err(Error::Limits { mend, .. }) => {
+                let number: u64 = mend.split(' ').find_map(|word| word.parse().ok()).expect("a number");
+                assert!((1..=fit).contains(&number) && (kernel.certify || number == fit), "{mend}");
+            }
+            other => panic!("{binding} bytes a binding: {:?}", other.map(|_| "a frame")),
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! What a frame needs, what there is, and how many spheres that would do for.
+
+use super::Pool;
+use crate::error::{Error, Result};
+use crate::exact;
+use crate::frame::Aov;
+use crate::plan::{Accuracy, Kernel, Plan};
+use crate::scene::Scene;
+use crate::view::{SphereLow, SphereRecord};
+
+/// Bytes that the host needs at once for a certified frame, for each sphere that a ray may meet: its bin (20), its key (8),
+/// and what the rays ask of it (32 and a sill), once in the list of its row and once in the frame's. Smaller ones than a
+/// tile have 1.1 entries or so; what is hidden or met by no ray has none, but that is known only when it is too late.
+const STAGED: u64 = 104;
+
+/// Frames keep ids as i32.
+const MOST: u64 = i32::MAX as u64;
+
+/// What a frame holds on the host besides its scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Need {
+    /// For its pixels, bytes.
+    pub(crate) pixels: u64,
+    /// For each sphere, bytes.
+    pub(crate) sphere: u64,
+    /// How many.
+    pub(crate) spheres: u64,
+}
+
+impl Need {
+    /// Of a frame as planned, on an adapter or on the CPU path.
+    pub(crate) fn of(plan: &Plan, aovs: &[Aov], scene: &Scene, gpu: bool) -> Self {
+        let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
+        let records = record + if wide { size_of::<SphereLow>() as u64 } else { 0 };
+        let sphere = match plan.accuracy {
+            Accuracy::Exact => exact::BYTES_PER_SPHERE,
+            Accuracy::Certified => STAGED,
+            // On its way to the device it is there twice.
+            _ if gpu => 2 * records,
+            // The twin has its own in its own numbers.
+            _ => records + if wide { 48 } else { 24 },
+        };
+        let image = scene.image;
+        let pixels = u64::from(image.width) * u64::from(image.height) * bytes_per_pixel(&plan.kernel, aovs);
+        Self { pixels, sphere, spheres: scene.spheres.len() as u64 }
+    }
+
+    /// All of it, bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.pixels.saturating_add(self.spheres.saturating_mul(self.sphere))
+    }
+
+    /// How many spheres so many bytes would do for, the scene's own numbers included for those that are not there yet.
+    pub(crate) fn fitting(&self, free: u64) -> u64 {
+        let left = free.saturating_sub(self.pixels);
+        let had = self.spheres.min(left / self.sphere.max(1));
+        had + (left - had * self.sphere) / (self.sphere + SPHERE)
+    }
+
+    /// Refuses what does not fit `free` bytes, if anybody knows how many those are.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] with the numbers, and with what would fit.
+    pub(crate) fn check(&self, free: Option<u64>) -> Result<()> {
+        if self.spheres > MOST {
+            let problem = format!("{} spheres are more than ids of 32 bits can tell apart", self.spheres);
+            return Err(Error::Limits { problem, mend: format!("render at most {MOST}") });
+        }
+        let (need, Some(free)) = (self.bytes(), free) else { return Ok(()) };
+        if need <= free {
+            return Ok(());
+        }
+        let problem = format!(
+            "the frame needs about {need} bytes, {} for its pixels and {} for each sphere, and {free} are free",
+            self.pixels, self.sphere
+        );
+        let mend = match self.fitting(free) {
+            _ if self.pixels > free => "render a smaller --size or fewer buffers".to_owned(),
+            fit => format!("render at most {fit} spheres, or a smaller --size"),
+        };
+        Err(Error::Limits { problem, mend })
+    }
+}
+
+/// Bytes of a sphere in a scene: centre and radius. A colour comes on top.
+const SPHERE: u64 = 32;
+const COLOR: u64 = 12;
+
+/// Refuses a scene of so many spheres before they are read.
+///
+/// # Errors
+/// [`Error::Limits`] with the number that would fit.
+pub(crate) fn check_spheres(spheres: u64, colored: bool) -> Result<()> {
+    check_spheres_in(spheres, colored, free(&Pool::default()))
+}
+
+fn check_spheres_in(spheres: u64, colored: bool, free: Option<u64>) -> Result<()> {
+    let each = SPHERE + if colored { COLOR } else { 0 };
+    match free {
+        Some(free) if spheres.saturating_mul(each) > free => Err(Error::Limits {
+            problem: format!("{spheres} spheres need {} bytes and {free} are free", spheres.saturating_mul(each)),
+            mend: format!("give at most {} spheres", free / each),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What a frame holds at once: the kernel's own buffers and those made of them.
+fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov]) -> u64 {
+    let made = aovs.iter().map(|aov| match aov {
+        // The kernel's own become the frame's.
+        Aov::Color | Aov::Normal | Aov::Id => 0,
+        Aov::Position => 24,
+        Aov::Distance | Aov::Depth | Aov::Bound => 8,
+        Aov::Mask | Aov::Certainty => 1,
+    });
+    let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
+    let t = u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 };
+    4 + 4 * (t + u64::from(kernel.width)) + 12 * vectors + made.sum::<u64>()
+}
+
+/// Bytes that can still be had, those that `pool` keeps included: of this machine's memory and swap, of what its control
+/// group allows, of what the process may address. `None` where the system does not tell.
+pub(crate) fn free(pool: &Pool) -> Option<u64> {
+    let least = [machine(), group(), addresses()].into_iter().flatten().min()?;
+    Some(least.saturating_add(pool.kept()))
+}
+
+fn read(path: &str) -> Option<String> {
+    std::fs::read_to_string(path).ok()
+}
+
+/// The first number behind `name` in a text of lines such as `MemTotal:  23 kB`.
+fn number(text: &str, name: &str) -> Option<u64> {
+    text.lines().find_map(|line| line.strip_prefix(name)?.split_whitespace().next()?.parse().ok())
+}
+
+/// What programs can be given without others being ended for it.
+fn machine() -> Option<u64> {
+    let text = read("/proc/meminfo")?;
+    let kib = number(&text, "MemAvailable:")? + number(&text, "SwapFree:").unwrap_or(0);
+    Some(kib << 10)
+}
+
+/// What the control group still allows, in its version 2 or 1; files that were read are let go when room is needed.
+fn group() -> Option<u64> {
+    let left = |limit: &str, used: &str, stat: &str, files: &str| {
+        let of = |path: &str| read(&format!("/sys/fs/cgroup/{path}"))?.trim().parse::<u64>().ok();
+        let cached = read(&format!("/sys/fs/cgroup/{stat}")).and_then(|text| number(&text, files));
+        Some(of(limit)?.saturating_sub(of(used)?.saturating_sub(cached.unwrap_or(0))))
+    };
+    left("memory.max", "memory.current", "memory.stat", "inactive_file ").or_else(|| {
+        let [limit, used] = ["memory/memory.limit_in_bytes", "memory/memory.usage_in_bytes"];
+        left(limit, used, "memory/memory.stat", "total_inactive_file ")
+    })
+}
+
+/// What `ulimit -v` leaves.
+fn addresses() -> Option<u64> {
+    let most = number(&read("/proc/self/limits")?, "Max address space ")?;
+    let used = number(&read("/proc/self/status")?, "VmSize:")? << 10;
+    Some(most.saturating_sub(used))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GIB: u64 = 1 << 30;
+
+    #[test]
+    fn the_number_that_would_fit_fits_and_one_more_does_not() {
+        let need = Need { pixels: GIB, sphere: 100, spheres: 10_000_000 };
+        assert!(need.check(Some(need.bytes())).is_ok() && need.check(None).is_ok());
+        let error = need.check(Some(need.bytes() - 1)).expect_err("a byte too few").to_string();
+        assert!(error.contains("at most 9999999 spheres"), "{error}");
+        let free = 3 * GIB;
+        let (fit, total) = (need.fitting(free), need.spheres);
+        assert!(fit > total);
+        let with = |spheres: u64| GIB + spheres * 100 + (spheres - total) * SPHERE;
+        assert!(with(fit) <= free && with(fit + 1) > free);
+        let error = need.check(Some(GIB - 1)).expect_err("too many pixels").to_string();
+        assert!(error.contains("--size") && !error.contains("at most"), "{error}");
+        let error = Need { pixels: u64::MAX / 2, ..need }.check(Some(GIB)).expect_err("absurd").to_string();
+        assert!(error.contains("bytes"), "{error}");
+        let error = Need { spheres: MOST + 1, ..need }.check(None).expect_err("no ids").to_string();
+        assert!(error.contains(&MOST.to_string()), "{error}");
+    }
+
+    #[test]
+    fn a_file_of_too_many_spheres_is_refused_by_number() {
+        assert!(check_spheres_in(1000, true, Some(44_000)).is_ok() && check_spheres_in(u64::MAX, true, None).is_ok());
+        let error = check_spheres_in(1000, true, Some(43_999)).expect_err("a byte too few").to_string();
+        assert!(error.contains("at most 999 "), "{error}");
+        assert!(check_spheres_in(u64::MAX, false, Some(u64::MAX - 1)).is_err(), "no overflow");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn linux_tells_its_memory_and_what_is_kept_counts() {
+        let pool = Pool::default();
+        assert!(free(&pool).is_some_and(|bytes| bytes > 1 << 20));
+        // Nothing is written, so the system has given nothing.
+        pool.give(Vec::<u64>::with_capacity(1 << 27));
+        assert!(pool.kept() >= GIB && free(&pool).is_some_and(|bytes| bytes >= pool.kept()));
+    }
+
+    #[test]
+    fn numbers_are_found_behind_their_names() {
+        let text = "MemTotal: 7 kB\nMemAvailable:   42 kB\nMax address space         unlimited\n";
+        assert_eq!(number(text, "MemAvailable:"), Some(42));
+        assert_eq!((number(text, "SwapFree:"), number(text, "Max address space ")), (None, None));
+    }
+}

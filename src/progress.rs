@@ -1,0 +1,258 @@
+//! Who is told how far the work is, and who may end it.
+
+use crate::error::{Error, Result};
+use std::fmt;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A part of the work on a frame that may take long, in the order of their turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Step {
+    /// Spheres are brought before the eye and listed for the rays that may meet them. Told at its beginning and its end.
+    Stage,
+    /// Rays are traced.
+    Trace,
+    /// Pixels are decided in better arithmetic than f32: those that a certified kernel could not prove, or all of them
+    /// where exact answers are asked for.
+    Settle,
+}
+
+impl Step {
+    /// One word.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stage => "stage",
+            Self::Trace => "trace",
+            Self::Settle => "settle",
+        }
+    }
+
+    /// What is counted, in the plural.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Stage => "spheres",
+            Self::Trace | Self::Settle => "pixels",
+        }
+    }
+}
+
+/// How far a step of a frame is. Within a step `done` never decreases; it begins at 0 and, unless the frame fails, ends at
+/// `total`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done.
+    pub step: Step,
+    /// How many of them are done; rows that threads are at work on count as done.
+    pub done: u64,
+    /// Of how many: spheres or pixels, as [`Step::unit`] says.
+    pub total: u64,
+}
+
+/// Ends work from another thread, or from the one that is told of it. Clones are the same token.
+#[derive(Debug, Clone, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Whatever watches this ends soon, with [`Error::Interrupted`]: after a band of rows on an adapter, after a few rows
+    /// on the CPU path.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Lets new work begin.
+    pub fn reset(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    /// Whether it was cancelled.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+type GoOn = dyn Fn() -> bool + Send + Sync;
+type Hear = dyn FnMut(Progress) + Send;
+
+/// An eye on long work: asked whether it shall go on, told how far it is. The default lets all of it happen in silence.
+///
+/// ```
+/// use halfline::{Cancel, Error, Renderer, Settings, Watch};
+/// # use halfline::{Camera, ImagePlane, Scene, Skipped, Spheres};
+/// # let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]], radii: vec![1.0], colors: None };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+/// let (cancel, settings) = (Cancel::default(), Settings::default());
+/// let watch = Watch::default()
+///     .cancelled_by(&cancel)
+///     .telling(|p| println!("{}: {} of {} {}", p.step.name(), p.done, p.total, p.step.unit()));
+/// let mut renderer = Renderer::new(&settings)?.watched_by(watch);
+/// cancel.cancel(); // from any thread, at any time
+/// assert!(matches!(renderer.render(&scene, &settings), Err(Error::Interrupted)));
+/// cancel.reset();
+/// assert!(renderer.render(&scene, &settings).is_ok());
+/// # Ok::<(), Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Watch {
+    go_on: Arc<GoOn>,
+    hear: Option<Arc<Mutex<Hear>>>,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self { go_on: Arc::new(|| true), hear: None }
+    }
+}
+
+impl fmt::Debug for Watch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Watch").field("told", &self.hear.is_some()).finish_non_exhaustive()
+    }
+}
+
+impl Watch {
+    /// Asks `go_on` before every band of rows on an adapter, before every row on the CPU path, and between the steps; when
+    /// it says no, the work ends with [`Error::Interrupted`]. All that were given are asked.
+    #[must_use]
+    pub fn while_true(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        let others = self.go_on;
+        self.go_on = Arc::new(move || others() && go_on());
+        self
+    }
+
+    /// The same by a token.
+    #[must_use]
+    pub fn cancelled_by(self, cancel: &Cancel) -> Self {
+        let cancel = cancel.clone();
+        self.while_true(move || !cancel.is_cancelled())
+    }
+
+    /// Tells `hear` how far the work is: often, from the threads that do it, one at a time; so it should be quick. The last
+    /// one given hears.
+    #[must_use]
+    pub fn telling(mut self, hear: impl FnMut(Progress) + Send + 'static) -> Self {
+        self.hear = Some(Arc::new(Mutex::new(hear)));
+        self
+    }
+
+    /// Whether the work shall go on.
+    pub(crate) fn goes_on(&self) -> bool {
+        (self.go_on)()
+    }
+
+    /// Whether the work shall go on, as an error if not.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.goes_on() { Ok(()) } else { Err(Error::Interrupted) }
+    }
+
+    /// A step of `total` begins.
+    pub(crate) fn begin(&self, step: Step, total: u64) -> Doing<'_> {
+        let doing = Doing { watch: self, step, total, done: AtomicU64::new(0) };
+        doing.tell();
+        doing
+    }
+}
+
+/// A step under way.
+pub(crate) struct Doing<'a> {
+    watch: &'a Watch,
+    step: Step,
+    total: u64,
+    done: AtomicU64,
+}
+
+impl Doing<'_> {
+    /// `more` are about to be done; whether to do them.
+    pub(crate) fn next(&self, more: u64) -> bool {
+        let on = self.watch.goes_on();
+        if on {
+            self.done.fetch_add(more, Ordering::Relaxed);
+            self.tell();
+        }
+        on
+    }
+
+    /// So many are done in all, no fewer than before; whether to do more.
+    pub(crate) fn reached(&self, done: u64) -> bool {
+        self.done.fetch_max(done, Ordering::Relaxed);
+        self.tell();
+        self.watch.goes_on()
+    }
+
+    /// The step is over.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if it was ended early, or has come to its end only now that nobody wants it.
+    pub(crate) fn end(self) -> Result<()> {
+        self.watch.check()?;
+        self.done.store(self.total, Ordering::Relaxed);
+        // The last word is not to be missed.
+        if let Some(hear) = &self.watch.hear {
+            self.tell_to(&mut *hear.lock().unwrap_or_else(PoisonError::into_inner));
+        }
+        Ok(())
+    }
+
+    /// Nobody waits for another who is telling: what is told next includes this.
+    fn tell(&self) {
+        if let Some(Ok(mut hear)) = self.watch.hear.as_ref().map(|hear| hear.try_lock()) {
+            self.tell_to(&mut *hear);
+        }
+    }
+
+    /// Read under the lock, so that nobody hears less than before.
+    fn tell_to(&self, hear: &mut Hear) {
+        let done = self.done.load(Ordering::Relaxed).min(self.total);
+        hear(Progress { step: self.step, done, total: self.total });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    /// Watches everything.
+    fn listener() -> (Watch, Arc<Mutex<Vec<Progress>>>) {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let ear = Arc::clone(&heard);
+        (Watch::default().telling(move |p| ear.lock().expect("an ear").push(p)), heard)
+    }
+
+    #[test]
+    fn many_threads_are_heard_in_order_and_to_the_end() {
+        let (watch, heard) = listener();
+        let doing = watch.begin(Step::Trace, 7000);
+        (0..1000).into_par_iter().for_each(|_| assert!(doing.next(7)));
+        doing.end().expect("nobody minds");
+        let heard = heard.lock().expect("an ear");
+        assert_eq!((heard[0].done, heard[heard.len() - 1].done), (0, 7000));
+        assert!(heard.is_sorted_by_key(|p| p.done) && heard.iter().all(|p| p.total == 7000), "{heard:?}");
+    }
+
+    #[test]
+    fn a_step_is_told_at_both_ends() {
+        let (watch, heard) = listener();
+        watch.begin(Step::Stage, 3).end().expect("nobody minds");
+        let of = |done| Progress { step: Step::Stage, done, total: 3 };
+        assert_eq!(*heard.lock().expect("an ear"), [of(0), of(3)]);
+    }
+
+    #[test]
+    fn everyone_may_end_it_and_a_token_may_be_used_again() {
+        let cancel = Cancel::default();
+        let watch = Watch::default().while_true(|| true).cancelled_by(&cancel);
+        assert!(watch.begin(Step::Settle, 1).next(1));
+        cancel.clone().cancel();
+        assert!(cancel.is_cancelled() && matches!(watch.check(), Err(Error::Interrupted)));
+        let doing = watch.begin(Step::Settle, 1);
+        assert!(!doing.next(1) && matches!(doing.end(), Err(Error::Interrupted)));
+        cancel.reset();
+        assert!(watch.check().is_ok());
+        assert!(watch.while_true(|| false).check().is_err(), "others stay, and may be stricter");
+    }
+}
