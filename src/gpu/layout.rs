@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 16] = [
+pub(crate) const BUFFERS: [&str; 18] = [
     "view",
     "spheres",
     "colors",
@@ -33,6 +33,8 @@ pub(crate) const BUFFERS: [&str; 16] = [
     "unsure",
     "frame_width",
     "frame_t_low",
+    "candidates",
+    "candidate_lows",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -78,6 +80,7 @@ mod tests {
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
+    use crate::listed::Candidate;
     use crate::plan::{Rays, Sharing};
     use crate::ray::NONE;
     use crate::shade::Shade;
@@ -93,8 +96,8 @@ mod tests {
         let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
         let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
         let mut kernels = Vec::new();
-        let plain = Method::ALL.iter().map(|&method| (method, false));
-        for (method, certify) in plain.chain([(Method::Stable, true)]) {
+        let plain = both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles)));
+        for (method, certify, tiles) in plain.chain([(Method::Stable, true, false)]) {
             for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
@@ -108,9 +111,10 @@ mod tests {
                             t,
                             normal,
                             certify,
+                            tiles,
                             width: t && certify,
                         };
-                        kernels.extend(colors.map(all).filter(|k| !certify || k.rays == Rays::Camera));
+                        kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == Rays::Camera));
                     }
                 }
             }
@@ -127,7 +131,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * (6 + 4) + 4) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -139,15 +143,17 @@ mod tests {
             let (module, info) = module(&kernel);
             let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
             let given = kernel.rays != Rays::Camera;
-            let certify = kernel.certify;
+            let (certify, tiles) = (kernel.certify, kernel.tiles);
             let wanted: BTreeSet<_> = [
                 (true, "view"),
-                (!certify, "spheres"),
+                (!certify && !tiles, "spheres"),
+                (tiles, "candidates"),
+                (tiles && kernel.is_wide(), "candidate_lows"),
                 (true, "frame_id"),
                 (certify, "lens"),
                 (certify, "fronts"),
                 (certify, "others"),
-                (certify, "lists"),
+                (certify || tiles, "lists"),
                 (certify, "unsure"),
                 (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
@@ -155,7 +161,7 @@ mod tests {
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
-                (kernel.rays == Rays::Spread || kernel.is_wide(), "lows"),
+                (kernel.rays == Rays::Spread || kernel.is_wide() && !tiles, "lows"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
@@ -195,9 +201,11 @@ mod tests {
             t: true,
             normal: true,
             certify: false,
+            tiles: false,
             width: false,
         };
         let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, ..any });
+        let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -209,7 +217,9 @@ mod tests {
         same!(certified "Front", FrontRecord, x y rho low);
         same!(certified "FrontMore", FrontMoreRecord, rest center id);
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
+        same!(tiles "Candidate", Candidate, ball power scale id);
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
+        assert_eq!(constant(&tiles, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low);

@@ -4,9 +4,12 @@ use super::certified::{ENTRY, LIST_HEAD};
 use super::dispatch::{GROUP, Input};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
-use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, TILE};
+use crate::error::Result;
+use crate::listed::{Asked, Candidate};
 use crate::plan::{Kernel, Rays};
+use crate::view::SphereLow;
+use std::ops::Range;
 
 /// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
 const TESTS_PER_DISPATCH: u64 = 1 << 32;
@@ -38,9 +41,9 @@ pub(crate) struct Band {
 /// The rays in pieces that fit the adapter's bindings and its patience.
 pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Band> {
     let record = &input.view.record;
-    let tests = match input.stage {
+    let tests = match &input.stage {
         // What a pixel of an average tile may be asked.
-        Some(stage) => stage.lists.mean(),
+        Some(asked) => asked.stage().lists.mean(),
         None => u64::from(record.spheres),
     };
     let pixels = (reach.binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));
@@ -56,7 +59,7 @@ pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Ba
     let mut first = 0;
     while first < total {
         let most = step.min(total - first);
-        let count = input.stage.map_or(most, |stage| rows_that_fit(stage, first, most, reach.binding));
+        let count = input.stage.map_or(most, |asked| rows_that_fit(&asked, first, most, reach.binding));
         bands.push(Band { first, count });
         first += count;
     }
@@ -64,67 +67,103 @@ pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Ba
 }
 
 /// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
-fn rows_that_fit(stage: &Stage, first: u32, most: u32, binding: u64) -> u32 {
-    // The near spheres lie in the same buffer.
-    let room = binding.saturating_sub(size_of_val(&stage.nears[..]) as u64);
-    if size_of_val(&stage.lists.mores[..]) as u64 <= room {
-        return most;
-    }
-    let bytes = |rows: u32| size_of_val(lists(stage, &Band { first, count: rows }).mores) as u64;
+fn rows_that_fit(asked: &Asked<'_>, first: u32, most: u32, binding: u64) -> u32 {
+    let largest = |count: u32| {
+        let entries = Entries::of(asked, &Band { first, count });
+        entries.sizes(asked).into_iter().map(|(_, bytes)| bytes).max().unwrap_or(0)
+    };
     let mut rows = most;
-    while rows > TILE && bytes(rows) > room {
+    while rows > TILE && largest(rows) > binding {
         rows = (rows / 2).next_multiple_of(TILE);
     }
     rows
 }
 
-/// The tiles' lists of a band, counted from their own beginning, and the near spheres.
-pub(crate) struct Lists<'a> {
-    nears: &'a [NearRecord],
+/// The list entries of a band.
+pub(crate) struct Entries {
+    /// Of every tile, counted from the band's first.
     tiles: Vec<[u32; 2]>,
-    fronts: &'a [FrontRecord],
-    mores: &'a [FrontMoreRecord],
-    sills: &'a [f32],
+    /// Among all of the frame.
+    all: Range<usize>,
 }
 
-/// What the rays of `band` may meet.
-pub(crate) fn lists<'a>(stage: &'a Stage, band: &Band) -> Lists<'a> {
-    let all = &stage.lists;
-    let mut tiles: Vec<_> = all.rows(band.first, band.count).collect();
-    let some = tiles.iter().filter(|[first, end]| first < end);
-    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
-    let first = first.min(end);
-    for [a, b] in &mut tiles {
-        [*a, *b] = if a < b { [*a - first, *b - first] } else { [0; 2] };
+impl Entries {
+    pub(crate) fn of(asked: &Asked<'_>, band: &Band) -> Self {
+        let mut tiles: Vec<_> = asked.stage().lists.rows(band.first, band.count).collect();
+        let some = tiles.iter().filter(|[first, end]| first < end);
+        let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
+        let first = first.min(end);
+        for [a, b] in &mut tiles {
+            [*a, *b] = if a < b { [*a - first, *b - first] } else { [0; 2] };
+        }
+        Self { tiles, all: first as usize..end as usize }
     }
-    let (first, end) = (first as usize, end as usize);
-    Lists {
-        nears: &stage.nears,
-        tiles,
-        fronts: &all.fronts[first..end],
-        mores: &all.mores[first..end],
-        sills: &all.sills[first / CHUNK..end / CHUNK],
-    }
-}
 
-impl Lists<'_> {
-    /// By the names of their bindings, part by part.
-    pub(crate) fn uploads(&self) -> [(&'static str, [&[u8]; 2]); 3] {
-        [
-            ("fronts", [bytemuck::cast_slice(self.fronts), &[]]),
-            ("others", [bytemuck::cast_slice(self.nears), bytemuck::cast_slice(self.mores)]),
-            ("lists", [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(self.sills)]),
-        ]
+    /// What the rays of the band may meet, and its bytes, by the names of the bindings.
+    pub(crate) fn sizes(&self, asked: &Asked<'_>) -> Vec<(&'static str, u64)> {
+        let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
+        let all = match asked {
+            Asked::Certified(stage) => vec![
+                ("fronts", entries * size_of::<FrontRecord>()),
+                ("others", size_of_val(&stage.nears[..]) + entries * size_of::<FrontMoreRecord>()),
+                ("lists", tiles + entries / CHUNK * size_of::<f32>()),
+            ],
+            Asked::Form(listed) => {
+                let places = listed.nears() + entries;
+                let mut all = vec![
+                    ("candidates", places * size_of::<Candidate>()),
+                    ("lists", tiles + places / CHUNK * size_of::<f32>()),
+                ];
+                all.extend(listed.wide.then_some(("candidate_lows", places * size_of::<SphereLow>())));
+                all
+            }
+        };
+        all.into_iter().map(|(name, bytes)| (name, bytes as u64)).collect()
+    }
+
+    /// The bytes themselves, part by part; `upload` hears each binding.
+    pub(crate) fn upload(
+        mut self,
+        asked: &Asked<'_>,
+        upload: &mut dyn FnMut(&'static str, &[&[u8]]) -> Result<()>,
+    ) -> Result<()> {
+        let all = self.all;
+        match asked {
+            Asked::Certified(stage) => {
+                let lists = &stage.lists;
+                let sills = &lists.sills[all.start / CHUNK..all.end / CHUNK];
+                upload("fronts", &[bytemuck::cast_slice(&lists.fronts[all.clone()])])?;
+                let mores = bytemuck::cast_slice(&lists.mores[all]);
+                upload("others", &[bytemuck::cast_slice::<NearRecord, u8>(&stage.nears), mores])?;
+                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(sills)])
+            }
+            Asked::Form(listed) => {
+                // The near spheres lie before the lists.
+                let nears = listed.nears() as u32;
+                self.tiles.iter_mut().flatten().for_each(|n| *n += nears);
+                let limits = listed.limits(all.clone());
+                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&limits)])?;
+                let candidates = listed.candidates(all.clone());
+                upload("candidates", &[bytemuck::cast_slice(&candidates)])?;
+                listed.give(candidates);
+                if listed.wide {
+                    let lows = listed.lows(all);
+                    upload("candidate_lows", &[bytemuck::cast_slice(&lows)])?;
+                    listed.give(lows);
+                }
+                Ok(())
+            }
+        }
     }
 }
 
 /// What a kernel reads besides the view and the lists of a band, by the name of its binding.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
-    match (kernel.certify, input.stage) {
-        (true, Some(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
-        (true, None) => {}
-        (false, _) => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
+    match input.stage {
+        Some(Asked::Certified(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
+        Some(Asked::Form(_)) => {}
+        None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
     if let (true, Some(colors)) = (kernel.colors, input.colors) {
         all.push(("colors", bytemuck::cast_slice(colors)));
@@ -132,7 +171,7 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     if kernel.rays != Rays::Camera {
         all.push(("rays", bytemuck::cast_slice(input.rays)));
     }
-    if kernel.rays == Rays::Spread || kernel.is_wide() {
+    if kernel.rays == Rays::Spread || kernel.is_wide() && !kernel.tiles {
         all.push(("lows", bytemuck::cast_slice(&input.view.lows)));
     }
     all
