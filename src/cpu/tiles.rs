@@ -185,3 +185,44 @@ impl Rows<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::TERMS;
+    use crate::certify::stage::Stage;
+    use crate::intersect::Method;
+    use crate::memory::Pool;
+    use crate::plan::{Plan, Settings};
+    use crate::scene::{ReadOptions, Scene};
+    use crate::view::View;
+
+    /// What tests/tiles.rs promises would not hold if a list lacked one sphere.
+    #[test]
+    fn a_sphere_that_a_list_lacks_shows() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        (scene.image.width, scene.image.height) = (131, 74);
+        let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
+        let mut stage = Stage::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+        let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
+        let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
+        let ids = |stage: &Stage| {
+            let mut raw = Raw::new(&kernel, 131 * 74, &pool).expect("room");
+            by_tiles(&kernel, &Listed::new(&view, &scene.spheres, stage, false, &pool), None, &mut raw, &|| true);
+            raw.id
+        };
+        let mut all = Raw::new(&kernel, 131 * 74, &pool).expect("room");
+        crate::cpu::render(&kernel, &view, None, &mut all, &|| true);
+        let before = ids(&stage);
+        assert_eq!(before, all.id);
+        let near = |id: u32| stage.nears.iter().any(|near| near.id == id);
+        let pixel = before.iter().position(|id| *id != NONE && !near(*id)).expect("a sphere in a list");
+        let [first, end] = stage.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
+        let entry = (first..end).find(|n| stage.lists.mores[*n].id == before[pixel]).expect("it is in the list");
+        // The near ones are asked anyway: the list holds one of them instead.
+        stage.lists.mores[entry].id = stage.nears[0].id;
+        let after = ids(&stage);
+        assert!(after != before && after[pixel] != before[pixel]);
+    }
+}

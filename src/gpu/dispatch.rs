@@ -138,7 +138,7 @@ impl Gpu {
             }
             if let Some(asked) = &input.stage {
                 let entries = Entries::of(asked, &band);
-                stages.time("upload", || entries.upload(asked, &mut |name, parts| self.fill_parts(name, parts)))?;
+                stages.time("upload", || entries.upload(asked, |name, parts| self.fill_parts(name, parts)))?;
             }
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
             stages.time("readback", || self.read_back(kernel, &record, &band, raw, unsure))?;

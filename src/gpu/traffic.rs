@@ -125,7 +125,7 @@ impl Entries {
     pub(crate) fn upload(
         mut self,
         asked: &Asked<'_>,
-        upload: &mut dyn FnMut(&'static str, &[&[u8]]) -> Result<()>,
+        mut upload: impl FnMut(&'static str, &[&[u8]]) -> Result<()>,
     ) -> Result<()> {
         let all = self.all;
         match asked {
