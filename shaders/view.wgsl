@@ -13,7 +13,7 @@ struct View {
     half_du: f32,          // vw / (2 W)
     half_dv: f32,          // vh / (2 H)
     d: f32,                // distance of the viewport
-    spheres: u32,          // how many
+    spheres: u32,          // how many every ray is asked
     zero: u32,             // 0, which no compiler knows
     half_du_low: f32,      // what rounding took from half_du, half_dv, d
     half_dv_low: f32,

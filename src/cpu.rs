@@ -1,6 +1,7 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
 mod certified;
+mod tiles;
 
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
@@ -13,6 +14,7 @@ use crate::view::{Sphere, View};
 use rayon::prelude::*;
 
 pub(crate) use certified::certified;
+pub(crate) use tiles::by_tiles;
 
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";

@@ -215,16 +215,18 @@ pub(crate) struct Kernel {
     pub(crate) certify: bool,
     /// Some spheres are not wholly in front of the eye plane: only a stage tells.
     pub(crate) nears: bool,
+    /// `method` asks the candidates of a tile, not every sphere. A certified kernel always does.
+    pub(crate) tiles: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
 }
 
 impl Kernel {
-    /// Whether subgroups are used; the lists of a certified kernel are shared by a broadcast or not at all.
+    /// Whether subgroups are used; lists are shared by subgroups that divide a chunk of them, or not at all.
     pub(crate) fn shares(&self) -> bool {
         match self.sharing {
             Sharing::None => false,
-            Sharing::Shuffle => !self.certify,
+            Sharing::Shuffle => !self.certify && !self.tiles,
             Sharing::Subgroup4 | Sharing::Subgroup8 => true,
         }
     }
@@ -232,6 +234,11 @@ impl Kernel {
     /// The same, with what the staged scene requires.
     pub(crate) fn for_stage(self, stage: Option<&Stage>) -> Self {
         Self { nears: stage.is_some_and(|stage| !stage.nears.is_empty()), ..self }
+    }
+
+    /// Whether normals are made: to be written, or to shade by.
+    pub(crate) fn has_normals(&self) -> bool {
+        self.normal || self.shade.is_some_and(|shade| shade != Shade::Flat)
     }
 
     /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
@@ -254,6 +261,8 @@ pub struct Plan {
     /// How candidates are found: never `auto`.
     #[serde(serialize_with = "by_name")]
     pub search: Search,
+    /// Why so.
+    pub search_reason: &'static str,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
 }
@@ -283,11 +292,9 @@ impl Plan {
             plan.method = plan.accuracy.name();
             plan.kernel.certify = true;
             plan.kernel.width = settings.asks(&[Aov::Bound]);
-            plan.search = if settings.search == Search::All { Search::All } else { Search::Tiles };
-        } else if settings.search == Search::Tiles {
-            let problem = format!("method {} asks every sphere: it has no search by tiles", plan.method);
-            return Err(Error::settings(problem, "use --accuracy certified, or leave out --search"));
         }
+        (plan.search, plan.search_reason) = settings.search.decide(plan.kernel.certify, scene.spheres.len());
+        plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
         Ok(plan)
     }
 
@@ -309,9 +316,16 @@ impl Plan {
             normal: false,
             certify: false,
             nears: false,
+            tiles: false,
             width: false,
         };
-        let (method, accuracy) = (method.name(), Accuracy::Fast);
-        Ok(Self { method, accuracy, reason: String::new(), predicted: None, search: Search::All, kernel })
+        let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
+        Ok(Self { method, accuracy, reason: String::new(), predicted: None, search, search_reason: "", kernel })
+    }
+
+    /// The same without tiles, where the spheres cannot be binned into them.
+    pub(crate) fn without_tiles(self) -> Self {
+        let kernel = Kernel { tiles: false, ..self.kernel };
+        Self { search: Search::All, search_reason: search::NO_LENS, kernel, ..self }
     }
 }

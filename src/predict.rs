@@ -13,7 +13,7 @@
 
 use crate::error::Result;
 use crate::intersect::{Form, Method};
-use crate::scene::Scene;
+use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -69,9 +69,14 @@ impl Prediction {
         Ok(Self::among(view.moved(&scene.spheres.centers, &scene.spheres.radii), methods))
     }
 
-    /// For the spheres of a view.
-    pub(crate) fn of_view(view: &View, method: Method) -> Option<Self> {
-        Self::among(view.spheres.par_iter().copied(), &[method]).map(|each| each[0])
+    /// For the spheres of `scene`'s view, which may not keep them.
+    pub(crate) fn of_view(view: &View, scene: &Scene, method: Method) -> Option<Self> {
+        let Spheres { centers, radii, .. } = &scene.spheres;
+        let one = |(id, s)| Self::of_sphere(&Extent::of(&s), id as u32, method);
+        match view.spheres.is_empty() {
+            true => view.moved(centers, radii).enumerate().map(one).reduce_with(Self::and),
+            false => view.spheres.par_iter().copied().enumerate().map(one).reduce_with(Self::and),
+        }
     }
 
     fn among(spheres: impl IndexedParallelIterator<Item = SphereRecord>, methods: &[Method]) -> Option<Vec<Self>> {

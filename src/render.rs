@@ -1,7 +1,6 @@
 //! One frame, the whole way: scene, view, nearest hits, colour, frame.
 
-use crate::certify::TERMS;
-use crate::certify::stage::{Depths, Stage};
+use crate::certify::stage::Depths;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::raw::{Answers, Raw};
@@ -11,15 +10,16 @@ use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
+use crate::listed::Asked;
 use crate::memory::{self, Need, Pool};
-use crate::plan::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use crate::plan::{Accuracy, Backend, Kernel, Plan, Search, Settings, Sharing};
 use crate::predict::Prediction;
+use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled};
 use crate::shade;
-use crate::view::View;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -178,7 +178,7 @@ impl Renderer {
         Need::of(&plan, &settings.aovs, scene, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
-            return self.frame(&plan, scene, settings);
+            return self.frame(plan, scene, settings);
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
@@ -187,7 +187,7 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
-        let frame = self.frame(&plan, scene, settings);
+        let frame = self.frame(plan, scene, settings);
         self.place = adapter;
         frame.map(|mut frame| {
             frame.report.warnings.push(format!("{doubt}: the CPU path answered instead"));
@@ -213,7 +213,7 @@ impl Renderer {
     }
 
     /// One frame as planned.
-    fn frame(&mut self, plan: &Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
+    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
         pool.turn();
@@ -221,32 +221,28 @@ impl Renderer {
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
-        watch.check()?;
+        let prepared = Prepared::new(plan, scene, settings, &pool, &mut stages)?;
+        staging.end()?;
+        let Prepared { plan, view, .. } = &prepared;
         let pixels = view.record.width as usize * view.record.height as usize;
         let tolerance = settings.promise().relative();
-        let stage = match plan.accuracy {
-            Accuracy::Certified => {
-                stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, plan.search.level(), &pool))?
-            }
-            _ => None,
-        };
-        staging.end()?;
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
         self.kernel_ms();
-        let settled = self.answer(plan, scene, &view, stage.as_ref(), &mut raw, &mut stages)?;
+        let settled = self.answer(&prepared, scene, &mut raw, &mut stages)?;
         watch.check()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
-            stages.time("shade", || shade::settled(shade, scene, &view, &settled, &mut raw.color));
+            stages.time("shade", || shade::settled(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
-        let depths = certify.then(|| Depths::new(scene, &view, stage.as_ref()));
-        let answers = Answers { pool: &pool, view: &view, raw, depths, settled: &settled };
+        let depths = certify.then(|| Depths::new(scene, view, prepared.certified()));
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
-            Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, plan.kernel.method)),
+            Accuracy::Fast => plan
+                .predicted
+                .or_else(|| stages.time("predict", || Prediction::of_view(view, scene, plan.kernel.method))),
             _ => None,
         };
         let mut frame =
@@ -255,15 +251,19 @@ impl Renderer {
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();
         report.settled = settled.len() as u64;
-        report.certified = if stage.is_some() { (pixels - settled.len()) as f64 / pixels as f64 } else { 0.0 };
+        let proved = (pixels - settled.len()) as f64 / pixels as f64;
+        report.certified = prepared.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
         report.warnings =
             warnings(scene, report.hits, predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
+        if settings.search == Search::Tiles && plan.search == Search::All {
+            report.warnings.push(plan.search_reason.into());
+        }
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
         report.kernel_ms = kernel_ms.into_iter().collect();
-        if let Some(stage) = stage {
+        if let Some(stage) = prepared.stage {
             stage.give_to(&pool);
         }
         Ok(frame)
@@ -293,17 +293,16 @@ impl Renderer {
     /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
     fn answer(
         &mut self,
-        plan: &Plan,
+        prepared: &Prepared,
         scene: &Scene,
-        view: &View,
-        stage: Option<&Stage>,
         raw: &mut Raw,
         stages: &mut Stages,
     ) -> Result<Vec<Settled>> {
         let watch = self.watch.clone();
+        let (view, stage) = (&prepared.view, prepared.certified());
         let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
-        let (settled, doing) = if stage.is_some() || plan.accuracy == Accuracy::Fast {
-            self.trace_frame(plan, scene, view, stage, raw, stages)?;
+        let (settled, doing) = if stage.is_some() || prepared.plan.accuracy == Accuracy::Fast {
+            self.trace_frame(prepared, scene, raw, stages)?;
             let Some(stage) = stage else { return Ok(Vec::new()) };
             let unsure = stages.time("settle", || settle::unsure(&raw.id));
             if unsure.is_empty() {
@@ -322,27 +321,23 @@ impl Renderer {
     }
 
     /// The kernel's answers into `raw`.
-    fn trace_frame(
-        &mut self,
-        plan: &Plan,
-        scene: &Scene,
-        view: &View,
-        stage: Option<&Stage>,
-        raw: &mut Raw,
-        stages: &mut Stages,
-    ) -> Result<()> {
-        let colors = scene.spheres.colors.as_deref();
+    fn trace_frame(&mut self, prepared: &Prepared, scene: &Scene, raw: &mut Raw, stages: &mut Stages) -> Result<()> {
+        let Prepared { plan, view, .. } = prepared;
+        let pool = Arc::clone(&self.pool);
+        let (colors, stage) = (scene.spheres.colors.as_deref(), prepared.asked(scene, &pool));
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.width));
         match &mut self.place {
             Place::Gpu(gpu) => {
-                let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(stage);
+                let kernel =
+                    Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(prepared.certified());
                 let input = Input { view, colors, rays: &[], stage };
                 gpu.run(&kernel, &input, &mut Output { raw, stages }, &|done| doing.reached(done))?;
             }
             Place::Cpu => stages.time("trace", || match stage {
                 None => cpu::render(&plan.kernel, view, colors, raw, &row),
-                Some(stage) => cpu::certified(&plan.kernel, view, stage, colors, raw, &row),
+                Some(Asked::Form(listed)) => cpu::by_tiles(&plan.kernel, &listed, colors, raw, &row),
+                Some(Asked::Certified(stage)) => cpu::certified(&plan.kernel, view, stage, colors, raw, &row),
             }),
         }
         doing.end()

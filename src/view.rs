@@ -42,7 +42,7 @@ pub struct ViewRecord {
     pub half_dv: f32,
     /// d, scaled.
     pub d: f32,
-    /// How many spheres.
+    /// How many spheres every ray is asked.
     pub spheres: u32,
     /// 0: what no compiler knows (opaque.wgsl).
     pub zero: u32,
@@ -145,10 +145,10 @@ impl View {
         Ok(view)
     }
 
-    /// The same with what `kernel` reads: no sphere records for a certified one, which stages its own, and low parts
-    /// for a method beyond f32.
+    /// The same with what `kernel` reads: no sphere records for one that reads lists, which are made of their own, and
+    /// low parts for a method beyond f32.
     pub(crate) fn for_kernel(scene: &Scene, kernel: &Kernel) -> Result<Self> {
-        if kernel.certify {
+        if kernel.certify || kernel.tiles {
             return Self::without_spheres(scene);
         }
         let mut view = Self::new(scene)?;
@@ -232,6 +232,17 @@ impl View {
     /// A direction of the canonical camera in world space.
     pub(crate) fn to_world(&self, d: [f64; 3]) -> DVec3 {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
+    }
+
+    /// The record of one sphere.
+    pub(crate) fn sphere(&self, center: [f64; 3], radius: f64) -> SphereRecord {
+        Moved::new(&self.basis, center, radius).record(self.unit)
+    }
+
+    /// What rounding took from it.
+    pub(crate) fn low(&self, center: [f64; 3], radius: f64) -> SphereLow {
+        let moved = Moved::new(&self.basis, center, radius);
+        moved.low(&moved.record(self.unit))
     }
 
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {

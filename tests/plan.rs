@@ -6,7 +6,7 @@ mod common;
 use common::{cpu, gpu};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::plan::{Accuracy, Backend, Explanation, Settings, Tolerance, explain};
+use halfline::plan::{Accuracy, Backend, Explanation, Search, Settings, Tolerance, explain};
 use halfline::render::Renderer;
 use halfline::scene::{ReadOptions, Scene};
 use serde_json::Value;
@@ -107,7 +107,8 @@ fn the_frame_is_as_large_as_told() {
 #[test]
 fn what_goes_to_the_device_is_told_and_what_is_left_out() {
     let Some(renderer) = gpu() else { return };
-    let (mut scene, asked) = (scene(), settings(Backend::Gpu, Some(0.1), &[Aov::Color]));
+    let mut scene = scene();
+    let asked = Settings { search: Search::All, ..settings(Backend::Gpu, Some(0.1), &[Aov::Color]) };
     let n = scene.spheres.len() as u64;
     let names = |plan: &Explanation| plan.uploaded.iter().map(|b| (b.name, b.bytes)).collect::<Vec<_>>();
     let plan = told(&scene, &asked);
@@ -166,6 +167,33 @@ fn the_room_is_told_in_spheres() {
     (wide.image.width, wide.image.height) = (1 << 20, 1 << 20);
     let error = explain(&wide, &settings(Backend::Cpu, None, &[Aov::Color])).expect_err("too large").to_string();
     assert!(error.contains("bytes") && error.contains("--size"), "{error}");
+}
+
+#[test]
+fn a_form_asks_the_spheres_of_a_tile_unless_there_are_few() {
+    let form = |search| Settings { method: Some(Method::Unit), search, ..settings(Backend::Cpu, None, &[Aov::Id]) };
+    let mut few = scene();
+    few.spheres.centers.truncate(5);
+    few.spheres.radii.truncate(5);
+    for (scene, asked, search, why) in [
+        (&few, Search::Auto, "all", "so few"),
+        (&few, Search::Tiles, "tiles", "asked for"),
+        (&weekend(), Search::Auto, "tiles", "nothing is built"),
+        (&weekend(), Search::All, "all", "asked for"),
+    ] {
+        let plan = told(scene, &form(asked));
+        assert_eq!((plan.search, plan.staged.is_some()), (search, search == "tiles"));
+        assert!(plan.search_reason.contains(why), "{}", plan.search_reason);
+    }
+    let Some(_) = gpu() else { return };
+    let plan = told(&weekend(), &Settings { backend: Backend::Gpu, ..form(Search::Auto) });
+    let staged = plan.staged.expect("tiles are staged");
+    let bytes = |name: &str| plan.uploaded.iter().find(|b| b.name == name).map_or(0, |b| b.bytes);
+    // 32 bytes for every entry and every near sphere, both in chunks of 8; 4 for every chunk, 8 for every tile.
+    let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
+    assert!(bytes("candidates") >= 32 * (staged.front + staged.near) && bytes("candidates") % 256 == 0);
+    assert_eq!(bytes("lists"), 8 * tiles[0] * tiles[1] + bytes("candidates") / 64);
+    assert_eq!((bytes("spheres"), bytes("candidate_lows")), (0, 0));
 }
 
 fn run(arguments: &[&str], environment: &[(&str, &str)]) -> Output {

@@ -12,7 +12,7 @@ use halfline::measure::contender::Contender;
 use halfline::measure::record::Record;
 use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::{export, report};
-use halfline::plan::{Backend, Tolerance};
+use halfline::plan::{Backend, Search, Tolerance};
 use halfline::scene::{ReadOptions, Scene};
 use std::io::{ErrorKind, Write};
 use std::num::NonZeroU32;
@@ -54,6 +54,9 @@ pub(crate) struct Measure {
     /// Promised relative error of certified distances; at least 2^-50.
     #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true, conflicts_with = "from")]
     tolerance: Tolerance,
+    /// How candidates are found: auto, all, tiles. Left open, forms ask all spheres, so that their errors are their own.
+    #[arg(long, value_name = "S", default_value = "auto", conflicts_with = "from")]
+    search: Search,
     /// The CPU path leaves out what would take longer than this for one frame, seconds.
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds, conflicts_with = "from")]
     patience: f64,
@@ -108,6 +111,7 @@ impl Measure {
             },
             rounds: self.repeat.map(NonZeroU32::get),
             tolerance: self.tolerance,
+            search: self.search,
             patience: self.patience,
             command: command(),
         };

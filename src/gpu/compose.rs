@@ -63,7 +63,9 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
     let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl")];
     match kernel.certify {
         true => certify(kernel, &mut parts),
+        false if kernel.is_wide() && kernel.tiles => wide_tiles(kernel, &mut parts),
         false if kernel.is_wide() => wide(kernel, &mut parts),
+        false if kernel.tiles => tiles(kernel, &mut parts),
         false => search(kernel, &mut parts),
     }
     frame(kernel, &mut parts);
@@ -85,8 +87,36 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
         Sharing::Subgroup8 => [part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
         Sharing::Shuffle => [part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
-    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+    if kernel.has_normals() {
         parts.push(part!("surface.wgsl"));
+    }
+}
+
+/// The nearest hit by one form among the candidates of a tile.
+fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
+    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/consider.wgsl"), part!("tiles/render.wgsl")]);
+    parts.extend(match kernel.sharing {
+        Sharing::None | Sharing::Shuffle => [part!("tiles/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => [part!("tiles/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => [part!("tiles/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    if kernel.has_normals() {
+        parts.push(part!("surface.wgsl"));
+    }
+}
+
+/// The same in arithmetic beyond f32.
+fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
+    parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl"), part!("wide/shared.wgsl")]);
+    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("tiles/wide/consider.wgsl")]);
+    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/render.wgsl")]);
+    parts.extend(match kernel.shares() {
+        false => [part!("tiles/wide/plain.wgsl"), part!("entry/plain.wgsl")],
+        true => [part!("tiles/wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+    });
+    if kernel.has_normals() {
+        parts.push(part!("tiles/wide/surface.wgsl"));
     }
 }
 
@@ -104,7 +134,7 @@ fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
         // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
         _ => [part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
-    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+    if kernel.has_normals() {
         parts.push(part!("wide/surface.wgsl"));
     }
 }
@@ -133,7 +163,7 @@ fn frame(kernel: &Kernel, parts: &mut Vec<Part>) {
         false => part!("frame/no_t.wgsl"),
     });
     parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
-    if kernel.normal || kernel.shade.is_some_and(|shade| shade != Shade::Flat) {
+    if kernel.has_normals() {
         parts.push(part!("shade.wgsl"));
     }
     match kernel.shade {

@@ -1,6 +1,5 @@
 //! One frame on the device: upload, dispatch band by band, read back.
 
-use crate::certify::stage::Stage;
 use crate::certify::tiles::TILE;
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
@@ -10,7 +9,8 @@ use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::pace::Pace;
 use crate::gpu::selftest::Verdict;
-use crate::gpu::traffic::{Band, Bands, Reach, lists, outputs, uploads};
+use crate::gpu::traffic::{Band, Bands, Entries, Reach, outputs, uploads};
+use crate::listed::Asked;
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
 use crate::view::{View, ViewRecord};
@@ -47,8 +47,19 @@ pub(crate) struct Input<'a> {
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     /// Records of given rays; empty for viewing rays.
     pub(crate) rays: &'a [crate::trace::RayRecord],
-    /// What the certified kernels read instead of the view's spheres.
-    pub(crate) stage: Option<&'a Stage>,
+    /// What the tiles' rays are asked instead of the view's spheres.
+    pub(crate) stage: Option<Asked<'a>>,
+}
+
+impl Input<'_> {
+    /// The view, and how many spheres every ray is asked.
+    fn record(&self) -> ViewRecord {
+        let record = self.view.record;
+        match &self.stage {
+            Some(Asked::Form(listed)) => ViewRecord { spheres: listed.nears() as u32, ..record },
+            _ => record,
+        }
+    }
 }
 
 /// What a run leaves behind.
@@ -120,7 +131,7 @@ impl Gpu {
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
         let Output { raw, stages } = output;
-        let record = input.view.record;
+        let record = input.record();
         self.check_limits(kernel, input)?;
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
@@ -130,10 +141,9 @@ impl Gpu {
             if !go_on(u64::from(width) * u64::from(band.first)) {
                 return Err(Error::Interrupted);
             }
-            if let Some(stage) = input.stage {
-                stages.time("upload", || {
-                    lists(stage, &band).uploads().iter().try_for_each(|(name, parts)| self.fill_parts(name, parts))
-                })?;
+            if let Some(asked) = &input.stage {
+                let entries = Entries::of(asked, &band);
+                stages.time("upload", || entries.upload(asked, |name, parts| self.fill_parts(name, parts)))?;
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
             stages.time("trace", || self.dispatch(kernel, &record, &band))?;
@@ -353,8 +363,10 @@ pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.unio
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::certify::stage::Stage;
     use crate::gpu::device;
     use crate::intersect::Method;
+    use crate::listed::Listed;
     use crate::memory::Pool;
     use crate::plan::Sharing;
     use crate::scene::{ReadOptions, Scene};
@@ -382,6 +394,7 @@ mod tests {
         let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
             .expect("a stage")
             .expect("a lens");
+        let pool = Pool::default();
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
             if lanes < least {
@@ -398,16 +411,23 @@ mod tests {
                 normal: true,
                 certify: false,
                 nears: false,
+                tiles: false,
                 width: false,
             };
             let certified = Kernel { certify: true, nears: true, width: true, ..kernel };
+            let tiles = |kernel| Kernel { tiles: true, ..kernel };
             let mut raws = Vec::new();
             // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
             let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
             let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
-            for kernel in [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64) {
+            let all = [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64);
+            for kernel in all.chain([tiles(kernel), tiles(wide(Method::DoubleFloat))]) {
                 let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
-                let stage = Some(&stage);
+                let listed = || Asked::Form(Listed::new(&view, &scene.spheres, &stage, kernel.is_wide(), &pool));
+                let stage = match kernel.certify {
+                    true => Some(Asked::Certified(&stage)),
+                    false => kernel.tiles.then(listed),
+                };
                 let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
                 let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");

@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 15] = [
+pub(crate) const BUFFERS: [&str; 17] = [
     "view",
     "spheres",
     "colors",
@@ -32,6 +32,8 @@ pub(crate) const BUFFERS: [&str; 15] = [
     "lists",
     "frame_width",
     "frame_t_low",
+    "candidates",
+    "candidate_lows",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -77,6 +79,7 @@ mod tests {
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
+    use crate::listed::Candidate;
     use crate::plan::{Rays, Sharing};
     use crate::ray::NONE;
     use crate::shade::Shade;
@@ -92,9 +95,10 @@ mod tests {
         let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
         let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
         let mut kernels = Vec::new();
-        let plain = Method::ALL.iter().map(|&method| (method, false, false));
-        let certified = both.map(|nears| (Method::Stable, true, nears));
-        for (method, certify, nears) in plain.chain(certified) {
+        let plain =
+            both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, false)));
+        let certified = both.map(|nears| (Method::Stable, true, false, nears));
+        for (method, certify, tiles, nears) in plain.chain(certified) {
             for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
@@ -109,9 +113,10 @@ mod tests {
                             normal,
                             certify,
                             nears,
+                            tiles,
                             width: t && certify,
                         };
-                        kernels.extend(colors.map(all).filter(|k| !certify || k.rays == Rays::Camera));
+                        kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == Rays::Camera));
                     }
                 }
             }
@@ -128,7 +133,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 8) * frames, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * (6 + 4) + 8) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -140,22 +145,24 @@ mod tests {
             let (module, info) = module(&kernel);
             let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
             let given = kernel.rays != Rays::Camera;
-            let certify = kernel.certify;
+            let (certify, tiles) = (kernel.certify, kernel.tiles);
             let wanted: BTreeSet<_> = [
                 (true, "view"),
-                (!certify, "spheres"),
+                (!certify && !tiles, "spheres"),
+                (tiles, "candidates"),
+                (tiles && kernel.is_wide(), "candidate_lows"),
                 (true, "frame_id"),
                 (certify, "lens"),
                 (certify, "fronts"),
                 (certify, "others"),
-                (certify, "lists"),
+                (certify || tiles, "lists"),
                 (kernel.width, "frame_width"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
-                (kernel.rays == Rays::Spread || kernel.is_wide(), "lows"),
+                (kernel.rays == Rays::Spread || kernel.is_wide() && !tiles, "lows"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
@@ -196,9 +203,11 @@ mod tests {
             normal: true,
             certify: false,
             nears: false,
+            tiles: false,
             width: false,
         };
         let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, ..any });
+        let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -210,7 +219,9 @@ mod tests {
         same!(certified "Front", FrontRecord, x y rho low);
         same!(certified "FrontMore", FrontMoreRecord, rest center id);
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
+        same!(tiles "Candidate", Candidate, ball power scale id);
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
+        assert_eq!(constant(&tiles, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres

@@ -8,6 +8,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
+use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::plan::{Kernel, Rays, Sharing};
 use crate::report::Stages;
@@ -29,7 +30,11 @@ fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, u
     let pool = Pool::default();
     let stage = Stage::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
-    let stage = stage.as_ref().filter(|_| kernel.certify);
+    let listed = |stage| Asked::Form(Listed::new(&view, &scene.spheres, stage, kernel.is_wide(), &pool));
+    let stage = match kernel.certify {
+        true => stage.as_ref().map(Asked::Certified),
+        false => stage.as_ref().filter(|_| kernel.tiles).map(listed),
+    };
     let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
     let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
     let told = Cell::new(Vec::new());
@@ -75,6 +80,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
         normal: false,
         certify: false,
         nears: false,
+        tiles: false,
         width: false,
     };
     [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
@@ -86,7 +92,8 @@ fn bands_leave_no_trace() {
     let Some([mut whole, mut cut]) = two() else { return };
     cut.pace = Pace::creeping();
     let [plain, certified] = kernels(&whole);
-    for kernel in [plain, certified, Kernel { method: Method::DoubleFloat, ..plain }] {
+    let wide = Kernel { method: Method::DoubleFloat, ..plain };
+    for kernel in [plain, certified, wide, Kernel { tiles: true, ..plain }, Kernel { tiles: true, ..wide }] {
         let (one, bands) = frame(&mut whole, &kernel, usize::MAX);
         assert_eq!(bands, 1, "{kernel:?} is light");
         for ended in [3, usize::MAX] {
@@ -108,11 +115,13 @@ fn bands_leave_no_trace() {
 fn what_no_binding_holds_is_cut_or_refused_by_number() {
     let Some([mut whole, mut small]) = two() else { return };
     let [plain, certified] = kernels(&whole);
-    let (one, bands) = frame(&mut whole, &certified, usize::MAX);
-    assert_eq!(bands, 1);
-    small.limits.max_storage_buffer_binding_size = 12 << 10;
-    let (many, bands) = frame(&mut small, &certified, usize::MAX);
-    assert!(bands > 1 && many.expect("a frame") == one.expect("a frame"), "{bands} bands");
+    for kernel in [certified, Kernel { tiles: true, ..plain }] {
+        let (one, bands) = frame(&mut whole, &kernel, usize::MAX);
+        assert_eq!(bands, 1);
+        small.limits.max_storage_buffer_binding_size = if kernel.certify { 12 << 10 } else { 24 << 10 };
+        let (many, bands) = frame(&mut small, &kernel, usize::MAX);
+        assert!(bands > 1 && many.expect("a frame") == one.expect("a frame"), "{bands} bands");
+    }
     for (kernel, binding, fit) in [(plain, 8 << 10, 256), (plain, 4 << 10, 128), (certified, 4 << 10, 341)] {
         small.limits.max_storage_buffer_binding_size = binding;
         match frame(&mut small, &kernel, usize::MAX).0 {

@@ -4,10 +4,12 @@ use super::dispatch::{GROUP, Input};
 use super::pace::{PIXEL, Pace};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
-use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, TILE};
+use crate::error::Result;
+use crate::listed::{Asked, Candidate};
 use crate::plan::{Kernel, Rays};
-use crate::view::SphereRecord;
+use crate::view::{SphereLow, SphereRecord};
+use std::ops::Range;
 
 /// What an adapter can take at once.
 #[derive(Debug, Clone, Copy)]
@@ -34,12 +36,12 @@ impl Reach {
         let of_colors = if kernel.colors { self.binding / size_of::<[f32; 3]>() as u64 } else { u64::MAX };
         // Frames keep ids as i32.
         let most = of_colors.min(i32::MAX as u64);
-        let Some(stage) = input.stage.filter(|_| kernel.certify) else {
+        let Some(asked) = &input.stage else {
             return most.min(self.binding / size_of::<SphereRecord>() as u64);
         };
         let height = input.view.record.height;
-        let others = |first: u32| lists(stage, &Band { first, count: TILE.min(height - first) }).bytes()[1].1;
-        let fullest = (0..height).step_by(TILE as usize).map(others).max().unwrap_or(0).max(1);
+        let largest = |first: u32| largest(asked, &Band { first, count: TILE.min(height - first) });
+        let fullest = (0..height).step_by(TILE as usize).map(largest).max().unwrap_or(0).max(1);
         let spheres = u128::from(input.view.record.spheres) * u128::from(self.binding) / u128::from(fullest);
         most.min(u64::try_from(spheres).unwrap_or(u64::MAX))
     }
@@ -81,8 +83,8 @@ impl<'a> Bands<'a> {
         if self.tests(&Band { first, count }) > tests {
             count = self.within(first, count, tests);
         }
-        if let Some(stage) = self.input.stage.filter(|_| self.kernel.certify) {
-            count = rows_that_fit(stage, first, count, self.reach.binding);
+        if let Some(asked) = &self.input.stage {
+            count = rows_that_fit(asked, first, count, self.reach.binding);
         }
         self.first += count;
         Some(Band { first, count })
@@ -116,85 +118,119 @@ impl<'a> Bands<'a> {
         let record = &self.input.view.record;
         let width = if self.kernel.rays == Rays::Camera { record.width } else { 1 };
         let pixels = f64::from(width) * f64::from(band.count);
-        let all = match self.input.stage {
+        let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
+        let all = match &self.input.stage {
             // A ray asks its tile's list and every near sphere.
-            Some(stage) if self.kernel.certify => {
+            Some(asked) => {
+                let stage = asked.stage();
                 let listed: u64 = stage.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
                 listed as f64 * f64::from(TILE * TILE) + pixels * stage.nears.len() as f64
             }
-            _ => pixels * f64::from(record.spheres) * self.kernel.method.cost(),
+            None => pixels * f64::from(record.spheres),
         };
-        all + pixels * PIXEL
+        all * cost + pixels * PIXEL
     }
 }
 
 /// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
-fn rows_that_fit(stage: &Stage, first: u32, most: u32, binding: u64) -> u32 {
-    // The near spheres lie in the same buffer.
-    let room = binding.saturating_sub(size_of_val(&stage.nears[..]) as u64);
-    if size_of_val(&stage.lists.mores[..]) as u64 <= room {
-        return most;
-    }
-    let bytes = |rows: u32| size_of_val(lists(stage, &Band { first, count: rows }).mores) as u64;
+fn rows_that_fit(asked: &Asked<'_>, first: u32, most: u32, binding: u64) -> u32 {
     let mut rows = most;
-    while rows > TILE && bytes(rows) > room {
+    while rows > TILE && largest(asked, &Band { first, count: rows }) > binding {
         rows = (rows / 2).next_multiple_of(TILE);
     }
     rows
 }
 
-/// The tiles' lists of a band, counted from their own beginning, and the near spheres.
-pub(crate) struct Lists<'a> {
-    nears: &'a [NearRecord],
+/// Bytes of the largest binding that holds lists of a band.
+fn largest(asked: &Asked<'_>, band: &Band) -> u64 {
+    Entries::of(asked, band).sizes(asked).into_iter().map(|(_, bytes)| bytes).max().unwrap_or(0)
+}
+
+/// The list entries of a band.
+pub(crate) struct Entries {
+    /// Of every tile, counted from the band's first.
     tiles: Vec<[u32; 2]>,
-    fronts: &'a [FrontRecord],
-    mores: &'a [FrontMoreRecord],
-    sills: &'a [f32],
+    /// Among all of the frame.
+    all: Range<usize>,
 }
 
-/// What the rays of `band` may meet.
-pub(crate) fn lists<'a>(stage: &'a Stage, band: &Band) -> Lists<'a> {
-    let all = &stage.lists;
-    let mut tiles: Vec<_> = all.rows(band.first, band.count).collect();
-    let some = tiles.iter().filter(|[first, end]| first < end);
-    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
-    let first = first.min(end);
-    for [a, b] in &mut tiles {
-        [*a, *b] = if a < b { [*a - first, *b - first] } else { [0; 2] };
-    }
-    let (first, end) = (first as usize, end as usize);
-    Lists {
-        nears: &stage.nears,
-        tiles,
-        fronts: &all.fronts[first..end],
-        mores: &all.mores[first..end],
-        sills: &all.sills[first / CHUNK..end / CHUNK],
-    }
-}
-
-impl Lists<'_> {
-    /// By the names of their bindings, part by part.
-    pub(crate) fn uploads(&self) -> [(&'static str, [&[u8]; 2]); 3] {
-        [
-            ("fronts", [bytemuck::cast_slice(self.fronts), &[]]),
-            ("others", [bytemuck::cast_slice(self.nears), bytemuck::cast_slice(self.mores)]),
-            ("lists", [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(self.sills)]),
-        ]
+impl Entries {
+    pub(crate) fn of(asked: &Asked<'_>, band: &Band) -> Self {
+        let mut tiles: Vec<_> = asked.stage().lists.rows(band.first, band.count).collect();
+        let some = tiles.iter().filter(|[first, end]| first < end);
+        let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
+        let first = first.min(end);
+        for [a, b] in &mut tiles {
+            [*a, *b] = if a < b { [*a - first, *b - first] } else { [0; 2] };
+        }
+        Self { tiles, all: first as usize..end as usize }
     }
 
-    /// Their sizes.
-    pub(crate) fn bytes(&self) -> [(&'static str, u64); 3] {
-        self.uploads().map(|(name, parts)| (name, parts.iter().map(|part| part.len() as u64).sum()))
+    /// What the rays of the band may meet, and its bytes, by the names of the bindings.
+    pub(crate) fn sizes(&self, asked: &Asked<'_>) -> Vec<(&'static str, u64)> {
+        let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
+        let all = match asked {
+            Asked::Certified(stage) => vec![
+                ("fronts", entries * size_of::<FrontRecord>()),
+                ("others", size_of_val(&stage.nears[..]) + entries * size_of::<FrontMoreRecord>()),
+                ("lists", tiles + entries / CHUNK * size_of::<f32>()),
+            ],
+            Asked::Form(listed) => {
+                let places = listed.nears() + entries;
+                let mut all = vec![
+                    ("candidates", places * size_of::<Candidate>()),
+                    ("lists", tiles + places / CHUNK * size_of::<f32>()),
+                ];
+                all.extend(listed.wide.then_some(("candidate_lows", places * size_of::<SphereLow>())));
+                all
+            }
+        };
+        all.into_iter().map(|(name, bytes)| (name, bytes as u64)).collect()
+    }
+
+    /// The bytes themselves, part by part; `upload` hears each binding.
+    pub(crate) fn upload(
+        mut self,
+        asked: &Asked<'_>,
+        mut upload: impl FnMut(&'static str, &[&[u8]]) -> Result<()>,
+    ) -> Result<()> {
+        let all = self.all;
+        match asked {
+            Asked::Certified(stage) => {
+                let lists = &stage.lists;
+                let sills = &lists.sills[all.start / CHUNK..all.end / CHUNK];
+                upload("fronts", &[bytemuck::cast_slice(&lists.fronts[all.clone()])])?;
+                let mores = bytemuck::cast_slice(&lists.mores[all]);
+                upload("others", &[bytemuck::cast_slice::<NearRecord, u8>(&stage.nears), mores])?;
+                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(sills)])
+            }
+            Asked::Form(listed) => {
+                // The near spheres lie before the lists.
+                let nears = listed.nears() as u32;
+                self.tiles.iter_mut().flatten().for_each(|n| *n += nears);
+                let limits = listed.limits(all.clone());
+                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&limits)])?;
+                let candidates = listed.candidates(all.clone());
+                upload("candidates", &[bytemuck::cast_slice(&candidates)])?;
+                listed.give(candidates);
+                if listed.wide {
+                    let lows = listed.lows(all);
+                    upload("candidate_lows", &[bytemuck::cast_slice(&lows)])?;
+                    listed.give(lows);
+                }
+                Ok(())
+            }
+        }
     }
 }
 
 /// What a kernel reads besides the view and the lists of a band, by the name of its binding.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
-    match (kernel.certify, input.stage) {
-        (true, Some(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
-        (true, None) => {}
-        (false, _) => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
+    match input.stage {
+        Some(Asked::Certified(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
+        Some(Asked::Form(_)) => {}
+        None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
     if let (true, Some(colors)) = (kernel.colors, input.colors) {
         all.push(("colors", bytemuck::cast_slice(colors)));
@@ -202,7 +238,7 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     if kernel.rays != Rays::Camera {
         all.push(("rays", bytemuck::cast_slice(input.rays)));
     }
-    if kernel.rays == Rays::Spread || kernel.is_wide() {
+    if kernel.rays == Rays::Spread || kernel.is_wide() && !kernel.tiles {
         all.push(("lows", bytemuck::cast_slice(&input.view.lows)));
     }
     all

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
-use crate::plan::{Accuracy, Backend, Settings, Tolerance};
+use crate::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::str::FromStr;
 
 /// A way to an answer.
@@ -34,15 +34,17 @@ impl Contender {
         }
     }
 
-    /// Settings to render so for the buffers `aovs`.
-    pub(crate) fn settings(self, backend: Backend, tolerance: Tolerance, aovs: &[Aov]) -> Settings {
+    /// Settings to render so for the buffers `aovs`. A form alone asks all spheres where `search` leaves it open, so
+    /// that its errors are its own.
+    pub(crate) fn settings(self, backend: Backend, tolerance: Tolerance, search: Search, aovs: &[Aov]) -> Settings {
         let (method, accuracy) = match self {
             Self::Alone(method) => (Some(method), Accuracy::Fast),
             Self::Certified => (None, Accuracy::Certified),
             Self::Exact => (None, Accuracy::Exact),
         };
+        let search = if search == Search::Auto && method.is_some() { Search::All } else { search };
         let tolerance = Some(tolerance);
-        Settings { backend, method, accuracy, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
+        Settings { backend, method, accuracy, search, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
     }
 }
 

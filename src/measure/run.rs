@@ -11,7 +11,7 @@ use super::suite::{extremes, ladder};
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
 use crate::gpu::device;
-use crate::plan::{Backend, Settings, Tolerance};
+use crate::plan::{Backend, Search, Settings, Tolerance};
 use crate::progress::Watch;
 use crate::render::Renderer;
 use crate::scene::Scene;
@@ -109,6 +109,8 @@ pub struct Options {
     pub rounds: Option<u32>,
     /// Promised relative error of certified distances.
     pub tolerance: Tolerance,
+    /// How candidates are found; where it is left open, forms alone ask all spheres.
+    pub search: Search,
     /// A method that would take the reference path longer than this for one frame is left out there, seconds.
     pub patience: f64,
     /// The command line, for the record.
@@ -123,6 +125,7 @@ impl Default for Options {
             contenders: Contender::all(),
             rounds: None,
             tolerance: Tolerance::default(),
+            search: Search::Auto,
             patience: 30.0,
             command: String::new(),
         }
@@ -329,8 +332,12 @@ impl Turns<'_> {
         Ok(truths.hits())
     }
 
+    fn settings(&self, backend: Backend, contender: Contender, aovs: &[Aov]) -> Settings {
+        contender.settings(backend, self.options.tolerance, self.options.search, aovs)
+    }
+
     fn render(&self, station: &mut Station, contender: Contender, aovs: &[Aov]) -> Result<Frame> {
-        station.renderer.render(self.scene, &contender.settings(station.backend, self.options.tolerance, aovs))
+        station.renderer.render(self.scene, &self.settings(station.backend, contender, aovs))
     }
 
     /// The first frame: it is judged. How long it took.
@@ -386,7 +393,7 @@ impl Turns<'_> {
     fn expect_patience(&self, station: &mut Station, contender: Contender) -> Result<()> {
         let Scene { image, spheres, .. } = self.scene;
         let tests = f64::from(image.width) * f64::from(image.height) * spheres.len() as f64;
-        let alone = matches!(contender, Contender::Alone(_));
+        let alone = matches!(contender, Contender::Alone(_)) && self.options.search != Search::Tiles;
         if station.backend != Backend::Cpu || !alone || tests < LARGE {
             return Ok(());
         }
@@ -394,7 +401,7 @@ impl Turns<'_> {
         small.image.width = image.width.div_ceil(SMALLER);
         small.image.height = image.height.div_ceil(SMALLER);
         let share = f64::from(small.image.width) * f64::from(small.image.height) * spheres.len() as f64 / tests;
-        let settings = contender.settings(station.backend, self.options.tolerance, &AOVS);
+        let settings = self.settings(station.backend, contender, &AOVS);
         let ms: f64 = station.renderer.render(&small, &settings)?.report.frame_ms.iter().sum();
         let seconds = ms * 1e-3 / share;
         let patience = self.options.patience;

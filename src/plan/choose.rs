@@ -25,8 +25,8 @@ const PROVEN: [Aov; 3] = [Aov::Certainty, Aov::Bound, Aov::Normal];
 /// What a certified frame costs beside `stable` with all spheres in view (docs/certificate.md, section 6).
 const CERTIFIED: f64 = 1.1;
 
-/// Spheres beyond which certified answers are the cheapest: a form asks all of them for every ray, a certified frame those
-/// of a tile. On lavapipe both cost the same between 16 and 64 (clouds, 1024 x 1024, colour alone; docs/performance.md).
+/// Spheres beyond which certified answers are preferred: by tiles, a form costs two thirds of them (lavapipe, 1e3 spheres)
+/// to twice as much (lavapipe and the CPU path, 1e6): docs/performance.md.
 const FEW: usize = 32;
 
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
@@ -50,8 +50,7 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
         }
         (Accuracy::Auto, None, Some(tolerance)) if scene.spheres.len() > FEW => {
             let reason = format!(
-                "certified, distance within {:.1e}: with {} spheres nothing is cheaper, for a form would ask all of them \
-                 for every ray",
+                "certified, distance within {:.1e}: with {} spheres no form is cheaper by much",
                 tolerance.relative(),
                 scene.spheres.len()
             );
@@ -62,7 +61,8 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             choice(Accuracy::Certified, None, format!("buffers of answers are asked for: {}", named(&ANSWERS)))
         }
         (Accuracy::Auto, None, None) if scene.spheres.len() > FEW => {
-            let reason = format!("with {} spheres nothing is cheaper than certified answers", scene.spheres.len());
+            let reason =
+                format!("with {} spheres no form is cheaper by much than certified answers", scene.spheres.len());
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, None) => {

@@ -2,7 +2,6 @@
 //! Nothing is rendered and no device is opened.
 
 use super::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
-use crate::certify::TERMS;
 use crate::certify::stage::Stage;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -10,13 +9,15 @@ use crate::gpu::compose::compose;
 use crate::gpu::device::{self, Found};
 use crate::gpu::dispatch::Input;
 use crate::gpu::pace::Pace;
-use crate::gpu::traffic::{Bands, Reach, lists, outputs, uploads};
+use crate::gpu::traffic::{Bands, Entries, Reach, outputs, uploads};
 use crate::intersect::Method;
 use crate::memory::{self, Need, Pool};
 use crate::predict::Prediction;
+use crate::prepare::Prepared;
+use crate::report::Stages;
 use crate::scene::Scene;
 use crate::shade::Shade;
-use crate::view::{View, ViewRecord};
+use crate::view::ViewRecord;
 use serde::Serialize;
 
 /// What a scene requires; the command line prints it.
@@ -56,7 +57,7 @@ pub struct Explanation {
     pub search: &'static str,
     /// Why so.
     pub search_reason: String,
-    /// How a certified kernel sees the spheres; `None` for others.
+    /// How the spheres are binned into tiles; `None` where all are asked.
     pub staged: Option<Staged>,
     /// The files that make up the kernel, in their order; empty where no kernel runs.
     pub kernel: Vec<Part>,
@@ -75,12 +76,12 @@ pub struct Explanation {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Spheres by what a certified kernel does with them.
+/// Spheres by what becomes of them.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Staged {
-    /// Wholly in front of the eye, by their projected centres.
+    /// Wholly in front of the eye, in the lists of tiles.
     pub front: u64,
-    /// Around the eye, across its plane, or large and close.
+    /// Around the eye, across its plane, or large and close: asked by every ray.
     pub near: u64,
     /// Behind the eye or beside the image: no ray meets them, none is uploaded.
     pub unseen: u64,
@@ -159,21 +160,17 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     }
     let (need, free) = (Need::of(&plan, &settings.aovs, scene, found.is_some()), memory::free(&Pool::default()));
     need.check(free)?;
+    let prepared = Prepared::new(plan, scene, settings, &Pool::default(), &mut Stages::default())?;
+    let Prepared { plan, view, stage } = &prepared;
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
-    let view = View::for_kernel(scene, &kernel)?;
-    let promise = settings.promise().relative();
-    let stage = match plan.accuracy {
-        Accuracy::Certified => Stage::new(scene, &view, promise, &TERMS, plan.search.level(), &Pool::default())?,
-        _ => None,
-    };
     let predicted = match plan.accuracy {
-        Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(&view, kernel.method)),
+        Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(view, scene, kernel.method)),
         _ => None,
     };
     let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
     let on_device = found.as_ref().filter(|_| traced);
     let work = on_device
-        .map(|found| Work::of(&kernel.for_stage(stage.as_ref()), scene, &view, stage.as_ref(), found))
+        .map(|found| Work::of(&kernel.for_stage(prepared.certified()), &prepared, scene, found))
         .unwrap_or_default();
     let size = [view.record.width, view.record.height];
     Ok(Explanation {
@@ -188,15 +185,15 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
         accuracy: plan.accuracy.name(),
         method: plan.method,
-        precision: precision(&plan, traced),
-        tolerance: promise,
+        precision: precision(plan, traced),
+        tolerance: settings.promise().relative(),
         predicted,
         search: plan.search.name(),
-        search_reason: plan.search.reason(plan.kernel.certify).to_owned(),
+        search_reason: plan.search_reason.to_owned(),
         staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
         frame: frame(settings, size),
-        left_out: left_out(&plan, &kernel, scene, settings, on_device.is_some()),
-        reason: plan.reason,
+        left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
+        reason: plan.reason.clone(),
         kernel: work.kernel,
         uploaded: work.uploaded,
         written: work.written,
@@ -228,7 +225,9 @@ struct Work {
 }
 
 impl Work {
-    fn of(kernel: &Kernel, scene: &Scene, view: &View, stage: Option<&Stage>, found: &Found) -> Self {
+    fn of(kernel: &Kernel, prepared: &Prepared, scene: &Scene, found: &Found) -> Self {
+        let pool = Pool::default();
+        let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
         let pixels = u64::from(view.record.width) * u64::from(view.record.height);
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
@@ -239,10 +238,10 @@ impl Work {
         let reach = Reach::from(&found.adapter.limits());
         let mut cut = Bands::new(kernel, &input, reach);
         let bands: Vec<_> = std::iter::from_fn(|| cut.next(&Pace::default())).collect();
-        if let Some(stage) = stage {
+        if let Some(asked) = stage {
             // Band by band into the same buffers: all of it passes through.
             let mut of_lists: Vec<Binding> = Vec::new();
-            for (name, more) in bands.iter().flat_map(|band| lists(stage, band).bytes()) {
+            for (name, more) in bands.iter().flat_map(|band| Entries::of(&asked, band).sizes(&asked)) {
                 match of_lists.iter_mut().find(|b| b.name == name) {
                     Some(b) => b.bytes += more,
                     None => of_lists.push(Binding { name, bytes: more }),

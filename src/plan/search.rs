@@ -4,6 +4,14 @@ use crate::certify::tiles::WHOLE;
 use crate::error::Error;
 use std::str::FromStr;
 
+/// Spheres up to which a form asks all of them: with 16, lists save a fifth on lavapipe and a third on the CPU path
+/// already (clouds, 1024 x 1024, colour alone; docs/performance.md).
+const FEW: usize = 8;
+
+/// Why tiles were planned and all spheres are asked.
+pub(crate) const NO_LENS: &str =
+    "this lens is too wide or too narrow to bin spheres into tiles, and every ray asks all of them";
+
 /// How the candidates of a ray are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Search {
@@ -13,7 +21,7 @@ pub enum Search {
     /// Every ray asks all spheres.
     All,
     /// The spheres are binned into tiles of 8 x 8 pixels by what they surely cover, nearest first; a ray asks those of its
-    /// tile.
+    /// tile until the rest lies behind what it hit.
     Tiles,
 }
 
@@ -36,12 +44,14 @@ impl Search {
         if self == Self::All { WHOLE } else { 0 }
     }
 
-    /// Why it was chosen, in words.
-    pub(crate) fn reason(self, certified: bool) -> &'static str {
-        match (self, certified) {
-            (Self::All, true) => "it was asked for",
-            (Self::All, false) => "a form that runs alone asks every sphere, so that its errors are its own",
-            _ => "viewing rays of a tile meet the same spheres: nothing is built but lists, nearest first",
+    /// What is done where this was asked for, and why, in words.
+    pub(super) fn decide(self, certified: bool, spheres: usize) -> (Self, &'static str) {
+        match self {
+            Self::Auto if certified || spheres > FEW => {
+                (Self::Tiles, "viewing rays of a tile meet the same spheres: nothing is built but lists, nearest first")
+            }
+            Self::Auto => (Self::All, "so few spheres are asked sooner than they are binned into tiles"),
+            asked => (asked, "it was asked for"),
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
+use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::plan::{Kernel, Rays, Sharing, Tolerance};
 use crate::report::Stages;
@@ -40,7 +41,7 @@ fn scene() -> Scene {
 impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
-        let kernel = |certify: bool| Kernel {
+        let kernel = |certify: bool, tiles: bool| Kernel {
             method: Method::Stable,
             rays: Rays::Camera,
             sharing: Sharing::on(&self.summary),
@@ -50,9 +51,10 @@ impl Gpu {
             normal: true,
             certify,
             nears: certify,
+            tiles,
             width: certify,
         };
-        vec![kernel(false), kernel(true)]
+        vec![kernel(false, false), kernel(false, true), kernel(true, false)]
     }
 
     pub(super) fn compare_twins(&mut self) -> Result<Check> {
@@ -64,15 +66,22 @@ impl Gpu {
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
-            let input =
-                Input { view: &view, colors: None, rays: &[], stage: stage.as_ref().filter(|_| kernel.certify) };
-            let mut output = Output { raw: &mut device, stages: &mut Stages::default() };
-            match (kernel.certify, &stage) {
+            let asked = match &stage {
+                Some(stage) if kernel.tiles => {
+                    Some(Asked::Form(Listed::new(&view, &scene.spheres, stage, false, &pool)))
+                }
+                Some(stage) if kernel.certify => Some(Asked::Certified(stage)),
                 // This scene has a stage; without one there is nothing to compare.
-                (true, None) => continue,
-                (true, Some(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
-                (false, _) => cpu::render(&kernel, &view, None, &mut host, &|| true),
+                None if kernel.tiles || kernel.certify => continue,
+                _ => None,
+            };
+            match &asked {
+                Some(Asked::Certified(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
+                Some(Asked::Form(listed)) => cpu::by_tiles(&kernel, listed, None, &mut host, &|| true),
+                None => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
+            let input = Input { view: &view, colors: None, rays: &[], stage: asked };
+            let mut output = Output { raw: &mut device, stages: &mut Stages::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {
                 let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());

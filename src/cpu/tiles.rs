@@ -1,0 +1,228 @@
+//! Forms by tiles on the CPU path: the twin of shaders/tiles/. The spheres of a tile are moved into the camera as far as
+//! one of its rays asks for them, once for all 64.
+
+use crate::certify::tiles::{CHUNK, TILE};
+use crate::frame::raw::Raw;
+use crate::intersect::{Intersect, Visit};
+use crate::listed::Listed;
+use crate::plan::Kernel;
+use crate::ray::{Hit, NONE, Ray, viewing_ray};
+use crate::real::Real;
+use crate::shade::Surface;
+use crate::view::Sphere;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Fills `raw` by `kernel`'s method. `go_on` is asked before every row of tiles; rows after a `false` are left alone.
+pub(crate) fn by_tiles(
+    kernel: &Kernel,
+    listed: &Listed<'_>,
+    colors: Option<&[[f32; 3]]>,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) {
+    kernel.method.dispatch(Frame { kernel, listed, colors, raw, go_on });
+}
+
+struct Frame<'a> {
+    kernel: &'a Kernel,
+    listed: &'a Listed<'a>,
+    colors: Option<&'a [[f32; 3]]>,
+    raw: &'a mut Raw,
+    go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Visit for Frame<'_> {
+    type Output = ();
+
+    fn visit<V: Intersect>(self) {
+        let Self { kernel, listed, colors, raw, go_on } = self;
+        let view = &listed.view.record;
+        let width = view.width as usize;
+        let surface = Surface::<V::Number> { view, spheres: &[], colors };
+        let nears: Vec<_> = listed.stage.nears.iter().map(|near| candidate(listed, near.id)).collect();
+        let bands: Vec<_> = bands(raw, width).collect();
+        let asked = || Tile::<V::Number> { listed, nears: &nears, entries: 0..0, made: Vec::new() };
+        let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
+        bands.for_each_init(asked, |tile, (band, mut rows)| {
+            let top = band as u32 * TILE;
+            let count = rows.id.len() / width;
+            for left in (0..view.width).step_by(TILE as usize) {
+                tile.enter(top, left);
+                for i in 0..count {
+                    for j in left..view.width.min(left + TILE) {
+                        let ray = viewing_ray(view, top + i as u32, j);
+                        let (hit, s) = tile.nearest::<V>(&ray);
+                        let normal = match s.filter(|_| kernel.has_normals()) {
+                            Some(s) => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.parts().0),
+                            None => [0.0; 3],
+                        };
+                        rows.write(i * width + j as usize, kernel, &surface, &ray, hit, normal);
+                    }
+                }
+            }
+        });
+    }
+}
+
+/// A sphere and its id.
+type Candidate<R> = (Sphere<R>, u32);
+
+fn candidate<R: Real>(listed: &Listed<'_>, id: u32) -> Candidate<R> {
+    (listed.sphere(id), id)
+}
+
+/// What the rays of a tile are asked.
+struct Tile<'a, R> {
+    listed: &'a Listed<'a>,
+    nears: &'a [Candidate<R>],
+    entries: Range<usize>,
+    /// Those of its list that some ray asked for.
+    made: Vec<Candidate<R>>,
+}
+
+impl<R: Real> Tile<'_, R> {
+    /// Begins the tile that holds the pixel of `row` and `column`.
+    fn enter(&mut self, row: u32, column: u32) {
+        let [first, end] = self.listed.stage.lists.range(row, column).map(|n| n as usize);
+        if self.entries != (first..end) {
+            self.entries = first..end;
+            self.made.clear();
+        }
+    }
+
+    /// The twin of nearest_in in tiles/candidates.wgsl: the closest hit, and of what.
+    fn nearest<V: Intersect>(&mut self, ray: &Ray<R>) -> (Hit<R>, Option<Sphere<R>>) {
+        let mut found = (Hit::NONE, None);
+        consider_all::<V, R>(&mut found, ray, self.nears);
+        let Range { start, end } = self.entries;
+        for first in (start..end).step_by(CHUNK) {
+            if found.0.t.parts().0 < self.listed.limit(first / CHUNK) {
+                break;
+            }
+            let from = first - start;
+            if from == self.made.len() {
+                let chunk = self.listed.ids(first..first + CHUNK);
+                // What fills the list up is left out at its end.
+                self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.listed, id)));
+            }
+            let to = self.made.len().min(from + CHUNK);
+            consider_all::<V, R>(&mut found, ray, &self.made[from..to]);
+        }
+        found
+    }
+}
+
+/// Keeps the closest hit; of equal ones the lower id, for lists have an order of their own.
+fn consider_all<V: Intersect, R: Real>(
+    found: &mut (Hit<R>, Option<Sphere<R>>),
+    ray: &Ray<R>,
+    candidates: &[Candidate<R>],
+) {
+    for (s, id) in candidates {
+        let t = V::intersect(ray, s);
+        if t < R::MISS {
+            let t = t.scaled(s.scale);
+            if t < found.0.t || t == found.0.t && *id < found.0.id {
+                *found = (Hit { t, id: *id }, Some(*s));
+            }
+        }
+    }
+}
+
+/// The kernel's buffers of a row of tiles; those nobody asked for are empty.
+struct Rows<'a> {
+    id: &'a mut [u32],
+    t: &'a mut [f32],
+    low: &'a mut [f32],
+    normal: &'a mut [f32],
+    color: &'a mut [f32],
+}
+
+/// The buffers of each row of tiles.
+fn bands(raw: &mut Raw, width: usize) -> impl Iterator<Item = Rows<'_>> {
+    let pixels = TILE as usize * width;
+    // A buffer that nobody asked for has no rows: its iterator ends at once.
+    let mut ts = raw.t.chunks_mut(pixels);
+    let mut lows = raw.t_low.chunks_mut(pixels);
+    let mut normals = raw.normal.chunks_mut(3 * pixels);
+    let mut colors = raw.color.chunks_mut(3 * pixels);
+    raw.id.chunks_mut(pixels).map(move |id| Rows {
+        id,
+        t: ts.next().unwrap_or_default(),
+        low: lows.next().unwrap_or_default(),
+        normal: normals.next().unwrap_or_default(),
+        color: colors.next().unwrap_or_default(),
+    })
+}
+
+impl Rows<'_> {
+    /// What tiles/render.wgsl writes.
+    fn write<R: Real>(
+        &mut self,
+        pixel: usize,
+        kernel: &Kernel,
+        surface: &Surface<'_, R>,
+        ray: &Ray<R>,
+        hit: Hit<R>,
+        normal: [f32; 3],
+    ) {
+        let (t, low) = hit.t.parts();
+        self.id[pixel] = hit.id;
+        if let Some(out) = self.t.get_mut(pixel) {
+            *out = t;
+        }
+        if let Some(out) = self.low.get_mut(pixel) {
+            *out = low;
+        }
+        if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+            out.copy_from_slice(&if hit.id == NONE { normal } else { surface.to_world(normal) });
+        }
+        if let (Some(shade), Some(out)) = (kernel.shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
+            let [red, green, blue, _] = surface.view.background;
+            let rgb = (hit.id != NONE).then(|| surface.shade_normal(shade, ray, normal, hit.id));
+            out.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::certify::TERMS;
+    use crate::certify::stage::Stage;
+    use crate::intersect::Method;
+    use crate::memory::Pool;
+    use crate::plan::{Plan, Settings};
+    use crate::scene::{ReadOptions, Scene};
+    use crate::view::View;
+
+    /// What tests/tiles.rs promises would not hold if a list lacked one sphere.
+    #[test]
+    fn a_sphere_that_a_list_lacks_shows() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        (scene.image.width, scene.image.height) = (131, 74);
+        let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
+        let mut stage = Stage::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+        let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
+        let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
+        let ids = |stage: &Stage| {
+            let mut raw = Raw::new(&kernel, 131 * 74, &pool).expect("room");
+            by_tiles(&kernel, &Listed::new(&view, &scene.spheres, stage, false, &pool), None, &mut raw, &|| true);
+            raw.id
+        };
+        let mut all = Raw::new(&kernel, 131 * 74, &pool).expect("room");
+        crate::cpu::render(&kernel, &view, None, &mut all, &|| true);
+        let before = ids(&stage);
+        assert_eq!(before, all.id);
+        let near = |id: u32| stage.nears.iter().any(|near| near.id == id);
+        let pixel = before.iter().position(|id| *id != NONE && !near(*id)).expect("a sphere in a list");
+        let [first, end] = stage.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
+        let entry = (first..end).find(|n| stage.lists.mores[*n].id == before[pixel]).expect("it is in the list");
+        // The near ones are asked anyway: the list holds one of them instead.
+        stage.lists.mores[entry].id = stage.nears[0].id;
+        let after = ids(&stage);
+        assert!(after != before && after[pixel] != before[pixel]);
+    }
+}

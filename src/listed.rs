@@ -1,0 +1,162 @@
+//! What the rays of a tile are asked by a form that runs alone: the lists of certified frames, and in their places the
+//! form's own records. A form is thereby asked nothing but spheres that its rays may meet, and that may be nearer than
+//! what was hit: its false hits elsewhere do not show, everything else is as if it had asked all.
+
+use crate::certify::stage::Stage;
+use crate::certify::tiles::CHUNK;
+use crate::memory::Pool;
+use crate::ray::NONE;
+use crate::real::Real;
+use crate::scene::Spheres;
+use crate::view::{Sphere, SphereLow, View};
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A sphere in a list; tiles/candidates.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct Candidate {
+    /// As in [`crate::view::SphereRecord`].
+    pub(crate) ball: [f32; 4],
+    pub(crate) power: f32,
+    pub(crate) scale: f32,
+    /// Index in the scene's order.
+    pub(crate) id: u32,
+    /// WGSL rounds the size up to the alignment of ball.
+    pub(crate) unused: u32,
+}
+
+/// How far behind a hit, relative to its t, the rest of a list must begin to be left out: far more than t is off by in
+/// a form that is right at all (half of f32's digits, for the lecture's). A form whose t is off by more may be asked
+/// less than all, and then shows another of its wrong answers or none.
+const MARGIN: f64 = 1.0 / (1 << 10) as f64;
+
+/// Beyond every t of a frame, and below a miss: who has hit nothing leaves no list.
+const FAR: f64 = 3.0e38;
+
+/// A scene's spheres as the lists of a stage name them.
+#[derive(Clone, Copy)]
+pub(crate) struct Listed<'a> {
+    pub(crate) view: &'a View,
+    pub(crate) spheres: &'a Spheres,
+    pub(crate) stage: &'a Stage,
+    /// Low parts are read too.
+    pub(crate) wide: bool,
+    pool: &'a Pool,
+    /// t for each unit of a sill's depth, less the margin.
+    per_depth: f64,
+}
+
+/// What the rays of a tile are asked.
+#[derive(Clone, Copy)]
+pub(crate) enum Asked<'a> {
+    /// With a certificate.
+    Certified(&'a Stage),
+    /// By a form that runs alone.
+    Form(Listed<'a>),
+}
+
+impl<'a> Asked<'a> {
+    /// The stage that the lists are of.
+    pub(crate) fn stage(&self) -> &'a Stage {
+        match self {
+            Self::Certified(stage) => stage,
+            Self::Form(listed) => listed.stage,
+        }
+    }
+}
+
+impl<'a> Listed<'a> {
+    pub(crate) fn new(view: &'a View, spheres: &'a Spheres, stage: &'a Stage, wide: bool, pool: &'a Pool) -> Self {
+        // t is the planar depth over d.
+        Self { view, spheres, stage, wide, pool, per_depth: (1.0 - MARGIN) / view.pitch[2] }
+    }
+
+    /// Centre and radius of the sphere of that id.
+    fn world(&self, id: u32) -> ([f64; 3], f64) {
+        (self.spheres.centers[id as usize], self.spheres.radii[id as usize])
+    }
+
+    /// That sphere in the arithmetic of a twin.
+    pub(crate) fn sphere<R: Real>(&self, id: u32) -> Sphere<R> {
+        let (center, radius) = self.world(id);
+        let record = self.view.sphere(center, radius);
+        match self.wide {
+            true => Sphere::whole(&record, &self.view.low(center, radius)),
+            false => Sphere::from(&record),
+        }
+    }
+
+    /// The ids of a run of list entries; [`NONE`] is what fills a list up.
+    pub(crate) fn ids(&self, entries: Range<usize>) -> impl Iterator<Item = u32> + '_ {
+        self.stage.lists.mores[entries].iter().map(|more| more.id)
+    }
+
+    /// A ray that has hit something at a smaller t, in the frame's unit, is not asked this chunk, nor what is behind it
+    /// in its list.
+    pub(crate) fn limit(&self, chunk: usize) -> f32 {
+        let depth = f64::from(self.stage.lens.depth) + f64::from(self.stage.lists.sills[chunk]);
+        (depth * self.per_depth).min(FAR) as f32
+    }
+
+    /// How many places of a band the near spheres take.
+    pub(crate) fn nears(&self) -> usize {
+        self.stage.nears.len().next_multiple_of(CHUNK)
+    }
+
+    /// The near spheres and then some list entries, each followed by its like where a chunk is to be filled up: what
+    /// is asked twice cannot win against itself.
+    pub(crate) fn candidates(&self, entries: Range<usize>) -> Vec<Candidate> {
+        self.places(entries, |id, (center, radius)| {
+            let s = self.view.sphere(center, radius);
+            Candidate { ball: s.ball, power: s.power, scale: s.scale, id, unused: 0 }
+        })
+    }
+
+    /// What rounding took from each of these.
+    pub(crate) fn lows(&self, entries: Range<usize>) -> Vec<SphereLow> {
+        self.places(entries, |_, (center, radius)| self.view.low(center, radius))
+    }
+
+    /// [`Self::limit`] of each chunk of these; near spheres are always asked.
+    pub(crate) fn limits(&self, entries: Range<usize>) -> Vec<f32> {
+        let of_lists = (entries.start / CHUNK..entries.end / CHUNK).map(|chunk| self.limit(chunk));
+        std::iter::repeat_n(0.0, self.nears() / CHUNK).chain(of_lists).collect()
+    }
+
+    /// Leaves what was uploaded to the next band or frame.
+    pub(crate) fn give<T: Send + 'static>(&self, vector: Vec<T>) {
+        self.pool.give(vector);
+    }
+
+    fn places<T: Pod + Send + Sync>(
+        &self,
+        entries: Range<usize>,
+        make: impl Fn(u32, ([f64; 3], f64)) -> T + Sync,
+    ) -> Vec<T> {
+        let nears = self.nears();
+        let mut places: Vec<T> = self.pool.take(nears + entries.len());
+        places.resize(nears + entries.len(), T::zeroed());
+        let fill = |chunk: &mut [T], ids: [u32; CHUNK]| {
+            // All are fetched before any is made: they lie far apart.
+            let worlds = ids.map(|id| if id == NONE { Default::default() } else { self.world(id) });
+            let mut last = T::zeroed();
+            for ((place, id), world) in chunk.iter_mut().zip(ids).zip(worlds) {
+                if id != NONE {
+                    last = make(id, world);
+                }
+                *place = last;
+            }
+        };
+        let (of_nears, of_lists) = places.split_at_mut(nears);
+        for (chunk, nears) in of_nears.chunks_mut(CHUNK).zip(self.stage.nears.chunks(CHUNK)) {
+            fill(chunk, std::array::from_fn(|n| nears.get(n).map_or(NONE, |near| near.id)));
+        }
+        let mores = &self.stage.lists.mores[entries];
+        of_lists.par_chunks_mut(CHUNK).zip(mores.par_chunks(CHUNK)).for_each(|(chunk, mores)| {
+            fill(chunk, std::array::from_fn(|n| mores.get(n).map_or(NONE, |more| more.id)));
+        });
+        places
+    }
+}

@@ -1,0 +1,61 @@
+//! What a plan needs before it is carried out: the view, and the stage where spheres are binned into tiles.
+
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
+use crate::error::Result;
+use crate::listed::{Asked, Listed};
+use crate::memory::Pool;
+use crate::plan::{Accuracy, Plan, Search, Settings};
+use crate::report::Stages;
+use crate::scene::Scene;
+use crate::view::View;
+
+/// A plan that can be carried out.
+pub(crate) struct Prepared {
+    /// As it was, unless the lens forbids tiles.
+    pub(crate) plan: Plan,
+    pub(crate) view: View,
+    /// The lists of the tiles; `None` where all spheres are asked, and where every pixel is judged exactly.
+    pub(crate) stage: Option<Stage>,
+}
+
+impl Prepared {
+    /// For one frame of `scene`.
+    ///
+    /// # Errors
+    /// Those of [`View::new`] and of [`Stage::new`].
+    pub(crate) fn new(
+        plan: Plan,
+        scene: &Scene,
+        settings: &Settings,
+        pool: &Pool,
+        stages: &mut Stages,
+    ) -> Result<Self> {
+        let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+        if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
+            return Ok(Self { plan, view, stage: None });
+        }
+        // A form's tiles are tiles; one list for the whole image, in its order, is a certified kernel's search alone.
+        let level = if plan.kernel.certify { plan.search.level() } else { Search::Tiles.level() };
+        let tolerance = settings.promise().relative();
+        let stage = stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, level, pool))?;
+        if stage.is_none() && plan.kernel.tiles {
+            let plan = plan.without_tiles();
+            let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+            return Ok(Self { plan, view, stage });
+        }
+        Ok(Self { plan, view, stage })
+    }
+
+    /// What the rays of a tile are asked; `None` where they are asked all spheres.
+    pub(crate) fn asked<'a>(&'a self, scene: &'a Scene, pool: &'a Pool) -> Option<Asked<'a>> {
+        let (stage, kernel) = (self.stage.as_ref()?, &self.plan.kernel);
+        let listed = || Listed::new(&self.view, &scene.spheres, stage, kernel.is_wide(), pool);
+        Some(if kernel.certify { Asked::Certified(stage) } else { Asked::Form(listed()) })
+    }
+
+    /// The stage of a certified frame.
+    pub(crate) fn certified(&self) -> Option<&Stage> {
+        self.stage.as_ref().filter(|_| self.plan.kernel.certify)
+    }
+}
