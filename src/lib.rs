@@ -58,6 +58,7 @@ pub mod scene;
 mod settle;
 pub mod shade;
 pub mod trace;
+mod tree;
 pub mod view;
 
 pub use camera::{Camera, Lens, Look};
@@ -66,7 +67,7 @@ pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
-pub use plan::{Accuracy, Backend, Settings, Tolerance};
+pub use plan::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use render::{Renderer, render};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
 pub use shade::Shade;

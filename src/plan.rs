@@ -214,6 +214,8 @@ pub(crate) struct Kernel {
     pub(crate) certify: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
+    /// Given rays walk a tree instead of asking every sphere.
+    pub(crate) tree: bool,
 }
 
 impl Kernel {
@@ -261,6 +263,9 @@ impl Plan {
     /// [`Error::Settings`] for a method together with a certificate, [`Error::Scene`] for spheres that do not fit one
     /// frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
+        if settings.search == Search::Tree {
+            return Err(search::only_given_rays());
+        }
         let mut plan = Self::for_method(settings)?;
         let shade = settings.asks(&[Aov::Color]).then_some(settings.shade);
         plan.kernel.shade = shade;
@@ -301,6 +306,7 @@ impl Plan {
             normal: false,
             certify: false,
             width: false,
+            tree: false,
         };
         let (method, accuracy) = (method.name(), Accuracy::Fast);
         Ok(Self { method, accuracy, reason: String::new(), predicted: None, search: Search::All, kernel })

@@ -320,7 +320,7 @@ impl Renderer {
         match &mut self.place {
             Place::Gpu(gpu) => {
                 let kernel = Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel };
-                let input = Input { view, colors, rays: &[], stage };
+                let input = Input { view, colors, rays: &[], stage, tree: None };
                 let mut output = Output { raw, unsure: Vec::new(), stages };
                 gpu.run(&kernel, &input, &mut output, &*self.go_on)?;
                 Ok(output.unsure)

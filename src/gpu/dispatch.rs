@@ -13,6 +13,7 @@ use crate::gpu::traffic::{Band, Reach, bands, lists, outputs, uploads};
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
 use crate::settle::Unsure;
+use crate::tree::Tree;
 use crate::view::{SphereRecord, View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -45,6 +46,8 @@ pub(crate) struct Input<'a> {
     pub(crate) rays: &'a [crate::trace::RayRecord],
     /// What the certified kernels read instead of the view's spheres.
     pub(crate) stage: Option<&'a Stage>,
+    /// What given rays walk.
+    pub(crate) tree: Option<&'a Tree>,
 }
 
 /// What a run leaves behind.
@@ -428,6 +431,7 @@ mod tests {
                 normal: true,
                 certify: false,
                 width: false,
+                tree: false,
             };
             let certified = Kernel { certify: true, width: true, ..kernel };
             let mut raws = Vec::new();
@@ -437,7 +441,8 @@ mod tests {
             for kernel in [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64) {
                 let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
                 let stage = Some(&stage);
-                let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+                let input =
+                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
                 let mut output = Output { raw: &mut raw, unsure: Vec::new(), stages: &mut Stages::default() };
                 gpu.run(&kernel, &input, &mut output, &|| true).expect("a frame");
                 let mut unsure = output.unsure;

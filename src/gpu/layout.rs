@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 16] = [
+pub(crate) const BUFFERS: [&str; 18] = [
     "view",
     "spheres",
     "colors",
@@ -33,6 +33,8 @@ pub(crate) const BUFFERS: [&str; 16] = [
     "unsure",
     "frame_width",
     "frame_t_low",
+    "nodes",
+    "order",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -82,6 +84,7 @@ mod tests {
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
+    use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
@@ -90,12 +93,12 @@ mod tests {
     fn kernels() -> Vec<Kernel> {
         let both = [false, true];
         let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
-        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
-        let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
+        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing, false));
+        let given = [Rays::SharedOrigin, Rays::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
         let mut kernels = Vec::new();
         let plain = Method::ALL.iter().map(|&method| (method, false));
         for (method, certify) in plain.chain([(Method::Stable, true)]) {
-            for (rays, sharing) in camera.into_iter().chain(given) {
+            for (rays, sharing, tree) in camera.into_iter().chain(given.into_iter().flatten()) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
                         let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
@@ -109,6 +112,7 @@ mod tests {
                             normal,
                             certify,
                             width: t && certify,
+                            tree,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify || k.rays == Rays::Camera));
                     }
@@ -127,7 +131,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * 6 + 4) * frames, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * 8 + 4) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -155,6 +159,8 @@ mod tests {
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
+                (kernel.tree, "nodes"),
+                (kernel.tree, "order"),
                 (kernel.rays == Rays::Spread || kernel.is_wide(), "lows"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
@@ -196,8 +202,9 @@ mod tests {
             normal: true,
             certify: false,
             width: false,
+            tree: true,
         };
-        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, ..any });
+        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, tree: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -216,6 +223,11 @@ mod tests {
         same!(module "Sphere", SphereRecord, ball power scale);
         same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
+        same!(module "Node", NodeRecord, low_a high_a low_b high_b);
+        for (name, ours) in [("STACK", STACK), ("IS_LEAF", IS_LEAF), ("FIRST", FIRST), ("NOWHERE", NOWHERE)] {
+            assert_eq!(constant(&module, name), f64::from(ours), "{name}");
+        }
+        assert_eq!(constant(&module, "LEAST"), f64::from(LEAST));
         let tile = constant(&module, "NONE");
         assert_eq!(tile, f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));

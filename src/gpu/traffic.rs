@@ -11,6 +11,9 @@ use crate::plan::{Kernel, Rays};
 /// Ray-sphere tests in one dispatch: a second or so on software, far below any watchdog on hardware.
 const TESTS_PER_DISPATCH: u64 = 1 << 32;
 
+/// What a ray that walks a tree is taken to ask: far more than where spheres are apart, far less than where all overlap.
+const TREE_TESTS: u64 = 1 << 12;
+
 /// What an adapter can take at once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
@@ -41,6 +44,7 @@ pub(crate) fn bands(kernel: &Kernel, input: &Input<'_>, reach: &Reach) -> Vec<Ba
     let tests = match input.stage {
         // What a pixel of an average tile may be asked.
         Some(stage) => stage.lists.mean(),
+        None if kernel.tree => TREE_TESTS,
         None => u64::from(record.spheres),
     };
     let pixels = (reach.binding / 12).min(TESTS_PER_DISPATCH / tests.max(1));
@@ -131,6 +135,10 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     }
     if kernel.rays != Rays::Camera {
         all.push(("rays", bytemuck::cast_slice(input.rays)));
+    }
+    if let (true, Some(tree)) = (kernel.tree, input.tree) {
+        all.push(("nodes", bytemuck::cast_slice(&tree.nodes)));
+        all.push(("order", bytemuck::cast_slice(&tree.order)));
     }
     if kernel.rays == Rays::Spread || kernel.is_wide() {
         all.push(("lows", bytemuck::cast_slice(&input.view.lows)));

@@ -51,6 +51,7 @@ impl Gpu {
             normal: true,
             certify,
             width: certify,
+            tree: false,
         };
         vec![kernel(false), kernel(true)]
     }
@@ -64,8 +65,13 @@ impl Gpu {
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
-            let input =
-                Input { view: &view, colors: None, rays: &[], stage: stage.as_ref().filter(|_| kernel.certify) };
+            let input = Input {
+                view: &view,
+                colors: None,
+                rays: &[],
+                stage: stage.as_ref().filter(|_| kernel.certify),
+                tree: None,
+            };
             let mut output = Output { raw: &mut device, unsure: Vec::new(), stages: &mut Stages::default() };
             let left = match (kernel.certify, &stage) {
                 // This scene has a stage; without one there is nothing to compare.
