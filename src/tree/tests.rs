@@ -90,26 +90,20 @@ fn padded_boxes_hold_whatever_a_form_reports() {
     }
 }
 
-/// Negative control: boxes that fit the spheres tightly lose hits of every form in f32, and those of the lecture's forms
-/// that are padded like the stable one lose theirs.
+/// Negative control: boxes that fit the spheres tightly lose hits of the lecture's forms, and boxes padded like those of the
+/// stable form still lose some. Of the stable form itself these rays lose nothing by tight boxes: its padding is derived
+/// (docs/tree.md) and nobody here misses it.
 #[test]
 fn less_padding_is_found_out() {
-    let tight = Slack { linear: 0.0, square: 0.0 };
-    for &method in Method::ALL.iter().filter(|method| !method.is_wide()) {
-        let lost = |slack| {
-            BOTH.map(|kind| {
-                [40.0, 1e3, 1e5].map(|far| {
-                    let case = grazing(method, far, kind);
-                    case.differing(&case.tree(slack))
-                })
-            })
-        };
-        println!("{}: tight {:?}", method.name(), lost(tight));
-        assert!(lost(tight).iter().flatten().sum::<usize>() > 0, "{}: tight boxes", method.name());
-        if Slack::of(method).square > 0.0 {
-            let linear = Slack { square: 0.0, ..Slack::of(method) };
-            println!("{}: linear only {:?}", method.name(), lost(linear));
-            assert!(lost(linear).iter().flatten().sum::<usize>() > 0, "{}: no square term", method.name());
+    let lecture = Method::ALL.iter().copied().filter(|method| Slack::of(*method).square > 0.0);
+    for method in lecture {
+        let both = Slack::of(method);
+        for less in [Slack { linear: 0.0, square: 0.0 }, Slack { square: 0.0, ..both }] {
+            let lost = BOTH.map(|kind| {
+                let case = grazing(method, 1e5, kind);
+                case.differing(&case.tree(less))
+            });
+            assert!(lost.iter().all(|lost| *lost > 0), "{}, {less:?}: {lost:?}", method.name());
         }
     }
 }
@@ -158,7 +152,7 @@ fn check(shape: &Shape, spheres: usize) {
 #[test]
 fn shapes_are_trees_that_fit_the_stack() {
     let random = &mut Random(22);
-    for count in [1, 2, 3, 4, 5, 6, 7, 8, 9, 100, 1000, 100_000] {
+    for count in [1, 2, 3, 4, 5, 6, 7, 8, 9, 100, 1000, 4000] {
         let cloud: Vec<_> = (0..count).map(|_| random.cube()).collect();
         // Each twice as far and as large as the one before: clusters grow one by one.
         let shells: Vec<_> = (0..count).map(|n| [1.5 * 2f64.powi(n as i32 % 500), 0.0, 0.0]).collect();
