@@ -13,10 +13,12 @@ struct GivenRay {
 @group(0) @binding(7) var<storage, read> rays: array<GivenRay>;
 
 var<private> given: GivenRay;
+var<private> seat: u32; // of this ray in its workgroup
 
 // The view's width counts the rays of this dispatch and first_row the rays before it.
 fn render(group: vec3<u32>, index: u32) {
     let n = group.x * GROUP + index;
+    seat = index;
     given = rays[view.first_row + min(n, view.width - 1u)];
     let ray = ray_along(given.direction.xyz, vec3<f32>(given.direction.w, given.origin.w, given.origin_low.w));
     let hit = nearest(ray);

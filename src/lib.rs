@@ -62,6 +62,7 @@ pub mod scene;
 mod settle;
 pub mod shade;
 pub mod trace;
+mod tree;
 pub mod view;
 
 pub use camera::{Camera, Lens, Look};
@@ -70,7 +71,7 @@ pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
-pub use plan::{Accuracy, Backend, Settings, Tolerance};
+pub use plan::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use progress::{Cancel, Progress, Step, Watch};
 pub use render::{Renderer, render};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};

@@ -219,6 +219,8 @@ pub(crate) struct Kernel {
     pub(crate) tiles: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
+    /// Given rays walk a tree instead of asking every sphere.
+    pub(crate) tree: bool,
 }
 
 impl Kernel {
@@ -278,6 +280,9 @@ impl Plan {
     /// [`Error::Settings`] for a method together with a certificate, [`Error::Scene`] for spheres that do not fit one
     /// frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
+        if settings.search == Search::Tree {
+            return Err(search::only_given_rays());
+        }
         let mut plan = Self::for_method(settings)?;
         let shade = settings.asks(&[Aov::Color]).then_some(settings.shade);
         plan.kernel.shade = shade;
@@ -318,6 +323,7 @@ impl Plan {
             nears: false,
             tiles: false,
             width: false,
+            tree: false,
         };
         let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
         Ok(Self { method, accuracy, reason: String::new(), predicted: None, search, search_reason: "", kernel })

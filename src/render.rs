@@ -331,7 +331,7 @@ impl Renderer {
             Place::Gpu(gpu) => {
                 let kernel =
                     Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(prepared.certified());
-                let input = Input { view, colors, rays: &[], stage };
+                let input = Input { view, colors, rays: &[], stage, tree: None };
                 gpu.run(&kernel, &input, &mut Output { raw, stages }, &|done| doing.reached(done))?;
             }
             Place::Cpu => stages.time("trace", || match stage {

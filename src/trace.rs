@@ -10,14 +10,15 @@ use crate::frame::Aov;
 use crate::frame::raw::Raw;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
-use crate::nearest::nearest_of;
-use crate::plan::{Kernel, Plan, Rays, Settings, Sharing};
+use crate::nearest::{nearest_in, nearest_of};
+use crate::plan::{Kernel, Plan, Rays, Search, Settings, Sharing};
 use crate::ray::{Hit, NONE, Ray, center, dot3, radius};
 use crate::real::Real;
 use crate::render::{Place, Renderer};
 use crate::report::Stages;
 use crate::scene::{Spheres, check_sphere};
 use crate::shade::Surface;
+use crate::tree::{Shape, Slabs, Slack, Tree, coherent};
 use crate::view::{Sphere, SphereLow, View};
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -46,6 +47,8 @@ pub struct Hits {
     pub t: Vec<f64>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`Aov::Normal`] was asked for.
     pub normal: Option<Vec<[f32; 3]>>,
+    /// How candidates were found: never `auto`. It does not change an answer.
+    pub search: Search,
 }
 
 /// A group smaller than this is not worth moving the world for: its rays fill one workgroup.
@@ -61,7 +64,8 @@ pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], s
 
 impl Renderer {
     /// The closest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single
-    /// one for all. Directions have any length but zero. Of `settings`, `method` counts, and `aovs` for the normals.
+    /// one for all. Directions have any length but zero. Of `settings`, `method` and `search`
+    /// count, and `aovs` for the normals.
     ///
     /// # Errors
     /// [`Error::Settings`] for rays that are no rays, [`Error::Scene`] for spheres that are no spheres, and what
@@ -74,31 +78,47 @@ impl Renderer {
         settings: &Settings,
     ) -> Result<Hits> {
         check(spheres, origins, directions)?;
-        let plan = Plan::for_rays(settings)?;
+        let plan = Plan::for_rays(settings, spheres.len(), directions.len())?;
         let origin = |n: usize| if origins.len() == 1 { origins[0] } else { origins[n] };
         let mut hits = Hits {
             id: vec![-1; directions.len()],
             t: vec![f64::INFINITY; directions.len()],
             normal: plan.kernel.normal.then(|| vec![[0.0; 3]; directions.len()]),
+            search: plan.search,
         };
-        for group in groups(directions.len(), origin) {
+        let mut shape = None;
+        for mut group in groups(directions.len(), origin) {
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
             if group.kind == Rays::Spread || plan.kernel.is_wide() {
                 view.keep_lows(&spheres.centers, &spheres.radii);
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
-            let records: Vec<_> = group.rays.par_iter().map(record).collect();
-            let kernel = Kernel { rays: group.kind, ..plan.kernel };
+            let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
+            let far = farthest(&records);
+            let tree = (plan.search == Search::Tree).then(|| {
+                // Once for all groups: what is near what is the same from everywhere.
+                let shape = shape.get_or_insert_with(|| Shape::new(&spheres.centers, &spheres.radii));
+                Tree::new(shape.as_ref()?, &view, far, Slack::of(plan.kernel.method))
+            });
+            let tree = tree.flatten();
+            if tree.is_some() {
+                let order = coherent(&records, far);
+                group.rays = order.par_iter().map(|&k| group.rays[k as usize]).collect();
+                records = order.par_iter().map(|&k| records[k as usize]).collect();
+            } else {
+                hits.search = Search::All;
+            }
+            let kernel = Kernel { rays: group.kind, tree: tree.is_some(), ..plan.kernel };
             let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
             match &mut self.place {
                 Place::Gpu(gpu) => {
                     gpu.admit(kernel.method)?;
-                    let input = Input { view: &view, colors: None, rays: &records, stage: None };
+                    let input = Input { view: &view, colors: None, rays: &records, stage: None, tree: tree.as_ref() };
                     let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
                 }
                 Place::Cpu => {
-                    kernel.method.dispatch(Traced { kernel: &kernel, view: &view, rays: &records, raw: &mut raw })
+                    on_cpu(&kernel, &view, &records, tree.as_ref(), &mut raw);
                 }
             }
             for (k, &n) in group.rays.iter().enumerate() {
@@ -119,8 +139,9 @@ impl Renderer {
 
 impl Plan {
     /// The plan for given rays: no pixels, no colour.
-    fn for_rays(settings: &Settings) -> Result<Self> {
+    fn for_rays(settings: &Settings, spheres: usize, rays: usize) -> Result<Self> {
         let mut plan = Self::for_method(settings)?;
+        plan.search = settings.search.for_rays(spheres, rays)?;
         plan.kernel.t = true;
         plan.kernel.normal = settings.aovs.contains(&Aov::Normal);
         plan.kernel.sharing = Sharing::None;
@@ -183,7 +204,8 @@ fn scale(direction: [f64; 3]) -> i32 {
     dd::exponent(DVec3::from_array(direction).abs().max_element())
 }
 
-fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
+/// A ray as a kernel sees it in `view`.
+pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
     let f = scale(direction);
     let direction = direction.map(|x| dd::ldexp(x, -f));
     let d = direction.map(|x| x as f32);
@@ -193,6 +215,12 @@ fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
     let low: [f32; 3] = std::array::from_fn(|k| (away[k] - f64::from(high[k])) as f32);
     let four = |a: [f32; 3], k: usize| [a[0], a[1], a[2], d_low[k]];
     RayRecord { direction: four(d, 0), origin: four(high, 1), origin_low: four(low, 2) }
+}
+
+/// The farthest origin from the view's eye, in the frame's unit; a hair more, for what rounding took.
+pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
+    let square = |r: &RayRecord| r.origin[..3].iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
+    rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
 }
 
 /// A sphere moved to the origin of a ray: the twin of origin/spread.wgsl.
@@ -217,10 +245,15 @@ fn wide_sphere<R: Real>(s: &Sphere<R>, ray: &RayRecord) -> Sphere<R> {
 }
 
 /// The CPU path of [`Renderer::trace`].
+pub(crate) fn on_cpu(kernel: &Kernel, view: &View, rays: &[RayRecord], tree: Option<&Tree>, raw: &mut Raw) {
+    kernel.method.dispatch(Traced { kernel, view, rays, tree, raw });
+}
+
 struct Traced<'a> {
     kernel: &'a Kernel,
     view: &'a View,
     rays: &'a [RayRecord],
+    tree: Option<&'a Tree>,
     raw: &'a mut Raw,
 }
 
@@ -228,7 +261,7 @@ impl Visit for Traced<'_> {
     type Output = ();
 
     fn visit<V: Intersect>(self) {
-        let Self { kernel, view, rays, raw } = self;
+        let Self { kernel, view, rays, tree, raw } = self;
         let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
         let wide = kernel.method.is_wide();
         let moved = |ray: &RayRecord, id: usize| match kernel.rays {
@@ -243,7 +276,11 @@ impl Visit for Traced<'_> {
         raw.t_low.resize(raw.id.len(), 0.0);
         let ts = raw.t.par_iter_mut().zip(&mut raw.t_low);
         raw.id.par_iter_mut().zip(ts).zip(rays).for_each(|((id, t), r)| {
-            let hit = nearest_of::<V, V::Number>(&direction(r), spheres.len(), |k| moved(r, k));
+            let (ray, sphere) = (direction(r), |k| moved(r, k));
+            let hit = match tree {
+                Some(tree) => nearest_in::<V, V::Number>(&ray, &Slabs::of(r), tree, sphere),
+                None => nearest_of::<V, V::Number>(&ray, spheres.len(), sphere),
+            };
             (*id, (*t.0, *t.1)) = (hit.id, hit.t.parts());
         });
         if kernel.normal {

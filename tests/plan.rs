@@ -155,7 +155,8 @@ fn the_room_is_told_in_spheres() {
         }
         if backend == Backend::Gpu {
             let most = halfline::adapters().expect("adapters")[0].max_binding;
-            let (mut colored, fast) = (scene(), settings(backend, Some(0.1), &[Aov::Color]));
+            let (mut colored, fast) =
+                (scene(), Settings { search: Search::All, ..settings(backend, Some(0.1), &[Aov::Color]) });
             assert_eq!(told(&colored, &fast).room.adapter, Some((most / 32).min(i32::MAX as u64)));
             colored.spheres.colors = Some(vec![[0.5; 3]; colored.spheres.len()]);
             let certified = Settings { tolerance: None, accuracy: Accuracy::Certified, ..fast };

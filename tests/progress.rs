@@ -4,7 +4,9 @@
 mod common;
 
 use common::{cpu, gpu};
-use halfline::{Accuracy, Aov, Cancel, Error, Method, Progress, ReadOptions, Renderer, Scene, Settings, Step, Watch};
+use halfline::{
+    Accuracy, Aov, Cancel, Error, Method, Progress, ReadOptions, Renderer, Scene, Search, Settings, Step, Watch,
+};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -60,7 +62,10 @@ fn a_frame_that_was_ended_leaves_the_next_one_whole() {
     for renderer in renderers() {
         // On an adapter, heavy enough for more than one submission.
         let (scene, settings) = match renderer.is_gpu() {
-            true => (weekend(1200, 1000), Settings { method: Some(Method::Stable), ..settings(Accuracy::Auto) }),
+            true => (
+                weekend(1200, 1000),
+                Settings { method: Some(Method::Stable), search: Search::All, ..settings(Accuracy::Auto) },
+            ),
             false => (weekend(120, 80), settings(Accuracy::Certified)),
         };
         let (cancel, heard) = (Cancel::default(), Heard::default());

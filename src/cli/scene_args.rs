@@ -38,7 +38,8 @@ pub(super) struct SceneArgs {
     /// predicted errors it allows.
     #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<Tolerance>,
-    /// How candidates are found: auto, all, tiles.
+    /// How candidates are found: auto, all, tiles (tree is for given rays, which only the library
+    /// takes).
     #[arg(long, value_name = "S", default_value = "auto")]
     search: Search,
     /// How a hit becomes a colour: flat, normal, headlight.

@@ -80,12 +80,17 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
         Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
         Rays::Spread => vec![part!("lows.wgsl"), part!("origin/spread.wgsl"), part!("trace.wgsl")],
     });
-    parts.push(part!("nearest/consider.wgsl"));
+    if kernel.tree {
+        parts.extend([part!("tree.wgsl"), part!("nearest/tree.wgsl"), part!("nearest/meet.wgsl")]);
+    } else {
+        parts.push(part!("nearest/consider.wgsl"));
+    }
     parts.extend(match kernel.sharing {
-        Sharing::None => [part!("nearest/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => [part!("nearest/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => [part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Shuffle => [part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+        _ if kernel.tree => vec![part!("entry/plain.wgsl")],
+        Sharing::None => vec![part!("nearest/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => vec![part!("nearest/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Subgroup8 => vec![part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::Shuffle => vec![part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
     if kernel.has_normals() {
         parts.push(part!("surface.wgsl"));
@@ -123,16 +128,22 @@ fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
 /// The nearest hit in arithmetic beyond f32.
 fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl")]);
-    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("wide/consider.wgsl")]);
+    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl")]);
+    if kernel.tree {
+        parts.extend([part!("tree.wgsl"), part!("nearest/tree.wgsl"), part!("wide/meet.wgsl")]);
+    } else {
+        parts.push(part!("wide/consider.wgsl"));
+    }
     parts.extend(match kernel.rays {
         Rays::Camera => [part!("wide/shared.wgsl"), part!("render.wgsl")],
         Rays::SharedOrigin => [part!("wide/shared.wgsl"), part!("trace.wgsl")],
         Rays::Spread => [part!("wide/spread.wgsl"), part!("trace.wgsl")],
     });
     parts.extend(match kernel.sharing {
-        Sharing::None => [part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
+        _ if kernel.tree => vec![part!("entry/plain.wgsl")],
+        Sharing::None => vec![part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
         // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
-        _ => [part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
+        _ => vec![part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
     });
     if kernel.has_normals() {
         parts.push(part!("wide/surface.wgsl"));

@@ -13,6 +13,7 @@ use crate::gpu::traffic::{Band, Bands, Entries, Reach, outputs, uploads};
 use crate::listed::Asked;
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
+use crate::tree::Tree;
 use crate::view::{View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -49,6 +50,8 @@ pub(crate) struct Input<'a> {
     pub(crate) rays: &'a [crate::trace::RayRecord],
     /// What the tiles' rays are asked instead of the view's spheres.
     pub(crate) stage: Option<Asked<'a>>,
+    /// What given rays walk.
+    pub(crate) tree: Option<&'a Tree>,
 }
 
 impl Input<'_> {
@@ -413,6 +416,7 @@ mod tests {
                 nears: false,
                 tiles: false,
                 width: false,
+                tree: false,
             };
             let certified = Kernel { certify: true, nears: true, width: true, ..kernel };
             let tiles = |kernel| Kernel { tiles: true, ..kernel };
@@ -428,7 +432,8 @@ mod tests {
                     true => Some(Asked::Certified(&stage)),
                     false => kernel.tiles.then(listed),
                 };
-                let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+                let input =
+                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
                 let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
                 raws.push(raw);

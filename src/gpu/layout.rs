@@ -16,7 +16,7 @@ pub(crate) struct Binding {
 }
 
 /// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 17] = [
+pub(crate) const BUFFERS: [&str; 19] = [
     "view",
     "spheres",
     "colors",
@@ -34,6 +34,8 @@ pub(crate) const BUFFERS: [&str; 17] = [
     "frame_t_low",
     "candidates",
     "candidate_lows",
+    "nodes",
+    "order",
 ];
 
 /// Parses and validates a composed shader with the capabilities the device will have.
@@ -84,6 +86,7 @@ mod tests {
     use crate::ray::NONE;
     use crate::shade::Shade;
     use crate::trace::RayRecord;
+    use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
@@ -92,14 +95,14 @@ mod tests {
     fn kernels() -> Vec<Kernel> {
         let both = [false, true];
         let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
-        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing));
-        let given = [(Rays::SharedOrigin, Sharing::None), (Rays::Spread, Sharing::None)];
+        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing, false));
+        let given = [Rays::SharedOrigin, Rays::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
         let mut kernels = Vec::new();
         let plain =
             both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, false)));
         let certified = both.map(|nears| (Method::Stable, true, false, nears));
         for (method, certify, tiles, nears) in plain.chain(certified) {
-            for (rays, sharing) in camera.into_iter().chain(given) {
+            for (rays, sharing, tree) in camera.into_iter().chain(given.into_iter().flatten()) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
                         let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
@@ -115,6 +118,7 @@ mod tests {
                             nears,
                             tiles,
                             width: t && certify,
+                            tree,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == Rays::Camera));
                     }
@@ -133,7 +137,7 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * (6 + 4) + 8) * frames, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -162,6 +166,8 @@ mod tests {
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
                 (given, "rays"),
+                (kernel.tree, "nodes"),
+                (kernel.tree, "order"),
                 (kernel.rays == Rays::Spread || kernel.is_wide() && !tiles, "lows"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
@@ -205,9 +211,10 @@ mod tests {
             nears: false,
             tiles: false,
             width: false,
+            tree: true,
         };
-        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, ..any });
-        let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, ..any });
+        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, tree: false, ..any });
+        let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, tree: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -229,6 +236,11 @@ mod tests {
         same!(module "Sphere", SphereRecord, ball power scale);
         same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
+        same!(module "Node", NodeRecord, low_a high_a low_b high_b);
+        for (name, ours) in [("STACK", STACK), ("IS_LEAF", IS_LEAF), ("FIRST", FIRST), ("NOWHERE", NOWHERE)] {
+            assert_eq!(constant(&module, name), f64::from(ours), "{name}");
+        }
+        assert_eq!(constant(&module, "LEAST"), f64::from(LEAST));
         assert_eq!(constant(&module, "NONE"), f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
         assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));

@@ -35,7 +35,7 @@ fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, u
         true => stage.as_ref().map(Asked::Certified),
         false => stage.as_ref().filter(|_| kernel.tiles).map(listed),
     };
-    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
     let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
     let told = Cell::new(Vec::new());
     let go_on = |done| {
@@ -82,6 +82,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
         nears: false,
         tiles: false,
         width: false,
+        tree: false,
     };
     [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
 }

@@ -11,6 +11,9 @@ use crate::plan::{Kernel, Rays};
 use crate::view::{SphereLow, SphereRecord};
 use std::ops::Range;
 
+/// What a ray that walks a tree is taken to ask: far more than where spheres are apart, far less than where all overlap.
+const TREE_TESTS: f64 = (1 << 12) as f64;
+
 /// What an adapter can take at once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
@@ -126,6 +129,7 @@ impl<'a> Bands<'a> {
                 let listed: u64 = stage.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
                 listed as f64 * f64::from(TILE * TILE) + pixels * stage.nears.len() as f64
             }
+            None if self.kernel.tree => pixels * TREE_TESTS,
             None => pixels * f64::from(record.spheres),
         };
         all * cost + pixels * PIXEL
@@ -237,6 +241,10 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     }
     if kernel.rays != Rays::Camera {
         all.push(("rays", bytemuck::cast_slice(input.rays)));
+    }
+    if let (true, Some(tree)) = (kernel.tree, input.tree) {
+        all.push(("nodes", bytemuck::cast_slice(&tree.nodes)));
+        all.push(("order", bytemuck::cast_slice(&tree.order)));
     }
     if kernel.rays == Rays::Spread || kernel.is_wide() && !kernel.tiles {
         all.push(("lows", bytemuck::cast_slice(&input.view.lows)));

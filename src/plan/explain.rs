@@ -230,7 +230,7 @@ impl Work {
         let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
         let pixels = u64::from(view.record.width) * u64::from(view.record.height);
-        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage };
+        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));

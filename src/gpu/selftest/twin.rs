@@ -53,6 +53,7 @@ impl Gpu {
             nears: certify,
             tiles,
             width: certify,
+            tree: false,
         };
         vec![kernel(false, false), kernel(false, true), kernel(true, false)]
     }
@@ -80,7 +81,7 @@ impl Gpu {
                 Some(Asked::Form(listed)) => cpu::by_tiles(&kernel, listed, None, &mut host, &|| true),
                 None => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
-            let input = Input { view: &view, colors: None, rays: &[], stage: asked };
+            let input = Input { view: &view, colors: None, rays: &[], stage: asked, tree: None };
             let mut output = Output { raw: &mut device, stages: &mut Stages::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {
