@@ -10,6 +10,7 @@ use halfline::frame::file::Target;
 use halfline::plan::{Accuracy, Backend};
 use halfline::render::Renderer;
 use halfline::scene::Scene;
+use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
@@ -36,15 +37,16 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.targets()?;
-        let scene = self.asked.scene()?;
-        for target in &targets {
-            target.check()?;
-        }
         let settings = self.asked.settings(&targets);
-        // A camera that cannot see is the scene's fault, whatever adapters there are.
-        scene.check()?;
+        // A device takes its time to open, on another core than the one that reads.
+        let (scene, renderer) = std::thread::scope(|scope| {
+            let opening = scope.spawn(|| Renderer::new(&settings));
+            (self.scene(&targets), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        });
+        // What is wrong with the scene is told first, whatever adapters there are.
+        let (scene, renderer) = (scene?, renderer?);
         let bar = Bar::new();
-        let mut renderer = Renderer::new(&settings)?.watched_by(bar.watch());
+        let mut renderer = renderer.watched_by(bar.watch());
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
@@ -72,6 +74,14 @@ impl Render {
             writeln!(std::io::stdout(), "{text}").map_err(|e| Error::write("-", e))?;
         }
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// The scene, if it can be rendered and every file can be written.
+    fn scene(&self, targets: &[Target]) -> Result<Scene> {
+        let scene = self.asked.scene()?;
+        targets.iter().try_for_each(Target::check)?;
+        scene.check()?;
+        Ok(scene)
     }
 
     /// Every file to be written; one place for what does not go together.
@@ -104,13 +114,9 @@ fn write(frame: &Frame, targets: &[Target], scene: &Scene) -> Result<()> {
         fact("halfline:method", report.method),
         fact("halfline:accuracy", report.accuracy),
     ];
-    for target in targets {
-        if !go_on() {
-            return Err(Error::Interrupted);
-        }
-        if let Some(buffer) = frame.get(target.aov()) {
-            target.write(buffer, &provenance)?;
-        }
-    }
-    Ok(())
+    targets.par_iter().try_for_each(|target| match frame.get(target.aov()) {
+        _ if !go_on() => Err(Error::Interrupted),
+        Some(buffer) => target.write(buffer, &provenance),
+        None => Ok(()),
+    })
 }
