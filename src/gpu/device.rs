@@ -139,6 +139,13 @@ pub(crate) fn none_found() -> Error {
     }
 }
 
+impl Open {
+    /// Whether the buffers that kernels write can be read without a copy, and shall be.
+    pub(crate) fn is_direct(&self, summary: &AdapterSummary) -> bool {
+        shares_memory(summary) && self.device.features().contains(DIRECT)
+    }
+}
+
 /// A device with what its losing leaves behind.
 pub(crate) struct Open {
     pub(crate) device: wgpu::Device,
@@ -146,9 +153,18 @@ pub(crate) struct Open {
     pub(crate) lost: Arc<Mutex<Option<String>>>,
 }
 
+/// Lets the host read a kernel's own buffers where they lie.
+const DIRECT: wgpu::Features = wgpu::Features::MAPPABLE_PRIMARY_BUFFERS;
+
+/// Whether the device's memory is the host's: elsewhere a kernel would write slowly what the host can read in place.
+fn shares_memory(summary: &AdapterSummary) -> bool {
+    ["software", "integrated"].contains(&summary.kind)
+}
+
 /// Opens a device with all the adapter's limits and the features the kernels know how to use, and a clock for them.
 pub(crate) fn open(found: &Found) -> Result<Open> {
     let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
+    let wanted = wanted | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("halfline"),
         required_features: found.adapter.features() & wanted,

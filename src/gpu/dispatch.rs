@@ -9,7 +9,7 @@ use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::pace::Pace;
 use crate::gpu::selftest::Verdict;
-use crate::gpu::traffic::{Band, Bands, Entries, Reach, outputs, uploads};
+use crate::gpu::traffic::{Band, Bands, Entries, Reach, Written, outputs, uploads};
 use crate::listed::Asked;
 use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
@@ -30,6 +30,8 @@ pub(crate) struct Gpu {
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
     clock: Option<Clock>,
+    /// What kernels write is read where it lies.
+    direct: bool,
     /// Of kernels that have not run yet.
     pub(super) pace: Pace,
     pub(super) verdict: Option<Verdict>,
@@ -76,7 +78,8 @@ impl Gpu {
         let limits = open.device.limits();
         let clock = Clock::new(&open);
         let (pipelines, buffers) = (HashMap::new(), HashMap::new());
-        Self { clock, summary, open, limits, pipelines, buffers, pace: Pace::default(), verdict: None }
+        let direct = open.is_direct(&summary);
+        Self { clock, summary, open, limits, pipelines, buffers, direct, pace: Pace::default(), verdict: None }
     }
 
     /// Fills `output` by `kernel`. `go_on` is told before every band how many pixels are done, and ends the work by a `false`.
@@ -232,10 +235,12 @@ impl Gpu {
         };
         self.fill("view", bytemuck::bytes_of(&record))?;
         for output in outputs(kernel) {
-            let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
             let bytes = pixels * output.bytes;
-            self.reserve(output.name, bytes, usage);
-            self.reserve(output.staging, bytes, READING);
+            let reading = if self.direct { wgpu::BufferUsages::MAP_READ } else { wgpu::BufferUsages::COPY_SRC };
+            self.reserve(output.name, bytes, wgpu::BufferUsages::STORAGE | reading);
+            if !self.direct {
+                self.reserve(output.staging, bytes, READING);
+            }
         }
         self.submit(kernel, pixels, groups)
     }
@@ -263,7 +268,7 @@ impl Gpu {
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(groups.0, groups.1, 1);
         }
-        for output in outputs(kernel) {
+        for output in outputs(kernel).filter(|_| !self.direct) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
             encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
         }
@@ -284,13 +289,14 @@ impl Gpu {
     fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
         let row = if kernel.rays == Rays::Camera { record.width as usize } else { 1 };
         let (first, pixels) = (band.first as usize * row, band.count as usize * row);
+        let from = |output: &Written| if self.direct { output.name } else { output.staging };
         let read: Vec<_> = outputs(kernel).collect();
         for output in &read {
-            self.buffers[output.staging].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
+            self.buffers[from(output)].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
         }
         self.wait()?;
         for output in &read {
-            let staging = &self.buffers[output.staging];
+            let staging = &self.buffers[from(output)];
             {
                 let mapped = mapped(staging, pixels as u64 * output.bytes)?;
                 raw.store(output.name, first, pixels, &mapped);
