@@ -64,6 +64,7 @@ pub(super) struct Weighed<R> {
     pub(super) g_error: R,
 }
 
+#[inline(always)]
 pub(super) fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Weighed<R> {
     let c = R::exact;
     let [px, py, pz, r] = n.ball;
@@ -99,6 +100,7 @@ pub(super) fn near_weigh<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> 
 }
 
 /// Root, sum, |d|^2, its reciprocal and the product.
+#[inline(always)]
 fn sum_error<R: Real>(s: &Slopes<R>, terms: &Terms) -> R {
     R::exact(UNIT) * (R::exact(terms.root[2]) + R::exact(terms.root[1]) * s.a)
 }
@@ -109,9 +111,10 @@ fn quotient_error<R: Real>(terms: &Terms) -> R {
 }
 
 /// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+#[inline(always)]
 fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>, terms: &Terms) -> R {
     let zero = R::ZERO;
-    if n.power >= zero && (w.disc < -w.error || w.b < -w.b_error) {
+    if (n.power >= zero) & ((w.disc < -w.error) | (w.b < -w.b_error)) {
         return R::MISS;
     }
     let most = positive(w.disc + w.error).sqrt();
@@ -134,11 +137,13 @@ fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>, terms: &Terms
 }
 
 /// A lower bound of the depth of the hit in the frame's unit, or MISS for a certain miss.
+#[inline(always)]
 pub(crate) fn near_low<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> R {
     let low = near_below(s, n, &near_weigh(s, n, terms), terms);
     if low < R::MISS { low * n.scale } else { R::MISS }
 }
 
+#[inline(always)]
 pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) -> Answer<R> {
     let c = R::exact;
     let w = near_weigh(s, n, terms);
@@ -146,7 +151,8 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
     let most = positive(w.disc + w.error).sqrt();
     let least = positive(w.disc - w.error).sqrt();
     let ahead = w.b > w.b_error;
-    let mut hits = w.disc > w.error && (n.power < R::ZERO || ahead);
+    // & and not &&: nothing to skip, and compilers make vectors of it.
+    let mut hits = (w.disc > w.error) & ((n.power < R::ZERO) | ahead);
     let (depth, high);
     if n.power > R::ZERO {
         depth = n.power / (w.b + root);
@@ -158,7 +164,7 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
         high = -n.power / q * (R::ONE + sum_error(s, terms));
-        hits = hits && q > c(0.75) * least;
+        hits &= q > c(0.75) * least;
     }
     let d = [s.x, s.y, -R::ONE];
     let across = cross3(d, w.g);
@@ -167,6 +173,6 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
     let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.ball[3]);
     let low = near_below(s, n, &w, terms) * n.scale;
     // What is smaller may have been flushed, on one side and not on the other.
-    hits = hits && low > c(VANISH);
-    Answer { sure: hits && true_normal, hits, id: n.id, offset: depth * n.scale, low, high: high * n.scale, normal }
+    hits &= low > c(VANISH);
+    Answer { sure: hits & true_normal, hits, id: n.id, offset: depth * n.scale, low, high: high * n.scale, normal }
 }

@@ -2,7 +2,7 @@
 //! together, in the widest vectors this processor has. Vectors round like the device's scalars: same operations, same bits.
 
 use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
-use crate::certify::near::near_answer;
+use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
 use crate::certify::{Answer, Certify, NEAR, Slopes};
@@ -112,8 +112,14 @@ impl Lanes {
     fn kept(&self, certify: &Certify<'_, f32>) -> Kepts {
         let mut k = Kepts { low: [f32::MAX; LANES], second: [f32::MAX; LANES], slot: [NONE; LANES] };
         let (lens, lists) = (certify.lens, certify.lists);
-        for l in 0..LANES {
-            certify.near_lows(&self.slopes(lens.shift, l)).for_each(|(low, slot)| k.keep(l, low, slot));
+        for (slot, near) in certify.nears.iter().enumerate() {
+            let mut lows = [0.0; LANES];
+            for (l, low) in lows.iter_mut().enumerate() {
+                *low = near_low(&self.slopes(lens.shift, l), near, certify.terms);
+            }
+            for (l, low) in lows.into_iter().enumerate() {
+                k.keep(l, low, NEAR | slot as u32);
+            }
         }
         let [first, end] = lists.range(self.first.row as u32, self.first.column as u32).map(|n| n as usize);
         let chunks = lists.fronts[first..end].chunks_exact(CHUNK).zip(&lists.sills[first / CHUNK..end / CHUNK]);
@@ -146,21 +152,33 @@ impl Lanes {
     /// The winners' answers.
     #[inline(always)]
     fn judge(&self, certify: &Certify<'_, f32>, k: &Kepts) -> [Answer<f32>; LANES] {
-        let shift = certify.lens.shift;
         let mut answers = [Answer::MISS; LANES];
         if k.slot.iter().any(|slot| slot & NEAR == 0) {
             self.judge_fronts(certify, k, &mut answers);
         }
-        for (l, answer) in answers.iter_mut().enumerate() {
-            if k.slot[l] & NEAR != 0 && k.slot[l] != NONE {
-                let near = &certify.nears[(k.slot[l] & !NEAR) as usize];
-                *answer = near_answer(&self.slopes(shift, l), near, certify.terms);
-            }
+        let mut left = k.slot;
+        while let Some(slot) = left.into_iter().find(|slot| slot & NEAR != 0 && *slot != NONE) {
+            self.judge_near(certify, k, slot, &mut answers);
+            left = left.map(|other| if other == slot { NONE } else { other });
         }
         answers
     }
 
-    /// Number by number in and out: that is what compilers make vectors of.
+    /// The answers of those whose winner is this near sphere: all are computed, since most often they share one.
+    #[inline(always)]
+    fn judge_near(&self, certify: &Certify<'_, f32>, k: &Kepts, slot: u32, answers: &mut [Answer<f32>; LANES]) {
+        let near = &certify.nears[(slot & !NEAR) as usize];
+        let mut judged = Judged::default();
+        for l in 0..LANES {
+            judged.set(l, &near_answer(&self.slopes(certify.lens.shift, l), near, certify.terms));
+        }
+        for (l, answer) in answers.iter_mut().enumerate() {
+            if k.slot[l] == slot {
+                *answer = judged.get(l, near.id);
+            }
+        }
+    }
+
     #[inline(always)]
     fn judge_fronts(&self, certify: &Certify<'_, f32>, k: &Kepts, answers: &mut [Answer<f32>; LANES]) {
         let lists = certify.lists;
@@ -172,29 +190,46 @@ impl Lanes {
         let (x, y, rho) = (winners.map(|w| w.0.x), winners.map(|w| w.0.y), winners.map(|w| w.0.rho));
         let (rest_x, rest_y) = (winners.map(|w| w.1.rest[0]), winners.map(|w| w.1.rest[1]));
         let center = winners.map(|w| w.1.center);
-        let mut flags = [[0u32; LANES]; 2];
-        let mut numbers = [[0.0f32; LANES]; 6];
+        let mut judged = Judged::default();
         for l in 0..LANES {
             let front = FrontRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
             let more = FrontMoreRecord { rest: [rest_x[l], rest_y[l]], center: center[l], id: 0 };
             let front = Front::<f32>::new(&front, &more);
-            let a = front_answer(&self.slopes(certify.lens.shift, l), certify.lens, &front, certify.terms);
-            flags[0][l] = u32::from(a.sure);
-            flags[1][l] = u32::from(a.hits);
-            numbers[0][l] = a.offset;
-            numbers[1][l] = a.low;
-            numbers[2][l] = a.high;
-            numbers[3][l] = a.normal[0];
-            numbers[4][l] = a.normal[1];
-            numbers[5][l] = a.normal[2];
+            judged.set(l, &front_answer(&self.slopes(certify.lens.shift, l), certify.lens, &front, certify.terms));
         }
         for (l, answer) in answers.iter_mut().enumerate() {
             if k.slot[l] & NEAR == 0 {
-                let [offset, low, high, x, y, z] = numbers.map(|number| number[l]);
-                let [sure, hits] = flags.map(|flag| flag[l] != 0);
-                *answer = Answer { sure, hits, id: winners[l].1.id, offset, low, high, normal: [x, y, z] };
+                *answer = judged.get(l, winners[l].1.id);
             }
         }
+    }
+}
+
+/// Answers number by number: that is what compilers make vectors of.
+#[derive(Default)]
+struct Judged {
+    flags: [[u32; LANES]; 2],
+    numbers: [[f32; LANES]; 6],
+}
+
+impl Judged {
+    #[inline(always)]
+    fn set(&mut self, l: usize, a: &Answer<f32>) {
+        self.flags[0][l] = u32::from(a.sure);
+        self.flags[1][l] = u32::from(a.hits);
+        self.numbers[0][l] = a.offset;
+        self.numbers[1][l] = a.low;
+        self.numbers[2][l] = a.high;
+        self.numbers[3][l] = a.normal[0];
+        self.numbers[4][l] = a.normal[1];
+        self.numbers[5][l] = a.normal[2];
+    }
+
+    #[inline(always)]
+    fn get(&self, l: usize, id: u32) -> Answer<f32> {
+        let [offset, low, high, x, y, z] = self.numbers.map(|number| number[l]);
+        let [sure, hits] = self.flags.map(|flag| flag[l] != 0);
+        Answer { sure, hits, id, offset, low, high, normal: [x, y, z] }
     }
 }
 
