@@ -5,8 +5,11 @@ use crate::camera::Lens::Viewport;
 use crate::certify::TERMS;
 use crate::certify::lens::cover::Cover;
 use crate::certify::lens::{Lens, Staged};
+use crate::certify::stage::Stage;
 use crate::certify::tiles::TILE;
 use crate::exact::Judge;
+use crate::memory::Pool;
+use crate::ray::NONE;
 use crate::scene::Scene;
 use crate::view::View;
 use crate::{Camera, ImagePlane, Spheres};
@@ -89,4 +92,40 @@ fn a_disc_closes_its_pixels_and_no_others() {
             assert_eq!(hit, !open, "row {i}, column {j}");
         }
     }
+}
+
+/// Crowds that close tiles: what every pixel's ray hits is in its list still, though most of the crowd is not.
+#[test]
+fn nobody_who_is_seen_is_left_out() {
+    let mut dice = Dice(77);
+    let (mut listed, mut binned, mut hits) = (0, 0, 0);
+    for round in 0..12 {
+        let mut spheres = Spheres::default();
+        // Far and compact in every other round, so that depths are kept relative to a reference.
+        let eye = DVec3::new(dice.between(-9.0, 9.0), 3.0, 1.0) * if round % 2 == 0 { 1.0 } else { 1e6 };
+        let camera = Camera { eye, ..Camera::CANONICAL };
+        let (far, spread) = if round % 2 == 0 { (1.5, 8.0) } else { (1e6, 2e5) };
+        for _ in 0..6000 {
+            let depth = far + spread * dice.part();
+            let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6) * depth);
+            spheres.push((eye + DVec3::new(x, y, -depth)).to_array(), depth * dice.decade(-2.0, -1.2), None);
+        }
+        let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };
+        let scene = Scene { camera, image, spheres, skipped: Default::default() };
+        let view = View::new(&scene).expect("a view");
+        let stage = Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        assert_eq!(stage.lens.depth > 0.0, round % 2 == 1, "the reference");
+        let judge = Judge::new(&scene).expect("a judge");
+        let entries = |[first, end]: [u32; 2]| &stage.lists.mores[first as usize..end as usize];
+        for (i, j) in (0..image.height).flat_map(|i| (0..image.width).map(move |j| (i, j))) {
+            let Some(truth) = judge.pixel(i, j) else { continue };
+            let there = entries(stage.lists.range(i, j)).iter().any(|more| more.id == truth.id);
+            assert!(there || stage.nears.iter().any(|near| near.id == truth.id), "row {i}, column {j}: {truth:?}");
+            hits += 1;
+        }
+        listed += stage.lists.mores.iter().filter(|more| more.id != NONE).count();
+        binned += stage.seen;
+    }
+    println!("{hits} hits, {listed} entries for {binned} spheres");
+    assert!(hits > 30_000 && listed < binned as usize, "{listed} entries, {binned} spheres, {hits} hits");
 }
