@@ -1,8 +1,9 @@
-//! Plots of a measurement, as SVG and as PNG of the very same. They read nothing but the record.
+//! Plots of a measurement, as SVG and as PNG of the very same. They read nothing but the record; [`growth`] has one of its own.
 
 mod axis;
 mod canvas;
 mod crops;
+pub mod growth;
 mod heat;
 mod ladder;
 mod look;

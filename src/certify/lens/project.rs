@@ -144,6 +144,7 @@ impl Lens {
         let inverse = 1.0 / z;
         let rho = radius * inverse * self.per_unit;
         let depth = z * self.to_frame;
+        #[expect(clippy::manual_range_contains, reason = "both are asked, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
         // The discriminant's bound, as a root.
         let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();

@@ -1,5 +1,6 @@
 use super::axis::{Axis, Unit, number, rounded};
 use super::canvas::cells;
+use super::growth::{Curve, Growth, Panel};
 use super::plane::pareto;
 use super::sample;
 use super::*;
@@ -108,6 +109,27 @@ fn a_record_from_anywhere_does_no_harm() {
         Document::parse(&plot.svg).unwrap_or_else(|error| panic!("{}: {error}", plot.name));
         plot.png().expect("a PNG");
     }
+}
+
+#[test]
+fn growth_is_fitted_over_its_last_two_decades() {
+    // Flat up to 1e4, then 3e-7 n^1.5.
+    let time = |n: f64| if n < 1e4 { 0.3 } else { 3e-7 * n.powf(1.5) };
+    let points = |last: i32| (2..=last).map(|e| 10f64.powi(e)).map(|n| [n, time(n)]).collect();
+    let curve = |place, last| Curve { name: "cloud <of>".into(), place, points: points(last) };
+    let [exponent, factor] = curve(0, 6).fit().expect("three points");
+    assert!((exponent - 1.5).abs() < 1e-9 && (factor / 3e-7 - 1.0).abs() < 1e-6, "{factor} n^{exponent}");
+    assert_eq!(curve(0, 3).fit(), None, "two points are no law");
+    let places = sample::scene().places;
+    let panel = Panel { over: "spheres".into(), curves: (0..places.len()).map(|place| curve(place, 6)).collect() };
+    let empty = Panel::default();
+    let plot = Growth { subject: "a test".into(), places, panels: vec![panel, empty] }.plot().expect("a plot");
+    let document = Document::parse(&plot.svg).expect("SVG");
+    let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
+    for words in ["n^1.50", "cloud <of>", "spheres", "a test"] {
+        assert!(texts.iter().any(|text| text.contains(words)), "{words}");
+    }
+    plot.png().expect("a PNG");
 }
 
 #[test]

@@ -1,0 +1,41 @@
+//! The kernel alone: ids of 512 spheres before 512 x 512 pixels, by the adapter's clock where it has one; on the CPU path
+//! the stage `trace`. What asks all spheres is also told in ray-sphere tests per second.
+//!
+//! ```sh
+//! cargo bench --bench kernel             # a minute
+//! cargo bench --bench kernel -- --quick
+//! ```
+
+mod stages;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use halfline::{Accuracy, Aov, Backend, Method, Search, Settings};
+use stages::SIDE;
+
+const SPHERES: usize = 512;
+
+fn kernels(criterion: &mut Criterion) {
+    let scene = stages::scene(SPHERES);
+    let ids = Settings { aovs: vec![Aov::Id], ..Settings::default() };
+    let stable = Settings { method: Some(Method::Stable), search: Search::All, ..ids.clone() };
+    let all = Settings { accuracy: Accuracy::Certified, search: Search::All, ..ids.clone() };
+    let tiles = Settings { accuracy: Accuracy::Certified, search: Search::Tiles, ..ids };
+    let mut group = stages::group(criterion, "kernel");
+    for backend in [Backend::Gpu, Backend::Cpu] {
+        for (name, settings) in [("stable, all", &stable), ("certified, all", &all), ("certified, tiles", &tiles)] {
+            let settings = Settings { backend, ..settings.clone() };
+            let Some(mut renderer) = stages::renderer(&settings) else { continue };
+            let pixels = u64::from(SIDE) * u64::from(SIDE);
+            // A list is left behind its hit: of tiles only pixels are counted.
+            let asked = if settings.search == Search::All { SPHERES as u64 } else { 1 };
+            group.throughput(Throughput::Elements(pixels * asked));
+            stages::bench(&mut group, name, &mut renderer, (&scene, &settings), |report| {
+                report.kernel_ms.last().copied().unwrap_or_else(|| report.stages_ms["trace"])
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kernels);
+criterion_main!(benches);
