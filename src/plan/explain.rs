@@ -145,7 +145,7 @@ pub struct LeftOut {
 /// Explains what `scene` requires on the adapter that `settings` choose, or on the CPU path if there is none.
 ///
 /// # Errors
-/// [`crate::Error::Adapter`] where rendering would find none, else those of [`Plan::new`] and [`View::new`].
+/// [`crate::Error::Adapter`] where rendering would find none, else those of [`Plan::new`] and [`crate::view::View::new`].
 pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     scene.check()?;
     let found = adapter(settings)?;
