@@ -9,6 +9,12 @@ struct Hit {
     id: u32,
 }
 
+// Whether a hit takes the place of another where spheres come in an order of their own: it is closer, or as close and of
+// the lower id.
+fn is_before(a: Hit, b: Hit) -> bool {
+    return a.t < MISS && (a.t < b.t || (a.t == b.t && a.id < b.id));
+}
+
 // A given ray. What rounding took from its direction is for better arithmetic than this.
 fn ray_along(d: vec3<f32>, low: vec3<f32>) -> Ray {
     return Ray(d);

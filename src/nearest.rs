@@ -34,12 +34,12 @@ pub(crate) fn nearest_of<V: Intersect, R: Real>(
 }
 
 /// Keeps the closer hit, and of an equal t the lower id: a tree's spheres come in any order. The twin of meet.wgsl.
-fn meet<V: Intersect, R: Real>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
+pub(crate) fn meet<V: Intersect, R: Real>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
     let t = V::intersect(ray, s);
     if t < R::MISS {
-        let scaled = t.scaled(s.scale);
-        if scaled < R::MISS && (scaled < hit.t || scaled == hit.t && id < hit.id) {
-            return Hit { t: scaled, id };
+        let met = Hit { t: t.scaled(s.scale), id };
+        if met.is_before(&hit) {
+            return met;
         }
     }
     hit

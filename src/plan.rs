@@ -224,6 +224,24 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
+    /// One for viewing rays that asks every sphere and writes nothing but ids.
+    pub(crate) fn bare(method: Method) -> Self {
+        Self {
+            method,
+            rays: Rays::Camera,
+            sharing: Sharing::None,
+            shade: None,
+            colors: false,
+            t: false,
+            normal: false,
+            certify: false,
+            nears: false,
+            tiles: false,
+            width: false,
+            tree: false,
+        }
+    }
+
     /// Whether subgroups are used; lists are shared by subgroups that divide a chunk of them, or not at all.
     pub(crate) fn shares(&self) -> bool {
         match self.sharing {
@@ -311,20 +329,7 @@ impl Plan {
             return Err(Error::settings(problem, "leave out --method or --accuracy"));
         }
         let method = settings.method.unwrap_or(Method::Stable);
-        let kernel = Kernel {
-            method,
-            rays: Rays::Camera,
-            sharing: Sharing::None,
-            shade: None,
-            colors: false,
-            t: false,
-            normal: false,
-            certify: false,
-            nears: false,
-            tiles: false,
-            width: false,
-            tree: false,
-        };
+        let kernel = Kernel::bare(method);
         let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
         Ok(Self { method, accuracy, reason: String::new(), predicted: None, search, search_reason: "", kernel })
     }

@@ -28,6 +28,12 @@ pub(crate) const UNSURE: u32 = u32::MAX - 1;
 impl<R: Real> Hit<R> {
     /// No hit.
     pub const NONE: Self = Self { t: R::MISS, id: NONE };
+
+    /// Whether it takes the place of another where spheres come in an order of their own: it is closer, or as close and of
+    /// the lower id.
+    pub(crate) fn is_before(&self, other: &Self) -> bool {
+        self.t < R::MISS && (self.t < other.t || self.t == other.t && self.id < other.id)
+    }
 }
 
 /// The viewing ray of row `i` and column `j`, both from 0: u = (2j + 1 - W) vw/(2W), v = (H - 1 - 2i) vh/(2H), -d.

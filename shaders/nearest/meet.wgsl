@@ -8,9 +8,9 @@ fn meet(hit: Hit, ray: Ray, id: u32) -> Hit {
     let s = sphere_for(ray, id);
     let t = intersect(ray, s);
     if (t < MISS) {
-        let scaled = t * s.scale;
-        if (scaled < MISS && (scaled < hit.t || (scaled == hit.t && id < hit.id))) {
-            return Hit(scaled, id);
+        let met = Hit(t * s.scale, id);
+        if (is_before(met, hit)) {
+            return met;
         }
     }
     return hit;

@@ -2,9 +2,9 @@
 fn consider(found: Found, ray: Ray, c: Candidate, place: u32) -> Found {
     let t = intersect(ray, sphere_of(c));
     if (t < MISS) {
-        let scaled = t * c.scale;
-        if (scaled < found.hit.t || (scaled == found.hit.t && c.id < found.hit.id)) {
-            return Found(Hit(scaled, c.id), place);
+        let met = Hit(t * c.scale, c.id);
+        if (is_before(met, found.hit)) {
+            return Found(met, place);
         }
     }
     return found;

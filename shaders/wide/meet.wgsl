@@ -7,9 +7,9 @@ fn meet(hit: Hit, ray: Ray, id: u32) -> Hit {
     let s = spheres[id];
     let t = intersect(ray, wide_sphere(s, lows[id]));
     if (less(t, number(MISS))) {
-        let there = scaled(t, s.scale);
-        if (less(there, hit.t) || (id < hit.id && !less(hit.t, there) && less(there, number(MISS)))) {
-            return Hit(there, id);
+        let met = Hit(scaled(t, s.scale), id);
+        if (is_before(met, hit)) {
+            return met;
         }
     }
     return hit;

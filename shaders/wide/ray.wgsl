@@ -17,6 +17,11 @@ struct Hit {
     id: u32,
 }
 
+// As in ray.wgsl.
+fn is_before(a: Hit, b: Hit) -> bool {
+    return less(a.t, number(MISS)) && (less(a.t, b.t) || (!less(b.t, a.t) && a.id < b.id));
+}
+
 fn ray_of(d: Number3) -> Ray {
     return Ray(rounded(d), d);
 }

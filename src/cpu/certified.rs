@@ -6,10 +6,10 @@ use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
 use crate::certify::{Answer, Certify, NEAR, Slopes};
-use crate::frame::raw::Raw;
+use crate::frame::raw::{Piece, Raw};
 use crate::plan::Kernel;
 use crate::ray::{NONE, Ray, UNSURE};
-use crate::shade::Surface;
+use crate::shade::{Shade, Surface};
 use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -29,29 +29,14 @@ pub(crate) fn certified(
     let certify = Certify::new(&view.record, stage);
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let width = view.record.width as usize;
-    // A buffer that nobody asked for has no rows: its iterator ends at once.
-    let mut ts = raw.t.chunks_mut(width);
-    let mut widths = raw.width.chunks_mut(width);
-    let mut normals = raw.normal.chunks_mut(3 * width);
-    let mut rgbs = raw.color.chunks_mut(3 * width);
-    let rows: Vec<_> = raw
-        .id
-        .chunks_mut(width)
-        .map(|id| Row {
-            id,
-            t: ts.next().unwrap_or_default(),
-            width: widths.next().unwrap_or_default(),
-            normal: normals.next().unwrap_or_default(),
-            color: rgbs.next().unwrap_or_default(),
-        })
-        .collect();
+    let rows: Vec<_> = raw.cut(width).collect();
     let arch = pulp::Arch::new();
     let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
-    let answer = |(i, mut row): (usize, Row<'_>)| {
+    let answer = |(i, mut row): (usize, Piece<'_>)| {
         for first in (0..width).step_by(LANES) {
             let place = [i as u32, first as u32];
-            let (kept, answers) = arch.dispatch(Strip { certify: &certify, place });
-            row.write(place, kernel, &certify, &surface, &kept, &answers);
+            let answered = arch.dispatch(Strip { certify: &certify, place });
+            write(&mut row, place, kernel.shade, &certify, &surface, &answered);
         }
     };
     rows.for_each(answer);
@@ -258,49 +243,32 @@ fn pick(mask: u32, yes: f32, no: f32) -> f32 {
     f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
-/// One row of the kernel's buffers; those nobody asked for are empty.
-struct Row<'a> {
-    id: &'a mut [u32],
-    t: &'a mut [f32],
-    width: &'a mut [f32],
-    normal: &'a mut [f32],
-    color: &'a mut [f32],
-}
-
-impl Row<'_> {
-    /// What certify/render.wgsl writes.
-    fn write(
-        &mut self,
-        [i, first]: [u32; 2],
-        kernel: &Kernel,
-        certify: &Certify<'_, f32>,
-        surface: &Surface<'_, f32>,
-        kept: &Kepts,
-        answers: &[Answer<f32>; LANES],
-    ) {
-        let [red, green, blue, _] = certify.view.background;
-        let there = LANES.min(self.id.len() - first as usize);
-        for (l, answer) in answers[..there].iter().enumerate() {
-            let j = first as usize + l;
-            let hit = kept.slot[l] != NONE;
-            let proved = !hit || certify.certain(answer, kept.second[l]);
-            self.id[j] = if proved { answer.id } else { UNSURE };
-            if let Some(t) = self.t.get_mut(j) {
-                *t = answer.offset;
-            }
-            if let Some(width) = self.width.get_mut(j) {
-                *width = answer.high - answer.low;
-            }
-            if let Some(normal) = self.normal.get_mut(3 * j..3 * j + 3) {
-                normal.copy_from_slice(&if hit { surface.to_world(answer.normal) } else { [0.0; 3] });
-            }
-            if let (Some(shade), Some(color)) = (kernel.shade, self.color.get_mut(3 * j..3 * j + 3)) {
-                let s = certify.slopes(i, j as u32);
-                let ray = Ray { d: [s.x, s.y, -1.0] };
-                let rgb = hit.then(|| surface.shade_normal(shade, &ray, answer.normal, answer.id));
-                color.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
-            }
+/// What certify/render.wgsl writes of a strip in `row`, a row of the frame.
+fn write(
+    row: &mut Piece<'_>,
+    [i, first]: [u32; 2],
+    shade: Option<Shade>,
+    certify: &Certify<'_, f32>,
+    surface: &Surface<'_, f32>,
+    (kept, answers): &(Kepts, [Answer<f32>; LANES]),
+) {
+    let there = LANES.min(row.id.len() - first as usize);
+    for (l, answer) in answers[..there].iter().enumerate() {
+        let j = first as usize + l;
+        let hit = kept.slot[l] != NONE;
+        let proved = !hit || certify.certain(answer, kept.second[l]);
+        row.id[j] = if proved { answer.id } else { UNSURE };
+        if let Some(t) = row.t.get_mut(j) {
+            *t = answer.offset;
         }
+        if let Some(width) = row.width.get_mut(j) {
+            *width = answer.high - answer.low;
+        }
+        let ray = || {
+            let s = certify.slopes(i, j as u32);
+            Ray { d: [s.x, s.y, -1.0] }
+        };
+        row.shade(j, shade, surface, ray, hit.then_some((answer.normal, answer.id)));
     }
 }
 

@@ -5,6 +5,7 @@ use crate::certify::tiles::{CHUNK, TILE};
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::listed::Listed;
+use crate::nearest::meet;
 use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
@@ -41,7 +42,7 @@ impl Visit for Frame<'_> {
         let width = view.width as usize;
         let surface = Surface::<V::Number> { view, spheres: &[], colors };
         let nears: Vec<_> = listed.stage.nears.iter().map(|near| candidate(listed, near.id)).collect();
-        let bands: Vec<_> = bands(raw, width).collect();
+        let bands: Vec<_> = raw.cut(TILE as usize * width).collect();
         let asked = || Tile::<V::Number> { listed, nears: &nears, entries: 0..0, made: Vec::new() };
         let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
         bands.for_each_init(asked, |tile, (band, mut rows)| {
@@ -53,11 +54,16 @@ impl Visit for Frame<'_> {
                     for j in left..view.width.min(left + TILE) {
                         let ray = viewing_ray(view, top + i as u32, j);
                         let (hit, s) = tile.nearest::<V>(&ray);
-                        let normal = match s.filter(|_| kernel.has_normals()) {
-                            Some(s) => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.parts().0),
-                            None => [0.0; 3],
+                        let pixel = i * width + j as usize;
+                        rows.id[pixel] = hit.id;
+                        let parts = hit.t.parts();
+                        rows.t.get_mut(pixel).into_iter().for_each(|t| *t = parts.0);
+                        rows.t_low.get_mut(pixel).into_iter().for_each(|low| *low = parts.1);
+                        let normal = |s: Sphere<V::Number>| match kernel.has_normals() {
+                            true => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.parts().0),
+                            false => [0.0; 3],
                         };
-                        rows.write(i * width + j as usize, kernel, &surface, &ray, hit, normal);
+                        rows.shade(pixel, kernel.shade, &surface, || ray, s.map(|s| (normal(s), hit.id)));
                     }
                 }
             }
@@ -120,68 +126,9 @@ fn consider_all<V: Intersect, R: Real>(
     candidates: &[Candidate<R>],
 ) {
     for (s, id) in candidates {
-        let t = V::intersect(ray, s);
-        if t < R::MISS {
-            let t = t.scaled(s.scale);
-            if t < found.0.t || t == found.0.t && *id < found.0.id {
-                *found = (Hit { t, id: *id }, Some(*s));
-            }
-        }
-    }
-}
-
-/// The kernel's buffers of a row of tiles; those nobody asked for are empty.
-struct Rows<'a> {
-    id: &'a mut [u32],
-    t: &'a mut [f32],
-    low: &'a mut [f32],
-    normal: &'a mut [f32],
-    color: &'a mut [f32],
-}
-
-/// The buffers of each row of tiles.
-fn bands(raw: &mut Raw, width: usize) -> impl Iterator<Item = Rows<'_>> {
-    let pixels = TILE as usize * width;
-    // A buffer that nobody asked for has no rows: its iterator ends at once.
-    let mut ts = raw.t.chunks_mut(pixels);
-    let mut lows = raw.t_low.chunks_mut(pixels);
-    let mut normals = raw.normal.chunks_mut(3 * pixels);
-    let mut colors = raw.color.chunks_mut(3 * pixels);
-    raw.id.chunks_mut(pixels).map(move |id| Rows {
-        id,
-        t: ts.next().unwrap_or_default(),
-        low: lows.next().unwrap_or_default(),
-        normal: normals.next().unwrap_or_default(),
-        color: colors.next().unwrap_or_default(),
-    })
-}
-
-impl Rows<'_> {
-    /// What tiles/render.wgsl writes.
-    fn write<R: Real>(
-        &mut self,
-        pixel: usize,
-        kernel: &Kernel,
-        surface: &Surface<'_, R>,
-        ray: &Ray<R>,
-        hit: Hit<R>,
-        normal: [f32; 3],
-    ) {
-        let (t, low) = hit.t.parts();
-        self.id[pixel] = hit.id;
-        if let Some(out) = self.t.get_mut(pixel) {
-            *out = t;
-        }
-        if let Some(out) = self.low.get_mut(pixel) {
-            *out = low;
-        }
-        if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
-            out.copy_from_slice(&if hit.id == NONE { normal } else { surface.to_world(normal) });
-        }
-        if let (Some(shade), Some(out)) = (kernel.shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
-            let [red, green, blue, _] = surface.view.background;
-            let rgb = (hit.id != NONE).then(|| surface.shade_normal(shade, ray, normal, hit.id));
-            out.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
+        let met = meet::<V, R>(found.0, ray, s, *id);
+        if met != found.0 {
+            *found = (met, Some(*s));
         }
     }
 }

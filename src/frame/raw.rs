@@ -6,8 +6,10 @@ use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
 use crate::plan::Kernel;
-use crate::ray::NONE;
+use crate::ray::{NONE, Ray};
+use crate::real::Real;
 use crate::settle::Settled;
+use crate::shade::{Shade, Surface};
 use crate::view::View;
 use rayon::prelude::*;
 
@@ -58,10 +60,60 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
+    /// The buffers cut after every `pixels`; those nobody asked for stay empty.
+    pub(crate) fn cut(&mut self, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
+        // An empty buffer has no pieces: its iterator ends at once.
+        let mut ts = self.t.chunks_mut(pixels);
+        let mut lows = self.t_low.chunks_mut(pixels);
+        let mut normals = self.normal.chunks_mut(3 * pixels);
+        let mut colors = self.color.chunks_mut(3 * pixels);
+        let mut widths = self.width.chunks_mut(pixels);
+        self.id.chunks_mut(pixels).map(move |id| Piece {
+            id,
+            t: ts.next().unwrap_or_default(),
+            t_low: lows.next().unwrap_or_default(),
+            normal: normals.next().unwrap_or_default(),
+            color: colors.next().unwrap_or_default(),
+            width: widths.next().unwrap_or_default(),
+        })
+    }
+
     /// t of a hit in all its parts; 0 where nobody asked for it.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
+    }
+}
+
+/// Some consecutive pixels of a [`Raw`].
+pub(crate) struct Piece<'a> {
+    pub(crate) id: &'a mut [u32],
+    pub(crate) t: &'a mut [f32],
+    pub(crate) t_low: &'a mut [f32],
+    pub(crate) normal: &'a mut [f32],
+    pub(crate) color: &'a mut [f32],
+    pub(crate) width: &'a mut [f32],
+}
+
+impl Piece<'_> {
+    /// Normal and colour of a pixel by its number here, where they are asked for: frame/normal.wgsl and frame/color.wgsl.
+    /// `normal` is that of the canonical camera at a hit.
+    pub(crate) fn shade<R: Real>(
+        &mut self,
+        pixel: usize,
+        shade: Option<Shade>,
+        surface: &Surface<'_, R>,
+        ray: impl FnOnce() -> Ray<R>,
+        hit: Option<([f32; 3], u32)>,
+    ) {
+        if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+            out.copy_from_slice(&hit.map_or([0.0; 3], |(normal, _)| surface.to_world(normal)));
+        }
+        if let (Some(shade), Some(out)) = (shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
+            let [red, green, blue, _] = surface.view.background;
+            let rgb = hit.map(|(normal, id)| surface.shade_normal(shade, &ray(), normal, id));
+            out.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
+        }
     }
 }
 

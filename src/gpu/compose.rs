@@ -155,9 +155,13 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.push(part!("ray.wgsl"));
     parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl")]);
     parts.extend(match kernel.sharing {
-        Sharing::None | Sharing::Shuffle => [part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => [part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => [part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
+        Sharing::None | Sharing::Shuffle => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
+        Sharing::Subgroup4 => {
+            vec![part!("certify/share.wgsl"), part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")]
+        }
+        Sharing::Subgroup8 => {
+            vec![part!("certify/share.wgsl"), part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")]
+        }
     });
     parts.extend([part!("certify/keep.wgsl"), part!("certify/candidates.wgsl")]);
     parts.push(if kernel.nears { part!("certify/near.wgsl") } else { part!("certify/no_near.wgsl") });

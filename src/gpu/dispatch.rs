@@ -411,18 +411,12 @@ mod tests {
                 continue;
             }
             let kernel = Kernel {
-                method: Method::Stable,
-                rays: Rays::Camera,
                 sharing,
                 shade: Some(Shade::Headlight),
                 colors: true,
                 t: true,
                 normal: true,
-                certify: false,
-                nears: false,
-                tiles: false,
-                width: false,
-                tree: false,
+                ..Kernel::bare(Method::Stable)
             };
             let certified = Kernel { certify: true, nears: true, width: true, ..kernel };
             let tiles = |kernel| Kernel { tiles: true, ..kernel };

@@ -199,20 +199,7 @@ mod tests {
 
     #[test]
     fn structs_have_one_layout_on_both_sides() {
-        let any = Kernel {
-            method: Method::Stable,
-            rays: Rays::Spread,
-            sharing: Sharing::None,
-            shade: None,
-            colors: false,
-            t: true,
-            normal: true,
-            certify: false,
-            nears: false,
-            tiles: false,
-            width: false,
-            tree: true,
-        };
+        let any = Kernel { rays: Rays::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
         let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, tree: false, ..any });
         let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, tree: false, ..any });
         let (module, _) = module(&any);

@@ -10,7 +10,7 @@ use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
-use crate::plan::{Kernel, Rays, Sharing};
+use crate::plan::{Kernel, Sharing};
 use crate::report::Stages;
 use crate::scene::{ReadOptions, Scene};
 use crate::shade::Shade;
@@ -71,18 +71,11 @@ fn two() -> Option<[Gpu; 2]> {
 /// A form and a certified kernel.
 fn kernels(gpu: &Gpu) -> [Kernel; 2] {
     let plain = Kernel {
-        method: Method::Stable,
-        rays: Rays::Camera,
         sharing: Sharing::on(&gpu.summary),
         shade: Some(Shade::Flat),
         colors: true,
         t: true,
-        normal: false,
-        certify: false,
-        nears: false,
-        tiles: false,
-        width: false,
-        tree: false,
+        ..Kernel::bare(Method::Stable)
     };
     [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
 }

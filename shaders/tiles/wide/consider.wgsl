@@ -10,9 +10,9 @@ fn candidate_low(n: u32) -> SphereLow {
 fn consider(found: Found, ray: Ray, c: Candidate, low: SphereLow, place: u32) -> Found {
     let t = intersect(ray, wide_sphere(sphere_of(c), low));
     if (less(t, number(MISS))) {
-        let there = scaled(t, c.scale);
-        if (less(there, found.hit.t) || (!less(found.hit.t, there) && c.id < found.hit.id)) {
-            return Found(Hit(there, c.id), place);
+        let met = Hit(scaled(t, c.scale), c.id);
+        if (is_before(met, found.hit)) {
+            return Found(met, place);
         }
     }
     return found;

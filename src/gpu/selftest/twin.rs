@@ -13,7 +13,7 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
-use crate::plan::{Kernel, Rays, Sharing, Tolerance};
+use crate::plan::{Kernel, Sharing, Tolerance};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::view::View;
@@ -42,18 +42,14 @@ impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
         let kernel = |certify: bool, tiles: bool| Kernel {
-            method: Method::Stable,
-            rays: Rays::Camera,
             sharing: Sharing::on(&self.summary),
-            shade: None,
-            colors: false,
             t: true,
             normal: true,
             certify,
             nears: certify,
             tiles,
             width: certify,
-            tree: false,
+            ..Kernel::bare(Method::Stable)
         };
         vec![kernel(false, false), kernel(false, true), kernel(true, false)]
     }
