@@ -35,6 +35,8 @@ impl Need {
         let sphere = match plan.accuracy {
             Accuracy::Exact => exact::BYTES_PER_SPHERE,
             Accuracy::Certified => STAGED,
+            // The lists, and on their way to the device the form's own records, band by band.
+            _ if plan.kernel.tiles => STAGED + records,
             // On its way to the device it is there twice.
             _ if gpu => 2 * records,
             // The twin has its own in its own numbers.
