@@ -6,6 +6,7 @@ pub mod npy;
 pub mod png;
 
 use crate::error::{Error, Result};
+use crate::window::Window;
 use std::fmt;
 use std::str::FromStr;
 
@@ -32,11 +33,13 @@ pub enum Aov {
     Certainty,
     /// Proven bound of the distance's error, H,W f64, scene units; 0 on a miss, +inf where nothing is proven.
     Bound,
+    /// How much of the pixel is covered: the share of its samples that hit, H,W f32; 0 on a miss.
+    Alpha,
 }
 
 impl Aov {
     /// Every buffer, in the order of the documentation.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Color,
         Self::Distance,
         Self::Depth,
@@ -46,6 +49,7 @@ impl Aov {
         Self::Mask,
         Self::Certainty,
         Self::Bound,
+        Self::Alpha,
     ];
 
     /// The name on the command line and in files.
@@ -60,6 +64,7 @@ impl Aov {
             Self::Mask => "mask",
             Self::Certainty => "certainty",
             Self::Bound => "bound",
+            Self::Alpha => "alpha",
         }
     }
 
@@ -74,7 +79,7 @@ impl Aov {
     /// The type of its values, by NumPy's name: `float32`, `float64`, `int32` or `uint8`.
     pub fn dtype(self) -> &'static str {
         match self {
-            Self::Color | Self::Normal => "float32",
+            Self::Color | Self::Normal | Self::Alpha => "float32",
             Self::Distance | Self::Depth | Self::Position | Self::Bound => "float64",
             Self::Id => "int32",
             Self::Mask | Self::Certainty => "uint8",
@@ -104,7 +109,7 @@ impl FromStr for Aov {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Data {
-    /// Color, normal.
+    /// Color, normal, alpha.
     F32(Vec<f32>),
     /// Distance, depth, position, bound.
     F64(Vec<f64>),
@@ -155,10 +160,14 @@ pub struct Buffer {
 /// A rendered frame: its buffers and its report.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// W, pixels.
+    /// Columns of the buffers, pixels: those of the window.
     pub width: u32,
-    /// H, pixels.
+    /// Rows of the buffers, pixels.
     pub height: u32,
+    /// Which part of the full frame the buffers hold.
+    pub window: Window,
+    /// W and H of the full frame, pixels.
+    pub full: [u32; 2],
     /// The buffers asked for and the ids, in the order of [`Aov::ALL`].
     pub buffers: Vec<Buffer>,
     /// Who computed it, how and how long.
@@ -172,7 +181,7 @@ impl Frame {
         self.buffers.iter().find(|buffer| buffer.aov == aov)
     }
 
-    /// The values of an f32 buffer (colour, normal), if it was asked for.
+    /// The values of an f32 buffer (colour, normal, alpha), if it was asked for.
     #[must_use]
     pub fn f32(&self, aov: Aov) -> Option<&[f32]> {
         match &self.get(aov)?.data {

@@ -64,6 +64,7 @@ pub mod shade;
 pub mod trace;
 mod tree;
 pub mod view;
+pub mod window;
 
 pub use camera::{Camera, Lens, Look};
 pub use error::{Error, Result};
@@ -79,3 +80,4 @@ pub use shade::Shade;
 pub use trace::trace;
 /// The wgpu that [`Renderer::with_device`] takes its device from.
 pub use wgpu;
+pub use window::Window;

@@ -20,6 +20,7 @@ use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled};
 use crate::shade;
+use crate::window::Window;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -245,8 +246,10 @@ impl Renderer {
                 .or_else(|| stages.time("predict", || Prediction::of_view(view, scene, plan.kernel.method))),
             _ => None,
         };
+        let (width, height) = (view.record.width, view.record.height);
+        let window = Window::full(width, height);
         let mut frame =
-            Frame { width: view.record.width, height: view.record.height, buffers, report: self.report(plan, scene) };
+            Frame { width, height, window, full: [width, height], buffers, report: self.report(plan, scene) };
         let report = &mut frame.report;
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();

@@ -419,6 +419,7 @@ fn every_buffer_has_its_type_its_shape_and_its_miss() {
                     (&[31, 45], "uint8", known(&corner), known(&middle))
                 }
                 Aov::Bound => (&[31, 45], "float64", corner == [0.0], middle[0] >= 0.0),
+                Aov::Alpha => (&[31, 45], "float32", corner == [0.0], middle == [1.0]),
             };
             assert_eq!((array.shape(), array.values().dtype()), (shape, dtype), "{aov}");
             assert!(miss, "{aov} on {backend}: a miss is {corner:?}");

@@ -20,7 +20,8 @@ pub(super) struct SceneArgs {
     /// The picture: .png, .npy for linear RGB, or - for a PNG on standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// A buffer beside the picture: color, distance, depth, normal, position, id, mask, certainty, bound.
+    /// A buffer beside the picture: color, distance, depth, normal, position, id, mask, certainty, bound,
+    /// alpha.
     #[arg(long, value_name = "NAME=FILE", value_parser = aov)]
     aov: Vec<(Aov, PathBuf)>,
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.

@@ -161,6 +161,7 @@ impl Answers<'_> {
                     };
                     Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance])?)
                 }
+                Aov::Alpha => Data::F32(self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect()),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];

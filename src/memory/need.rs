@@ -114,6 +114,7 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov]) -> u64 {
         Aov::Color | Aov::Normal | Aov::Id => 0,
         Aov::Position => 24,
         Aov::Distance | Aov::Depth | Aov::Bound => 8,
+        Aov::Alpha => 4,
         Aov::Mask | Aov::Certainty => 1,
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
