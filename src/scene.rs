@@ -2,16 +2,27 @@
 //! the readers below make scenes, nothing else does.
 
 mod csv;
+mod fit;
 mod lines;
 mod native;
 mod nff;
 mod npy;
+mod particles;
+mod sequence;
+mod source;
+pub mod style;
 
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::BufReader;
 use std::path::Path;
+
+pub use fit::Framing;
+pub use particles::{Altloc, Cell, FrameRange};
+pub use sequence::{Sequence, Shot};
+pub use source::Format;
+pub use style::Style;
 
 /// Linear RGB of a sphere that names no colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -107,11 +118,13 @@ impl Spheres {
     }
 }
 
-/// What a reader met that is no sphere, counted by kind, in the file's order of first meeting.
+/// What a reader met that is no sphere, counted by kind, in the file's order of first meeting; and what it assumed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Skipped {
     /// Kind in the singular (`polygon`) and how many.
     pub kinds: Vec<(&'static str, u64)>,
+    /// What the file does not say and was assumed, or was chosen among what it says: whole sentences, with the numbers.
+    pub assumed: Vec<String>,
 }
 
 impl Skipped {
@@ -129,6 +142,7 @@ impl Skipped {
         self.kinds
             .iter()
             .map(|(kind, n)| format!("{n} {kind}{} skipped: only spheres are rendered", plural(*n)))
+            .chain(self.assumed.iter().cloned())
             .collect()
     }
 
@@ -149,48 +163,38 @@ impl Skipped {
 }
 
 /// How a scene is read.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
     /// Whether an item that is no sphere is an error; otherwise it is counted in [`Skipped`].
     pub strict: bool,
-}
-
-/// The formats that hold a whole scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Native,
-    Nff,
+    /// The file's format; `None` has its content, then its name, tell.
+    pub format: Option<Format>,
+    /// Which frames of a sequence.
+    pub frames: FrameRange,
+    /// The MODEL of a PDB or mmCIF file by its number; `None` takes the first as the first frame.
+    pub model: Option<i64>,
+    /// Which alternate locations of atoms.
+    pub altloc: Altloc,
+    /// The biological assembly to be built by the file's operators; `None` takes the atoms as they stand.
+    pub assembly: Option<String>,
+    /// How particles look.
+    pub style: Style,
 }
 
 impl Scene {
-    /// Reads a scene file, or standard input when `path` is `-`. The ending `.toml` or `.nff` names the format; any
-    /// other is told by the first line that is neither blank nor a comment.
+    /// Reads a scene file, or standard input when `path` is `-`, compressed by gzip or bzip2 or not. The content tells the
+    /// format, and then the name. Of a sequence, the first frame that is asked for.
     ///
-    /// Spheres are named by their id, counted from 0 in the file's order, also in errors.
+    /// Spheres are named by their id, counted from 0 in the file's order, also in errors. A file without a camera gets one
+    /// that shows all of it.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that makes no scene.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that makes no scene,
+    /// [`Error::Settings`] for options that do not go with it.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
-        let stdin = path == Path::new("-");
-        let mut reader: Box<dyn BufRead> = match stdin {
-            true => Box::new(io::stdin().lock()),
-            false => Box::new(open(path)?),
-        };
-        let (format, start) = match ending(path).as_str() {
-            "toml" => (Format::Native, Vec::new()),
-            "nff" => (Format::Nff, Vec::new()),
-            "csv" | "npy" => {
-                let place = Place::file(path.display().to_string());
-                let mend = "name it in a [[spheres]] table of a .toml scene";
-                return Err(Error::scene(place, "a file of spheres alone has no camera", mend));
-            }
-            _ => sniff(&mut reader).map_err(|e| Error::read(path, e))?,
-        };
-        let reader = Cursor::new(start).chain(reader);
-        match format {
-            Format::Native => native::read(reader, path),
-            Format::Nff => nff::read(reader, path, options),
-        }
+        let mut sequence = Sequence::open(path, options)?;
+        let first = sequence.next_scene()?;
+        first.map(|frame| frame.scene).ok_or_else(|| sequence.nothing())
     }
 
     /// Checks what a reader checks, for a scene made in memory: sizes, radii, finite numbers, the camera.
@@ -305,22 +309,4 @@ fn open(path: &Path) -> Result<BufReader<File>> {
 /// The ending in lower case, empty if there is none.
 fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
-}
-
-/// The format by the first line that says something, and the bytes read to find it.
-fn sniff(reader: &mut dyn BufRead) -> io::Result<(Format, Vec<u8>)> {
-    let mut start = Vec::new();
-    loop {
-        let from = start.len();
-        if reader.read_until(b'\n', &mut start)? == 0 {
-            return Ok((Format::Native, start));
-        }
-        let line = String::from_utf8_lossy(&start[from..]);
-        let mut words =
-            line.trim_start_matches('\u{feff}').split_whitespace().take_while(|word| !word.starts_with('#'));
-        if let Some(first) = words.next() {
-            let nff = nff::DIRECTIVES.contains(&first) && words.all(|word| word.parse::<f64>().is_ok());
-            return Ok((if nff { Format::Nff } else { Format::Native }, start));
-        }
-    }
 }

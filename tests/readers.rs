@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const STRICT: ReadOptions = ReadOptions { strict: true };
-const LENIENT: ReadOptions = ReadOptions { strict: false };
+fn strict() -> ReadOptions {
+    ReadOptions { strict: true, ..ReadOptions::default() }
+}
 
 const TOML: &str = r#"# a comment
 [camera]
@@ -84,14 +85,14 @@ fn read_with(name: &str, content: &[u8], options: &ReadOptions) -> Result<Scene>
 }
 
 fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Scene> {
-    read_with(name, content.as_ref(), &LENIENT)
+    read_with(name, content.as_ref(), &ReadOptions::default())
 }
 
 /// A scene of the canonical camera and the spheres of one file.
 fn read_spheres(name: &str, content: &[u8]) -> Result<Scene> {
     let scene = format!("{CAMERA}[[spheres]]\nfile = '{name}'\n");
     let folder = folder(&[("scene.toml", scene.as_bytes()), (name, content)]);
-    Scene::read(&folder.path().join("scene.toml"), &LENIENT)
+    Scene::read(&folder.path().join("scene.toml"), &ReadOptions::default())
 }
 
 /// An NPY file of version 1 with this header text, from numpy's description of the format.
@@ -199,11 +200,11 @@ fn ids_count_inline_spheres_first_and_files_stand_beside_the_scene() {
     let b = npy_of("<f8", "False", "(1, 4)", &little(&[3.0, 3.0, 3.0, 3.0]));
     let folder = folder(&[("s.toml", scene.as_bytes()), ("a.csv", b"x,y,z,radius\n1,1,1,1\n2,2,2,2"), ("b.npy", &b)]);
     let path = folder.path().join("s.toml");
-    let scene = Scene::read(&path, &STRICT).expect("three kinds of spheres");
+    let scene = Scene::read(&path, &strict()).expect("three kinds of spheres");
     assert_eq!(scene.spheres.radii, [9.0, 1.0, 2.0, 3.0]);
     assert_eq!(scene.spheres.colors, None);
     std::fs::remove_file(folder.path().join("b.npy")).expect("removed");
-    match Scene::read(&path, &LENIENT) {
+    match Scene::read(&path, &ReadOptions::default()) {
         Err(Error::Io { path, .. }) => assert_eq!(path, folder.path().join("b.npy")),
         other => panic!("a missing file is an Io error: {other:?}"),
     }
@@ -214,7 +215,7 @@ fn what_cannot_be_read_is_io() {
     let folder = folder(&[]);
     for name in ["missing.toml", "missing.nff", "missing", "."] {
         let path = folder.path().join(name);
-        match Scene::read(&path, &LENIENT) {
+        match Scene::read(&path, &ReadOptions::default()) {
             Err(Error::Io { path: named, action: "read", .. }) => assert_eq!(named, path),
             other => panic!("{name}: {other:?}"),
         }
@@ -226,10 +227,10 @@ fn strict_refuses_what_lenient_counts() {
     for (line, place, kind) in [("p 3\n0 0 0 1 0 0 0 1 0", ":9:1", "polygon"), ("c 0 0 0 1 0 0 1 1", ":9:1", "cone")] {
         let scene = format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\ns 0 0 0 1\n\n{line}\n");
         assert_eq!(read("s.nff", &scene).expect("lenient").skipped.kinds, [(kind, 1)]);
-        let error = read_with("s.nff", scene.as_bytes(), &STRICT).expect_err("strict").to_string();
+        let error = read_with("s.nff", scene.as_bytes(), &strict()).expect_err("strict").to_string();
         assert!(error.contains(&format!("s.nff{place}: {kind}: ")), "{error}");
     }
-    read_with("s.toml", TOML.as_bytes(), &STRICT).expect("nothing to skip");
+    read_with("s.toml", TOML.as_bytes(), &strict()).expect("nothing to skip");
 }
 
 /// What every refusal must be: a fault of the scene, at this place, of this field, with a mend.
@@ -440,7 +441,7 @@ fn a_broken_npy_is_refused_with_its_row() {
 fn standard_input_is_a_scene_too() {
     const CHILD: &str = "HALFLINE_TEST_STDIN";
     if let Ok(spheres) = std::env::var(CHILD) {
-        let scene = Scene::read(Path::new("-"), &LENIENT).expect("the parent's scene");
+        let scene = Scene::read(Path::new("-"), &ReadOptions::default()).expect("the parent's scene");
         assert_eq!(scene.spheres.len().to_string(), spheres);
         return;
     }
@@ -521,7 +522,7 @@ fn no_damage_makes_a_reader_panic() {
         for round in 0..2000 {
             let bytes = vandal.damage(good);
             std::fs::write(folder.path().join(name), &bytes).expect("a temporary file");
-            match Scene::read(&folder.path().join(scene), &LENIENT) {
+            match Scene::read(&folder.path().join(scene), &ReadOptions::default()) {
                 Ok(scene) => scene.check().unwrap_or_else(|e| panic!("{name} {round}: read, but {e}: {bytes:?}")),
                 Err(Error::Scene { .. } | Error::Io { .. }) => refused += 1,
                 Err(other) => panic!("{name} {round}: {other}: {bytes:?}"),
@@ -552,7 +553,7 @@ fn real_nff_files_give_the_spheres_of_their_readme() {
         ("jacks.nff", 6, "cone", 256),
     ] {
         let path = data.join(name);
-        let scene = Scene::read(&path, &LENIENT).unwrap_or_else(|e| panic!("{e}"));
+        let scene = Scene::read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(scene.spheres.len(), spheres, "{name}");
         assert_eq!((scene.image.width, scene.image.height), (size, size), "{name}");
         let text = std::fs::read_to_string(&path).expect("read once already");
@@ -560,7 +561,7 @@ fn real_nff_files_give_the_spheres_of_their_readme() {
         assert_eq!(count("s "), spheres as u64, "{name}");
         assert_eq!(scene.skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
         assert!(scene.skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {:?}", scene.skipped);
-        assert_eq!(Scene::read(&path, &STRICT).is_err(), !kind.is_empty(), "{name}");
+        assert_eq!(Scene::read(&path, &strict()).is_err(), !kind.is_empty(), "{name}");
         scene.check().expect("what is read can be rendered");
     }
     let csv = std::fs::read(data.join("solar_system.csv")).expect("the planets");

@@ -82,7 +82,7 @@ struct CameraArgs {
 impl SceneArgs {
     /// The scene as the options change it.
     pub(super) fn scene(&self) -> Result<Scene> {
-        let mut scene = Scene::read(&self.scene, &ReadOptions { strict: self.strict })?;
+        let mut scene = Scene::read(&self.scene, &ReadOptions { strict: self.strict, ..ReadOptions::default() })?;
         self.camera.apply(&mut scene);
         if let Some((width, height)) = self.size {
             (scene.image.width, scene.image.height) = (width, height);

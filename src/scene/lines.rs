@@ -2,8 +2,11 @@
 //! bytes that are no UTF-8 are met in one place.
 
 use crate::error::{Error, Place, Result};
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
+
+/// Bytes in a line beyond which no text of ours goes; what holds no lines must not fill the memory.
+const LONGEST: u64 = 1 << 20;
 
 /// One line at a time, in one reused buffer.
 pub(super) struct Lines<R> {
@@ -22,10 +25,15 @@ impl<R: BufRead> Lines<R> {
     pub(super) fn advance(&mut self) -> Result<bool> {
         let mut bytes = std::mem::take(&mut self.text).into_bytes();
         bytes.clear();
-        if self.reader.read_until(b'\n', &mut bytes).map_err(|e| Error::read(&self.path, e))? == 0 {
+        let mut line = (&mut self.reader).take(LONGEST);
+        if line.read_until(b'\n', &mut bytes).map_err(|e| Error::read(&self.path, e))? == 0 {
             return Ok(false);
         }
         self.number += 1;
+        if bytes.len() as u64 == LONGEST && !bytes.ends_with(b"\n") {
+            let problem = format!("more than {LONGEST} bytes without the end of a line");
+            return Err(Error::scene(self.file().at(self.number, 1), problem, "is it another format? see --format"));
+        }
         self.text = String::from_utf8(bytes).map_err(|e| not_utf8(self.file(), self.number - 1, e))?;
         let kept = self.text.trim_end_matches(['\n', '\r']).len();
         self.text.truncate(kept);
@@ -53,6 +61,64 @@ impl<R: BufRead> Lines<R> {
     /// The place of a byte of this line.
     pub(super) fn place(&self, byte: usize) -> Place {
         self.spot(byte).of(self.file())
+    }
+}
+
+/// A word of a line.
+pub(super) struct Word<'a, R> {
+    pub(super) text: &'a str,
+    /// The byte it begins at.
+    pub(super) at: usize,
+    lines: &'a Lines<R>,
+}
+
+impl<R: BufRead> Word<'_, R> {
+    /// As a finite number; an error names `field`.
+    pub(super) fn finite(&self, field: &str) -> Result<f64> {
+        let number = self.number(field)?;
+        if number.is_finite() { Ok(number) } else { Err(self.wrong(field, "is not finite")) }
+    }
+
+    /// As a positive finite number.
+    pub(super) fn positive(&self, field: &str) -> Result<f64> {
+        let number = self.finite(field)?;
+        if number > 0.0 { Ok(number) } else { Err(self.wrong(field, "is not positive")) }
+    }
+
+    /// As any number, infinite ones and NaN included.
+    pub(super) fn number(&self, field: &str) -> Result<f64> {
+        self.text.parse().map_err(|_| self.wrong(field, "is no number"))
+    }
+
+    fn wrong(&self, field: &str, what: &str) -> Error {
+        let problem = format!("`{}` {what}", self.text);
+        Error::scene(self.lines.place(self.at).named(field), problem, "give a finite number such as 0.5")
+    }
+}
+
+/// The words of a line, separated by white space.
+pub(super) struct Words<'a, R> {
+    lines: &'a Lines<R>,
+    at: usize,
+}
+
+impl<'a, R: BufRead> Words<'a, R> {
+    /// Of the current line.
+    pub(super) fn of(lines: &'a Lines<R>) -> Self {
+        Self { lines, at: 0 }
+    }
+}
+
+impl<'a, R: BufRead> Iterator for Words<'a, R> {
+    type Item = Word<'a, R>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let rest = self.lines.text.get(self.at..)?;
+        let at = self.at + rest.find(|c: char| !c.is_whitespace())?;
+        let rest = &self.lines.text[at..];
+        let end = at + rest.find(char::is_whitespace).unwrap_or(rest.len());
+        self.at = end;
+        Some(Word { text: &self.lines.text[at..end], at, lines: self.lines })
     }
 }
 

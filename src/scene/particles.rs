@@ -1,0 +1,182 @@
+//! Particles: what simulations, molecules and scans are files of. A reader gives them frame by frame; the style makes
+//! spheres of them.
+
+mod xyz;
+
+use super::source::{Format, Source};
+use super::{ReadOptions, Skipped};
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// One frame of particles, as its file gives them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Particles {
+    /// Places, in the file's unit; nanometres of GROMACS are ångström here.
+    pub(crate) positions: Vec<[f64; 3]>,
+    /// Radii in the same unit, where the file gives them; else empty.
+    pub(crate) radii: Vec<f64>,
+    /// Atomic numbers, 0 where an element is not known; empty where the format knows no elements.
+    pub(crate) elements: Vec<u8>,
+    /// Linear RGB, where the file gives it; else empty.
+    pub(crate) colors: Vec<[f32; 3]>,
+    /// The columns that [`ReadOptions::columns`] asks for, in its order, each with a number for every particle: those that
+    /// the file has. Readers give named columns the names of the file, lower-cased.
+    pub(crate) columns: Vec<Column>,
+    /// The names of all columns of numbers that the file has, for people.
+    pub(crate) has: Vec<String>,
+    /// The periodic cell, if the file has one.
+    pub(crate) cell: Option<Cell>,
+    /// Names of elements that are none, and how many particles bear each.
+    pub(crate) unknown: BTreeMap<String, u64>,
+    /// What is no particle, and what was assumed.
+    pub(crate) skipped: Skipped,
+}
+
+/// Numbers that belong to particles.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) values: Vec<f64>,
+}
+
+/// A cell that repeats.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// A corner.
+    pub origin: [f64; 3],
+    /// The three edges that leave it.
+    pub edges: [[f64; 3]; 3],
+}
+
+impl Particles {
+    /// Counts a name that is no element's. Only so many different ones are kept, whatever a file holds.
+    pub(crate) fn meet_unknown(&mut self, name: &str) {
+        let name = if self.unknown.len() < 16 || self.unknown.contains_key(name) { name } else { "others" };
+        *self.unknown.entry(name.to_owned()).or_default() += 1;
+    }
+}
+
+/// A file of particles, frame by frame.
+pub(crate) trait Frames: Send {
+    /// The next frame; `None` after the last.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with line and column, [`Error::Io`].
+    fn next(&mut self) -> Result<Option<Particles>>;
+
+    /// Passes over the next frame and keeps nothing of it; `false` after the last.
+    ///
+    /// # Errors
+    /// As [`Frames::next`].
+    fn skip(&mut self) -> Result<bool> {
+        Ok(self.next()?.is_some())
+    }
+}
+
+/// The frames of a particle file; `None` for the formats that hold a whole scene.
+pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
+    let frames: Box<dyn Frames> = match source.format {
+        Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
+        _ => return Ok(Err(source)),
+    };
+    Ok(Ok(frames))
+}
+
+/// Which alternate locations of an atom are read.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Altloc {
+    /// All of them.
+    #[default]
+    All,
+    /// The one of the highest occupancy, the first of equals.
+    Highest,
+    /// Those of this name, and atoms that have none.
+    Named(String),
+}
+
+impl FromStr for Altloc {
+    type Err = Error;
+    /// `all`, `highest`, or a name such as `A`.
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "all" => Ok(Self::All),
+            "highest" => Ok(Self::Highest),
+            "" => {
+                Err(Error::settings("an empty name is no alternate location", "give all, highest or a name such as A"))
+            }
+            name => Ok(Self::Named(name.to_owned())),
+        }
+    }
+}
+
+/// Which frames of a sequence are read, counted from 1: `2`, `1-10`, `1-3,5,7-20:2`, `5-` to the last.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FrameRange(Vec<(RangeInclusive<u64>, u64)>);
+
+impl FrameRange {
+    /// Only the first.
+    #[must_use]
+    pub fn first() -> Self {
+        Self(vec![(1..=1, 1)])
+    }
+
+    /// Whether frame `number` is one of them.
+    #[must_use]
+    pub fn contains(&self, number: u64) -> bool {
+        self.0.iter().any(|(range, step)| range.contains(&number) && (number - range.start()).is_multiple_of(*step))
+    }
+
+    /// The number of the last of them, [`u64::MAX`] for an open end.
+    #[must_use]
+    pub fn last(&self) -> u64 {
+        self.0.iter().map(|(range, _)| *range.end()).max().unwrap_or(1)
+    }
+}
+
+impl Default for FrameRange {
+    fn default() -> Self {
+        Self::first()
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = Error;
+    fn from_str(text: &str) -> Result<Self> {
+        let part = |part: &str| {
+            let (range, step) = part.split_once(':').unwrap_or((part, "1"));
+            let (first, last) = match range.split_once('-') {
+                Some((first, "")) => (first.parse().ok()?, u64::MAX),
+                Some((first, last)) => (first.parse().ok()?, last.parse().ok()?),
+                None => (range.parse().ok()?, range.parse().ok()?),
+            };
+            let step: u64 = step.parse().ok()?;
+            (first >= 1 && first <= last && step >= 1).then_some((first..=last, step))
+        };
+        text.split(',').map(|text| part(text.trim())).collect::<Option<_>>().map(Self).ok_or_else(|| {
+            let problem = format!("`{text}` names no frames");
+            Error::settings(problem, "count frames from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_named_by_ranges() {
+        let frames = |text: &str| -> Vec<u64> {
+            let range: FrameRange = text.parse().expect("frames");
+            (1..=12).filter(|n| range.contains(*n)).collect()
+        };
+        assert_eq!(frames("2"), [2]);
+        assert_eq!(frames("1-3,5,7-12:2"), [1, 2, 3, 5, 7, 9, 11]);
+        assert_eq!(frames("10-"), [10, 11, 12]);
+        assert_eq!("3-4,2".parse::<FrameRange>().expect("frames").last(), 4);
+        for bad in ["", "0", "0-3", "3-2", "1:0", "a", "1-2-3", "1,,2"] {
+            bad.parse::<FrameRange>().expect_err(bad);
+        }
+    }
+}

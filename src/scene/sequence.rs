@@ -1,0 +1,107 @@
+//! Scenes one after the other: the frames of a trajectory, or the one scene of a file.
+
+use super::fit::Framing;
+use super::particles::{self, Frames};
+use super::source::{Format, Source};
+use super::style::Legend;
+use super::{Cell, ImagePlane, ReadOptions, Scene, native, nff};
+use crate::camera::Camera;
+use crate::error::{Error, Place, Result};
+use std::path::{Path, PathBuf};
+
+/// An opened file of scenes.
+pub struct Sequence {
+    path: PathBuf,
+    options: ReadOptions,
+    state: State,
+    /// Frames that are behind.
+    passed: u64,
+}
+
+enum State {
+    /// A format that holds a whole scene.
+    One(Option<Box<Scene>>),
+    Many(Box<dyn Frames>),
+}
+
+/// One scene of a sequence.
+#[derive(Debug, Clone)]
+pub struct Shot {
+    /// The frame's number, from 1.
+    pub number: u64,
+    /// What it shows; where the file has no camera, from one that shows all of it.
+    pub scene: Scene,
+    /// Whether the file has a camera.
+    pub has_camera: bool,
+    /// What the colours stand for, where they come from a column.
+    pub legend: Option<Legend>,
+    /// The periodic cell, if the file has one.
+    pub cell: Option<Cell>,
+}
+
+impl Sequence {
+    /// Opens `path`; `-` is standard input.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        let source = Source::open(path, options.format)?;
+        let state = match particles::open(source, options)? {
+            Ok(frames) => State::Many(frames),
+            Err(source) => {
+                let mut scene = match source.format {
+                    Format::Nff => nff::read(source.reader, path, options)?,
+                    _ => native::read(source.reader, path)?,
+                };
+                options.style.restyle(&mut scene.spheres)?;
+                State::One(Some(Box::new(scene)))
+            }
+        };
+        Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0 })
+    }
+
+    /// The next frame that is asked for; `None` after the last.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn next_scene(&mut self) -> Result<Option<Shot>> {
+        while self.passed < self.options.frames.last() {
+            let number = self.passed + 1;
+            let wanted = self.options.frames.contains(number);
+            let file = Place::file(self.path.display().to_string());
+            self.passed = number;
+            match &mut self.state {
+                State::One(scene) => {
+                    let Some(scene) = scene.take() else { return Ok(None) };
+                    if wanted {
+                        return Ok(Some(Shot { number, scene: *scene, has_camera: true, legend: None, cell: None }));
+                    }
+                }
+                State::Many(frames) if wanted => {
+                    let Some(particles) = frames.next()? else { return Ok(None) };
+                    let cell = particles.cell;
+                    let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
+                    let mut scene = Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, skipped };
+                    scene.frame_all(&Framing::default())?;
+                    return Ok(Some(Shot { number, scene, has_camera: false, legend, cell }));
+                }
+                State::Many(frames) => {
+                    if !frames.skip()? {
+                        return Ok(None);
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The error for a sequence in which nothing was found.
+    pub(super) fn nothing(&self) -> Error {
+        let place = Place::file(self.path.display().to_string());
+        let problem = match self.passed {
+            0 | 1 => "no frame was found".to_owned(),
+            n => format!("no frame that was asked for is among the {} that the file has", n - 1),
+        };
+        Error::scene(place, problem, "ask for others with --frames, or for another --model")
+    }
+}

@@ -1,0 +1,360 @@
+//! How particles look: what their radii and colours are when they become spheres.
+
+mod colormap;
+pub mod elements;
+
+pub use colormap::ColorMap;
+
+use super::particles::{Column, Particles};
+use super::{Skipped, Spheres, check_sphere};
+use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
+use elements::{Element, element};
+use rayon::prelude::*;
+use std::str::FromStr;
+
+/// What particles look like.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Style {
+    /// Which radius of an element is taken where the file gives none.
+    pub radii: Radii,
+    /// One radius for all, whatever the file says.
+    pub radius: Option<f64>,
+    /// What every radius is multiplied by.
+    pub radius_scale: f64,
+    /// Where colours come from.
+    pub coloring: Coloring,
+}
+
+impl Default for Style {
+    /// The file's own radii and colours, or those of the elements.
+    fn default() -> Self {
+        Self { radii: Radii::Vdw, radius: None, radius_scale: 1.0, coloring: Coloring::File }
+    }
+}
+
+/// Radii of elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Radii {
+    /// Van der Waals: space filling.
+    #[default]
+    Vdw,
+    /// Covalent: bound atoms touch.
+    Covalent,
+}
+
+impl Radii {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::Vdw, Self::Covalent];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vdw => "vdw",
+            Self::Covalent => "covalent",
+        }
+    }
+
+    fn of(self, element: &Element) -> Option<f64> {
+        match self {
+            Self::Vdw => element.vdw,
+            Self::Covalent => element.covalent,
+        }
+    }
+}
+
+impl FromStr for Radii {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        crate::error::by_name("kind of radii", name, Self::ALL, Self::name)
+    }
+}
+
+/// Where colours come from.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Coloring {
+    /// The file's own colours, else those of the elements, else none.
+    #[default]
+    File,
+    /// The elements' colours, whatever the file says.
+    Element,
+    /// One linear RGB for all.
+    One([f32; 3]),
+    /// A column of numbers through a colour map.
+    Column(Scale),
+}
+
+/// How numbers become colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scale {
+    /// The column; the length of the vector where several are named.
+    pub columns: Vec<String>,
+    /// Which colours.
+    pub map: ColorMap,
+    /// The numbers at the map's ends; `None` takes the least and the largest there are.
+    pub range: Option<[f64; 2]>,
+    /// Whether the logarithm is even along the map.
+    pub log: bool,
+}
+
+/// What a scale came to: what its ends stand for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Legend {
+    /// What is coloured: `speed`, or `|vx, vy, vz|`.
+    pub name: String,
+    /// Which colours.
+    pub map: ColorMap,
+    /// The numbers at the map's ends.
+    pub range: [f64; 2],
+    /// Whether the logarithm is even along the map.
+    pub log: bool,
+}
+
+/// Radius of an atom whose element is not known, ångström: between carbon's and nitrogen's.
+const UNKNOWN_RADIUS: f64 = 1.6;
+
+/// sRGB of 0xrrggbb or of bytes, made linear.
+pub(super) fn linear(srgb: [u8; 3]) -> [f32; 3] {
+    srgb.map(|level| {
+        let x = f64::from(level) / 255.0;
+        // IEC 61966-2-1.
+        (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+    })
+}
+
+/// A colour as people write it: `#rrggbb` in sRGB, or `r,g,b` in linear RGB.
+///
+/// # Errors
+/// [`Error::Settings`] for anything else.
+pub fn color(text: &str) -> Result<[f32; 3]> {
+    let hex = text.strip_prefix('#').filter(|hex| hex.len() == 6 && hex.is_ascii());
+    if let Some(rgb) = hex.and_then(|hex| u32::from_str_radix(hex, 16).ok()) {
+        return Ok(of_hex(rgb));
+    }
+    let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    let color = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    color.filter(|color| color.iter().all(|c| c.is_finite() && *c >= 0.0)).ok_or_else(|| {
+        Error::settings(format!("`{text}` is no colour"), "write #rrggbb (sRGB) or r,g,b (linear, 0 or more)")
+    })
+}
+
+fn of_hex(rgb: u32) -> [f32; 3] {
+    let [_, red, green, blue] = rgb.to_be_bytes();
+    linear([red, green, blue])
+}
+
+impl Style {
+    /// The columns that a reader must keep.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        match &self.coloring {
+            Coloring::Column(scale) => &scale.columns,
+            _ => &[],
+        }
+    }
+
+    /// Spheres that already have their radii, as this style changes them.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where colours are to come from a column: such scenes have none.
+    pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
+        let scale = self.radius_scale;
+        spheres.radii.par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
+        match &self.coloring {
+            Coloring::File => Ok(()),
+            Coloring::One(color) => {
+                spheres.colors = Some(vec![*color; spheres.len()]);
+                Ok(())
+            }
+            Coloring::Element => Err(Error::settings("this scene knows no elements", "leave --color-by out")),
+            Coloring::Column(_) => {
+                Err(Error::settings("this scene has no columns to colour by", "give a file of particles"))
+            }
+        }
+    }
+
+    /// Spheres of these particles. What was assumed is added to what was skipped.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for what makes no sphere, [`Error::Settings`] for a column that is not there, [`Error::Limits`].
+    pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+        check_spheres(particles.positions.len() as u64, true)?;
+        let mut skipped = std::mem::take(&mut { particles.skipped.clone() });
+        let (colors, legend) = self.colors(&particles)?;
+        let radii = self.radii_of(&particles, &mut skipped)?;
+        let spheres = Spheres { centers: particles.positions, radii, colors };
+        let bad = spheres
+            .centers
+            .par_iter()
+            .zip(&spheres.radii)
+            .position_first(|(center, radius)| check_sphere(*center, *radius, Place::default).is_err());
+        if let Some(n) = bad {
+            check_sphere(spheres.centers[n], spheres.radii[n], || file.clone().named(format!("particle {n}")))?;
+        }
+        Ok((spheres, skipped, legend))
+    }
+
+    fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
+        let (n, scale) = (particles.positions.len(), self.radius_scale);
+        if let Some(radius) = self.radius {
+            return Ok(vec![radius * scale; n]);
+        }
+        if !particles.radii.is_empty() {
+            return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+        }
+        if particles.elements.iter().all(|number| *number == 0) {
+            let radius = spacing(&particles.positions) / 2.0;
+            if n > 0 {
+                skipped.assumed.push(format!(
+                    "{n} particles have no radius: {radius:.3e} is taken, half their mean spacing; --radius sets another"
+                ));
+            }
+            return Ok(vec![radius * scale; n]);
+        }
+        let known = |number: &u8| element(*number).and_then(|element| self.radii.of(element));
+        let missing = particles.elements.par_iter().filter(|number| known(number).is_none()).count();
+        if missing > 0 {
+            let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} `{name}`")).collect();
+            let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+            skipped.assumed.push(format!(
+                "{missing} of {n} atoms have no {} radius{names}: {UNKNOWN_RADIUS} is taken; --radius sets one for all",
+                self.radii.name()
+            ));
+        }
+        Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
+    }
+
+    fn colors(&self, particles: &Particles) -> Result<(Option<Vec<[f32; 3]>>, Option<Legend>)> {
+        let elements = || {
+            // The table once, not a power for every atom.
+            let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();
+            let of = |number: &u8| table[usize::from(*number).min(118)];
+            (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
+        };
+        let colors = match &self.coloring {
+            Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
+            Coloring::File if !particles.colors.is_empty() => Some(particles.colors.clone()),
+            Coloring::File => elements(),
+            Coloring::Element => Some(elements().ok_or_else(|| {
+                Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")
+            })?),
+            Coloring::Column(scale) => {
+                let (colors, legend) = scale.apply(particles)?;
+                return Ok((Some(colors), Some(legend)));
+            }
+        };
+        Ok((colors, None))
+    }
+}
+
+impl Scale {
+    fn apply(&self, particles: &Particles) -> Result<(Vec<[f32; 3]>, Legend)> {
+        let column = |name: &String| {
+            particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+                let mend = match &particles.has[..] {
+                    [] => "this file has no columns of numbers".to_owned(),
+                    has => format!("the file has {}", has.join(", ")),
+                };
+                Error::settings(format!("there is no column `{name}` to colour by"), mend)
+            })
+        };
+        let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;
+        let n = particles.positions.len();
+        let value = |i: usize| match columns[..] {
+            [one] => one.values[i],
+            _ => columns.iter().map(|column| column.values[i].powi(2)).sum::<f64>().sqrt(),
+        };
+        let values: Vec<f64> = (0..n).into_par_iter().map(value).collect();
+        let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
+        let ends =
+            || values.iter().filter(shown).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+        let [low, high] = self.range.unwrap_or_else(ends);
+        let scaled = |x: f64| if self.log { x.ln() } else { x };
+        let (from, width) = (scaled(low), scaled(high) - scaled(low));
+        let color = |x: &f64| {
+            if self.map == ColorMap::Category {
+                return self.map.color(*x);
+            }
+            let part = (scaled(*x) - from) / width;
+            // All alike, or no number at all: the map's beginning.
+            self.map.color(if part.is_nan() { 0.0 } else { part })
+        };
+        let name = match &self.columns[..] {
+            [one] => one.clone(),
+            several => format!("|{}|", several.join(", ")),
+        };
+        let legend = Legend { name, map: self.map, range: [low, high], log: self.log };
+        Ok((values.par_iter().map(color).collect(), legend))
+    }
+}
+
+/// Mean distance between neighbours, if particles filled their box evenly; 1 for one particle.
+fn spacing(positions: &[[f64; 3]]) -> f64 {
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    for position in positions {
+        for (end, x) in ends.iter_mut().zip(position) {
+            *end = [end[0].min(*x), end[1].max(*x)];
+        }
+    }
+    let sides: Vec<f64> = ends.iter().map(|[a, b]| b - a).filter(|side| *side > 0.0 && side.is_finite()).collect();
+    let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (positions.len().max(1) as f64).ln();
+    if sides.is_empty() { 1.0 } else { (spread / sides.len() as f64).exp() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn particles(n: usize) -> Particles {
+        Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }
+    }
+
+    #[test]
+    fn radii_come_from_the_option_the_file_the_element_or_the_spacing() {
+        let mut p = particles(5);
+        let radii = |style: &Style, p: &Particles| {
+            let mut skipped = Skipped::default();
+            (style.radii_of(p, &mut skipped).expect("radii"), skipped.assumed.len())
+        };
+        let style = Style::default();
+        let (spaced, warned) = radii(&style, &p);
+        // Five in a row, one apart, fill a length of four.
+        assert!((spaced[0] - 0.4).abs() < 1e-12 && warned == 1, "{spaced:?}");
+        p.elements = vec![6, 1, 0, 8, 118];
+        let (of_elements, warned) = radii(&style, &p);
+        assert_eq!((&of_elements[..], warned), (&[1.7, 1.2, UNKNOWN_RADIUS, 1.52, UNKNOWN_RADIUS][..], 1));
+        let covalent = Style { radii: Radii::Covalent, radius_scale: 2.0, ..style.clone() };
+        assert_eq!(radii(&covalent, &p).0[..2], [1.52, 0.62]);
+        p.radii = vec![3.0; 5];
+        assert_eq!(radii(&style, &p), (vec![3.0; 5], 0));
+        assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
+    }
+
+    #[test]
+    fn columns_are_coloured_between_the_ends_of_their_range() {
+        let mut p = particles(3);
+        p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
+        let scale = |range, log| Scale { columns: vec!["V".into()], map: ColorMap::Viridis, range, log };
+        let middle = ColorMap::Viridis.color(0.5);
+        let (colors, legend) = scale(None, true).apply(&p).expect("colours");
+        assert_eq!(
+            (legend.range, colors[0], colors[2]),
+            ([1.0, 100.0], ColorMap::Viridis.color(0.0), ColorMap::Viridis.color(1.0))
+        );
+        assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
+        assert_eq!(scale(Some([0.0, 20.0]), false).apply(&p).expect("colours").0[1], middle);
+        let missing = Scale { columns: vec!["w".into()], ..scale(None, false) };
+        assert!(missing.apply(&p).expect_err("no such column").to_string().contains("`w`"));
+    }
+
+    #[test]
+    fn colours_are_read() {
+        assert_eq!(color("#ffffff").expect("white"), [1.0; 3]);
+        assert_eq!(color("0.5, 0,2").expect("linear"), [0.5, 0.0, 2.0]);
+        assert!((color("#808080").expect("gray")[0] - 0.2158605).abs() < 1e-6, "IEC 61966-2-1 of 128/255");
+        for bad in ["", "#12", "#12345g", "1,2", "1,2,-3", "red", "nan,0,0"] {
+            color(bad).expect_err(bad);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Perceptual colour maps: a number between 0 and 1 becomes a colour. The maps are those of crate colorous (matplotlib's
+//! and ColorBrewer's by d3-scale-chromatic).
+
+use super::linear;
+use crate::error::{Error, Result};
+use std::str::FromStr;
+
+/// A colour map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColorMap {
+    /// Dark violet to yellow; even in lightness.
+    #[default]
+    Viridis,
+    /// Black over violet and orange to pale yellow.
+    Inferno,
+    /// Black over violet to pale pink.
+    Magma,
+    /// Blue over violet to yellow.
+    Plasma,
+    /// Blue to yellow, for every kind of colour vision.
+    Cividis,
+    /// Black over blue and green to white, evenly.
+    Cubehelix,
+    /// A rainbow, more even than the old one.
+    Turbo,
+    /// Red over pale yellow to blue: what has a middle.
+    RedYellowBlue,
+    /// Blue over white to red: what has a middle.
+    BlueWhiteRed,
+    /// Black to white.
+    Grays,
+    /// Ten plain colours in turn, by the whole part of the number: what has no order.
+    Category,
+}
+
+impl ColorMap {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[
+        Self::Viridis,
+        Self::Inferno,
+        Self::Magma,
+        Self::Plasma,
+        Self::Cividis,
+        Self::Cubehelix,
+        Self::Turbo,
+        Self::RedYellowBlue,
+        Self::BlueWhiteRed,
+        Self::Grays,
+        Self::Category,
+    ];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Viridis => "viridis",
+            Self::Inferno => "inferno",
+            Self::Magma => "magma",
+            Self::Plasma => "plasma",
+            Self::Cividis => "cividis",
+            Self::Cubehelix => "cubehelix",
+            Self::Turbo => "turbo",
+            Self::RedYellowBlue => "rdylbu",
+            Self::BlueWhiteRed => "bwr",
+            Self::Grays => "grays",
+            Self::Category => "category",
+        }
+    }
+
+    /// 8-bit sRGB of `x` in [0, 1]; of a category, by its whole number.
+    #[must_use]
+    pub fn srgb(self, x: f64) -> [u8; 3] {
+        use colorous::{
+            CIVIDIS, CUBEHELIX, GREYS, INFERNO, MAGMA, PLASMA, RED_BLUE, RED_YELLOW_BLUE, TABLEAU10, TURBO, VIRIDIS,
+        };
+        let gradient = match self {
+            Self::Viridis => VIRIDIS,
+            Self::Inferno => INFERNO,
+            Self::Magma => MAGMA,
+            Self::Plasma => PLASMA,
+            Self::Cividis => CIVIDIS,
+            Self::Cubehelix => CUBEHELIX,
+            Self::Turbo => TURBO,
+            Self::RedYellowBlue => RED_YELLOW_BLUE,
+            Self::BlueWhiteRed => RED_BLUE,
+            Self::Grays => GREYS,
+            Self::Category => {
+                let place = x.rem_euclid(TABLEAU10.len() as f64) as usize;
+                return TABLEAU10[place.min(TABLEAU10.len() - 1)].as_array();
+            }
+        };
+        // Some scales of d3 run the other way.
+        let x = if matches!(self, Self::Grays | Self::BlueWhiteRed) { 1.0 - x } else { x };
+        gradient.eval_continuous(x.clamp(0.0, 1.0)).as_array()
+    }
+
+    /// The same in linear RGB.
+    #[must_use]
+    pub fn color(self, x: f64) -> [f32; 3] {
+        linear(self.srgb(x))
+    }
+}
+
+impl FromStr for ColorMap {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        crate::error::by_name("colour map", name, Self::ALL, Self::name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_run_from_dark_to_bright() {
+        let light =
+            |map: ColorMap, x: f64| map.color(x).iter().zip([0.2126, 0.7152, 0.0722]).map(|(c, w)| c * w).sum::<f32>();
+        use ColorMap::{Cividis, Cubehelix, Grays, Inferno, Magma, Plasma, Viridis};
+        for map in [Viridis, Inferno, Magma, Plasma, Cividis, Cubehelix, Grays] {
+            let steps: Vec<f32> = (0..=16).map(|n| light(map, f64::from(n) / 16.0)).collect();
+            assert!(steps.is_sorted(), "{} {steps:?}", map.name());
+        }
+        assert_eq!(Viridis.srgb(0.0), [68, 1, 84], "matplotlib's first");
+        assert_eq!(ColorMap::Category.srgb(10.0), ColorMap::Category.srgb(0.0));
+        assert_ne!(ColorMap::Category.srgb(1.0), ColorMap::Category.srgb(0.0));
+        assert!(ColorMap::BlueWhiteRed.srgb(0.0)[2] > ColorMap::BlueWhiteRed.srgb(0.0)[0], "blue first");
+        assert_eq!(Viridis.srgb(f64::NAN.clamp(0.0, 1.0)).len(), 3);
+    }
+}
