@@ -5,8 +5,10 @@ mod bar;
 mod compare;
 mod measure;
 mod plan;
+mod read_args;
 mod render;
 mod scene_args;
+mod shots;
 
 use clap::{Parser, Subcommand};
 use halfline::error::{Error, Result};

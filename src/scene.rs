@@ -1,6 +1,7 @@
 //! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact;
 //! the readers below make scenes, nothing else does.
 
+pub mod arrange;
 mod csv;
 mod fit;
 mod lines;
@@ -14,6 +15,7 @@ pub mod style;
 
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
+use glam::DVec3;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -80,16 +82,20 @@ impl Spheres {
         self.radii.is_empty()
     }
 
+    /// The corners of the box around all spheres; not finite where there is none.
+    #[must_use]
+    pub fn bounds(&self) -> [DVec3; 2] {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (center, radius) in self.centers.iter().zip(&self.radii) {
+            let center = DVec3::from_array(*center);
+            (low, high) = (low.min(center - *radius), high.max(center + *radius));
+        }
+        [low, high]
+    }
+
     /// Where the spheres are, in words.
     pub fn extent(&self) -> String {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for (center, radius) in self.centers.iter().zip(&self.radii) {
-            for k in 0..3 {
-                low[k] = low[k].min(center[k] - radius);
-                high[k] = high[k].max(center[k] + radius);
-            }
-        }
-        let point = |p: [f64; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
+        let [low, high] = self.bounds();
         format!("the spheres lie between {} and {}", point(low), point(high))
     }
 
@@ -116,6 +122,11 @@ impl Spheres {
         self.centers.push(center);
         self.radii.push(radius);
     }
+}
+
+/// A point in words.
+fn point(p: DVec3) -> String {
+    format!("({}, {}, {})", p.x, p.y, p.z)
 }
 
 /// What a reader met that is no sphere, counted by kind, in the file's order of first meeting; and what it assumed.

@@ -1,5 +1,7 @@
 //! What `render` and `plan` share: the scene, the camera, the buffers and how sure they must be.
 
+use super::read_args::{ReadArgs, numbers};
+use super::shots::Shots;
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
@@ -8,15 +10,17 @@ use halfline::frame::Aov;
 use halfline::frame::file::Target;
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
-use halfline::scene::{ReadOptions, Scene};
+use halfline::scene::Scene;
 use halfline::shade::Shade;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 /// A scene and what is asked of it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// The scene: .toml, .nff, or - for standard input.
-    scene: PathBuf,
+    /// The scene or the particles: toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, each also
+    /// compressed (gz, bz2); - for standard input.
+    pub(super) scene: PathBuf,
     /// The picture: .png, .npy for linear RGB, or - for a PNG on standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -26,7 +30,7 @@ pub(super) struct SceneArgs {
     aov: Vec<(Aov, PathBuf)>,
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
-    size: Option<(u32, u32)>,
+    pub(super) size: Option<(u32, u32)>,
     /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable, f64,
     /// double-float.
     #[arg(long, value_name = "M")]
@@ -53,18 +57,18 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "NAME|INDEX")]
     adapter: Option<String>,
     #[command(flatten)]
-    camera: CameraArgs,
-    /// Refuses a scene with anything but spheres in it.
-    #[arg(long)]
-    strict: bool,
+    pub(super) camera: CameraArgs,
+    #[command(flatten)]
+    pub(super) read: ReadArgs,
 }
 
 /// What replaces parts of the scene's camera.
 #[derive(Debug, Args)]
-struct CameraArgs {
+#[command(next_help_heading = "Camera")]
+pub(super) struct CameraArgs {
     /// The eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    eye: Option<DVec3>,
+    pub(super) eye: Option<DVec3>,
     /// The point it looks at.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "view")]
     at: Option<DVec3>,
@@ -77,17 +81,20 @@ struct CameraArgs {
     /// Full height of the view, degrees.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,
+    /// Moves the eye so that all spheres are seen whole, as near as that allows; a file without a camera is framed so anyway.
+    #[arg(long, conflicts_with = "eye")]
+    pub(super) fit: bool,
+    /// N pictures from all sides, around up: the first from where the camera stands. Of the frames of a sequence, each is
+    /// turned a little farther.
+    #[arg(long, value_name = "N")]
+    pub(super) spin: Option<NonZeroU32>,
 }
 
 impl SceneArgs {
-    /// The scene as the options change it.
+    /// The scene as the options change it; of several, the first.
     pub(super) fn scene(&self) -> Result<Scene> {
-        let mut scene = Scene::read(&self.scene, &ReadOptions { strict: self.strict, ..ReadOptions::default() })?;
-        self.camera.apply(&mut scene);
-        if let Some((width, height)) = self.size {
-            (scene.image.width, scene.image.height) = (width, height);
-        }
-        Ok(scene)
+        let first = Shots::open(self)?.next_shot()?;
+        first.map(|shot| shot.scene).ok_or_else(|| Error::settings("there is no scene", "ask for other --frames"))
     }
 
     /// The options besides the scene, for these buffers.
@@ -120,7 +127,12 @@ impl SceneArgs {
 }
 
 impl CameraArgs {
-    fn apply(&self, scene: &mut Scene) {
+    /// Whether a direction is given.
+    pub(super) fn looks(&self) -> bool {
+        self.at.is_some() || self.view.is_some()
+    }
+
+    pub(super) fn apply(&self, scene: &mut Scene) {
         let camera = &mut scene.camera;
         camera.eye = self.eye.unwrap_or(camera.eye);
         camera.up = self.up.unwrap_or(camera.up);
@@ -161,11 +173,7 @@ pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn vector(text: &str) -> Result<DVec3, String> {
-    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>().unwrap_or_default();
-    match <[f64; 3]>::try_from(numbers) {
-        Ok(v) if v.iter().all(|x| x.is_finite()) => Ok(v.into()),
-        _ => Err("write three finite numbers, such as 1,-2,3.5".into()),
-    }
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "write three finite numbers, such as 1,-2,3.5".into())
 }
 
 pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {

@@ -57,7 +57,7 @@ impl Scene {
         let viewport = self.camera.viewport(self.image.width, self.image.height)?;
         let framed = if framing.ball { ball(&self.spheres) } else { self.spheres.clone() };
         // Everything is counted from the middle, so that far places lose nothing.
-        let middle = middle(&framed);
+        let middle = framed.middle();
         let reach = |normal: DVec3| {
             let each = framed.centers.par_iter().zip(&framed.radii);
             each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r).reduce(|| f64::INFINITY, f64::min)
@@ -78,22 +78,71 @@ impl Scene {
     }
 }
 
-/// The middle of the box around all spheres.
-pub(super) fn middle(spheres: &Spheres) -> DVec3 {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for (center, radius) in spheres.centers.iter().zip(&spheres.radii) {
-        let center = DVec3::from_array(*center);
-        (low, high) = (low.min(center - *radius), high.max(center + *radius));
+impl Spheres {
+    /// The middle of the box around all spheres; the origin where there is none.
+    #[must_use]
+    pub fn middle(&self) -> DVec3 {
+        let [low, high] = self.bounds();
+        let middle = low + (high - low) / 2.0;
+        if middle.is_finite() { middle } else { DVec3::ZERO }
     }
-    low + (high - low) / 2.0
 }
 
 /// One sphere around all of them, about the middle of their box.
 fn ball(spheres: &Spheres) -> Spheres {
-    let middle = middle(spheres);
+    let middle = spheres.middle();
     let each = spheres.centers.par_iter().zip(&spheres.radii);
     let radius = each.map(|(c, r)| (DVec3::from_array(*c) - middle).length() + r).reduce(|| 0.0, f64::max);
     let mut ball = Spheres::default();
     ball.push(middle.to_array(), radius, None);
     ball
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ImagePlane, Skipped};
+    use crate::{Camera, Scene};
+
+    /// Every sphere inside of all four planes, and the tighter pair of planes touched, whatever the place and the scale.
+    #[test]
+    fn no_sphere_is_cut_and_none_is_farther_than_it_must_be() {
+        let mut state = 1u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        for case in 0..200 {
+            let scale = 10f64.powi(case % 24 - 12);
+            let offset = DVec3::new(random(), random(), random()) * scale * if case % 3 == 0 { 1e6 } else { 1.0 };
+            let mut spheres = Spheres::default();
+            for _ in 0..1 + case % 40 {
+                let center = offset + DVec3::new(random(), random(), random()) * scale;
+                spheres.push(center.to_array(), scale * (0.01 + 0.2 * (random() + 0.5)), None);
+            }
+            let view = DVec3::new(random(), random(), random());
+            let lens = Lens::Vfov { degrees: 1.0 + 170.0 * (random() + 0.5), distance: 3.0 };
+            let camera =
+                Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::new(random(), random(), 1.0), lens };
+            let image = ImagePlane { width: 1 + case as u32 * 7, height: 100, background: [0.0; 3] };
+            let mut scene = Scene { camera, image, spheres, skipped: Skipped::default() };
+            scene.fit(&Framing { margin: 0.0, ball: false }).expect("framed");
+            let (basis, v) =
+                (scene.camera.basis().expect("a basis"), scene.camera.viewport(image.width, 100).expect("one"));
+            let mut least = [f64::INFINITY; 4];
+            for (center, radius) in scene.spheres.centers.iter().zip(&scene.spheres.radii) {
+                let p = DVec3::from_array(*center) - scene.camera.eye;
+                for (k, (axis, side)) in
+                    [(basis.u, v.vw), (-basis.u, v.vw), (basis.v, v.vh), (-basis.v, v.vh)].iter().enumerate()
+                {
+                    let normal = (*axis * v.d - basis.w * (side / 2.0)).normalize();
+                    least[k] = least[k].min((normal.dot(p) - radius) / scale);
+                }
+            }
+            // 1e-9 of the scene beside it: what the margin of 1e-9 leaves, f64 having taken 1e6 2^-52 of the offset.
+            assert!(least.iter().all(|gap| *gap >= -1e-9), "case {case}: cut by {least:?}");
+            let tight = |a: f64, b: f64| a.max(b) < 1e-6;
+            assert!(tight(least[0], least[1]) || tight(least[2], least[3]), "case {case}: loose by {least:?}");
+        }
+    }
 }

@@ -96,7 +96,8 @@ impl Sequence {
     }
 
     /// The error for a sequence in which nothing was found.
-    pub(super) fn nothing(&self) -> Error {
+    #[must_use]
+    pub fn nothing(&self) -> Error {
         let place = Place::file(self.path.display().to_string());
         let problem = match self.passed {
             0 | 1 => "no frame was found".to_owned(),

@@ -111,6 +111,9 @@ pub struct Legend {
     pub log: bool,
 }
 
+/// Linear RGB of each particle.
+type Colors = Vec<[f32; 3]>;
+
 /// Radius of an atom whose element is not known, ångström: between carbon's and nitrogen's.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
@@ -180,7 +183,7 @@ impl Style {
     /// [`Error::Scene`] for what makes no sphere, [`Error::Settings`] for a column that is not there, [`Error::Limits`].
     pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
-        let mut skipped = std::mem::take(&mut { particles.skipped.clone() });
+        let mut skipped = particles.skipped.clone();
         let (colors, legend) = self.colors(&particles)?;
         let radii = self.radii_of(&particles, &mut skipped)?;
         let spheres = Spheres { centers: particles.positions, radii, colors };
@@ -225,7 +228,7 @@ impl Style {
         Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
     }
 
-    fn colors(&self, particles: &Particles) -> Result<(Option<Vec<[f32; 3]>>, Option<Legend>)> {
+    fn colors(&self, particles: &Particles) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
             // The table once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();
@@ -249,7 +252,7 @@ impl Style {
 }
 
 impl Scale {
-    fn apply(&self, particles: &Particles) -> Result<(Vec<[f32; 3]>, Legend)> {
+    fn apply(&self, particles: &Particles) -> Result<(Colors, Legend)> {
         let column = |name: &String| {
             particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
                 let mend = match &particles.has[..] {

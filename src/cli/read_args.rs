@@ -1,0 +1,135 @@
+//! How a scene is read and what its particles look like, as options.
+
+use clap::Args;
+use halfline::error::Result;
+use halfline::scene::arrange::{Arrangement, Bead};
+use halfline::scene::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline::scene::{Altloc, Format, FrameRange, ReadOptions, Style};
+use std::path::PathBuf;
+
+/// Reading: which part of the file, in which look.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading and looks")]
+pub(super) struct ReadArgs {
+    /// The file's format, where neither content nor name tell: toml, nff, xyz, pdb, cif, gro, dump, data, ply, csv, npy, npz.
+    #[arg(long, value_name = "F")]
+    format: Option<Format>,
+    /// Which frames of a sequence, from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last.
+    #[arg(long, value_name = "A-B")]
+    frames: Option<FrameRange>,
+    /// The MODEL of a PDB or mmCIF file, by its number.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    model: Option<i64>,
+    /// Alternate locations of atoms: all, highest (occupancy), or those of one name.
+    #[arg(long, value_name = "A", default_value = "all")]
+    altloc: Altloc,
+    /// The biological assembly to build by the file's operators, by its id, such as 1.
+    #[arg(long, value_name = "ID")]
+    assembly: Option<String>,
+    /// Refuses a scene with anything but spheres in it.
+    #[arg(long)]
+    strict: bool,
+    /// Radii of elements: vdw, covalent.
+    #[arg(long, value_name = "R", default_value = "vdw")]
+    radii: Radii,
+    /// One radius for all spheres, whatever the file says.
+    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
+    radius: Option<f64>,
+    /// What every radius is multiplied by.
+    #[arg(long, value_name = "X", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
+    radius_scale: f64,
+    /// One colour for all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
+    #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
+    color: Option<[f32; 3]>,
+    /// Colours by: element, or a column of numbers that the file has; of several (vx,vy,vz) by their length.
+    #[arg(long, value_name = "COLUMN,...")]
+    color_by: Option<String>,
+    /// Which colours a column becomes: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category.
+    #[arg(long, value_name = "M", default_value = "viridis", requires = "color_by")]
+    map: ColorMap,
+    /// The numbers at the ends of the map; else the least and the largest there are.
+    #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by", allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Makes the logarithm of the numbers even along the map.
+    #[arg(long, requires = "color_by")]
+    log: bool,
+    /// Where the legend of the map is written: .svg or .png.
+    #[arg(long, value_name = "FILE", requires = "color_by")]
+    pub(super) legend: Option<PathBuf>,
+    /// Periodic copies along the edges of the file's cell, the spheres themselves included.
+    #[arg(long, value_name = "A,B,C", value_parser = copies)]
+    copies: Option<[u32; 3]>,
+    /// Leaves out the spheres whose centre c has X,Y,Z . c > D; may be given more than once.
+    #[arg(long, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
+    clip: Vec<[f64; 4]>,
+    /// Draws the edges of the file's cell in beads, of this radius if one is given.
+    #[arg(long, value_name = "RADIUS", value_parser = positive, num_args = 0..=1, require_equals = true)]
+    outline: Option<Option<f64>>,
+}
+
+impl ReadArgs {
+    /// How the file is read.
+    pub(super) fn options(&self) -> ReadOptions {
+        let coloring = match (&self.color, self.color_by.as_deref()) {
+            (Some(color), _) => Coloring::One(*color),
+            (None, Some("element")) => Coloring::Element,
+            (None, Some(names)) => Coloring::Column(Scale {
+                columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
+                map: self.map,
+                range: self.range,
+                log: self.log,
+            }),
+            (None, None) => Coloring::File,
+        };
+        ReadOptions {
+            strict: self.strict,
+            format: self.format,
+            frames: self.frames.clone().unwrap_or_default(),
+            model: self.model,
+            altloc: self.altloc.clone(),
+            assembly: self.assembly.clone(),
+            style: Style { radii: self.radii, radius: self.radius, radius_scale: self.radius_scale, coloring },
+        }
+    }
+
+    /// Whether frames of a sequence are named.
+    pub(super) fn has_frames(&self) -> bool {
+        self.frames.is_some()
+    }
+
+    /// What is done to the spheres.
+    pub(super) fn arrangement(&self) -> Arrangement {
+        let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
+        Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.outline.map(bead) }
+    }
+}
+
+/// Finite numbers between commas, as many as are wanted.
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
+    <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "give a positive number".into())
+}
+
+fn color(text: &str) -> Result<[f32; 3], String> {
+    style::color(text).map_err(|e| e.to_string())
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| "write two different finite numbers, such as 0,1.5".into())
+}
+
+fn plane(text: &str) -> Result<[f64; 4], String> {
+    numbers(text)
+        .filter(|p| p[..3] != [0.0; 3])
+        .ok_or_else(|| "write a direction and a number, such as 0,0,1,2.5".into())
+}
+
+fn copies(text: &str) -> Result<[u32; 3], String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok().filter(|n| *n > 0)).collect();
+    let numbers = numbers.and_then(|numbers| <[u32; 3]>::try_from(numbers).ok());
+    numbers.ok_or_else(|| "write three whole numbers from 1 on, such as 2,2,1".into())
+}

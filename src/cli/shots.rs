@@ -1,0 +1,133 @@
+//! The scenes of one command: one, the frames of a sequence, or the turns of a spin, each as the options change it.
+
+use super::scene_args::SceneArgs;
+use glam::{DQuat, DVec3};
+use halfline::camera::Look;
+use halfline::error::{Error, Result};
+use halfline::scene::style::Legend;
+use halfline::scene::{Framing, Scene, Sequence, Shot};
+use std::path::{Path, PathBuf};
+
+/// Scenes in turn.
+pub(super) struct Shots<'a> {
+    asked: &'a SceneArgs,
+    sequence: Sequence,
+    /// How many came out.
+    count: u32,
+    /// A scene that is shown from all sides.
+    standing: Option<Shot>,
+}
+
+/// A scene ready to be rendered, and its number for the files' names.
+pub(super) struct Numbered {
+    /// The frame's number, or the turn's, from 1.
+    pub(super) number: u64,
+    pub(super) scene: Scene,
+    pub(super) legend: Option<Legend>,
+}
+
+impl<'a> Shots<'a> {
+    /// Opens the scene file.
+    pub(super) fn open(asked: &'a SceneArgs) -> Result<Self> {
+        let sequence = Sequence::open(&asked.scene, &asked.read.options())?;
+        Ok(Self { asked, sequence, count: 0, standing: None })
+    }
+
+    /// The next scene; `None` after the last.
+    pub(super) fn next_shot(&mut self) -> Result<Option<Numbered>> {
+        let (camera, count) = (&self.asked.camera, self.count);
+        self.count += 1;
+        let spins = camera.spin.filter(|_| !self.asked.read.has_frames());
+        let shot = match spins {
+            Some(turns) if count >= turns.get() => return Ok(None),
+            Some(_) => {
+                if self.standing.is_none() {
+                    self.standing = self.sequence.next_scene()?;
+                }
+                self.standing.clone().map(|shot| Shot { number: u64::from(count) + 1, ..shot })
+            }
+            None => self.sequence.next_scene()?,
+        };
+        let Some(mut shot) = shot else {
+            return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
+        };
+        let scene = &mut shot.scene;
+        self.asked.read.arrangement().apply(&mut scene.spheres, shot.cell.as_ref())?;
+        if let Some((width, height)) = self.asked.size {
+            (scene.image.width, scene.image.height) = (width, height);
+        }
+        camera.apply(scene);
+        let middle = scene.spheres.middle();
+        if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
+            scene.camera.look = Look::At(middle);
+        }
+        if camera.fit || !shot.has_camera && camera.eye.is_none() {
+            scene.fit(&Framing { ball: camera.spin.is_some(), ..Framing::default() })?;
+        }
+        if let Some(turns) = camera.spin {
+            spin(scene, middle, f64::from(count) / f64::from(turns.get()));
+        }
+        Ok(Some(Numbered { number: shot.number, scene: shot.scene, legend: shot.legend }))
+    }
+}
+
+/// Carries the camera around the axis through `middle` along up, by a share of a full turn.
+fn spin(scene: &mut Scene, middle: DVec3, share: f64) {
+    let camera = &mut scene.camera;
+    let Some(axis) = camera.up.try_normalize() else { return };
+    if share == 0.0 {
+        return;
+    }
+    let turn = DQuat::from_axis_angle(axis, std::f64::consts::TAU * share);
+    let look = match camera.look {
+        Look::At(at) => at - camera.eye,
+        Look::View(view) => view,
+    };
+    camera.look = Look::View(turn * look);
+    camera.eye = middle + turn * (camera.eye - middle);
+}
+
+/// `path` with the number in place of `%d`, or of `%04d` with as many digits at least; the name as it is where there is
+/// none.
+pub(super) fn numbered(path: &Path, number: u64) -> PathBuf {
+    let Some((place, width)) = path.to_str().and_then(pattern) else { return path.to_path_buf() };
+    let text = path.to_string_lossy();
+    PathBuf::from(format!("{}{number:0width$}{}", &text[..place.0], &text[place.1..]))
+}
+
+/// Where the number goes, and its digits.
+fn pattern(text: &str) -> Option<((usize, usize), usize)> {
+    text.match_indices('%').find_map(|(at, _)| {
+        let digits = text[at + 1..].find(|c: char| !c.is_ascii_digit())?;
+        let width = &text[at + 1..at + 1 + digits];
+        let end = at + 1 + digits;
+        text[end..].starts_with('d').then(|| ((at, end + 1), width.parse().unwrap_or(0).min(32)))
+    })
+}
+
+/// Refuses a name without a place for the number, where several pictures would bear it.
+pub(super) fn check_pattern(path: &Path) -> Result<()> {
+    if path.to_str().and_then(pattern).is_some() || path == Path::new("-") {
+        return Ok(());
+    }
+    let name = path.display();
+    let (stem, ending) = (path.file_stem().unwrap_or_default(), path.extension().unwrap_or_default());
+    let mend = format!("put the number's place into the name: {}.%04d.{}", stem.display(), ending.display());
+    Err(Error::settings(format!("several pictures cannot all be {name}"), mend))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_go_into_names() {
+        let name = |text: &str| numbered(Path::new(text), 7).display().to_string();
+        assert_eq!(name("a.%04d.png"), "a.0007.png");
+        assert_eq!(name("100%-%d.png"), "100%-7.png");
+        assert_eq!(name("plain.png"), "plain.png");
+        assert_eq!(name("%99999999999999999999d"), "7");
+        check_pattern(Path::new("x.png")).expect_err("no place");
+        check_pattern(Path::new("x%d.png")).expect("a place");
+    }
+}

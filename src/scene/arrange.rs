@@ -1,0 +1,178 @@
+//! What is done to spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
+
+use super::{Cell, Spheres};
+use crate::error::{Error, Result};
+use crate::memory::check_spheres;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Copies, cuts and outlines, in this order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arrangement {
+    /// How often the cell is repeated along each of its edges, the spheres themselves included.
+    pub copies: [u32; 3],
+    /// Half spaces that are kept: spheres whose centre c has n.c <= d, given as n and d.
+    pub clip: Vec<[f64; 4]>,
+    /// Radius of the beads that draw the edges of the cell (of all its copies together); `None` draws none.
+    pub outline: Option<Bead>,
+}
+
+/// How thick an outline is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bead {
+    /// A 500th of the longest diagonal of what is outlined.
+    Thin,
+    /// This radius.
+    Radius(f64),
+}
+
+impl Default for Arrangement {
+    /// As it is.
+    fn default() -> Self {
+        Self { copies: [1; 3], clip: Vec::new(), outline: None }
+    }
+}
+
+/// Beads along an edge of an outline overlap by half, so that it looks like a wire; no edge needs more than this.
+const MOST_BEADS: f64 = 1e5;
+
+/// Colour of an outline, linear RGB: it is seen on black and on white.
+const OUTLINE: [f32; 3] = [0.35; 3];
+
+impl Arrangement {
+    /// Arranges spheres. Ids: the spheres in their order, copy after copy (the first edge's fastest), less those that are
+    /// clipped; then the beads.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where copies or an outline need a cell and there is none, or a bead has no radius;
+    /// [`Error::Limits`] where the copies do not fit the memory.
+    pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>) -> Result<()> {
+        let need = |what: &str| {
+            cell.ok_or_else(|| {
+                Error::settings(
+                    format!("there is no periodic cell for {what}"),
+                    "give a file that has one: Lattice, CRYST1, BOX BOUNDS, a box line",
+                )
+            })
+        };
+        let edges = |cell: &Cell| cell.edges.map(DVec3::from_array);
+        if self.copies != [1; 3] {
+            repeat(spheres, self.copies, edges(need("copies")?))?;
+        }
+        for plane in &self.clip {
+            clip(spheres, *plane);
+        }
+        if let Some(bead) = self.outline {
+            let cell = need("an outline")?;
+            let mut whole = edges(cell);
+            whole.iter_mut().zip(self.copies).for_each(|(edge, n)| *edge *= f64::from(n));
+            outline(spheres, DVec3::from_array(cell.origin), whole, bead)?;
+        }
+        Ok(())
+    }
+}
+
+fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3]) -> Result<()> {
+    let total = copies.iter().fold(spheres.len() as u64, |n, k| n.saturating_mul(u64::from(*k)));
+    check_spheres(total, spheres.colors.is_some())?;
+    let [na, nb, nc] = copies;
+    let shifts = (0..nc).flat_map(|k| (0..nb).flat_map(move |j| (0..na).map(move |i| [i, j, k].map(f64::from))));
+    let own = std::mem::take(spheres);
+    spheres.reserve(total as usize, false);
+    for [i, j, k] in shifts {
+        let shift = i * a + j * b + k * c;
+        spheres
+            .centers
+            .par_extend(own.centers.par_iter().map(|center| (DVec3::from_array(*center) + shift).to_array()));
+    }
+    let times = copies.iter().map(|n| *n as usize).product();
+    spheres.radii = own.radii.repeat(times);
+    spheres.colors = own.colors.map(|colors| colors.repeat(times));
+    Ok(())
+}
+
+fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) {
+    let normal = DVec3::new(x, y, z);
+    let kept: Vec<bool> = spheres.centers.par_iter().map(|c| normal.dot(DVec3::from_array(*c)) <= d).collect();
+    let keep = |n: &mut usize| {
+        *n += 1;
+        kept[*n - 1]
+    };
+    let (mut a, mut b, mut c) = (0, 0, 0);
+    spheres.centers.retain(|_| keep(&mut a));
+    spheres.radii.retain(|_| keep(&mut b));
+    if let Some(colors) = &mut spheres.colors {
+        colors.retain(|_| keep(&mut c));
+    }
+}
+
+fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) -> Result<()> {
+    let diagonal = (edges[0] + edges[1] + edges[2]).length();
+    let radius = match bead {
+        Bead::Thin => diagonal / 500.0,
+        Bead::Radius(radius) => radius,
+    };
+    if !(radius > 0.0 && radius.is_finite()) {
+        let problem = format!("a bead of radius {radius} outlines nothing");
+        return Err(Error::settings(problem, "give a positive radius"));
+    }
+    for (k, along) in edges.into_iter().enumerate() {
+        let (p, q) = (edges[(k + 1) % 3], edges[(k + 2) % 3]);
+        let steps = (along.length() / radius).ceil().clamp(1.0, MOST_BEADS) as u32;
+        for corner in [DVec3::ZERO, p, q, p + q] {
+            // An edge leaves its last bead to the corner of the next: every corner begins three edges or ends them.
+            for n in 0..=steps {
+                let at = origin + corner + along * (f64::from(n) / f64::from(steps));
+                spheres.push(at.to_array(), radius, Some(OUTLINE));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CELL: Cell = Cell { origin: [1.0, 0.0, 0.0], edges: [[2.0, 0.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 4.0]] };
+
+    fn two() -> Spheres {
+        let mut spheres = Spheres::default();
+        spheres.push([0.0; 3], 0.5, None);
+        spheres.push([1.0, 1.0, 1.0], 0.25, Some([1.0, 0.0, 0.0]));
+        spheres
+    }
+
+    #[test]
+    fn copies_follow_the_edges_of_the_cell() {
+        let mut spheres = two();
+        let copies = Arrangement { copies: [2, 1, 3], ..Arrangement::default() };
+        copies.apply(&mut spheres, Some(&CELL)).expect("copies");
+        assert_eq!((spheres.len(), spheres.radii.len()), (12, 12));
+        assert_eq!((spheres.centers[2], spheres.centers[5]), ([2.0, 0.0, 0.0], [1.0, 1.0, 5.0]));
+        assert_eq!(spheres.colors.expect("colours")[11], [1.0, 0.0, 0.0]);
+        copies.apply(&mut two(), None).expect_err("no cell");
+        let many = Arrangement { copies: [1 << 20, 1 << 20, 1 << 20], ..copies };
+        assert!(matches!(many.apply(&mut two(), Some(&CELL)), Err(Error::Limits { .. })));
+    }
+
+    #[test]
+    fn planes_keep_centres_on_their_side() {
+        let mut spheres = two();
+        let clip = Arrangement { clip: vec![[1.0, 0.0, 0.0, 0.5]], ..Arrangement::default() };
+        clip.apply(&mut spheres, None).expect("no cell is needed");
+        assert_eq!((spheres.len(), spheres.radii[0], spheres.colors.map(|c| c.len())), (1, 0.5, Some(1)));
+    }
+
+    #[test]
+    fn an_outline_reaches_every_corner() {
+        let mut spheres = two();
+        let outline = Arrangement { outline: Some(Bead::Radius(0.1)), copies: [1, 2, 1], ..Arrangement::default() };
+        outline.apply(&mut spheres, Some(&CELL)).expect("a cell");
+        for corner in [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 6.0, 0.0], [5.0, 6.0, 4.0]] {
+            assert!(spheres.centers[4..].contains(&corner), "{corner:?}");
+        }
+        let none = Arrangement { outline: Some(Bead::Radius(0.0)), ..Arrangement::default() };
+        none.apply(&mut spheres, Some(&CELL)).expect_err("no bead");
+    }
+}
