@@ -3,14 +3,16 @@
 mod adapters;
 mod bar;
 mod compare;
+mod config;
 mod measure;
 mod plan;
 mod read_args;
 mod render;
 mod scene_args;
+mod shell;
 mod shots;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use halfline::error::{Error, Result};
 use std::fmt;
 use std::io::IsTerminal;
@@ -33,9 +35,19 @@ enum Command {
     Compare(compare::Compare),
     Measure(Box<measure::Measure>),
     Plan(Box<plan::Plan>),
+    Completions(shell::Completions),
+    Man(shell::Man),
 }
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
+/// clap refuses, it says itself, and exits with 2.
+pub(crate) fn arguments() -> Result<Arguments> {
+    let command = config::Config::load()?.apply(Arguments::command());
+    let mut matches = command.clone().get_matches();
+    Arguments::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command.clone()).exit())
+}
 
 /// Runs the chosen subcommand.
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -55,6 +67,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Compare(compare) => compare.run(),
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
+        Command::Completions(completions) => completions.run(),
+        Command::Man(man) => man.run(),
     }
 }
 

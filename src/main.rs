@@ -2,12 +2,10 @@
 
 mod cli;
 
-use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = cli::Arguments::parse();
-    match cli::run(&arguments) {
+    match cli::arguments().and_then(|arguments| cli::run(&arguments)) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("halfline: {error}");

@@ -45,7 +45,7 @@ pub(super) struct ReadArgs {
     #[arg(long, value_name = "COLUMN,...")]
     color_by: Option<String>,
     /// Which colours a column becomes: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category.
-    #[arg(long, value_name = "M", default_value = "viridis", requires = "color_by")]
+    #[arg(long, value_name = "M", default_value = "viridis")]
     map: ColorMap,
     /// The numbers at the ends of the map; else the least and the largest there are.
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by", allow_hyphen_values = true)]

@@ -6,6 +6,7 @@ mod crops;
 pub mod growth;
 mod heat;
 mod ladder;
+mod legend;
 mod look;
 mod plane;
 mod raster;

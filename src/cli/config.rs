@@ -1,0 +1,144 @@
+//! Where options come from besides the command line: a variable of the environment, and a configuration file.
+//!
+//! A flag beats the variable `HALFLINE_NAME`, which beats the file's `name`, which beats the default. The file is
+//! `$HALFLINE_CONFIG`, or else `halfline/config.toml` in `$XDG_CONFIG_HOME` (`~/.config`), if it is there.
+
+use clap::{Arg, Command};
+use halfline::error::{Error, Place, Result};
+use std::collections::BTreeMap;
+use std::env;
+use std::path::PathBuf;
+
+/// The options that may be set so: what a user or a machine always wants, not what one picture shows.
+const NAMES: [&str; 19] = [
+    "accuracy",
+    "adapter",
+    "backend",
+    "bits",
+    "map",
+    "method",
+    "no-return",
+    "preview",
+    "progress",
+    "radii",
+    "radius-scale",
+    "samples",
+    "search",
+    "seed",
+    "shade",
+    "size",
+    "tolerance",
+    "transparent",
+    "unit",
+];
+
+/// The configuration file's words.
+#[derive(Debug, Default)]
+pub(super) struct Config(BTreeMap<String, String>);
+
+impl Config {
+    /// Of this process.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Scene`] with the place of what cannot be meant.
+    pub(super) fn load() -> Result<Self> {
+        let named = env::var_os("HALFLINE_CONFIG").filter(|name| !name.is_empty()).map(PathBuf::from);
+        let home = || Some(PathBuf::from(env::var_os("HOME")?).join(".config"));
+        let folder = || env::var_os("XDG_CONFIG_HOME").filter(|name| !name.is_empty()).map(PathBuf::from).or_else(home);
+        let usual = || folder().map(|folder| folder.join("halfline/config.toml")).filter(|path| path.is_file());
+        let Some(path) = named.or_else(usual) else { return Ok(Self::default()) };
+        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, e))?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    fn parse(text: &str, file: &str) -> Result<Self> {
+        let fail = |start: usize, problem: &str, mend: String| {
+            let before = &text[..start.min(text.len())];
+            let line = before.matches('\n').count() as u64 + 1;
+            let column = before.chars().rev().take_while(|c| *c != '\n').count() as u64 + 1;
+            Error::scene(Place::file(file).at(line, column), problem, mend)
+        };
+        let table = toml::de::DeTable::parse(text).map_err(|e| {
+            let message = e.message().lines().collect::<Vec<_>>().join(", ");
+            fail(e.span().map_or(0, |span| span.start), &message, "mend the TOML there".into())
+        })?;
+        let mut words = BTreeMap::new();
+        for (key, value) in table.into_inner() {
+            let name = key.get_ref().replace('_', "-");
+            if !NAMES.contains(&name.as_str()) {
+                let problem = format!("`{}` is no option that a file may set", key.get_ref());
+                return Err(fail(key.span().start, &problem, format!("the options are {}", NAMES.join(", "))));
+            }
+            let start = value.span().start;
+            let word = match value.into_inner() {
+                toml::de::DeValue::String(text) => text.into_owned(),
+                toml::de::DeValue::Integer(number) => number.to_string(),
+                toml::de::DeValue::Float(number) => number.to_string(),
+                toml::de::DeValue::Boolean(word) => word.to_string(),
+                _ => {
+                    return Err(fail(
+                        start,
+                        "the value is no word, number or truth",
+                        "write it as on the command line".into(),
+                    ));
+                }
+            };
+            words.insert(name, word);
+        }
+        Ok(Self(words))
+    }
+
+    /// The command whose options know of the environment and of this file.
+    pub(super) fn apply(&self, command: Command) -> Command {
+        let names: Vec<String> = command.get_subcommands().map(|part| part.get_name().to_owned()).collect();
+        names.into_iter().fold(command, |command, name| {
+            command.mut_subcommand(name, |part| part.mut_args(|argument| self.option(argument)))
+        })
+    }
+
+    fn option(&self, argument: Arg) -> Arg {
+        let Some(name) = argument.get_long().filter(|name| NAMES.contains(name)).map(str::to_owned) else {
+            return argument;
+        };
+        let argument = argument.env(format!("HALFLINE_{}", name.to_uppercase().replace('-', "_")));
+        // Help names the variable, not what it holds: a manual is the same on every machine.
+        let argument = argument.hide_env_values(true);
+        match self.0.get(&name) {
+            Some(word) => argument.default_value(word.clone()),
+            None => argument,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Arguments;
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn a_flag_beats_the_file() {
+        let config = Config::parse("backend = \"cpu\"\nsearch = \"all\"\nradius_scale = 2\n", "c.toml").expect("good");
+        let of = |arguments: &[&str], id: &str| {
+            let matches = config.apply(Arguments::command()).try_get_matches_from(arguments).expect("good");
+            let raw = matches.subcommand().expect("render").1.get_raw(id).expect("a value").next().expect("one");
+            raw.to_string_lossy().into_owned()
+        };
+        let bare = ["halfline", "render", "a.toml", "-o", "a.png"];
+        assert_eq!((of(&bare, "backend"), of(&bare, "radius_scale")), ("cpu".into(), "2".into()));
+        let flag = [&bare[..], &["--backend", "gpu"]].concat();
+        assert_eq!((of(&flag, "backend"), of(&flag, "search")), ("gpu".into(), "all".into()));
+    }
+
+    #[test]
+    fn what_a_file_cannot_mean_is_refused_at_its_place() {
+        for (text, place) in [
+            ("backend = \"cpu\"\neye = [0, 0, 1]\n", "c.toml:2:1"),
+            ("size = [1, 2]\n", "c.toml:1:8"),
+            ("backend = \n", "c.toml:1:"),
+        ] {
+            let error = Config::parse(text, "c.toml").expect_err(text).to_string();
+            assert!(error.contains(place), "{error}");
+        }
+    }
+}
