@@ -1,29 +1,24 @@
 //! What `render` and `plan` share: the scene, the camera, the buffers and how sure they must be.
 
+use super::file_args::FileArgs;
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::frame::Aov;
 use halfline::frame::file::Target;
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::{ReadOptions, Scene};
 use halfline::shade::Shade;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A scene and what is asked of it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
     /// The scene: .toml, .nff, or - for standard input.
     scene: PathBuf,
-    /// The picture: .png, .npy for linear RGB, or - for a PNG on standard output.
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// A buffer beside the picture: color, distance, depth, normal, position, id, mask, certainty, bound,
-    /// alpha.
-    #[arg(long, value_name = "NAME=FILE", value_parser = aov)]
-    aov: Vec<(Aov, PathBuf)>,
+    #[command(flatten)]
+    pub(super) files: FileArgs,
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     size: Option<(u32, u32)>,
@@ -84,6 +79,7 @@ impl SceneArgs {
     pub(super) fn scene(&self) -> Result<Scene> {
         let mut scene = Scene::read(&self.scene, &ReadOptions { strict: self.strict })?;
         self.camera.apply(&mut scene);
+        self.files.apply(&mut scene);
         if let Some((width, height)) = self.size {
             (scene.image.width, scene.image.height) = (width, height);
         }
@@ -100,22 +96,8 @@ impl SceneArgs {
             search: self.search,
             shade: self.shade,
             tolerance: self.tolerance,
-            aovs: targets.iter().map(Target::aov).collect(),
+            aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
         }
-    }
-
-    /// Every file that is named, each for one buffer.
-    pub(super) fn targets(&self) -> Result<Vec<Target>> {
-        let picture = self.output.iter().map(|path| (Aov::Color, path));
-        let beside = self.aov.iter().map(|(aov, path)| (*aov, path));
-        let targets: Vec<_> = picture.chain(beside).map(|(aov, path)| Target::new(aov, path)).collect::<Result<_>>()?;
-        for (n, target) in targets.iter().enumerate() {
-            if !target.is_standard() && targets[..n].iter().any(|other| place(other.path()) == place(target.path())) {
-                let problem = format!("{} would be written twice", target.path().display());
-                return Err(Error::settings(problem, "name a file of its own for each buffer"));
-            }
-        }
-        Ok(targets)
     }
 }
 
@@ -133,21 +115,6 @@ impl CameraArgs {
             camera.lens = Lens::Vfov { degrees, distance };
         }
     }
-}
-
-/// Where a file lies or will lie, the same however its name is written.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_path_buf())
-}
-
-fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
-    let (name, file) = text.split_once('=').ok_or("write NAME=FILE, such as id=id.npy")?;
-    if file.is_empty() {
-        return Err("a file name is missing after '='".into());
-    }
-    Ok((name.parse().map_err(|e: Error| e.to_string())?, Path::new(file).to_path_buf()))
 }
 
 pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
