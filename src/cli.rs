@@ -4,8 +4,12 @@ mod adapters;
 mod bar;
 mod compare;
 mod config;
+mod file_args;
+mod lines;
 mod measure;
+mod merge;
 mod plan;
+mod preview;
 mod read_args;
 mod render;
 mod scene_args;
@@ -33,6 +37,7 @@ enum Command {
     Render(Box<render::Render>),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
+    Merge(merge::Merge),
     Measure(Box<measure::Measure>),
     Plan(Box<plan::Plan>),
     Completions(shell::Completions),
@@ -54,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("off"));
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(std::io::stderr).init();
-    // The first interrupt lets the work end tidily; a second one does not wait. Without a handler the system's
+    // The first interrupt, or the first request to end, lets the work end tidily; a second one does not wait. Without a handler the system's
     // default ends the process, which is right too.
     let _ = ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
@@ -65,6 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Merge(merge) => merge.run(),
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
         Command::Completions(completions) => completions.run(),
@@ -72,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Whether nobody pressed ctrl-C.
+/// Whether nobody pressed ctrl-C or asked the process to end.
 fn go_on() -> bool {
     !INTERRUPTED.load(Ordering::SeqCst)
 }

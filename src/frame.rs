@@ -1,9 +1,18 @@
 //! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
 //! The modules below write them to files.
 
+mod encode;
+mod exr;
 pub mod file;
+pub mod format;
+pub mod merge;
 pub mod npy;
+mod npz;
+mod pfm;
 pub mod png;
+pub mod provenance;
+pub mod sheet;
+pub mod srgb;
 
 use crate::error::{Error, Result};
 use crate::window::Window;
@@ -214,7 +223,7 @@ impl Frame {
         let bytes: Vec<u8> = self
             .f32(Aov::Color)?
             .chunks_exact(3)
-            .flat_map(|c| [png::level(c[0]), png::level(c[1]), png::level(c[2]), 255])
+            .flat_map(|c| [srgb::level(c[0]), srgb::level(c[1]), srgb::level(c[2]), 255])
             .collect();
         image::RgbaImage::from_raw(self.width, self.height, bytes)
     }

@@ -175,11 +175,32 @@ impl Renderer {
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let (mut frame, doubt) = self.planned(scene, settings, Self::frame)?;
+        frame.report.warnings.extend(doubt);
+        Ok(frame)
+    }
+
+    /// What is known of a frame before it is rendered: who would compute it and how. No ray is traced.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`] that need no ray.
+    pub fn foresee(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
+        let known = |this: &mut Self, plan: Plan, scene: &Scene, _: &Settings| Ok(this.report(&plan, scene));
+        self.planned(scene, settings, known).map(|(report, _)| report)
+    }
+
+    /// Lets `work` happen as planned, where it may: on the CPU path if the adapter may not certify, with a warning.
+    fn planned<T>(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        work: impl FnOnce(&mut Self, Plan, &Scene, &Settings) -> Result<T>,
+    ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         Need::of(&plan, &settings.aovs, scene, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
-            return self.frame(plan, scene, settings);
+            return work(self, plan, scene, settings).map(|done| (done, None));
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
@@ -188,12 +209,9 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
-        let frame = self.frame(plan, scene, settings);
+        let done = work(self, plan, scene, settings);
         self.place = adapter;
-        frame.map(|mut frame| {
-            frame.report.warnings.push(format!("{doubt}: the CPU path answered instead"));
-            frame
-        })
+        done.map(|done| (done, Some(format!("{doubt}: the CPU path answered instead"))))
     }
 
     /// Why this adapter may not certify, if it may not.

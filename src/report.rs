@@ -55,6 +55,8 @@ pub struct Report {
     pub kernel_ms: Vec<f64>,
     /// Where the last frame's time went.
     pub stages_ms: BTreeMap<&'static str, f64>,
+    /// Whether nothing was rendered, because every file was there already; what only rendering tells is then zero.
+    pub resumed: bool,
     /// What to be careful about, in whole sentences.
     pub warnings: Vec<String>,
 }

@@ -1,6 +1,7 @@
 //! How far long work is, for people at a terminal: a line on stderr that comes after a second and goes with the work.
 
 use super::go_on;
+use super::lines::{Lines, Talk};
 use halfline::progress::{Progress, Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -17,6 +18,8 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// The line. The threads that work only leave a note; another draws it.
 pub(super) struct Bar {
+    /// What programs hear instead.
+    lines: Option<Arc<Mutex<Lines>>>,
     notes: Arc<Mutex<Notes>>,
     line: ProgressBar,
     /// Dropped to end the drawing; `None` where nobody looks.
@@ -36,9 +39,15 @@ struct Notes {
 
 impl Bar {
     pub(super) fn new() -> Self {
+        Self::talking(Talk::Auto, 1)
+    }
+
+    /// The line, or what else shall be told of so many frames.
+    pub(super) fn talking(talk: Talk, frames: u32) -> Self {
         let notes = Arc::<Mutex<Notes>>::default();
         let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let drawing = std::io::stderr().is_terminal().then(|| {
+        let lines = matches!(talk, Talk::Json | Talk::Openjd).then(|| Arc::new(Mutex::new(Lines::new(talk, frames))));
+        let drawing = (talk == Talk::Auto && std::io::stderr().is_terminal()).then(|| {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());
             let draw = move || {
@@ -50,17 +59,27 @@ impl Bar {
             };
             (stop, std::thread::spawn(draw))
         });
-        Self { notes, line, drawing }
+        Self { lines, notes, line, drawing }
     }
 
     /// Ends work on an interrupt, and tells the line about it.
     pub(super) fn watch(&self) -> Watch {
         let watch = Watch::default().while_true(go_on);
+        if let Some(lines) = self.lines.clone() {
+            return watch.telling(move |progress| lines.lock().unwrap_or_else(PoisonError::into_inner).hear(progress));
+        }
         if self.drawing.is_none() {
             return watch;
         }
         let notes = Arc::clone(&self.notes);
         watch.telling(move |progress| notes.lock().unwrap_or_else(PoisonError::into_inner).hear(progress))
+    }
+
+    /// All is done and written.
+    pub(super) fn finish(self) {
+        if let Some(lines) = &self.lines {
+            lines.lock().unwrap_or_else(PoisonError::into_inner).finish();
+        }
     }
 
     /// Says something without drawing over it.

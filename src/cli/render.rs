@@ -1,15 +1,20 @@
 //! `halfline render SCENE`.
 
 use super::bar::Bar;
+use super::lines::Talk;
+use super::preview::Preview;
 use super::scene_args::SceneArgs;
 use super::{go_on, say};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::frame::Frame;
 use halfline::frame::file::Target;
-use halfline::plan::{Accuracy, Backend};
+use halfline::frame::provenance::Origin;
+use halfline::frame::{Aov, Frame};
+use halfline::plan::{Accuracy, Backend, Settings};
 use halfline::render::Renderer;
+use halfline::report::Report;
 use halfline::scene::Scene;
+use halfline::window::Window;
 use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroU32;
@@ -32,48 +37,91 @@ pub(crate) struct Render {
     /// Prints one JSON object about the rendering on standard output.
     #[arg(long)]
     json: bool,
+    /// Leaves alone every file that is whole and says word for word that it comes from this very rendering; renders nothing
+    /// if all do.
+    #[arg(long)]
+    resume: bool,
+    /// How far the work is: a line on a terminal, none, lines of JSON on standard error, or the lines of Open Job
+    /// Description on standard output.
+    #[arg(long, value_name = "P", value_enum, default_value = "auto")]
+    progress: Talk,
+    /// Shows the picture in the terminal, in half blocks of 24-bit colours; =blocks insists where there is no terminal.
+    #[arg(long, value_name = "blocks", num_args = 0..=1, require_equals = true, default_missing_value = "auto")]
+    preview: Option<Preview>,
 }
 
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let targets = self.targets()?;
-        let settings = self.asked.settings(&targets);
+        let mut targets = self.targets()?;
+        let mut settings = self.asked.settings(&targets);
+        if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
+            settings.aovs.push(Aov::Color);
+        }
         // A device takes its time to open, on another core than the one that reads.
         let (scene, renderer) = std::thread::scope(|scope| {
             let opening = scope.spawn(|| Renderer::new(&settings));
             (self.scene(&targets), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
         });
         // What is wrong with the scene is told first, whatever adapters there are.
-        let (scene, renderer) = (scene?, renderer?);
-        let bar = Bar::new();
+        let (scene, mut renderer) = (scene?, renderer?);
+        let bar = Bar::talking(self.progress, self.repeat.get());
+        if self.resume && !targets.is_empty() {
+            let report = renderer.foresee(&scene, &settings)?;
+            let window = Window::full(scene.image.width, scene.image.height);
+            let origin = Origin::new(&scene, &settings, &report, window);
+            targets.retain(|target| !target.is_there(&origin));
+            if targets.is_empty() {
+                say(format_args!("already there: every file is whole and from this very rendering"));
+                bar.finish();
+                return self.tell(&Report { resumed: true, ..report }).map(|()| ExitCode::SUCCESS);
+            }
+        }
         let mut renderer = renderer.watched_by(bar.watch());
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
-        let mut frame = renderer.render(&scene, &settings)?;
+        let frame = self.frames(&mut renderer, &scene, &settings, &targets)?;
+        if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
+            bar.aside(|| say(format_args!("{}", frame.report.reason)));
+        }
+        for warning in &frame.report.warnings {
+            bar.aside(|| say(format_args!("warning: {warning}")));
+        }
+        if !targets.is_empty() {
+            write(&frame, &targets, &Origin::new(&scene, &settings, &frame.report, frame.window))?;
+        }
+        bar.finish();
+        if let Some(preview) = self.preview {
+            preview.show(&frame);
+        }
+        self.tell(&frame.report).map(|()| ExitCode::SUCCESS)
+    }
+
+    /// The last of the frames, its report telling the times of all, and what its files cannot hold.
+    fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
+        let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();
         let mut kernels = frame.report.kernel_ms.clone();
         for _ in 1..self.repeat.get() {
             renderer.recycle(frame);
-            frame = renderer.render(&scene, &settings)?;
+            frame = renderer.render(scene, settings)?;
             times.extend(&frame.report.frame_ms);
             kernels.extend(&frame.report.kernel_ms);
         }
-        drop(bar);
         (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
-        if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            say(format_args!("{}", frame.report.reason));
+        let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
+        frame.report.warnings.extend(beyond);
+        Ok(frame)
+    }
+
+    /// Prints the report, if it is asked for.
+    fn tell(&self, report: &Report) -> Result<()> {
+        if !self.json {
+            return Ok(());
         }
-        for warning in &frame.report.warnings {
-            say(format_args!("warning: {warning}"));
-        }
-        write(&frame, &targets, &scene)?;
-        if self.json {
-            let text = serde_json::to_string(&frame.report).map_err(|e| Error::write("-", e.into()))?;
-            writeln!(std::io::stdout(), "{text}").map_err(|e| Error::write("-", e))?;
-        }
-        Ok(ExitCode::SUCCESS)
+        let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
+        writeln!(std::io::stdout(), "{text}").map_err(|e| Error::write("-", e))
     }
 
     /// The scene, if it can be rendered and every file can be written.
@@ -86,37 +134,21 @@ impl Render {
 
     /// Every file to be written; one place for what does not go together.
     fn targets(&self) -> Result<Vec<Target>> {
-        let targets = self.asked.targets()?;
-        if targets.is_empty() && !self.json {
+        let targets = self.asked.files.targets()?;
+        if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "nothing is asked for";
             return Err(Error::settings(problem, "name a picture with -o, a buffer with --aov, or --json"));
         }
         let standard = targets.iter().filter(|target| target.is_standard()).count();
-        if standard + usize::from(self.json) > 1 {
-            let problem = "standard output takes one thing, a picture, a buffer or the JSON";
+        if standard + usize::from(self.json) + usize::from(self.progress == Talk::Openjd) > 1 {
+            let problem = "standard output takes one thing, a picture, a buffer, the JSON or the lines of openjd";
             return Err(Error::settings(problem, "name files for the others"));
         }
         Ok(targets)
     }
 }
 
-fn write(frame: &Frame, targets: &[Target], scene: &Scene) -> Result<()> {
-    if targets.is_empty() {
-        return Ok(());
-    }
-    let report = &frame.report;
-    let fact = |name: &str, text: &str| (name.to_owned(), text.to_owned());
-    let provenance = [
-        fact("Software", &format!("halfline {}", report.halfline)),
-        fact("halfline:scene", &scene.fingerprint()),
-        fact("halfline:adapter", &report.adapter),
-        fact("halfline:driver", &report.driver),
-        fact("halfline:method", report.method),
-        fact("halfline:accuracy", report.accuracy),
-    ];
-    targets.par_iter().try_for_each(|target| match frame.get(target.aov()) {
-        _ if !go_on() => Err(Error::Interrupted),
-        Some(buffer) => target.write(buffer, &provenance),
-        None => Ok(()),
-    })
+fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
+    let each = |target: &Target| if go_on() { target.write(frame, origin) } else { Err(Error::Interrupted) };
+    targets.par_iter().try_for_each(each)
 }

@@ -1,19 +1,19 @@
 //! What `render` and `plan` share: the scene, the camera, the buffers and how sure they must be.
 
+use super::file_args::FileArgs;
 use super::read_args::{ReadArgs, numbers};
 use super::shots::Shots;
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::frame::Aov;
 use halfline::frame::file::Target;
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::Scene;
 use halfline::shade::Shade;
 use std::num::NonZeroU32;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A scene and what is asked of it.
 #[derive(Debug, Args)]
@@ -21,13 +21,8 @@ pub(super) struct SceneArgs {
     /// The scene or the particles: toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, each also
     /// compressed (gz, bz2); - for standard input.
     pub(super) scene: PathBuf,
-    /// The picture: .png, .npy for linear RGB, or - for a PNG on standard output.
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// A buffer beside the picture: color, distance, depth, normal, position, id, mask, certainty, bound,
-    /// alpha.
-    #[arg(long, value_name = "NAME=FILE", value_parser = aov)]
-    aov: Vec<(Aov, PathBuf)>,
+    #[command(flatten)]
+    pub(super) files: FileArgs,
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
@@ -107,22 +102,8 @@ impl SceneArgs {
             search: self.search,
             shade: self.shade,
             tolerance: self.tolerance,
-            aovs: targets.iter().map(Target::aov).collect(),
+            aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
         }
-    }
-
-    /// Every file that is named, each for one buffer.
-    pub(super) fn targets(&self) -> Result<Vec<Target>> {
-        let picture = self.output.iter().map(|path| (Aov::Color, path));
-        let beside = self.aov.iter().map(|(aov, path)| (*aov, path));
-        let targets: Vec<_> = picture.chain(beside).map(|(aov, path)| Target::new(aov, path)).collect::<Result<_>>()?;
-        for (n, target) in targets.iter().enumerate() {
-            if !target.is_standard() && targets[..n].iter().any(|other| place(other.path()) == place(target.path())) {
-                let problem = format!("{} would be written twice", target.path().display());
-                return Err(Error::settings(problem, "name a file of its own for each buffer"));
-            }
-        }
-        Ok(targets)
     }
 }
 
@@ -145,21 +126,6 @@ impl CameraArgs {
             camera.lens = Lens::Vfov { degrees, distance };
         }
     }
-}
-
-/// Where a file lies or will lie, the same however its name is written.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_path_buf())
-}
-
-fn aov(text: &str) -> Result<(Aov, PathBuf), String> {
-    let (name, file) = text.split_once('=').ok_or("write NAME=FILE, such as id=id.npy")?;
-    if file.is_empty() {
-        return Err("a file name is missing after '='".into());
-    }
-    Ok((name.parse().map_err(|e: Error| e.to_string())?, Path::new(file).to_path_buf()))
 }
 
 pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {

@@ -57,6 +57,7 @@ impl<'a> Shots<'a> {
             (scene.image.width, scene.image.height) = (width, height);
         }
         camera.apply(scene);
+        self.asked.files.apply(scene);
         let middle = scene.spheres.middle();
         if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
             scene.camera.look = Look::At(middle);

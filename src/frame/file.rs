@@ -1,75 +1,63 @@
-//! Where a buffer goes: the format by the file's ending, `-` for standard output, and files that are either whole
+//! Where buffers go: the format by the file's ending, `-` for standard output, and files that are either whole
 //! or not there.
 
-use super::{Aov, Buffer, npy, png};
+use super::format::{Format, Style};
+use super::provenance::{Origin, Provenance};
+use super::sheet::Sheet;
+use super::{Aov, Frame, encode};
 use crate::error::{Error, Result};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// What a buffer can be written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Format {
-    /// Colour as 8-bit sRGB.
-    Png,
-    /// Any buffer, as it is.
-    Npy,
-}
-
-impl Format {
-    const ALL: [Self; 2] = [Self::Png, Self::Npy];
-
-    /// The ending that chooses it.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Png => ".png",
-            Self::Npy => ".npy",
-        }
-    }
-
-    /// Whether a buffer can be written in it.
-    pub fn takes(self, aov: Aov) -> bool {
-        self == Self::Npy || aov == Aov::Color
-    }
-
-    /// The format that `path` ends in, in capitals or not.
-    pub fn of(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?;
-        Self::ALL.into_iter().find(|format| format.ending()[1..].eq_ignore_ascii_case(ending))
-    }
-}
-
-/// One buffer and the file it goes to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// One file and the buffers that go into it.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    aov: Aov,
+    aovs: Vec<Aov>,
     format: Format,
+    style: Style,
     path: PathBuf,
 }
 
 impl Target {
-    /// The buffer `aov` at `path`. On standard output (`-`) colour is PNG, everything else .npy.
+    /// The buffers `aovs` at `path`, one or more. On standard output (`-`) colour is PNG, everything else .npy. Where the
+    /// style is transparent, alpha goes beside colour into every format that has room for it.
     ///
     /// # Errors
-    /// [`Error::Settings`] naming the file, if its ending names no format that takes this buffer.
-    pub fn new(aov: Aov, path: &Path) -> Result<Self> {
-        // The first format that takes a buffer is its customary one.
-        let mut fitting = Format::ALL.into_iter().filter(|format| format.takes(aov));
-        let format =
-            if is_standard(path) { fitting.next() } else { Format::of(path).filter(|format| format.takes(aov)) };
-        let target = format.map(|format| Self { aov, format, path: path.to_path_buf() });
-        target.ok_or_else(|| {
-            let endings = fitting.map(Format::ending).collect::<Vec<_>>().join(" or ");
-            let problem = format!("{} cannot hold the {aov} buffer", path.display());
-            Error::settings(problem, format!("end the name in {endings}"))
-        })
+    /// [`Error::Settings`] naming the file, if its ending names no format that takes these buffers.
+    pub fn new(aovs: &[Aov], path: &Path, style: Style) -> Result<Self> {
+        let fits =
+            |format: Format| aovs.iter().all(|aov| format.takes(*aov)) && (aovs.len() == 1 || format.holds_many());
+        let customary = if aovs == [Aov::Color] { Format::Png } else { Format::Npy };
+        let format = if is_standard(path) { Some(customary) } else { Format::of(path) };
+        let Some(format) = format.filter(|format| fits(*format)) else {
+            let names = aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(", ");
+            let buffers = if aovs.len() == 1 { "buffer" } else { "buffers together" };
+            let problem = format!("{} cannot hold the {names} {buffers}", path.display());
+            return Err(Error::settings(problem, format!("end the name in {}", Format::endings(fits))));
+        };
+        Ok(Self::with_format(aovs, path, format, style))
     }
 
-    /// Which buffer.
-    pub fn aov(&self) -> Aov {
-        self.aov
+    /// The bare numbers of one buffer at `path`, whatever its name ends in.
+    pub fn raw(aov: Aov, path: &Path, style: Style) -> Self {
+        Self::with_format(&[aov], path, Format::Raw, style)
+    }
+
+    fn with_format(aovs: &[Aov], path: &Path, format: Format, style: Style) -> Self {
+        let mut aovs = aovs.to_vec();
+        if style.transparent && aovs.contains(&Aov::Color) && format.takes_alpha() {
+            aovs.push(Aov::Alpha);
+        }
+        aovs.sort_unstable();
+        aovs.dedup();
+        Self { aovs, format, style, path: path.to_path_buf() }
+    }
+
+    /// Which buffers, in the order of [`Aov::ALL`].
+    pub fn aovs(&self) -> &[Aov] {
+        &self.aovs
     }
 
     /// In which format.
@@ -95,21 +83,48 @@ impl Target {
         check_writable(&self.path)
     }
 
-    /// Writes the buffer; `provenance` goes into formats that have room for words.
+    /// What the file says of where it comes from; .raw has no room for it.
+    pub fn provenance(&self, origin: &Origin<'_>) -> Provenance {
+        Provenance::new(origin, self.format, &self.aovs, &self.style)
+    }
+
+    /// Whether the file is there, whole, and says word for word that it comes from `origin`.
+    pub fn is_there(&self, origin: &Origin<'_>) -> bool {
+        let there = (!self.is_standard()).then(|| Sheet::read(&self.path).ok()).flatten();
+        there.is_some_and(|(format, sheet)| format == self.format && sheet.provenance == self.provenance(origin))
+    }
+
+    /// What the format cannot hold of `frame`, in whole sentences.
+    pub fn warnings(&self, frame: &Frame) -> Vec<String> {
+        let buffers = self.aovs.iter().filter(|_| self.format == Format::Png).filter_map(|aov| frame.get(*aov));
+        buffers.filter_map(|buffer| encode::warning(buffer, self.style.unit)).collect()
+    }
+
+    /// Writes the buffers of `frame`, and where they come from.
     ///
     /// # Errors
-    /// [`Error::Settings`] for another buffer than announced or a malformed one, [`Error::Io`] from the system.
-    pub fn write(&self, buffer: &Buffer, provenance: &png::Provenance) -> Result<()> {
-        if buffer.aov != self.aov {
-            let problem = format!("{} was meant for {}, not {}", self.path.display(), self.aov, buffer.aov);
-            return Err(Error::settings(problem, "give each target its own buffer"));
+    /// [`Error::Settings`] for a frame that lacks a buffer or holds a malformed one, [`Error::Io`] from the system.
+    pub fn write(&self, frame: &Frame, origin: &Origin<'_>) -> Result<()> {
+        let refuse = |problem: String| Error::settings(problem, "render it with the buffers that its files take");
+        for aov in &self.aovs {
+            let buffer = frame.get(*aov);
+            buffer
+                .ok_or_else(|| refuse(format!("{} was meant for {aov}, which is not there", self.path.display())))?
+                .check()?;
         }
-        buffer.check()?;
-        write_atomically(&self.path, |out| match self.format {
-            Format::Png => png::write(buffer, provenance, out),
-            Format::Npy => npy::write(buffer, out),
-        })
+        let layers = encode::layers(frame, &self.aovs, self.format, &self.style);
+        let sheet = Sheet::new(layers, self.provenance(origin));
+        let sheet = sheet.ok_or_else(|| refuse(format!("the buffers do not fill the window {}", origin.window)))?;
+        write_sheet(&sheet, self.format, &self.path)
     }
+}
+
+/// Writes the file of a sheet as [`write_atomically`] does.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`.
+pub fn write_sheet(sheet: &Sheet<'_>, format: Format, path: &Path) -> Result<()> {
+    write_atomically(path, |out| sheet.write(format, out))
 }
 
 /// Whether `path` stands for standard input or output.

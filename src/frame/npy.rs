@@ -1,7 +1,10 @@
 //! NumPy's .npy: one buffer per file, nothing lost. Written as format version 1.0, little endian, C order;
 //! read in any version, byte order and axis order, for the plain number types.
 
-use super::{Buffer, Data};
+use super::format::{Format, Style};
+use super::provenance::Provenance;
+use super::sheet::{Kind, Layer, Sheet, invalid};
+use super::{Aov, Buffer, encode};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values, count};
 use npyz::WriterBuilder;
@@ -10,64 +13,94 @@ use std::io::{self, Write};
 /// The bytes every .npy file begins with.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`.
+/// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`, and nothing behind it.
 ///
 /// # Errors
 /// `out`'s own, and `InvalidInput` for a buffer that fails [`Buffer::check`].
 pub fn write(buffer: &Buffer, out: &mut dyn Write) -> io::Result<()> {
-    buffer.check().map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
-    let dtype: npyz::TypeStr = match buffer.data {
-        Data::F32(_) => "<f4",
-        Data::F64(_) => "<f8",
-        Data::I32(_) => "<i4",
-        Data::U8(_) => "|u1",
+    buffer.check().map_err(invalid)?;
+    let layer = encode::layer(buffer, None, Format::Npy, &Style::default());
+    write_layer(&layer, [buffer.shape[1], buffer.shape[0]], out)
+}
+
+/// Writes the only layer. A .npy has no room for words, so provenance follows the last number, where NumPy does not look.
+pub(super) fn write_sheet(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
+    write_layer(sheet.layer()?, sheet.size(), out)?;
+    out.write_all(sheet.provenance.trailer().as_bytes())
+}
+
+/// The types of samples, by NumPy's names.
+const TYPES: [(Kind, &str); 4] = [(Kind::F32, "<f4"), (Kind::F64, "<f8"), (Kind::I32, "<i4"), (Kind::U8, "|u1")];
+
+/// Writes `[width, height]` pixels.
+pub(super) fn write_layer(layer: &Layer<'_>, [width, height]: [usize; 2], out: &mut dyn Write) -> io::Result<()> {
+    let known = TYPES.iter().find(|(kind, _)| *kind == layer.kind);
+    let (_, descr) = known.ok_or_else(|| invalid(format!("these samples of {} are not those of a .npy", layer.aov)))?;
+    let mut shape = vec![height as u64, width as u64];
+    if layer.channels > 1 {
+        shape.push(layer.channels as u64);
     }
-    .parse()
-    .map_err(io::Error::other)?;
-    let shape: Vec<u64> = buffer.shape.iter().map(|side| *side as u64).collect();
     npyz::WriteOptions::new_header_only()
-        .dtype(npyz::DType::new_scalar(dtype))
+        .dtype(npyz::DType::new_scalar(descr.parse().map_err(io::Error::other)?))
         .shape(&shape)
         .writer(&mut *out)
         .write_header_only()?;
-    match &buffer.data {
-        Data::F32(values) => values_to(out, values, |x| x.to_le_bytes()),
-        Data::F64(values) => values_to(out, values, |x| x.to_le_bytes()),
-        Data::I32(values) => values_to(out, values, |x| x.to_le_bytes()),
-        Data::U8(values) => out.write_all(values),
-    }
+    out.write_all(&layer.bytes)
 }
 
-/// All values at once where memory already holds them as the file does.
-fn values_to<T: bytemuck::NoUninit, const N: usize>(
-    out: &mut dyn Write,
-    values: &[T],
-    little: impl Fn(T) -> [u8; N],
-) -> io::Result<()> {
-    if cfg!(target_endian = "little") {
-        return out.write_all(bytemuck::cast_slice(values));
-    }
-    values.iter().try_for_each(|value| out.write_all(&little(*value)))
+/// Reads what [`write_sheet`] wrote; `None` where it does not say where it comes from.
+pub(super) fn read_sheet(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
+    let (_, _, rest) = parts(bytes, name)?;
+    let Some(provenance) = Provenance::from_trailer(rest) else { return Ok(None) };
+    let Some([aov]) = provenance.buffers().and_then(|all| <[_; 1]>::try_from(all).ok()) else { return Ok(None) };
+    let (layer, _) = read_layer(bytes, name, aov)?;
+    Ok(Sheet::new(vec![layer], provenance))
+}
+
+/// Reads what [`write_layer`] wrote, and what follows it.
+pub(super) fn read_layer<'b>(bytes: &'b [u8], name: &str, aov: Aov) -> Result<(Layer<'static>, &'b [u8])> {
+    let (header, data, rest) = parts(bytes, name)?;
+    let known = TYPES.iter().find(|(_, descr)| *descr == header.descr).filter(|_| !header.fortran);
+    let channels = header.shape.get(2).copied().unwrap_or(1);
+    let (true, Some((kind, _))) = (matches!(header.shape.len(), 2 | 3), known) else {
+        let problem = format!("{:?} of {:?} is no {aov} buffer", header.shape, header.descr);
+        return Err(Error::scene(Place::file(name), problem, "give files that halfline render wrote"));
+    };
+    Ok((Layer { aov, kind: *kind, channels, bytes: data.to_vec().into() }, rest))
 }
 
 /// Reads the array in `bytes`, a whole .npy file; `name` is what errors call it. Booleans become 0 and 1,
-/// integers the next wider of i32 and i64 that holds them all. Bytes after the last value are ignored, as NumPy does.
+/// integers the next wider of i32 and i64 that holds them all. Behind the last value stands nothing, or where the file
+/// comes from.
 ///
 /// # Errors
 /// [`Error::Scene`] at the file for anything malformed, truncated or not made of plain numbers.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let malformed = |problem: String| Error::scene(Place::file(name), problem, "give a .npy file of plain numbers");
-    let (text, data) = split(bytes).ok_or_else(|| malformed("the .npy header is cut short or malformed".into()))?;
-    let header = Header::parse(text).ok_or_else(|| malformed("the .npy header is not that of a plain array".into()))?;
-    let unknown = || malformed(format!("values of type {:?} are not read", header.descr));
-    let size = header.size().ok_or_else(unknown)?;
-    let needed = count(&header.shape).and_then(|n| n.checked_mul(size));
-    let Some(data) = needed.and_then(|n| data.get(..n)) else {
-        let problem = format!("{} bytes do not hold {:?} of {:?}", data.len(), header.shape, header.descr);
-        return Err(malformed(problem));
-    };
-    let values = header.values(data).ok_or_else(unknown)?;
+    let (header, data, rest) = parts(bytes, name)?;
+    let values = header.values(data).ok_or_else(|| header.unknown(name))?;
+    if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {
+        return Err(malformed(name, format!("{} bytes follow the last value", rest.len())));
+    }
     Array::new(name, header.shape, values)
+}
+
+fn malformed(name: &str, problem: String) -> Error {
+    Error::scene(Place::file(name), problem, "give a .npy file of plain numbers")
+}
+
+/// The header, the bytes of the values, and what follows them.
+fn parts<'b>(bytes: &'b [u8], name: &str) -> Result<(Header<'b>, &'b [u8], &'b [u8])> {
+    let (text, data) =
+        split(bytes).ok_or_else(|| malformed(name, "the .npy header is cut short or malformed".into()))?;
+    let header =
+        Header::parse(text).ok_or_else(|| malformed(name, "the .npy header is not that of a plain array".into()))?;
+    let size = header.size().ok_or_else(|| header.unknown(name))?;
+    let needed = count(&header.shape).and_then(|n| n.checked_mul(size));
+    let Some((data, rest)) = needed.and_then(|n| data.split_at_checked(n)) else {
+        let problem = format!("{} bytes do not hold {:?} of {:?}", data.len(), header.shape, header.descr);
+        return Err(malformed(name, problem));
+    };
+    Ok((header, data, rest))
 }
 
 /// The header's text and the data behind it.
@@ -109,6 +142,10 @@ impl<'a> Header<'a> {
         let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
         let shape = sides.map(|side| side.trim_end_matches('L').parse().ok()).collect::<Option<_>>()?;
         Some(Self { descr, fortran, shape })
+    }
+
+    fn unknown(&self, name: &str) -> Error {
+        malformed(name, format!("values of type {:?} are not read", self.descr))
     }
 
     /// Bytes of one value.

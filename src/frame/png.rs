@@ -1,115 +1,122 @@
-//! PNG: the colour buffer as a picture, 8 bits of sRGB per component, with where it came from written inside.
+//! PNG: colour as a picture in sRGB of 8 or 16 bits; alpha, mask and normals as levels; distance and depth in whole steps
+//! of 16 bits. Where a picture came from is written inside, and where a crop lies.
 
+use super::provenance::Provenance;
+use super::sheet::{Kind, Layer, Sheet, invalid};
+use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values};
-use rayon::prelude::*;
+use png::{BitDepth, ColorType};
+use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
-use std::sync::LazyLock;
 
 /// The bytes every PNG file begins with.
 pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Keyword and text of each chunk that says where a picture came from; keywords are Latin-1, 1 to 79 characters.
-pub type Provenance = [(String, String)];
+type Words = [(String, String)];
 
-/// Writes the colour buffer as 8-bit RGB, each component [`level`]led, marked sRGB, with `provenance` as iTXt chunks.
-/// The same buffer and provenance give the same bytes: no date, no machine.
+/// Writes the colour buffer as 8-bit RGB, each component [levelled](super::srgb::level), marked sRGB, with `words` as iTXt
+/// chunks. The same buffer and words give the same bytes: no date, no machine.
 ///
 /// # Errors
 /// `out`'s own, and `InvalidInput` for another buffer than colour, one that fails [`Buffer::check`], or a keyword
 /// that PNG does not allow.
-pub fn write(color: &Buffer, provenance: &Provenance, out: &mut dyn Write) -> io::Result<()> {
-    let invalid = |error: Error| io::Error::new(io::ErrorKind::InvalidInput, error);
+pub fn write(color: &Buffer, words: &Words, out: &mut dyn Write) -> io::Result<()> {
     color.check().map_err(invalid)?;
     let (Aov::Color, Data::F32(linear)) = (color.aov, &color.data) else {
         return Err(invalid(Error::settings(format!("a {} buffer is no picture", color.aov), "write it as .npy")));
     };
-    let mut levels = vec![0; linear.len()];
-    let table = &*TABLE;
-    levels.par_chunks_mut(1 << 14).zip(linear.par_chunks(1 << 14)).for_each(|(levels, linear)| {
-        for (level, linear) in levels.iter_mut().zip(linear) {
-            *level = table.level(*linear);
-        }
-    });
-    write_levels([color.shape[1], color.shape[0]], &levels, provenance, out)
+    write_levels([color.shape[1], color.shape[0]], &levels(linear), words, out)
 }
 
 /// Writes `[width, height]` pixels of three sRGB levels each.
 pub(crate) fn write_levels(
     [width, height]: [usize; 2],
     levels: &[u8],
-    provenance: &Provenance,
+    words: &Words,
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let side = |n: usize| u32::try_from(n).map_err(|_| io::Error::other(format!("{n} pixels are too many for PNG")));
-    let mut encoder = png::Encoder::new(out, side(width)?, side(height)?);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_compression(png::Compression::Fast);
-    // On shaded spheres smaller than the adaptive choice, and a third faster.
-    encoder.set_filter(png::Filter::Paeth);
-    for (keyword, text) in provenance {
-        encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
-    }
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(levels)?;
-    writer.finish()?;
-    Ok(())
+    let form = Form { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true };
+    form.write([side(width)?, side(height)?], levels, None, words, out)
 }
 
-/// The 8-bit sRGB level of a linear component: clamped to [0, 1], through the transfer function of IEC 61966-2-1,
-/// times 255, rounded to the nearest whole number. NaN is 0. Equal to the formula in f64 for every f32.
-pub fn level(linear: f32) -> u8 {
-    TABLE.level(linear)
+/// Writes the only layer. Only colour is marked as sRGB; a part of a frame says where it lies.
+pub(super) fn write_sheet(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let layer = sheet.layer()?;
+    let color = match layer.channels {
+        1 => ColorType::Grayscale,
+        3 => ColorType::Rgb,
+        4 => ColorType::Rgba,
+        n => return Err(invalid(format!("{n} channels of {} are no picture", layer.aov))),
+    };
+    // PNG's numbers are big endian.
+    let (depth, samples) = match layer.kind {
+        Kind::U8 => (BitDepth::Eight, Cow::Borrowed(&layer.bytes[..])),
+        Kind::U16 => (BitDepth::Sixteen, layer.samples(u16::from_le_bytes).flat_map(u16::to_be_bytes).collect()),
+        _ => return Err(invalid(format!("these samples of {} are not those of a PNG", layer.aov))),
+    };
+    let (window, [width, height]) = (sheet.window, sheet.full);
+    let crop = (window.width(), window.height()) != (width, height);
+    let offset = crop.then_some([window.x0, window.y0]);
+    let form = Form { color, depth, srgb: layer.aov == Aov::Color };
+    form.write([window.width(), window.height()], &samples, offset, sheet.provenance.words(), out)
 }
 
-/// The formula itself, for x in [0, 1].
-fn level_by_formula(x: f32) -> u8 {
-    let x = f64::from(x);
-    let encoded = if x <= 0.0031308 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
+/// What the samples are.
+struct Form {
+    color: ColorType,
+    depth: BitDepth,
+    srgb: bool,
 }
 
-/// Cells per unit of linear light. Levels are at least 1 / (12.92 * 255) > 1 / 4096 apart, the slope being greatest
-/// at black, so a cell holds at most one step; a power of two, so finding the cell is exact.
-const CELLS: usize = 4096;
-
-static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
-
-struct Table {
-    /// The least f32 of each level; NaN after the last, which nothing reaches.
-    least: [f32; 257],
-    /// The level at the beginning of each cell; the last cell begins at 1.
-    begin: [u8; CELLS + 1],
-}
-
-impl Table {
-    fn new() -> Self {
-        let mut least = [f32::NAN; 257];
-        for (level, least) in least[..256].iter_mut().enumerate() {
-            // Positive floats are ordered like their bits.
-            let (mut low, mut high) = (0, 1f32.to_bits());
-            while low < high {
-                let middle = low.midpoint(high);
-                if usize::from(level_by_formula(f32::from_bits(middle))) < level {
-                    low = middle + 1;
-                } else {
-                    high = middle;
-                }
-            }
-            *least = f32::from_bits(low);
+impl Form {
+    fn write(
+        self,
+        [width, height]: [u32; 2],
+        samples: &[u8],
+        offset: Option<[u32; 2]>,
+        words: &Words,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        let mut encoder = png::Encoder::new(out, width, height);
+        encoder.set_color(self.color);
+        encoder.set_depth(self.depth);
+        if self.srgb {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
-        Self { least, begin: std::array::from_fn(|cell| level_by_formula(cell as f32 / CELLS as f32)) }
+        encoder.set_compression(png::Compression::Fast);
+        // On shaded spheres smaller than the adaptive choice, and a third faster.
+        encoder.set_filter(png::Filter::Paeth);
+        for (keyword, text) in words {
+            encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
+        }
+        let mut writer = encoder.write_header()?;
+        if let Some([x, y]) = offset {
+            // In pixels, as the extensions to PNG say: <https://www.w3.org/TR/png-3/#11oFFs>.
+            let chunk: Vec<u8> = [x.to_be_bytes(), y.to_be_bytes()].concat().into_iter().chain([0]).collect();
+            writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &chunk)?;
+        }
+        writer.write_image_data(samples)?;
+        writer.finish()?;
+        Ok(())
     }
+}
 
-    fn level(&self, linear: f32) -> u8 {
-        // The cast saturates: below 0 and NaN fall into the first cell, above 1 into the last.
-        let cell = ((linear * CELLS as f32) as usize).min(CELLS);
-        let level = self.begin[cell];
-        level + u8::from(linear >= self.least[usize::from(level) + 1])
-    }
+/// Reads what [`write_sheet`] wrote; `None` where it does not say where it comes from.
+pub(super) fn read_sheet(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
+    let picture = decode(bytes, false).map_err(|source| malformed(name, source))?;
+    let Some(aov) = picture.words.buffers().and_then(|all| all.first().copied()) else { return Ok(None) };
+    let (kind, samples) = match picture.depth {
+        BitDepth::Sixteen => (Kind::U16, picture.samples.as_chunks().0.iter().flat_map(|[a, b]| [*b, *a]).collect()),
+        BitDepth::Eight => (Kind::U8, picture.samples),
+        _ => return Ok(None),
+    };
+    let layer = Layer { aov, kind, channels: picture.channels, bytes: Cow::Owned(samples) };
+    let size = [picture.width, picture.height];
+    Ok(Sheet::new(vec![layer], picture.words).filter(|sheet| sheet.size() == size))
 }
 
 /// Reads the picture in `bytes`, a whole PNG file, as levels of 0..255 or 0..65535; `name` is what errors call it.
@@ -119,80 +126,60 @@ impl Table {
 /// # Errors
 /// [`Error::Scene`] at the file, with the decoder's error, for anything malformed or truncated.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let (shape, values) = decode(bytes).map_err(|source| Error::Scene {
+    let picture = decode(bytes, true).map_err(|source| malformed(name, source))?;
+    let mut shape = vec![picture.height, picture.width];
+    if picture.channels > 1 {
+        shape.push(picture.channels);
+    }
+    let values = match picture.depth {
+        BitDepth::Sixteen => {
+            Values::U16(picture.samples.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)).collect())
+        }
+        _ => Values::U8(picture.samples),
+    };
+    Array::new(name, shape, values).map(Array::picture)
+}
+
+fn malformed(name: &str, source: png::DecodingError) -> Error {
+    Error::Scene {
         place: Box::new(Place::file(name)),
         problem: format!("not a whole PNG: {source}"),
         mend: "give a PNG that other programs open".into(),
         source: Some(source.into()),
-    })?;
-    Array::new(name, shape, values).map(Array::picture)
+    }
 }
 
-fn decode(bytes: &[u8]) -> Result<(Vec<usize>, Values), png::DecodingError> {
+/// A decoded file. Samples are big endian, as PNG has them.
+struct Picture {
+    width: usize,
+    height: usize,
+    channels: usize,
+    depth: BitDepth,
+    samples: Vec<u8>,
+    words: Provenance,
+}
+
+/// The picture, if `expand` with its palette resolved and without words, else as it is stored and with them.
+fn decode(bytes: &[u8], expand: bool) -> Result<Picture, png::DecodingError> {
     // Deflate expands by 1032 at most, so what claims to be larger is not believed and not allocated.
     let limit = bytes.len().saturating_mul(1032).saturating_add(1 << 16);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: limit });
-    decoder.set_transformations(png::Transformations::EXPAND);
-    decoder.set_ignore_text_chunk(true);
+    decoder.set_transformations(if expand { png::Transformations::EXPAND } else { png::Transformations::IDENTITY });
+    decoder.set_ignore_text_chunk(expand);
     let mut reader = decoder.read_info()?;
     let size = reader.output_buffer_size().filter(|size| *size <= limit).ok_or(png::DecodingError::LimitsExceeded)?;
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples)?;
     reader.finish()?;
-    let mut shape = vec![frame.height as usize, frame.width as usize];
-    if frame.color_type.samples() > 1 {
-        shape.push(frame.color_type.samples());
-    }
-    let values = match frame.bit_depth {
-        png::BitDepth::Sixteen => {
-            Values::U16(samples.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)).collect())
-        }
-        _ => Values::U8(samples),
-    };
-    Ok((shape, values))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn level_equals_the_formula_on_a_dense_sweep() {
-        let one = 1f32.to_bits();
-        let near = |x: &f32| (x.to_bits().saturating_sub(100)..=(x.to_bits() + 100).min(one)).collect::<Vec<_>>();
-        let bits = (0..=one).step_by(997).chain(TABLE.least[..256].iter().flat_map(near));
-        for x in bits.map(f32::from_bits) {
-            assert_eq!(level(x), level_by_formula(x), "{x:e} = {:#010x}", x.to_bits());
-        }
-    }
-
-    #[test]
-    #[ignore = "every f32 in [0, 1]: a thousand million"]
-    fn level_equals_the_formula_everywhere() {
-        (0..=1f32.to_bits()).into_par_iter().map(f32::from_bits).for_each(|x| {
-            assert_eq!(level(x), level_by_formula(x), "{x:e}");
-        });
-    }
-
-    #[test]
-    fn level_clamps() {
-        for (x, expected) in [
-            (-0.0, 0),
-            (-1.0, 0),
-            (f32::NEG_INFINITY, 0),
-            (f32::NAN, 0),
-            (1.0, 255),
-            (1.5, 255),
-            (f32::MAX, 255),
-            (f32::INFINITY, 255),
-        ] {
-            assert_eq!(level(x), expected, "{x}");
-        }
-    }
-
-    #[test]
-    fn a_cell_holds_one_step() {
-        let cell = |x: f32| (x * CELLS as f32) as usize;
-        assert!(TABLE.least[1..256].windows(2).all(|pair| cell(pair[0]) < cell(pair[1])));
-    }
+    let texts = reader.info().utf8_text.iter();
+    let words =
+        texts.map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?))).collect::<Result<_, png::DecodingError>>()?;
+    Ok(Picture {
+        width: frame.width as usize,
+        height: frame.height as usize,
+        channels: frame.color_type.samples(),
+        depth: frame.bit_depth,
+        samples,
+        words,
+    })
 }

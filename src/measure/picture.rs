@@ -3,7 +3,8 @@
 use super::compare::{Difference, distance_at, is_beyond};
 use super::{Array, Values};
 use crate::error::{Error, Result};
-use crate::frame::file::{self, Format};
+use crate::frame::file;
+use crate::frame::format::Format;
 use crate::frame::png;
 use rayon::prelude::*;
 use std::path::Path;

@@ -1,0 +1,131 @@
+//! How far long work is, for programs: lines of JSON on standard error, or those of Open Job Description on standard output
+//! (<https://github.com/OpenJobDescription/openjd-specifications/wiki/How-Jobs-Are-Run>).
+
+use halfline::progress::{Progress, Step};
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+/// What is told, and to whom.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Talk {
+    /// A line for people, on a terminal.
+    Auto,
+    /// Nothing.
+    None,
+    /// One JSON object a line on standard error: step, done, total, frame.
+    Json,
+    /// openjd_progress and openjd_status on standard output.
+    Openjd,
+}
+
+/// Within a step no more lines than this.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Who tells it.
+pub(super) struct Lines {
+    talk: Talk,
+    /// How many frames there will be, and which this is, from 1.
+    frames: u32,
+    frame: u32,
+    latest: Option<Progress>,
+    told: Instant,
+}
+
+impl Lines {
+    pub(super) fn new(talk: Talk, frames: u32) -> Self {
+        Self { talk, frames, frame: 0, latest: None, told: Instant::now() }
+    }
+
+    /// Tells it, unless something like it was told just now. Nobody to listen is no reason to fail.
+    pub(super) fn hear(&mut self, progress: Progress) {
+        if self.is_due(progress) {
+            let lines = self.lines(progress);
+            let _ = if self.talk == Talk::Json {
+                io::stderr().write_all(lines.as_bytes())
+            } else {
+                io::stdout().write_all(lines.as_bytes())
+            };
+        }
+    }
+
+    /// Tells that the files are written.
+    pub(super) fn finish(&self) {
+        if self.talk == Talk::Openjd {
+            let _ = io::stdout().write_all(b"openjd_progress: 100.0\nopenjd_status: done\n");
+        }
+    }
+
+    fn is_due(&mut self, progress: Progress) -> bool {
+        let Progress { step, done, total } = progress;
+        let latest = self.latest.replace(progress);
+        // A frame begins with an earlier step than the last one ended with, or with less of the same.
+        if latest.is_none_or(|latest| (step, done) < (latest.step, latest.done)) {
+            self.frame += 1;
+        }
+        let due = latest.is_none_or(|latest| latest.step != step) || done == total || self.told.elapsed() >= PAUSE;
+        if due {
+            self.told = Instant::now();
+        }
+        due
+    }
+
+    fn lines(&self, Progress { step, done, total }: Progress) -> String {
+        let (name, unit) = (step.name(), step.unit());
+        if self.talk == Talk::Json {
+            return format!("{{\"step\":\"{name}\",\"done\":{done},\"total\":{total},\"frame\":{}}}\n", self.frame);
+        }
+        // What share of a frame a step begins and ends at is a guess; how far it is, is not.
+        let (begin, end) = match step {
+            Step::Stage => (0.0, 0.05),
+            Step::Trace => (0.05, 0.75),
+            _ => (0.75, 0.95),
+        };
+        let share = begin + (end - begin) * done as f64 / (total as f64).max(1.0);
+        let percent = 100.0 * (f64::from(self.frame.saturating_sub(1)) + share) / f64::from(self.frames);
+        format!("openjd_progress: {:.1}\nopenjd_status: {name} {done} of {total} {unit}\n", percent.min(100.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(talk: Talk, frames: u32) -> Vec<String> {
+        let mut lines = Lines::new(talk, frames);
+        let mut all = Vec::new();
+        for _ in 0..frames {
+            for (step, done, total) in [
+                (Step::Stage, 0, 9),
+                (Step::Stage, 9, 9),
+                (Step::Trace, 0, 40),
+                (Step::Trace, 10, 40),
+                (Step::Trace, 40, 40),
+                (Step::Settle, 0, 2),
+                (Step::Settle, 2, 2),
+            ] {
+                let progress = Progress { step, done, total };
+                if lines.is_due(progress) {
+                    all.extend(lines.lines(progress).lines().map(str::to_owned));
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn frames_are_counted_and_pauses_kept() {
+        let lines = told(Talk::Json, 2);
+        assert_eq!(lines.len(), 12, "a quarter of a step, just now, is not told: {lines:?}");
+        assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
+        assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
+    }
+
+    #[test]
+    fn percent_never_falls() {
+        let lines = told(Talk::Openjd, 3);
+        let percents: Vec<f64> =
+            lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")?.parse().ok()).collect();
+        assert!(percents.len() == 18 && percents.is_sorted() && percents[17] < 100.0, "{percents:?}");
+        assert!(lines.contains(&"openjd_status: trace 40 of 40 pixels".to_owned()), "{lines:?}");
+    }
+}

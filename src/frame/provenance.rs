@@ -1,0 +1,244 @@
+//! Where a file comes from: everything that its bytes depend on, as words that are written into it. No time, no path and
+//! no machine's name is among them, so that the same command writes the same bytes.
+
+use super::Aov;
+use super::format::{Format, Style};
+use crate::plan::Settings;
+use crate::report::Report;
+use crate::scene::Scene;
+use crate::window::Window;
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::ser::{Serialize, Serializer};
+use std::fmt::{self, Write};
+
+const FRAME: &str = "halfline:frame";
+const WINDOW: &str = "halfline:window";
+const BUFFERS: &str = "halfline:buffers";
+
+/// What begins the block of formats that have no room for words: it follows the last number, and whoever reads as many
+/// numbers as the header announces does not see it.
+const TRAILER: &str = "\nhalfline ";
+
+/// No provenance is longer; what a damaged file claims is not believed.
+const LONGEST: usize = 1 << 16;
+
+/// A rendering, as far as its files tell of it.
+#[derive(Debug)]
+pub struct Origin<'a> {
+    /// [`Scene::fingerprint`].
+    pub fingerprint: String,
+    /// What was asked for.
+    pub settings: &'a Settings,
+    /// Who computed it and how; [`crate::Renderer::foresee`] knows it beforehand.
+    pub report: &'a Report,
+    /// Which part of the full frame.
+    pub window: Window,
+    /// W and H of the full frame, pixels.
+    pub full: [u32; 2],
+}
+
+impl<'a> Origin<'a> {
+    /// The rendering of `window` of `scene`.
+    pub fn new(scene: &Scene, settings: &'a Settings, report: &'a Report, window: Window) -> Self {
+        let full = [scene.image.width, scene.image.height];
+        Self { fingerprint: scene.fingerprint(), settings, report, window, full }
+    }
+}
+
+/// Keywords and their texts, in the order they were written. Two files that were made alike have equal ones.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub struct Provenance(Vec<(String, String)>);
+
+impl Provenance {
+    /// That of a file with these buffers.
+    pub(super) fn new(origin: &Origin<'_>, format: Format, aovs: &[Aov], style: &Style) -> Self {
+        let Origin { fingerprint, settings, report, window, full: [width, height] } = origin;
+        let mut words = Self::default();
+        words.set("Software", format!("halfline {}", report.halfline));
+        words.set("halfline:scene", fingerprint);
+        words.set("halfline:adapter", &report.adapter);
+        words.set("halfline:driver", &report.driver);
+        words.set("halfline:method", report.method);
+        words.set("halfline:accuracy", report.accuracy);
+        if report.accuracy == "certified" {
+            words.set("halfline:tolerance", format!("{:e}", settings.promise().relative()));
+        }
+        if let (Some(shade), true) = (report.shade, aovs.contains(&Aov::Color)) {
+            words.set("halfline:shade", shade);
+        }
+        words.set(FRAME, format!("{width}x{height}"));
+        words.set(WINDOW, window.to_string());
+        words.set(BUFFERS, aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(","));
+        style.words(format, aovs).into_iter().for_each(|(key, text)| words.set(key, text));
+        words
+    }
+
+    /// Every keyword and its text.
+    pub fn words(&self) -> &[(String, String)] {
+        &self.0
+    }
+
+    /// The text of a keyword.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.0.iter().find(|(found, _)| found == key).map(|(_, text)| text.as_str())
+    }
+
+    /// Gives a keyword its text: in its place, or behind the others.
+    pub fn set(&mut self, key: &str, text: impl ToString) {
+        match self.0.iter_mut().find(|(found, _)| found == key) {
+            Some((_, old)) => *old = text.to_string(),
+            None => self.0.push((key.to_owned(), text.to_string())),
+        }
+    }
+
+    /// W and H of the full frame.
+    pub fn full(&self) -> Option<[u32; 2]> {
+        let (width, height) = self.get(FRAME)?.split_once('x')?;
+        Some([width.parse().ok()?, height.parse().ok()?])
+    }
+
+    /// The part of the full frame, if it lies within it.
+    pub fn window(&self) -> Option<Window> {
+        let [width, height] = self.full()?;
+        let ends: Vec<u32> = self.get(WINDOW)?.split(',').map(|end| end.parse().ok()).collect::<Option<_>>()?;
+        let [x0, y0, x1, y1] = ends.try_into().ok()?;
+        Window { x0, y0, x1, y1 }.within(width, height).ok()
+    }
+
+    /// The buffers in the file.
+    pub fn buffers(&self) -> Option<Vec<Aov>> {
+        self.get(BUFFERS)?.split(',').map(|name| name.parse().ok()).collect()
+    }
+
+    /// The same, of another part of the frame.
+    #[must_use]
+    pub fn of_window(mut self, window: Window) -> Self {
+        self.set(WINDOW, window);
+        self
+    }
+
+    /// The first keyword that differs but for the window, and both texts.
+    pub(super) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
+        let keys = self.0.iter().chain(&other.0).map(|(key, _)| key).filter(|key| *key != WINDOW);
+        let text = |words: &Self, key: &str| words.get(key).unwrap_or("nothing").to_owned();
+        let mut differing = keys.map(|key| [key.clone(), text(self, key), text(other, key)]).filter(|[_, a, b]| a != b);
+        differing.next()
+    }
+
+    /// One JSON object on one line, in ASCII, in this order.
+    pub(super) fn to_json(&self) -> String {
+        let json = serde_json::to_string(self).unwrap_or_default();
+        let mut ascii = String::with_capacity(json.len());
+        for c in json.chars() {
+            if c.is_ascii() {
+                ascii.push(c);
+            } else {
+                // A String takes everything.
+                c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| _ = write!(ascii, "\\u{unit:04x}"));
+            }
+        }
+        ascii
+    }
+
+    /// What [`Provenance::to_json`] wrote; `None` for anything else.
+    pub(super) fn from_json(json: &[u8]) -> Option<Self> {
+        if json.len() > LONGEST { None } else { serde_json::from_slice(json).ok() }
+    }
+
+    /// The block behind the last number of a format that has no room for words.
+    pub(super) fn trailer(&self) -> String {
+        format!("{TRAILER}{}\n", self.to_json())
+    }
+
+    /// What [`Provenance::trailer`] wrote; `None` for anything else.
+    pub(crate) fn from_trailer(bytes: &[u8]) -> Option<Self> {
+        Self::from_json(bytes.strip_prefix(TRAILER.as_bytes())?.strip_suffix(b"\n")?)
+    }
+}
+
+impl FromIterator<(String, String)> for Provenance {
+    fn from_iter<T: IntoIterator<Item = (String, String)>>(words: T) -> Self {
+        Self(words.into_iter().collect())
+    }
+}
+
+impl Serialize for Provenance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(key, text)| (key, text)))
+    }
+}
+
+impl<'de> Deserialize<'de> for Provenance {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Words;
+        impl<'de> Visitor<'de> for Words {
+            type Value = Provenance;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object of texts")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Provenance, A::Error> {
+                let mut words = Vec::new();
+                while let Some(word) = map.next_entry()? {
+                    words.push(word);
+                }
+                Ok(Provenance(words))
+            }
+        }
+        deserializer.deserialize_map(Words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words() -> Provenance {
+        let words = [
+            ("Software", "halfline"),
+            ("driver", "Ω \"5\"\n球"),
+            (FRAME, "30x20"),
+            (WINDOW, "1,2,30,20"),
+            (BUFFERS, "id,mask"),
+        ];
+        words.into_iter().map(|(key, text)| (key.to_owned(), text.to_owned())).collect()
+    }
+
+    #[test]
+    fn words_survive_json_and_trailer_in_their_order() {
+        let json = words().to_json();
+        assert!(json.is_ascii() && !json.contains('\n'), "{json}");
+        assert_eq!(Provenance::from_json(json.as_bytes()), Some(words()));
+        let trailer = words().trailer();
+        assert_eq!(Provenance::from_trailer(trailer.as_bytes()), Some(words()));
+        for n in 0..trailer.len() {
+            assert_eq!(Provenance::from_trailer(&trailer.as_bytes()[..n]), None, "cut after {n}");
+        }
+        assert_eq!(Provenance::from_trailer(format!("{trailer}\n").as_bytes()), None);
+    }
+
+    #[test]
+    fn the_window_is_read_only_where_it_can_be() {
+        assert_eq!(words().full(), Some([30, 20]));
+        assert_eq!(words().window(), Some(Window { x0: 1, y0: 2, x1: 30, y1: 20 }));
+        assert_eq!(words().buffers(), Some(vec![Aov::Id, Aov::Mask]));
+        for bad in ["1,2,31,20", "1,2,1,20", "1,2,3", "1,2,3,4,5", "a,2,3,4", "-1,2,3,4", ""] {
+            let mut crooked = words();
+            crooked.set(WINDOW, bad);
+            assert_eq!(crooked.window(), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let whole = words().of_window(Window::full(30, 20));
+        assert_eq!(words().foreign(&whole), None, "another window is no other rendering");
+        let mut other = whole.clone();
+        other.set("driver", "6");
+        assert_eq!(words().foreign(&other).map(|[key, ..]| key), Some("driver".into()));
+        let mut more = whole;
+        more.set("halfline:bits", 16);
+        assert_eq!(words().foreign(&more), Some(["halfline:bits", "nothing", "16"].map(String::from)));
+    }
+}
