@@ -1,5 +1,6 @@
 //! One frame, the whole way: scene, view, nearest hits, colour, frame.
 
+use crate::camera::Look;
 use crate::certify::stage::Depths;
 use crate::cpu;
 use crate::error::{Error, Result};
@@ -17,7 +18,7 @@ use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::report::{Report, Stages, milliseconds};
-use crate::scene::Scene;
+use crate::scene::{Scene, point};
 use crate::settle::{self, Settled};
 use crate::shade;
 use crate::window::Window;
@@ -391,16 +392,17 @@ fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
     if scene.spheres.is_empty() {
         warnings.push("the scene has 0 spheres: the picture is background".into());
     } else if hits == 0 {
-        let e = scene.camera.eye;
         let spheres = match scene.spheres.len() {
             1 => "the 1 sphere".to_owned(),
             n => format!("any of the {n} spheres"),
         };
+        let looks = match scene.camera.look {
+            Look::At(at) => format!("at {}", point(at)),
+            Look::View(view) => format!("along {}", point(view)),
+        };
         warnings.push(format!(
-            "no ray hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
-            e.x,
-            e.y,
-            e.z,
+            "no ray hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; --fit frames them",
+            point(scene.camera.eye),
             scene.spheres.extent()
         ));
     }

@@ -14,6 +14,8 @@ pub struct Report {
     pub version: u32,
     /// The program that wrote it.
     pub halfline: &'static str,
+    /// Which picture of a sequence it is, from 1.
+    pub number: u64,
     /// Spheres in the scene.
     pub spheres: u64,
     /// Things in the scene file that are no spheres and were left out.

@@ -125,7 +125,7 @@ impl Spheres {
 }
 
 /// A point in words.
-fn point(p: DVec3) -> String {
+pub(crate) fn point(p: DVec3) -> String {
     format!("({}, {}, {})", p.x, p.y, p.z)
 }
 

@@ -1,5 +1,6 @@
 //! The files that `render` writes: which buffers go where, and how their numbers are stored.
 
+use super::shots::{check_pattern, numbered};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -14,7 +15,7 @@ type Named = (Vec<Aov>, Option<PathBuf>);
 /// Files and what their formats leave to choose.
 #[derive(Debug, Args)]
 pub(super) struct FileArgs {
-    /// The picture: .png, .exr, .npy for linear RGB, .npz, .pfm, .raw, or - for a PNG on standard output.
+    /// The picture; of several, with %d or %04d where its number goes: .png, .exr, .npy for linear RGB, .npz, .pfm, .raw, or - for a PNG on standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Buffers beside the picture: color, distance, depth, normal, position, id, mask, certainty, bound, alpha. An .exr or
@@ -46,8 +47,8 @@ impl FileArgs {
         }
     }
 
-    /// Every file that is named, with all that goes into it.
-    pub(super) fn targets(&self) -> Result<Vec<Target>> {
+    /// Every file that is named, with all that goes into it, for the picture of this number.
+    pub(super) fn targets(&self, number: u64) -> Result<Vec<Target>> {
         let mut files: Vec<(&Path, Vec<Aov>)> = Vec::new();
         for (aovs, path) in self.named()? {
             match files.iter_mut().find(|(other, _)| !is_standard(path) && place(other) == place(path)) {
@@ -65,7 +66,12 @@ impl FileArgs {
                 "write NAME=- too, or end a file's name in .raw",
             ));
         }
-        files.into_iter().map(|(path, aovs)| self.target(&aovs, path)).collect()
+        files.into_iter().map(|(path, aovs)| self.target(&aovs, &numbered(path, number))).collect()
+    }
+
+    /// Refuses names that several pictures would bear.
+    pub(super) fn check_many(&self) -> Result<()> {
+        self.named()?.iter().try_for_each(|(_, path)| check_pattern(path))
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {

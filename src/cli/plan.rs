@@ -26,7 +26,7 @@ pub(crate) struct Plan {
 
 impl Plan {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let targets = self.asked.files.targets()?;
+        let targets = self.asked.files.targets(1)?;
         let told = explain(&self.asked.scene()?, &self.asked.settings(&targets))?;
         let text = match self.json {
             true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,

@@ -92,9 +92,9 @@ impl ReadArgs {
         }
     }
 
-    /// Whether frames of a sequence are named.
-    pub(super) fn has_frames(&self) -> bool {
-        self.frames.is_some()
+    /// The frames of a sequence that are named.
+    pub(super) fn frames(&self) -> Option<&FrameRange> {
+        self.frames.as_ref()
     }
 
     /// What is done to the spheres.

@@ -4,20 +4,23 @@ use super::bar::Bar;
 use super::lines::Talk;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
+use super::shots::{Numbered, Shots, numbered};
 use super::{go_on, say};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::frame::file::Target;
+use halfline::frame::file::{Target, write_atomically};
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
 use halfline::plan::{Accuracy, Backend, Settings};
 use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::scene::Scene;
+use halfline::scene::style::Legend;
 use halfline::window::Window;
 use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroU32;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Renders a scene: a picture, and the buffers beside it that are asked for.
@@ -52,36 +55,67 @@ pub(crate) struct Render {
 
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let mut targets = self.targets()?;
+        let targets = self.check()?;
         let mut settings = self.asked.settings(&targets);
         if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
             settings.aovs.push(Aov::Color);
         }
         // A device takes its time to open, on another core than the one that reads.
-        let (scene, renderer) = std::thread::scope(|scope| {
+        let (opened, renderer) = std::thread::scope(|scope| {
             let opening = scope.spawn(|| Renderer::new(&settings));
-            (self.scene(&targets), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            (self.first(), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
         });
         // What is wrong with the scene is told first, whatever adapters there are.
-        let (scene, mut renderer) = (scene?, renderer?);
-        let bar = Bar::talking(self.progress, self.repeat.get());
-        if self.resume && !targets.is_empty() {
-            let report = renderer.foresee(&scene, &settings)?;
-            let window = Window::full(scene.image.width, scene.image.height);
-            let origin = Origin::new(&scene, &settings, &report, window);
-            targets.retain(|target| !target.is_there(&origin));
-            if targets.is_empty() {
-                say(format_args!("already there: every file is whole and from this very rendering"));
-                bar.finish();
-                return self.tell(&Report { resumed: true, ..report }).map(|()| ExitCode::SUCCESS);
-            }
-        }
+        let ((mut shots, mut shot), renderer) = (opened?, renderer?);
+        let bar = Bar::talking(self.progress, self.repeat.get().saturating_mul(self.asked.expected()));
         let mut renderer = renderer.watched_by(bar.watch());
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
-        say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
-        let frame = self.frames(&mut renderer, &scene, &settings, &targets)?;
+        let mut rendered = false;
+        while let Some(now) = shot {
+            if !go_on() {
+                return Err(Error::Interrupted);
+            }
+            rendered |= self.picture(&now, &settings, &mut renderer, &bar, !rendered)?;
+            shot = self.ready(&mut shots)?;
+        }
+        bar.finish();
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Renders one scene and writes its files; whether anything was left to render. The `first` says who renders.
+    fn picture(
+        &self,
+        shot: &Numbered,
+        settings: &Settings,
+        renderer: &mut Renderer,
+        bar: &Bar,
+        first: bool,
+    ) -> Result<bool> {
+        let scene = &shot.scene;
+        let mut targets = self.asked.files.targets(shot.number)?;
+        if let (Some(path), Some(legend)) = (&self.asked.read.legend, &shot.legend) {
+            write_legend(&numbered(path, shot.number), legend)?;
+        }
+        if self.resume && !targets.is_empty() {
+            let report = renderer.foresee(scene, settings)?;
+            let window = Window::full(scene.image.width, scene.image.height);
+            let origin = Origin::new(scene, settings, &report, window);
+            targets.retain(|target| !target.is_there(&origin));
+            if targets.is_empty() {
+                let which = if self.asked.is_many() { format!("picture {}: ", shot.number) } else { String::new() };
+                bar.aside(|| {
+                    say(format_args!("{which}already there: every file is whole and from this very rendering"));
+                });
+                return self.tell(&Report { resumed: true, number: shot.number, ..report }).map(|()| false);
+            }
+        }
+        if first {
+            bar.aside(|| say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver())));
+        }
+        let mut frame = self.frames(renderer, scene, settings, &targets)?;
+        frame.report.number = shot.number;
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             bar.aside(|| say(format_args!("{}", frame.report.reason)));
         }
@@ -89,13 +123,14 @@ impl Render {
             bar.aside(|| say(format_args!("warning: {warning}")));
         }
         if !targets.is_empty() {
-            write(&frame, &targets, &Origin::new(&scene, &settings, &frame.report, frame.window))?;
+            write(&frame, &targets, &Origin::new(scene, settings, &frame.report, frame.window))?;
         }
-        bar.finish();
         if let Some(preview) = self.preview {
             preview.show(&frame);
         }
-        self.tell(&frame.report).map(|()| ExitCode::SUCCESS)
+        self.tell(&frame.report)?;
+        renderer.recycle(frame);
+        Ok(true)
     }
 
     /// The last of the frames, its report telling the times of all, and what its files cannot hold.
@@ -124,17 +159,27 @@ impl Render {
         writeln!(std::io::stdout(), "{text}").map_err(|e| Error::write("-", e))
     }
 
-    /// The scene, if it can be rendered and every file can be written.
-    fn scene(&self, targets: &[Target]) -> Result<Scene> {
-        let scene = self.asked.scene()?;
-        targets.iter().try_for_each(Target::check)?;
-        scene.check()?;
-        Ok(scene)
+    /// The opened file and its first scene.
+    fn first(&self) -> Result<(Shots<'_>, Option<Numbered>)> {
+        let mut shots = Shots::open(&self.asked)?;
+        let first = self.ready(&mut shots)?;
+        Ok((shots, first))
     }
 
-    /// Every file to be written; one place for what does not go together.
-    fn targets(&self) -> Result<Vec<Target>> {
-        let targets = self.asked.files.targets()?;
+    /// The next scene, if it can be rendered and every file of it can be written.
+    fn ready(&self, shots: &mut Shots<'_>) -> Result<Option<Numbered>> {
+        let Some(shot) = shots.next_shot()? else { return Ok(None) };
+        self.asked.files.targets(shot.number)?.iter().try_for_each(Target::check)?;
+        shot.scene.check()?;
+        Ok(Some(shot))
+    }
+
+    /// What goes into the files of the first picture; one place for what does not go together.
+    fn check(&self) -> Result<Vec<Target>> {
+        let targets = self.asked.files.targets(1)?;
+        if self.asked.is_many() {
+            self.asked.files.check_many()?;
+        }
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "nothing is asked for";
             return Err(Error::settings(problem, "name a picture with -o, a buffer with --aov, or --json"));
@@ -151,4 +196,18 @@ impl Render {
 fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
     let each = |target: &Target| if go_on() { target.write(frame, origin) } else { Err(Error::Interrupted) };
     targets.par_iter().try_for_each(each)
+}
+
+fn write_legend(path: &Path, legend: &Legend) -> Result<()> {
+    let plot = legend.plot();
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let bytes = match ending.to_str() {
+        Some("svg") => plot.svg.into_bytes(),
+        Some("png") => plot.png()?,
+        _ => {
+            let problem = format!("{} is no legend", path.display());
+            return Err(Error::settings(problem, "end the name in .svg or .png"));
+        }
+    };
+    write_atomically(path, |out| out.write_all(&bytes))
 }

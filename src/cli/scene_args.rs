@@ -92,6 +92,19 @@ impl SceneArgs {
         first.map(|shot| shot.scene).ok_or_else(|| Error::settings("there is no scene", "ask for other --frames"))
     }
 
+    /// Whether several pictures are asked for.
+    pub(super) fn is_many(&self) -> bool {
+        self.expected() > 1
+    }
+
+    /// How many pictures are asked for, as far as is known before the file is read.
+    pub(super) fn expected(&self) -> u32 {
+        match (self.read.frames(), self.camera.spin) {
+            (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
+            (None, turns) => turns.map_or(1, NonZeroU32::get),
+        }
+    }
+
     /// The options besides the scene, for these buffers.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {

@@ -37,7 +37,7 @@ impl<'a> Shots<'a> {
     pub(super) fn next_shot(&mut self) -> Result<Option<Numbered>> {
         let (camera, count) = (&self.asked.camera, self.count);
         self.count += 1;
-        let spins = camera.spin.filter(|_| !self.asked.read.has_frames());
+        let spins = camera.spin.filter(|_| self.asked.read.frames().is_none());
         let shot = match spins {
             Some(turns) if count >= turns.get() => return Ok(None),
             Some(_) => {

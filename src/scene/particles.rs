@@ -128,6 +128,13 @@ impl FrameRange {
         self.0.iter().any(|(range, step)| range.contains(&number) && (number - range.start()).is_multiple_of(*step))
     }
 
+    /// How many they are at most; those that several ranges name count for each.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        let each = |(range, step): &(RangeInclusive<u64>, u64)| (range.end() - range.start()) / step + 1;
+        self.0.iter().map(each).fold(0, u64::saturating_add)
+    }
+
     /// The number of the last of them, [`u64::MAX`] for an open end.
     #[must_use]
     pub fn last(&self) -> u64 {
