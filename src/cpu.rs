@@ -19,9 +19,12 @@ pub(crate) use tiles::by_tiles;
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
 
-/// And where a driver's is.
+/// And where a driver's is, as far as answers depend on it.
+pub(crate) const PATH: &str = "halfline reference path, f32";
+
+/// The same for people.
 pub(crate) fn driver() -> String {
-    format!("halfline reference path, f32, {} threads", rayon::current_num_threads())
+    format!("{PATH}, {} threads", rayon::current_num_threads())
 }
 
 /// Fills `raw` by `kernel`'s method. `go_on` is asked before every row; rows after a `false` are left alone.

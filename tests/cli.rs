@@ -171,10 +171,19 @@ fn usage_is_2() {
     render(&["--aov", "mask=-", "--aov", "id=-"], &["standard output", "name files"]);
     render(&["-o", "out.npy", "--aov", "id=out.npy"], &["out.npy", "twice"]);
     render(&["-o", "out.npy", "--aov", "id=./out.npy"], &["out.npy", "twice"]);
-    render(&["-o", "out.jpg"], &["out.jpg", ".png or .npy"]);
-    render(&["-o", "out"], &["out", ".png or .npy"]);
+    render(&["-o", "out.jpg"], &["out.jpg", ".png, .exr, .npy, .npz, .pfm or .raw"]);
+    render(&["-o", "out"], &["out", ".png, .exr, .npy, .npz, .pfm or .raw"]);
     render(&["--aov", "id=out.png"], &["out.png", "id", ".npy"]);
-    render(&["--aov", "id"], &["NAME=FILE"]);
+    render(&["--aov", "id"], &["NAME=FILE", ".exr or .npz"]);
+    render(&["-o", "out.png", "--aov", "id,depth"], &["id,depth", "names no file", ".exr or .npz"]);
+    render(&["-o", "-", "--aov", "id,depth"], &["id,depth", "names no file", ".exr or .npz"]);
+    render(&["--aov", "id,depth=out.npy"], &["out.npy", "id, depth", ".exr or .npz"]);
+    render(&["-o", "out.png", "--raw"], &["--raw", "standard output"]);
+    render(&["-o", "out.png", "--bits", "12"], &["12", "8 or 16"]);
+    render(&["-o", "out.png", "--no-return", "none"], &["none", "inf, nan, zero"]);
+    for unit in ["0", "-1", "inf", "nan", "mm"] {
+        render(&["--aov", "depth=out.png", "--unit", unit], &[unit, "--unit", "positive"]);
+    }
     render(&["--aov", "id="], &["file name"]);
     render(&["--aov", "colour=out.npy"], &["colour", "distance"]);
     for size in ["0x5", "5x0", "5", "axb", "-5x5", "1048577x1"] {
@@ -569,7 +578,7 @@ fn an_interrupt_is_130_and_writes_nothing() {
     use std::io::{BufRead, BufReader, Read};
     let desk = Desk::new();
     let before = desk.files();
-    for backend in backends() {
+    for (backend, signal) in backends().into_iter().flat_map(|backend| [(backend, "-INT"), (backend, "-TERM")]) {
         let options = ["-o", "out.png", "--json", "--repeat", "1000000", "--backend", backend];
         let mut command = desk.command(&[&["render", "scene.toml"], &options[..]].concat(), &[]);
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("halfline runs");
@@ -577,7 +586,7 @@ fn an_interrupt_is_130_and_writes_nothing() {
         let mut line = String::new();
         talk.read_line(&mut line).expect("talk");
         assert!(line.contains("rendering on"), "{line}");
-        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill runs");
+        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill runs");
         assert!(sent.success());
         let start = Instant::now();
         let status = loop {

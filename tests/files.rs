@@ -2,8 +2,13 @@
 
 use halfline::error::Error;
 use halfline::frame::file::{Target, check_writable, write_atomically};
-use halfline::frame::{Aov, Buffer, Data, npy, png as picture};
+use halfline::frame::format::Style;
+use halfline::frame::provenance::Origin;
+use halfline::frame::{Aov, Buffer, Data, Frame, npy, png as picture};
 use halfline::measure::{Array, Values};
+use halfline::plan::Settings;
+use halfline::report::Report;
+use halfline::window::Window;
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::Path;
@@ -27,6 +32,19 @@ fn buffers() -> Vec<Buffer> {
             Buffer::new(aov, SIZE[0], SIZE[1], data).expect("a whole buffer")
         })
         .collect()
+}
+
+/// A frame of that buffer and no other.
+fn frame(buffer: &Buffer) -> Frame {
+    let [width, height] = [buffer.shape[1] as u32, buffer.shape[0] as u32];
+    let window = Window::full(width, height);
+    Frame { width, height, window, full: [width, height], buffers: vec![buffer.clone()], report: Report::default() }
+}
+
+/// Writes it as a rendering of the scene "s".
+fn write_to(target: &Target, frame: &Frame) -> halfline::Result<()> {
+    let (settings, report, fingerprint) = (Settings::default(), &frame.report, "s".to_owned());
+    target.write(frame, &Origin { fingerprint, settings: &settings, report, window: frame.window, full: frame.full })
 }
 
 fn npy_of(buffer: &Buffer) -> Vec<u8> {
@@ -285,37 +303,45 @@ fn targets_write_what_readers_read() {
     let folder = tempfile::tempdir().expect("a folder");
     for buffer in buffers() {
         let path = folder.path().join(format!("{}.npy", buffer.aov));
-        let target = Target::new(buffer.aov, &path).expect("any buffer can be .npy");
+        let target = Target::new(&[buffer.aov], &path, Style::default()).expect("any buffer can be .npy");
         target.check().expect("writable");
         assert_eq!(names(folder.path()), [""; 0], "asking leaves nothing behind");
-        target.write(&buffer, &words()).expect("written");
-        assert_eq!(fs::read(&path).expect("there"), npy_of(&buffer));
+        write_to(&target, &frame(&buffer)).expect("written");
+        let bytes = fs::read(&path).expect("there");
+        let (array, alone) = (npy_of(&buffer).len(), npy_of(&buffer));
+        assert_eq!(bytes[..array], alone);
+        assert!(bytes[array..].starts_with(b"\nhalfline {\"Software\":"), "and where it comes from");
         fs::remove_file(&path).expect("removed");
     }
     let path = folder.path().join("ramp.PNG");
-    Target::new(Aov::Color, &path).and_then(|target| target.write(&ramp(), &words())).expect("written");
-    assert_eq!(fs::read(&path).expect("there"), png_of(&ramp()));
+    let target = Target::new(&[Aov::Color], &path, Style::default()).expect("a target");
+    write_to(&target, &frame(&ramp())).expect("written");
+    let levels = |bytes: &[u8]| Array::from_bytes(bytes, "ramp").expect("readable").values().clone();
+    assert_eq!(levels(&fs::read(&path).expect("there")), levels(&png_of(&ramp())));
 }
 
 #[test]
 fn targets_refuse_what_they_cannot_hold() {
-    for (aov, name, offer) in [
-        (Aov::Depth, "depth.png", "end the name in .npy"),
-        (Aov::Color, "picture.jpg", "end the name in .png or .npy"),
-        (Aov::Id, "id", "end the name in .npy"),
-        (Aov::Color, ".png", "end the name in .png or .npy"),
+    for (aovs, name, offer) in [
+        (&[Aov::Id][..], "id.png", "end the name in .exr, .npy, .npz or .raw"),
+        (&[Aov::Color], "picture.jpg", "end the name in .png, .exr, .npy, .npz, .pfm or .raw"),
+        (&[Aov::Mask], "mask.pfm", "end the name in .png, .exr, .npy, .npz or .raw"),
+        (&[Aov::Color], ".png", "end the name in .png, .exr, .npy, .npz, .pfm or .raw"),
+        (&[Aov::Depth, Aov::Id], "both.npy", "end the name in .exr or .npz"),
+        (&[Aov::Depth, Aov::Id], "-", "end the name in .exr or .npz"),
     ] {
-        let error = Target::new(aov, Path::new(name)).expect_err("must be refused");
+        let error = Target::new(aovs, Path::new(name), Style::default()).expect_err("must be refused");
         assert!(matches!(error, Error::Settings { .. }), "{error}");
         assert!(error.to_string().starts_with(name) && error.to_string().ends_with(offer), "{error}");
     }
-    assert!(Target::new(Aov::Depth, Path::new("-")).expect("standard output").is_standard());
+    let standard = Target::new(&[Aov::Depth], Path::new("-"), Style::default()).expect("standard output");
+    assert!(standard.is_standard());
     let folder = tempfile::tempdir().expect("a folder");
-    let target = Target::new(Aov::Depth, &folder.path().join("depth.npy")).expect("a target");
+    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.npy"), Style::default()).expect("a target");
     let mut short = buffers().swap_remove(2);
     short.shape[0] += 1;
     for wrong in [&buffers()[1], &short] {
-        let error = target.write(wrong, &[]).expect_err("must be refused");
+        let error = write_to(&target, &frame(wrong)).expect_err("must be refused");
         assert!(matches!(error, Error::Settings { .. }), "{error}");
     }
     assert_eq!(names(folder.path()), [""; 0]);

@@ -3,6 +3,7 @@
 
 use super::Aov;
 use super::format::{Format, Style};
+use crate::cpu;
 use crate::plan::Settings;
 use crate::report::Report;
 use crate::scene::Scene;
@@ -57,7 +58,8 @@ impl Provenance {
         words.set("Software", format!("halfline {}", report.halfline));
         words.set("halfline:scene", fingerprint);
         words.set("halfline:adapter", &report.adapter);
-        words.set("halfline:driver", &report.driver);
+        // However many threads there are, they answer alike.
+        words.set("halfline:driver", if report.backend == "cpu" { cpu::PATH } else { &report.driver });
         words.set("halfline:method", report.method);
         words.set("halfline:accuracy", report.accuracy);
         if report.accuracy == "certified" {

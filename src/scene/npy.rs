@@ -3,6 +3,7 @@
 
 use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
 use crate::error::{Error, Place, Result};
+use crate::frame::provenance::Provenance;
 use crate::memory::check_spheres;
 use npyz::{NpyFile, NpyHeader, Order};
 use rayon::prelude::*;
@@ -109,8 +110,10 @@ impl<R: BufRead> Npy<'_, R> {
                 return Err(relocate(error, |field| self.place(format!("row {row} {field}"))));
             }
         }
-        match self.reader.fill_buf() {
-            Ok([]) => Ok(()),
+        let mut rest = Vec::new();
+        match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
+            // Behind an array of ours stands where it comes from.
+            Ok(_) if rest.is_empty() || Provenance::from_trailer(&rest).is_some() => Ok(()),
             Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows that the header announces"))),
             Err(e) => Err(Error::read(self.path, e)),
         }
