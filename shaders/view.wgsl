@@ -6,9 +6,9 @@ struct View {
     up: vec4<f32>,
     back: vec4<f32>,
     background: vec4<f32>, // linear RGB; w unused
-    width: u32,            // W, pixels
-    height: u32,           // H, pixels
-    first_row: u32,        // of the band that this dispatch renders
+    width: u32,            // W of the full frame, pixels
+    height: u32,           // H of the full frame, pixels
+    first_row: u32,        // of the band of the window that this dispatch renders, in the full frame
     rows: u32,             // in the band
     half_du: f32,          // vw / (2 W)
     half_dv: f32,          // vh / (2 H)
@@ -18,6 +18,8 @@ struct View {
     half_du_low: f32,      // what rounding took from half_du, half_dv, d
     half_dv_low: f32,
     d_low: f32,
+    first_column: u32,     // of the window
+    columns: u32,          // in the window
 }
 
 // A sphere in the canonical camera, scaled by its own power of two 2^-k so that squares neither overflow nor vanish.

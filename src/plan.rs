@@ -15,6 +15,7 @@ use crate::intersect::Method;
 use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::shade::Shade;
+use crate::window::Window;
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -107,6 +108,8 @@ pub struct Settings {
     pub shade: Shade,
     /// Which buffers the frame shall hold; ids are always computed.
     pub aovs: Vec<Aov>,
+    /// Which part of the frame is rendered, bit for bit as the whole has it; `None` is all of it.
+    pub window: Option<Window>,
     /// The error that is allowed. Certified answers promise it of t, relative to itself; where accuracy and method are
     /// left open, the cheapest method is taken whose predicted errors it allows. `None` promises the default and leaves
     /// the choice to the buffers.
@@ -118,6 +121,15 @@ impl Settings {
     #[must_use]
     pub fn promise(&self) -> Tolerance {
         self.tolerance.unwrap_or_default()
+    }
+
+    /// What is rendered of `scene`'s frame.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where the window is no part of it.
+    pub(crate) fn window_of(&self, scene: &Scene) -> Result<Window> {
+        let (width, height) = (scene.image.width, scene.image.height);
+        self.window.map_or(Ok(Window::full(width, height)), |window| window.within(width, height))
     }
 
     /// Whether any of these buffers shall be in the frame.

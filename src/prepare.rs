@@ -9,6 +9,7 @@ use crate::plan::{Accuracy, Plan, Search, Settings};
 use crate::report::Stages;
 use crate::scene::Scene;
 use crate::view::View;
+use crate::window::Window;
 
 /// A plan that can be carried out.
 pub(crate) struct Prepared {
@@ -20,7 +21,7 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// For one frame of `scene`.
+    /// For a `window` of one frame of `scene`.
     ///
     /// # Errors
     /// Those of [`View::new`] and of [`Stage::new`].
@@ -28,10 +29,11 @@ impl Prepared {
         plan: Plan,
         scene: &Scene,
         settings: &Settings,
+        window: Window,
         pool: &Pool,
         stages: &mut Stages,
     ) -> Result<Self> {
-        let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+        let view = stages.time("view", || View::for_kernel(scene, window, &plan.kernel))?;
         if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
             return Ok(Self { plan, view, stage: None });
         }
@@ -41,7 +43,7 @@ impl Prepared {
         let stage = stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, level, pool))?;
         if stage.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
-            let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+            let view = stages.time("view", || View::for_kernel(scene, window, &plan.kernel))?;
             return Ok(Self { plan, view, stage });
         }
         Ok(Self { plan, view, stage })

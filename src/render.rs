@@ -176,10 +176,11 @@ impl Renderer {
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
-        Need::of(&plan, &settings.aovs, scene, self.is_gpu()).check(memory::free(&self.pool))?;
+        let window = settings.window_of(scene)?;
+        Need::of(&plan, &settings.aovs, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
-            return self.frame(plan, scene, settings);
+            return self.frame(plan, scene, settings, window);
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
@@ -188,7 +189,7 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
-        let frame = self.frame(plan, scene, settings);
+        let frame = self.frame(plan, scene, settings, window);
         self.place = adapter;
         frame.map(|mut frame| {
             frame.report.warnings.push(format!("{doubt}: the CPU path answered instead"));
@@ -213,8 +214,8 @@ impl Renderer {
         }
     }
 
-    /// One frame as planned.
-    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
+    /// A window of one frame as planned.
+    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings, window: Window) -> Result<Frame> {
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
         pool.turn();
@@ -222,10 +223,10 @@ impl Renderer {
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let prepared = Prepared::new(plan, scene, settings, &pool, &mut stages)?;
+        let prepared = Prepared::new(plan, scene, settings, window, &pool, &mut stages)?;
         staging.end()?;
         let Prepared { plan, view, .. } = &prepared;
-        let pixels = view.record.width as usize * view.record.height as usize;
+        let pixels = view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
@@ -246,10 +247,8 @@ impl Renderer {
                 .or_else(|| stages.time("predict", || Prediction::of_view(view, scene, plan.kernel.method))),
             _ => None,
         };
-        let (width, height) = (view.record.width, view.record.height);
-        let window = Window::full(width, height);
-        let mut frame =
-            Frame { width, height, window, full: [width, height], buffers, report: self.report(plan, scene) };
+        let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
+        let mut frame = Frame { width, height, window, full, buffers, report: self.report(plan, scene) };
         let report = &mut frame.report;
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();
@@ -258,8 +257,12 @@ impl Renderer {
         report.certified = prepared.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings =
-            warnings(scene, report.hits, predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
+        report.warnings = warnings(
+            scene,
+            settings.window,
+            report.hits,
+            predicted.and_then(|predicted| predicted.warning(plan.kernel.method)),
+        );
         if settings.search == Search::Tiles && plan.search == Search::All {
             report.warnings.push(plan.search_reason.into());
         }
@@ -316,8 +319,8 @@ impl Renderer {
             (stages.time("settle", || settle::settle(scene, view, stage, &unsure, &go_on)), doing)
         } else {
             let doing = settle(raw.id.len());
-            let go_on = || doing.next(u64::from(view.record.width));
-            (stages.time("settle", || settle::exact(scene, &go_on)), doing)
+            let go_on = || doing.next(u64::from(view.record.columns));
+            (stages.time("settle", || settle::exact(scene, view, &go_on)), doing)
         };
         doing.end()?;
         settled
@@ -329,7 +332,7 @@ impl Renderer {
         let pool = Arc::clone(&self.pool);
         let (colors, stage) = (scene.spheres.colors.as_deref(), prepared.asked(scene, &pool));
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
-        let row = || doing.next(u64::from(view.record.width));
+        let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
             Place::Gpu(gpu) => {
                 let kernel =
@@ -367,7 +370,7 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
 }
 
 /// What the picture does not show by itself.
-fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
+fn warnings(scene: &Scene, window: Option<Window>, hits: u64, expected: Option<String>) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
     warnings.extend(expected);
     if scene.spheres.is_empty() {
@@ -378,8 +381,9 @@ fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
             1 => "the 1 sphere".to_owned(),
             n => format!("any of the {n} spheres"),
         };
+        let ray = window.map_or("ray".to_owned(), |window| format!("ray of the crop {window}"));
         warnings.push(format!(
-            "no ray hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
+            "no {ray} hits {spheres}: the picture is background; the eye is at ({}, {}, {}), {}",
             e.x,
             e.y,
             e.z,

@@ -18,7 +18,7 @@ pub struct Report {
     pub spheres: u64,
     /// Things in the scene file that are no spheres and were left out.
     pub skipped: u64,
-    /// Viewing rays: pixels.
+    /// Viewing rays: pixels of the window.
     pub rays: u64,
     /// Rays that hit something.
     pub hits: u64,

@@ -37,14 +37,16 @@ pub(crate) struct Render {
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.targets()?;
-        let settings = self.asked.settings(&targets);
+        let mut settings = self.asked.settings(&targets);
         // A device takes its time to open, on another core than the one that reads.
         let (scene, renderer) = std::thread::scope(|scope| {
             let opening = scope.spawn(|| Renderer::new(&settings));
             (self.scene(&targets), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
         });
         // What is wrong with the scene is told first, whatever adapters there are.
-        let (scene, renderer) = (scene?, renderer?);
+        let scene = scene?;
+        settings.window = self.asked.window(&scene)?;
+        let renderer = renderer?;
         let bar = Bar::new();
         let mut renderer = renderer.watched_by(bar.watch());
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {

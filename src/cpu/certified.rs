@@ -4,7 +4,7 @@
 use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
 use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
-use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
+use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE, TILE};
 use crate::certify::{Answer, Certify, NEAR, Slopes};
 use crate::frame::raw::{Piece, Raw};
 use crate::plan::Kernel;
@@ -15,7 +15,7 @@ use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// Pixels that are answered together: a row of a tile.
-const LANES: usize = crate::certify::tiles::TILE as usize;
+const LANES: usize = TILE as usize;
 
 /// Fills `raw` with certified answers, ids with [`UNSURE`] where there is no proof. `go_on` is asked before every row.
 pub(crate) fn certified(
@@ -28,13 +28,17 @@ pub(crate) fn certified(
 ) {
     let certify = Certify::new(&view.record, stage);
     let surface = Surface { view: &view.record, spheres: &[], colors };
-    let width = view.record.width as usize;
-    let rows: Vec<_> = raw.cut(width).collect();
+    let record = &view.record;
+    let width = record.columns as usize;
+    let rows: Vec<_> = raw.cut(width, width).collect();
     let arch = pulp::Arch::new();
     let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
     let answer = |(i, mut row): (usize, Piece<'_>)| {
-        for first in (0..width).step_by(LANES) {
-            let place = [i as u32, first as u32];
+        let i = record.first_row + i as u32;
+        // A strip is a row of a tile of the full frame, whatever the window shows of it.
+        let [[left, right], _] = record.tiles();
+        for tile in left..=right {
+            let place = [i, tile * TILE];
             let answered = arch.dispatch(Strip { certify: &certify, place });
             write(&mut row, place, kernel.shade, &certify, &surface, &answered);
         }
@@ -42,7 +46,7 @@ pub(crate) fn certified(
     rows.for_each(answer);
 }
 
-/// Eight pixels of a row, from row and column `place` on. Those past the image's edge are answered and left alone.
+/// Eight pixels of a row, from row and column `place` on. Those past the window's edges are answered and left alone.
 struct Strip<'a> {
     certify: &'a Certify<'a, f32>,
     place: [u32; 2],
@@ -243,7 +247,7 @@ fn pick(mask: u32, yes: f32, no: f32) -> f32 {
     f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
-/// What certify/render.wgsl writes of a strip in `row`, a row of the frame.
+/// What certify/render.wgsl writes of a strip in `row`, a row of the window.
 fn write(
     row: &mut Piece<'_>,
     [i, first]: [u32; 2],
@@ -252,9 +256,12 @@ fn write(
     surface: &Surface<'_, f32>,
     (kept, answers): &(Kepts, [Answer<f32>; LANES]),
 ) {
-    let there = LANES.min(row.id.len() - first as usize);
-    for (l, answer) in answers[..there].iter().enumerate() {
-        let j = first as usize + l;
+    let window = certify.view.first_column..certify.view.first_column + certify.view.columns;
+    for ((l, answer), column) in answers.iter().enumerate().zip(first..) {
+        if !window.contains(&column) {
+            continue;
+        }
+        let j = (column - window.start) as usize;
         let hit = kept.slot[l] != NONE;
         let proved = !hit || certify.certain(answer, kept.second[l]);
         row.id[j] = if proved { answer.id } else { UNSURE };
@@ -265,7 +272,7 @@ fn write(
             *width = answer.high - answer.low;
         }
         let ray = || {
-            let s = certify.slopes(i, j as u32);
+            let s = certify.slopes(i, column);
             Ray { d: [s.x, s.y, -1.0] }
         };
         row.shade(j, shade, surface, ray, hit.then_some((answer.normal, answer.id)));

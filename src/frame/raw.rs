@@ -60,15 +60,14 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
-    /// The buffers cut after every `pixels`; those nobody asked for stay empty.
-    pub(crate) fn cut(&mut self, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
-        // An empty buffer has no pieces: its iterator ends at once.
-        let mut ts = self.t.chunks_mut(pixels);
-        let mut lows = self.t_low.chunks_mut(pixels);
-        let mut normals = self.normal.chunks_mut(3 * pixels);
-        let mut colors = self.color.chunks_mut(3 * pixels);
-        let mut widths = self.width.chunks_mut(pixels);
-        self.id.chunks_mut(pixels).map(move |id| Piece {
+    /// The buffers cut after `first` pixels and then after every `pixels`; those nobody asked for stay empty.
+    pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
+        let mut ts = pieces(&mut self.t, first, pixels);
+        let mut lows = pieces(&mut self.t_low, first, pixels);
+        let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
+        let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
+        let mut widths = pieces(&mut self.width, first, pixels);
+        pieces(&mut self.id, first, pixels).map(move |id| Piece {
             id,
             t: ts.next().unwrap_or_default(),
             t_low: lows.next().unwrap_or_default(),
@@ -83,6 +82,12 @@ impl Raw {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
     }
+}
+
+/// The first `first` values, and then `count` at a time. An empty buffer has one piece, and that is empty.
+fn pieces<T>(buffer: &mut [T], first: usize, count: usize) -> impl Iterator<Item = &mut [T]> {
+    let (head, rest) = buffer.split_at_mut(first.min(buffer.len()));
+    std::iter::once(head).chain(rest.chunks_mut(count))
 }
 
 /// Some consecutive pixels of a [`Raw`].
@@ -134,7 +139,7 @@ const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
 impl Answers<'_> {
     /// The buffers asked for, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
-        let (w, h) = (self.view.record.width as usize, self.view.record.height as usize);
+        let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
         self.settle_raw();
         let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
         wanted.sort_unstable();
@@ -199,7 +204,8 @@ impl Answers<'_> {
         hit: impl Fn(usize, [f64; 3], f64) -> [f64; N] + Sync,
         truth: impl Fn(&Truth) -> [f64; N],
     ) -> Result<Vec<f64>> {
-        let width = self.view.record.width as usize;
+        let record = &self.view.record;
+        let width = record.columns as usize;
         let unit = crate::dd::ldexp(1.0, self.view.unit);
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
@@ -211,7 +217,8 @@ impl Answers<'_> {
                     *values = if id == NONE {
                         [missed; N]
                     } else {
-                        let [u, v, w] = self.view.direction(i, j);
+                        let [u, v, w] =
+                            self.view.direction(record.first_row + i as u32, record.first_column + j as u32);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
                         let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);

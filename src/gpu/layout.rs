@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
-            zero half_du_low half_dv_low d_low);
+            zero half_du_low half_dv_low d_low first_column columns);
         same!(module "Sphere", SphereRecord, ball power scale);
         same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);

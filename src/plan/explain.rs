@@ -33,9 +33,11 @@ pub struct Explanation {
     pub spheres: u64,
     /// Things in the scene file that are no spheres and are left out.
     pub skipped: u64,
-    /// Columns and rows.
+    /// Columns and rows of the full frame.
     pub size: [u32; 2],
-    /// Viewing rays: pixels.
+    /// Which part of it would be rendered: x0, y0, x1, y1, the ends excluded.
+    pub window: [u32; 4],
+    /// Viewing rays: pixels of that part.
     pub rays: u64,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
@@ -158,9 +160,11 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
         return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
     }
-    let (need, free) = (Need::of(&plan, &settings.aovs, scene, found.is_some()), memory::free(&Pool::default()));
+    let window = settings.window_of(scene)?;
+    let need = Need::of(&plan, &settings.aovs, scene, window, found.is_some());
+    let free = memory::free(&Pool::default());
     need.check(free)?;
-    let prepared = Prepared::new(plan, scene, settings, &Pool::default(), &mut Stages::default())?;
+    let prepared = Prepared::new(plan, scene, settings, window, &Pool::default(), &mut Stages::default())?;
     let Prepared { plan, view, stage } = &prepared;
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
     let predicted = match plan.accuracy {
@@ -172,15 +176,15 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     let work = on_device
         .map(|found| Work::of(&kernel.for_stage(prepared.certified()), &prepared, scene, found))
         .unwrap_or_default();
-    let size = [view.record.width, view.record.height];
     Ok(Explanation {
         schema: "halfline-plan",
         version: 1,
         halfline: env!("CARGO_PKG_VERSION"),
         spheres: scene.spheres.len() as u64,
         skipped: scene.skipped.total(),
-        size,
-        rays: u64::from(size[0]) * u64::from(size[1]),
+        size: [view.record.width, view.record.height],
+        window: [window.x0, window.y0, window.x1, window.y1],
+        rays: view.record.pixels() as u64,
         backend: if found.is_some() { "gpu" } else { "cpu" },
         adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
         accuracy: plan.accuracy.name(),
@@ -191,7 +195,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         search: plan.search.name(),
         search_reason: plan.search_reason.to_owned(),
         staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
-        frame: frame(settings, size),
+        frame: frame(settings, [window.width(), window.height()]),
         left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
         reason: plan.reason.clone(),
         kernel: work.kernel,
@@ -229,7 +233,7 @@ impl Work {
         let pool = Pool::default();
         let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
-        let pixels = u64::from(view.record.width) * u64::from(view.record.height);
+        let pixels = view.record.pixels() as u64;
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
