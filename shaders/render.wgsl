@@ -2,7 +2,8 @@
 
 fn render(tile: vec3<u32>, index: u32) {
     let at = pixel_at(tile, index);
-    let ray = viewing_ray(at.y, at.x);
+    let to = aim(at);
+    let ray = viewing_ray(to.y, to.x);
     let hit = nearest(ray);
     // Only now may invocations outside the window leave: they carried spheres for their subgroup.
     if (!is_shown(at)) {

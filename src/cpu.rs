@@ -59,7 +59,8 @@ impl Visit for Frame<'_> {
         raw.t_low.resize(raw.id.len(), 0.0);
         // Of a row and a column of the window.
         let ray = |i: usize, j: usize| {
-            viewing_ray::<V::Number>(record, record.first_row + i as u32, record.first_column + j as u32)
+            let [i, j] = record.aim(record.first_row + i as u32, record.first_column + j as u32);
+            viewing_ray::<V::Number>(record, i, j)
         };
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();

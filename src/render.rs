@@ -16,6 +16,7 @@ use crate::plan::{Accuracy, Backend, Kernel, Plan, Search, Settings, Sharing};
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
+use crate::raster::Raster;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::Scene;
 use crate::settle::{self, Settled};
@@ -177,6 +178,7 @@ impl Renderer {
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         let window = settings.window_of(scene)?;
+        Raster::samples(window, settings, &scene.image)?;
         Need::of(&plan, &settings.aovs, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
@@ -223,7 +225,7 @@ impl Renderer {
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let prepared = Prepared::new(plan, scene, settings, window, &pool, &mut stages)?;
+        let prepared = Prepared::new(plan, scene, settings, Raster::centres(window), &pool, &mut stages)?;
         staging.end()?;
         let Prepared { plan, view, .. } = &prepared;
         let pixels = view.record.pixels();
@@ -233,13 +235,17 @@ impl Renderer {
         self.kernel_ms();
         let settled = self.answer(&prepared, scene, &mut raw, &mut stages)?;
         watch.check()?;
+        let samples = Raster::samples(window, settings, &scene.image)?.zip(plan.sampled);
+        let sampled = samples
+            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut stages))
+            .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, view, prepared.certified()));
-        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled };
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => plan
@@ -251,6 +257,7 @@ impl Renderer {
         let mut frame = Frame { width, height, window, full, buffers, report: self.report(plan, scene) };
         let report = &mut frame.report;
         report.rays = pixels as u64;
+        report.samples = samples.map_or(1, |(raster, _)| raster.count());
         report.hits = frame.buffers.iter().map(hits).sum();
         report.settled = settled.len() as u64;
         let proved = (pixels - settled.len()) as f64 / pixels as f64;
@@ -289,7 +296,7 @@ impl Renderer {
             method: plan.method,
             accuracy: plan.accuracy.name(),
             reason: plan.reason.clone(),
-            shade: plan.kernel.shade.map(|shade| shade.name()),
+            shade: plan.shade().map(|shade| shade.name()),
             search: plan.search.name(),
             setup_ms: self.setup_ms,
             ..Report::default()
@@ -297,7 +304,7 @@ impl Renderer {
     }
 
     /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
-    fn answer(
+    pub(crate) fn answer(
         &mut self,
         prepared: &Prepared,
         scene: &Scene,

@@ -74,6 +74,7 @@ impl Settler<'_> {
             return Vec::new();
         }
         let [row, column] = twin.view.place(pixel);
+        let [row, column] = twin.view.aim(row, column);
         let slopes = twin.slopes(row, column);
         let mut all: Vec<_> = twin.candidates(&slopes).collect();
         // The depth that the nearest hit surely does not exceed.
@@ -98,11 +99,12 @@ impl Settler<'_> {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
         let few = Scene { camera: scene.camera, image: scene.image, spheres, skipped: Default::default() };
-        let judge = Judge::new(&few)?;
+        let judge = Judge::new(&few)?.refined(self.twin.view.fine());
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
             let candidates: Vec<u32> = own.iter().map(local).collect();
             let [row, column] = self.twin.view.place(pixel);
+            let [row, column] = self.twin.view.aim(row, column);
             let truth = judge.among(row, column, &candidates);
             Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
         };
@@ -112,12 +114,13 @@ impl Settler<'_> {
 
 /// Decides every pixel of the window among all spheres: the judge itself. `go_on` is asked before every row.
 pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
-    let judge = Judge::new(scene)?;
     let record = &view.record;
+    let judge = Judge::new(scene)?.refined(record.fine());
     let row = |i: u32| {
         let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
         let decide = |pixel: u32| {
             let [row, column] = record.place(pixel);
+            let [row, column] = record.aim(row, column);
             Settled { pixel, truth: judge.pixel(row, column) }
         };
         pixels.map(decide).collect::<Vec<_>>()

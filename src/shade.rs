@@ -112,6 +112,7 @@ pub(crate) fn settled(shade: Shade, scene: &Scene, view: &View, settled: &[Settl
                     Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
                     Shade::Headlight => {
                         let [row, column] = view.record.place(s.pixel);
+                        let [row, column] = view.record.aim(row, column);
                         let direction = view.direction(row, column);
                         let along = view.to_world(direction);
                         let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();

@@ -11,6 +11,7 @@ use crate::dd::{self, Dd};
 use crate::error::{Error, Place, Result};
 use crate::intersect::Method;
 use crate::plan::Kernel;
+use crate::raster::Raster;
 use crate::real::Real;
 use crate::scene::Scene;
 use crate::window::Window;
@@ -30,9 +31,9 @@ pub struct ViewRecord {
     pub back: [f32; 4],
     /// Linear RGB of a miss; the fourth number is unused.
     pub background: [f32; 4],
-    /// W of the full frame.
+    /// W of the full frame; where pixels are sampled, of the finer one whose pixels are the samples.
     pub width: u32,
-    /// H of the full frame.
+    /// H likewise.
     pub height: u32,
     /// First row of the window, and of the band of it that a dispatch renders; in the full frame.
     pub first_row: u32,
@@ -58,6 +59,14 @@ pub struct ViewRecord {
     pub first_column: u32,
     /// Columns in the window.
     pub columns: u32,
+    /// Strata along a side of a pixel, one sample each; 1 for pixel centres.
+    pub strata: u32,
+    /// Pixels of the finer frame along a side of a stratum, a power of two.
+    pub jitter: u32,
+    /// Which sample.
+    pub sample: u32,
+    /// Chooses where in their strata samples lie.
+    pub seed: u32,
     /// WGSL rounds the size up to the alignment of the vectors.
     pub unused: [u32; 2],
 }
@@ -171,11 +180,10 @@ impl View {
         Ok(view)
     }
 
-    /// A `window` of it with what `kernel` reads: no sphere records for one that reads lists, which are made of their
+    /// The rays of `raster` with what `kernel` reads: no sphere records for one that reads lists, which are made of their
     /// own, and low parts for a method beyond f32.
-    pub(crate) fn for_kernel(scene: &Scene, window: Window, kernel: &Kernel) -> Result<Self> {
-        let mut view = Self::without_spheres(scene)?;
-        view.show(window);
+    pub(crate) fn for_kernel(scene: &Scene, raster: Raster, kernel: &Kernel) -> Result<Self> {
+        let mut view = Self::of_raster(scene, raster)?;
         if kernel.certify || kernel.tiles {
             return Ok(view);
         }
@@ -186,25 +194,29 @@ impl View {
         Ok(view)
     }
 
-    /// Shows nothing but this window: of all numbers, only which pixels are asked depends on it.
-    fn show(&mut self, window: Window) {
-        let record = &mut self.record;
-        (record.first_row, record.rows) = (window.y0, window.height());
-        (record.first_column, record.columns) = (window.x0, window.width());
-    }
-
     /// Camera, pixels and the frame's unit.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
+        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)))
+    }
+
+    /// The same for the rays of `raster`. The window says which of them are asked, and no other number depends on it.
+    fn of_raster(scene: &Scene, raster: Raster) -> Result<Self> {
         scene.check()?;
-        let (width, height) = (scene.image.width, scene.image.height);
-        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
+        let [width, height] = [scene.image.width, scene.image.height].map(|side| side * raster.fine());
+        let (pitch, pixel, low) = scaled_pitch(&viewport, width, height);
         let [red, green, blue] = scene.image.background;
         let record = ViewRecord {
             background: [red, green, blue, 0.0],
             width,
             height,
-            rows: height,
-            columns: width,
+            first_row: raster.window.y0,
+            rows: raster.window.height(),
+            first_column: raster.window.x0,
+            columns: raster.window.width(),
+            strata: raster.strata,
+            jitter: raster.jitter,
+            seed: raster.seed,
             half_du: pixel[0],
             half_dv: pixel[1],
             d: pixel[2],
@@ -254,7 +266,7 @@ impl View {
         self.lows = spheres.par_iter().zip(moved).map(|(s, moved)| moved.low(s)).collect();
     }
 
-    /// The viewing direction (u, v, -d) of row i and column j of the full frame in f64, scaled like the record's.
+    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
         let odd = |n: u32, k: u32| 2.0 * f64::from(k) + 1.0 - f64::from(n);
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]

@@ -11,7 +11,8 @@ fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
 
 fn render(tile: vec3<u32>, index: u32) {
     let at = pixel_at(tile, index);
-    let s = slopes(at.y, at.x);
+    let to = aim(at);
+    let s = slopes(to.y, to.x);
     let list = 2u * (tile.y * tile_columns() + tile.x);
     let k = candidates(s, vec2<u32>(lists[list], lists[list + 1u]));
     // Only now may invocations outside the window leave: they carried spheres for their subgroup.

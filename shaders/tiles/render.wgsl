@@ -5,9 +5,10 @@ var<private> place: u32;
 
 fn render(tile: vec3<u32>, index: u32) {
     let at = pixel_at(tile, index);
+    let to = aim(at);
     let list = 2u * (tile.y * tile_columns() + tile.x);
     let limits = 2u * tile_columns() * tile_rows();
-    let ray = viewing_ray(at.y, at.x);
+    let ray = viewing_ray(to.y, to.x);
     let found = nearest_in(ray, vec2<u32>(lists[list], lists[list + 1u]), limits);
     // Only now may invocations outside the window leave: they carried spheres for their subgroup.
     if (!is_shown(at)) {

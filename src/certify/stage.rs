@@ -85,7 +85,7 @@ impl Stage {
         level: u32,
         pool: &Pool,
     ) -> Result<Option<Self>> {
-        let (width, height) = (view.record.width, view.record.height);
+        let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
         let narrow = lens.slope.iter().any(|slope| *slope < 2f64.powi(-100));

@@ -58,6 +58,13 @@ impl Display for Words<'_> {
             let halfline::plan::Staged { front, near, unseen } = staged;
             writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can meet and nobody uploads")?;
         }
+        if e.samples > 1 {
+            let samples = e.samples;
+            writeln!(
+                f,
+                "samples    {samples} of each pixel for colour and alpha: as many passes more, of ids and colour"
+            )?;
+        }
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
         writeln!(f, "accuracy   {}, tolerance {:.1e}", e.accuracy, e.tolerance)?;
         writeln!(f, "method     {}", e.method)?;

@@ -11,6 +11,7 @@ use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::{ReadOptions, Scene};
 use halfline::shade::Shade;
 use halfline::window::Window;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 /// A scene and what is asked of it.
@@ -28,6 +29,13 @@ pub(super) struct SceneArgs {
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     size: Option<(u32, u32)>,
+    /// Anti-aliasing: colour and alpha are the means of so many samples of each pixel, rounded up to the next square;
+    /// everything else stays the answer of the pixel's centre.
+    #[arg(long, value_name = "N", default_value = "1")]
+    samples: NonZeroU32,
+    /// Chooses where in their pixels samples lie.
+    #[arg(long, value_name = "S", default_value = "0")]
+    seed: u32,
     /// Renders only columns x0 to x1 and rows y0 to y1 of the image, the ends excluded, bit for bit as the whole has
     /// them.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
@@ -116,7 +124,9 @@ impl SceneArgs {
             shade: self.shade,
             tolerance: self.tolerance,
             aovs: targets.iter().map(Target::aov).collect(),
-            ..Settings::default()
+            samples: self.samples.get(),
+            seed: self.seed,
+            window: None,
         }
     }
 

@@ -55,7 +55,8 @@ impl Visit for Frame<'_> {
                 tile.enter(first, left);
                 for i in 0..count {
                     for j in columns.start.max(left)..columns.end.min(left + TILE) {
-                        let ray = viewing_ray(view, first + i as u32, j);
+                        let [row, column] = view.aim(first + i as u32, j);
+                        let ray = viewing_ray(view, row, column);
                         let (hit, s) = tile.nearest::<V>(&ray);
                         let pixel = i * width + (j - columns.start) as usize;
                         rows.id[pixel] = hit.id;

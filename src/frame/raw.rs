@@ -8,6 +8,7 @@ use crate::memory::Pool;
 use crate::plan::Kernel;
 use crate::ray::{NONE, Ray};
 use crate::real::Real;
+use crate::sample::Sampled;
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 use crate::view::View;
@@ -77,6 +78,23 @@ impl Raw {
         })
     }
 
+    /// Ids and normals of what was settled.
+    pub(crate) fn settle(&mut self, settled: &[Settled]) {
+        for s in settled {
+            let pixel = s.pixel as usize;
+            self.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
+            if let Some(normal) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
+            }
+        }
+    }
+
+    /// Leaves its memory to the next frame.
+    pub(crate) fn give_to(self, pool: &Pool) {
+        pool.give(self.id);
+        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.give(unused));
+    }
+
     /// t of a hit in all its parts; 0 where nobody asked for it.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
@@ -131,6 +149,8 @@ pub(crate) struct Answers<'a> {
     pub(crate) depths: Option<Depths<'a>>,
     /// In the order of pixels.
     pub(crate) settled: &'a [Settled],
+    /// Colour and coverage, where pixels were sampled.
+    pub(crate) sampled: Option<Sampled>,
 }
 
 /// Relative rounding of a distance made of a depth in f64, and of a settled one: 2^-50, several roundings.
@@ -140,7 +160,7 @@ impl Answers<'_> {
     /// The buffers asked for, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
         let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
-        self.settle_raw();
+        self.raw.settle(self.settled);
         let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -148,7 +168,10 @@ impl Answers<'_> {
         let mut buffers = Vec::with_capacity(wanted.len());
         for aov in wanted {
             let data = match aov {
-                Aov::Color => Data::F32(std::mem::take(&mut self.raw.color)),
+                Aov::Color => Data::F32(match &mut self.sampled {
+                    Some(sampled) => std::mem::take(&mut sampled.color),
+                    None => std::mem::take(&mut self.raw.color),
+                }),
                 Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),
                 // Last of all: the others look at the ids. NONE and -1 are the same bits.
                 Aov::Id => continue,
@@ -166,7 +189,10 @@ impl Answers<'_> {
                     };
                     Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance])?)
                 }
-                Aov::Alpha => Data::F32(self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect()),
+                Aov::Alpha => Data::F32(match &mut self.sampled {
+                    Some(sampled) => std::mem::take(&mut sampled.alpha),
+                    None => self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect(),
+                }),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
@@ -183,17 +209,6 @@ impl Answers<'_> {
         buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);
         buffers.sort_by_key(|b| b.aov);
         Ok(buffers)
-    }
-
-    /// Ids and normals of what was settled.
-    fn settle_raw(&mut self) {
-        for s in self.settled {
-            let pixel = s.pixel as usize;
-            self.raw.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
-            if let Some(normal) = self.raw.normal.get_mut(3 * pixel..3 * pixel + 3) {
-                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
-            }
-        }
     }
 
     /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and

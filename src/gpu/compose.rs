@@ -68,6 +68,10 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
         false if kernel.tiles => tiles(kernel, &mut parts),
         false => search(kernel, &mut parts),
     }
+    if kernel.rays == Rays::Camera {
+        parts.push(part!("window.wgsl"));
+        parts.push(if kernel.samples { part!("pixel/sample.wgsl") } else { part!("pixel/plain.wgsl") });
+    }
     frame(kernel, &mut parts);
     Source::new(parts)
 }
@@ -76,7 +80,7 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
     parts.extend(match kernel.rays {
-        Rays::Camera => vec![part!("origin/shared.wgsl"), part!("window.wgsl"), part!("render.wgsl")],
+        Rays::Camera => vec![part!("origin/shared.wgsl"), part!("render.wgsl")],
         Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
         Rays::Spread => vec![part!("lows.wgsl"), part!("origin/spread.wgsl"), part!("trace.wgsl")],
     });
@@ -100,8 +104,7 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
 /// The nearest hit by one form among the candidates of a tile.
 fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
-    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/consider.wgsl")]);
-    parts.extend([part!("window.wgsl"), part!("tiles/render.wgsl")]);
+    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/consider.wgsl"), part!("tiles/render.wgsl")]);
     parts.extend(match kernel.sharing {
         Sharing::None | Sharing::Shuffle => [part!("tiles/plain.wgsl"), part!("entry/plain.wgsl")],
         Sharing::Subgroup4 => [part!("tiles/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
@@ -116,7 +119,7 @@ fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
 fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl"), part!("wide/shared.wgsl")]);
     parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("tiles/wide/consider.wgsl")]);
-    parts.extend([part!("tiles/candidates.wgsl"), part!("window.wgsl"), part!("tiles/render.wgsl")]);
+    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/render.wgsl")]);
     parts.extend(match kernel.shares() {
         false => [part!("tiles/wide/plain.wgsl"), part!("entry/plain.wgsl")],
         true => [part!("tiles/wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
@@ -136,9 +139,9 @@ fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
         parts.push(part!("wide/consider.wgsl"));
     }
     parts.extend(match kernel.rays {
-        Rays::Camera => vec![part!("wide/shared.wgsl"), part!("window.wgsl"), part!("render.wgsl")],
-        Rays::SharedOrigin => vec![part!("wide/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Spread => vec![part!("wide/spread.wgsl"), part!("trace.wgsl")],
+        Rays::Camera => [part!("wide/shared.wgsl"), part!("render.wgsl")],
+        Rays::SharedOrigin => [part!("wide/shared.wgsl"), part!("trace.wgsl")],
+        Rays::Spread => [part!("wide/spread.wgsl"), part!("trace.wgsl")],
     });
     parts.extend(match kernel.sharing {
         _ if kernel.tree => vec![part!("entry/plain.wgsl")],
@@ -166,7 +169,7 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     });
     parts.extend([part!("certify/keep.wgsl"), part!("certify/candidates.wgsl")]);
     parts.push(if kernel.nears { part!("certify/near.wgsl") } else { part!("certify/no_near.wgsl") });
-    parts.extend([part!("certify/judge.wgsl"), part!("window.wgsl"), part!("certify/render.wgsl")]);
+    parts.extend([part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
     parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
 }
 

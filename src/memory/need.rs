@@ -43,7 +43,13 @@ impl Need {
             // The twin has its own in its own numbers.
             _ => records + if wide { 48 } else { 24 },
         };
-        let pixels = u64::from(window.width()) * u64::from(window.height()) * bytes_per_pixel(&plan.kernel, aovs);
+        // The samples' own buffers, their sums and what these become.
+        let sampled = plan.sampled.map_or(0, |kernel| {
+            let colors = u64::from(kernel.shade.is_some());
+            bytes_per_pixel(&kernel, &[]) + (24 + 12) * colors + 4
+        });
+        let each = bytes_per_pixel(&plan.kernel, aovs) + sampled;
+        let pixels = u64::from(window.width()) * u64::from(window.height()) * each;
         Self { pixels, sphere, spheres: scene.spheres.len() as u64 }
     }
 

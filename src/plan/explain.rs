@@ -14,6 +14,7 @@ use crate::intersect::Method;
 use crate::memory::{self, Need, Pool};
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
+use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
 use crate::shade::Shade;
@@ -39,6 +40,9 @@ pub struct Explanation {
     pub window: [u32; 4],
     /// Viewing rays: pixels of that part.
     pub rays: u64,
+    /// Samples of each pixel that colour and alpha would be the means of: as many passes more, by the kernel's twin that asks
+    /// samples and writes nothing but ids and colour. 1 where they are the answers of pixel centres.
+    pub samples: u32,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
     /// The adapter's name; `cpu` for the reference path.
@@ -161,10 +165,12 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
     }
     let window = settings.window_of(scene)?;
+    let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
     let need = Need::of(&plan, &settings.aovs, scene, window, found.is_some());
     let free = memory::free(&Pool::default());
     need.check(free)?;
-    let prepared = Prepared::new(plan, scene, settings, window, &Pool::default(), &mut Stages::default())?;
+    let prepared =
+        Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
     let Prepared { plan, view, stage } = &prepared;
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
     let predicted = match plan.accuracy {
@@ -185,6 +191,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         size: [view.record.width, view.record.height],
         window: [window.x0, window.y0, window.x1, window.y1],
         rays: view.record.pixels() as u64,
+        samples: samples.map_or(1, |raster| raster.count()),
         backend: if found.is_some() { "gpu" } else { "cpu" },
         adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
         accuracy: plan.accuracy.name(),
@@ -308,7 +315,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         };
         leave("device", why);
     }
-    match kernel.shade {
+    match plan.shade() {
         None => leave("shading", "no picture is asked for"),
         Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not show them"),
         Some(_) if scene.spheres.colors.is_none() => {
@@ -320,7 +327,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         leave("t", "no distance, depth or position is asked for");
     }
     if !kernel.normal {
-        match kernel.shade {
+        match plan.shade() {
             None | Some(Shade::Flat) => leave("normals", "nobody asked, and nothing is shaded by them"),
             Some(_) => leave("normal buffer", "nobody asked: normals are made for shading and not kept"),
         }

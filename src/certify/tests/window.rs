@@ -5,6 +5,7 @@ use crate::certify::stage::Stage;
 use crate::certify::tiles::TILE;
 use crate::memory::Pool;
 use crate::plan::Kernel;
+use crate::raster::Raster;
 use crate::view::View;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
@@ -29,7 +30,7 @@ fn a_windows_lists_are_the_full_frames() {
     for (count, radius, shared) in [(900, 0.05, false), (2600, 1.4, true)] {
         let scene = scene(count, radius);
         let stage = |window: Window| {
-            let view = View::for_kernel(&scene, window, &kernel).expect("a view");
+            let view = View::for_kernel(&scene, Raster::centres(window), &kernel).expect("a view");
             Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
         };
         let (full, part) = (stage(Window::full(256, 256)), stage(window));
