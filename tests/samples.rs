@@ -47,6 +47,7 @@ fn asked(samples: u32, seed: u32) -> Settings {
 fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let accuracy = |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, ..asked(4, 7) });
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
+    kinds.push(("certified, flat".into(), Settings { shade: Shade::Flat, ..kinds[0].1.clone() }));
     for method in common::admitted(renderer) {
         // SwiftShader takes long to compile normals in better arithmetic.
         let wide = [Method::Native64, Method::DoubleFloat].contains(&method);
@@ -74,7 +75,12 @@ fn gpu_and_cpu_agree_on_samples() {
             let same = |aov: Aov| a.bits(aov) == b.bits(aov);
             // Hits and misses of certified frames are the truth on any adapter.
             assert!(same(Aov::Alpha) || !strict && a.report.accuracy == "fast", "{name}, {kind}");
-            assert!(same(Aov::Color) || !strict, "{name}, {kind}");
+            // A certified cosine is of (x, y, -1), whose squares lavapipe's compiler adds in another order: some ten
+            // roundings of 2^-23.
+            let shaded = kind == "certified" && settings.shade == Shade::Headlight;
+            let colors = [&a, &b].map(|frame| frame.f32(Aov::Color).expect("asked for"));
+            let close = colors[0].iter().zip(colors[1]).all(|(a, b)| (a - b).abs() < 2e-6);
+            assert!(same(Aov::Color) || shaded && close || !strict, "{name}, {kind}");
             let alpha = a.f32(Aov::Alpha).expect("asked for");
             assert!(name == "inside" || alpha.iter().any(|x| *x > 0.0 && *x < 1.0), "some pixels are covered in part");
         }

@@ -179,9 +179,15 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     };
     let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
     let on_device = found.as_ref().filter(|_| traced);
-    let work = on_device
+    let mut work = on_device
         .map(|found| Work::of(&kernel.for_stage(prepared.certified()), &prepared, scene, found))
         .unwrap_or_default();
+    if let (Some(raster), Some(sampled), Some(found)) = (samples, plan.sampled, on_device) {
+        let plan = Plan { kernel: Kernel { sharing: kernel.sharing, ..sampled }, ..plan.clone() };
+        let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
+        let kernel = passes.plan.kernel.for_stage(passes.certified());
+        work.add(Work::of(&kernel, &passes, scene, found), raster.count());
+    }
     Ok(Explanation {
         schema: "halfline-plan",
         version: 1,
@@ -262,6 +268,25 @@ impl Work {
         }
         let spheres = Some(reach.spheres(kernel, &input));
         Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
+    }
+}
+
+impl Work {
+    /// So many passes of another kernel come on top.
+    fn add(&mut self, pass: Self, passes: u32) {
+        let passes = u64::from(passes);
+        let new = pass.kernel.into_iter().filter(|part| !self.kernel.contains(part)).collect::<Vec<_>>();
+        self.kernel.extend(new);
+        for (all, more) in [(&mut self.uploaded, pass.uploaded), (&mut self.written, pass.written)] {
+            for Binding { name, bytes } in more {
+                match all.iter_mut().find(|b| b.name == name) {
+                    Some(b) => b.bytes += passes * bytes,
+                    None => all.push(Binding { name, bytes: passes * bytes }),
+                }
+            }
+        }
+        self.dispatches += passes * pass.dispatches;
+        self.spheres = self.spheres.min(pass.spheres);
     }
 }
 
