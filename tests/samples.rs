@@ -185,7 +185,7 @@ fn a_crop_has_the_samples_of_the_full_frame() {
 fn more_samples_than_a_frame_can_be_cut_into_are_refused() {
     let mut scene = weekend();
     (scene.image.width, scene.image.height) = (1 << 18, 1);
-    let error = cpu().render(&scene, &asked(17, 0)).expect_err("5 x 2^18 columns");
+    let error = cpu().render(&scene, &asked(17, 0)).map(drop).expect_err("5 x 2^18 columns");
     assert!(matches!(error, Error::Limits { .. }) && error.to_string().contains("at most 16"), "{error}");
     let ids = Settings { aovs: vec![Aov::Id], ..asked(16, 0) };
     assert_eq!(render(&mut cpu(), &weekend(), &ids).report.samples, 1, "nobody asked what samples are for");

@@ -27,7 +27,7 @@ fn a_windows_lists_are_the_full_frames() {
     let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
     let window = Window { x0: 101, y0: 27, x1: 152, y1: 90 };
     // Single tiles that are covered, and cells of several tiles.
-    for (count, radius, shared) in [(900, 0.05, false), (2600, 1.4, true)] {
+    for (count, radius, shared) in [(900, 0.2, false), (2600, 1.4, true)] {
         let scene = scene(count, radius);
         let stage = |window: Window| {
             let view = View::for_kernel(&scene, Raster::centres(window), &kernel).expect("a view");
