@@ -1,16 +1,15 @@
 // The data's way, once per pixel: ray, nearest hit, colour, frame.
-const TILE: u32 = 8u; // pixels along a side of a workgroup's tile
 
 fn render(tile: vec3<u32>, index: u32) {
-    let row = tile.y * TILE + index / TILE;
-    let column = tile.x * TILE + index % TILE;
-    let ray = viewing_ray(view.first_row + row, column);
+    let at = pixel_at(tile, index);
+    let to = aim(at);
+    let ray = viewing_ray(to.y, to.x);
     let hit = nearest(ray);
-    // Only now may invocations outside the image leave: they carried spheres for their subgroup.
-    if (row >= view.rows || column >= view.width) {
+    // Only now may invocations outside the window leave: they carried spheres for their subgroup.
+    if (!is_shown(at)) {
         return;
     }
-    let pixel = row * view.width + column;
+    let pixel = place_of(at);
     write_id(pixel, hit);
     write_t(pixel, hit);
     write_normal(pixel, ray, hit);

@@ -6,9 +6,9 @@ struct View {
     up: vec4<f32>,
     back: vec4<f32>,
     background: vec4<f32>, // linear RGB; w unused
-    width: u32,            // W, pixels
-    height: u32,           // H, pixels
-    first_row: u32,        // of the band that this dispatch renders
+    width: u32,            // W of the full frame, pixels; of the finer one whose pixels are samples
+    height: u32,           // H likewise
+    first_row: u32,        // of the band of the window that this dispatch renders, in the full frame
     rows: u32,             // in the band
     half_du: f32,          // vw / (2 W)
     half_dv: f32,          // vh / (2 H)
@@ -18,6 +18,12 @@ struct View {
     half_du_low: f32,      // what rounding took from half_du, half_dv, d
     half_dv_low: f32,
     d_low: f32,
+    first_column: u32,     // of the window
+    columns: u32,          // in the window
+    strata: u32,           // along a side of a pixel, one sample each
+    jitter: u32,           // pixels of the finer frame along a side of a stratum, a power of two
+    sample: u32,           // which one
+    seed: u32,             // of where in their strata samples lie
 }
 
 // A sphere in the canonical camera, scaled by its own power of two 2^-k so that squares neither overflow nor vanish.

@@ -145,7 +145,7 @@ impl<'a, R: Real> Certify<'a, R> {
 }
 
 impl<R: Real> Certify<'_, R> {
-    /// The ray of row `i`, column `j`.
+    /// The ray of row `i`, column `j` of the view's frame.
     #[inline(always)]
     pub(crate) fn slopes(&self, i: u32, j: u32) -> Slopes<R> {
         let odd = |n: i64| R::exact(n as f32);
@@ -176,7 +176,8 @@ impl<R: Real> Certify<'_, R> {
 
     /// The list entries of the ray's tile.
     fn entries(&self, s: &Slopes<R>) -> Range<usize> {
-        let [first, end] = self.lists.range(s.row as u32, s.column as u32);
+        let [row, column] = [s.row, s.column].map(|n| n as u32 / self.view.fine());
+        let [first, end] = self.lists.range(row, column);
         first as usize..end as usize
     }
 

@@ -56,11 +56,15 @@ impl Visit for Frame<'_> {
         let Self { kernel, view, colors, raw, go_on } = self;
         let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
-        let width = view.record.width as usize;
+        let (record, width) = (&view.record, view.record.columns as usize);
         // t is what the normals of the lecture's forms start from, asked for or not.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
-        let ray = |i: usize, j: usize| viewing_ray::<V::Number>(&view.record, i as u32, j as u32);
+        // Of a row and a column of the window.
+        let ray = |i: usize, j: usize| {
+            let [i, j] = record.aim(record.first_row + i as u32, record.first_column + j as u32);
+            viewing_ray::<V::Number>(record, i, j)
+        };
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {

@@ -79,6 +79,12 @@ impl Judge {
         Ok(Self { bench, lens, viewport, size: [width, height] })
     }
 
+    /// The same viewport cut `fine` times as finely both ways: rows and columns are from now on those of the finer frame.
+    pub(crate) fn refined(self, fine: u32) -> Self {
+        let [width, height] = self.size.map(|side| side * fine);
+        Self { lens: Lens::of(self.viewport, width, height), size: [width, height], ..self }
+    }
+
     /// The nearest hit of the ray through the centre of row `i`, column `j`, over all spheres.
     pub fn pixel(&self, i: u32, j: u32) -> Option<Truth> {
         self.bench.nearest(&self.ray(i, j), 0..self.bench.bodies.len() as u32)

@@ -15,6 +15,7 @@ use crate::intersect::Method;
 use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::shade::Shade;
+use crate::window::Window;
 use serde::Serialize;
 use std::str::FromStr;
 
@@ -107,6 +108,13 @@ pub struct Settings {
     pub shade: Shade,
     /// Which buffers the frame shall hold; ids are always computed.
     pub aovs: Vec<Aov>,
+    /// How many samples of each pixel colour and alpha are the means of: the next square n x n, each of n x n equal squares
+    /// of the pixel asked at one point; 0 and 1 ask the pixel's centre. Everything else is always the answer of the centre.
+    pub samples: u32,
+    /// Chooses these points, together with the pixel's place in the full frame.
+    pub seed: u32,
+    /// Which part of the frame is rendered, bit for bit as the whole has it; `None` is all of it.
+    pub window: Option<Window>,
     /// The error that is allowed. Certified answers promise it of t, relative to itself; where accuracy and method are
     /// left open, the cheapest method is taken whose predicted errors it allows. `None` promises the default and leaves
     /// the choice to the buffers.
@@ -118,6 +126,15 @@ impl Settings {
     #[must_use]
     pub fn promise(&self) -> Tolerance {
         self.tolerance.unwrap_or_default()
+    }
+
+    /// What is rendered of `scene`'s frame.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where the window is no part of it.
+    pub fn window_of(&self, scene: &Scene) -> Result<Window> {
+        let (width, height) = (scene.image.width, scene.image.height);
+        self.window.map_or(Ok(Window::full(width, height)), |window| window.within(width, height))
     }
 
     /// Whether any of these buffers shall be in the frame.
@@ -221,6 +238,8 @@ pub(crate) struct Kernel {
     pub(crate) width: bool,
     /// Given rays walk a tree instead of asking every sphere.
     pub(crate) tree: bool,
+    /// Viewing rays go through samples of their pixels instead of the centres.
+    pub(crate) samples: bool,
 }
 
 impl Kernel {
@@ -239,6 +258,7 @@ impl Kernel {
             tiles: false,
             width: false,
             tree: false,
+            samples: false,
         }
     }
 
@@ -285,6 +305,9 @@ pub struct Plan {
     pub search_reason: &'static str,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
+    /// The kernel of the samples, where colour and alpha are means of them; then `kernel` makes no colour.
+    #[serde(skip)]
+    pub(crate) sampled: Option<Kernel>,
 }
 
 fn by_name<S: serde::Serializer>(search: &Search, serializer: S) -> Result<S::Ok, S::Error> {
@@ -292,6 +315,11 @@ fn by_name<S: serde::Serializer>(search: &Search, serializer: S) -> Result<S::Ok
 }
 
 impl Plan {
+    /// How colour is made, if anybody asked for it.
+    pub(crate) fn shade(&self) -> Option<Shade> {
+        self.sampled.unwrap_or(self.kernel).shade
+    }
+
     /// Decides what `scene` requires for the buffers asked for, among the methods that `admits` lets run.
     ///
     /// # Errors
@@ -318,6 +346,10 @@ impl Plan {
         }
         (plan.search, plan.search_reason) = settings.search.decide(plan.kernel.certify, scene.spheres.len());
         plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
+        if settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
+            plan.sampled = Some(Kernel { samples: true, t: false, normal: false, width: false, ..plan.kernel });
+            (plan.kernel.shade, plan.kernel.colors) = (None, false);
+        }
         Ok(plan)
     }
 
@@ -331,12 +363,14 @@ impl Plan {
         let method = settings.method.unwrap_or(Method::Stable);
         let kernel = Kernel::bare(method);
         let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
-        Ok(Self { method, accuracy, reason: String::new(), predicted: None, search, search_reason: "", kernel })
+        let (reason, search_reason) = (String::new(), "");
+        Ok(Self { method, accuracy, reason, predicted: None, search, search_reason, kernel, sampled: None })
     }
 
     /// The same without tiles, where the spheres cannot be binned into them.
     pub(crate) fn without_tiles(self) -> Self {
-        let kernel = Kernel { tiles: false, ..self.kernel };
-        Self { search: Search::All, search_reason: search::NO_LENS, kernel, ..self }
+        let without = |kernel: Kernel| Kernel { tiles: false, ..kernel };
+        let (kernel, sampled) = (without(self.kernel), self.sampled.map(without));
+        Self { search: Search::All, search_reason: search::NO_LENS, kernel, sampled, ..self }
     }
 }

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::plan::{Accuracy, Plan, Search, Settings};
+use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
 use crate::view::View;
@@ -20,7 +21,7 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// For one frame of `scene`.
+    /// For the rays of `raster` in one frame of `scene`.
     ///
     /// # Errors
     /// Those of [`View::new`] and of [`Stage::new`].
@@ -28,10 +29,11 @@ impl Prepared {
         plan: Plan,
         scene: &Scene,
         settings: &Settings,
+        raster: Raster,
         pool: &Pool,
         stages: &mut Stages,
     ) -> Result<Self> {
-        let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+        let view = stages.time("view", || View::for_kernel(scene, raster, &plan.kernel))?;
         if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
             return Ok(Self { plan, view, stage: None });
         }
@@ -41,7 +43,7 @@ impl Prepared {
         let stage = stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, level, pool))?;
         if stage.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
-            let view = stages.time("view", || View::for_kernel(scene, &plan.kernel))?;
+            let view = stages.time("view", || View::for_kernel(scene, raster, &plan.kernel))?;
             return Ok(Self { plan, view, stage });
         }
         Ok(Self { plan, view, stage })

@@ -17,6 +17,7 @@ use crate::plan::{Accuracy, Backend, Kernel, Plan, Search, Settings, Sharing};
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
+use crate::raster::Raster;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::{Scene, point};
 use crate::settle::{self, Settled};
@@ -186,7 +187,10 @@ impl Renderer {
     /// # Errors
     /// Those of [`Renderer::render`] that need no ray.
     pub fn foresee(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known = |this: &mut Self, plan: Plan, scene: &Scene, _: &Settings| Ok(this.report(&plan, scene));
+        let known = |this: &mut Self, plan: Plan, scene: &Scene, settings: &Settings, window: Window| {
+            let samples = Raster::samples(window, settings, &scene.image)?.zip(plan.sampled);
+            Ok(this.report(&plan, scene, samples.map(|(raster, _)| raster)))
+        };
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
@@ -195,13 +199,15 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        work: impl FnOnce(&mut Self, Plan, &Scene, &Settings) -> Result<T>,
+        work: impl FnOnce(&mut Self, Plan, &Scene, &Settings, Window) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
-        Need::of(&plan, &settings.aovs, scene, self.is_gpu()).check(memory::free(&self.pool))?;
+        let window = settings.window_of(scene)?;
+        Raster::samples(window, settings, &scene.image)?;
+        Need::of(&plan, &settings.aovs, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
-            return work(self, plan, scene, settings).map(|done| (done, None));
+            return work(self, plan, scene, settings, window).map(|done| (done, None));
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
@@ -210,7 +216,7 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
-        let done = work(self, plan, scene, settings);
+        let done = work(self, plan, scene, settings, window);
         self.place = adapter;
         done.map(|done| (done, Some(format!("{doubt}: the CPU path answered instead"))))
     }
@@ -232,8 +238,8 @@ impl Renderer {
         }
     }
 
-    /// One frame as planned.
-    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings) -> Result<Frame> {
+    /// A window of one frame as planned.
+    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings, window: Window) -> Result<Frame> {
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
         pool.turn();
@@ -241,23 +247,27 @@ impl Renderer {
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let prepared = Prepared::new(plan, scene, settings, &pool, &mut stages)?;
+        let prepared = Prepared::new(plan, scene, settings, Raster::centres(window), &pool, &mut stages)?;
         staging.end()?;
         let Prepared { plan, view, .. } = &prepared;
-        let pixels = view.record.width as usize * view.record.height as usize;
+        let pixels = view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
         self.kernel_ms();
         let settled = self.answer(&prepared, scene, &mut raw, &mut stages)?;
         watch.check()?;
+        let samples = Raster::samples(window, settings, &scene.image)?.zip(plan.sampled);
+        let sampled = samples
+            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut stages))
+            .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
             stages.time("shade", || shade::settled(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, view, prepared.certified()));
-        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled };
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => plan
@@ -265,10 +275,9 @@ impl Renderer {
                 .or_else(|| stages.time("predict", || Prediction::of_view(view, scene, plan.kernel.method))),
             _ => None,
         };
-        let (width, height) = (view.record.width, view.record.height);
-        let window = Window::full(width, height);
-        let mut frame =
-            Frame { width, height, window, full: [width, height], buffers, report: self.report(plan, scene) };
+        let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
+        let report = self.report(plan, scene, samples.map(|(raster, _)| raster));
+        let mut frame = Frame { width, height, window, full, buffers, report };
         let report = &mut frame.report;
         report.rays = pixels as u64;
         report.hits = frame.buffers.iter().map(hits).sum();
@@ -277,8 +286,12 @@ impl Renderer {
         report.certified = prepared.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings =
-            warnings(scene, report.hits, predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
+        report.warnings = warnings(
+            scene,
+            settings.window,
+            report.hits,
+            predicted.and_then(|predicted| predicted.warning(plan.kernel.method)),
+        );
         if settings.search == Search::Tiles && plan.search == Search::All {
             report.warnings.push(plan.search_reason.into());
         }
@@ -292,7 +305,7 @@ impl Renderer {
     }
 
     /// What is known of a frame before it is computed.
-    fn report(&self, plan: &Plan, scene: &Scene) -> Report {
+    fn report(&self, plan: &Plan, scene: &Scene, samples: Option<Raster>) -> Report {
         Report {
             schema: "halfline-render",
             version: 1,
@@ -305,15 +318,16 @@ impl Renderer {
             method: plan.method,
             accuracy: plan.accuracy.name(),
             reason: plan.reason.clone(),
-            shade: plan.kernel.shade.map(|shade| shade.name()),
+            shade: plan.shade().map(|shade| shade.name()),
             search: plan.search.name(),
+            samples: samples.map_or(1, |raster| raster.count()),
             setup_ms: self.setup_ms,
             ..Report::default()
         }
     }
 
     /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
-    fn answer(
+    pub(crate) fn answer(
         &mut self,
         prepared: &Prepared,
         scene: &Scene,
@@ -335,8 +349,8 @@ impl Renderer {
             (stages.time("settle", || settle::settle(scene, view, stage, &unsure, &go_on)), doing)
         } else {
             let doing = settle(raw.id.len());
-            let go_on = || doing.next(u64::from(view.record.width));
-            (stages.time("settle", || settle::exact(scene, &go_on)), doing)
+            let go_on = || doing.next(u64::from(view.record.columns));
+            (stages.time("settle", || settle::exact(scene, view, &go_on)), doing)
         };
         doing.end()?;
         settled
@@ -348,7 +362,7 @@ impl Renderer {
         let pool = Arc::clone(&self.pool);
         let (colors, stage) = (scene.spheres.colors.as_deref(), prepared.asked(scene, &pool));
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
-        let row = || doing.next(u64::from(view.record.width));
+        let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
             Place::Gpu(gpu) => {
                 let kernel =
@@ -386,7 +400,7 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
 }
 
 /// What the picture does not show by itself.
-fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
+fn warnings(scene: &Scene, window: Option<Window>, hits: u64, expected: Option<String>) -> Vec<String> {
     let mut warnings = scene.skipped.warnings();
     warnings.extend(expected);
     if scene.spheres.is_empty() {
@@ -396,12 +410,13 @@ fn warnings(scene: &Scene, hits: u64, expected: Option<String>) -> Vec<String> {
             1 => "the 1 sphere".to_owned(),
             n => format!("any of the {n} spheres"),
         };
+        let ray = window.map_or("ray".to_owned(), |window| format!("ray of the crop {window}"));
         let looks = match scene.camera.look {
             Look::At(at) => format!("at {}", point(at)),
             Look::View(view) => format!("along {}", point(view)),
         };
         warnings.push(format!(
-            "no ray hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; --fit frames them",
+            "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; --fit frames them",
             point(scene.camera.eye),
             scene.spheres.extent()
         ));

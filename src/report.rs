@@ -20,10 +20,12 @@ pub struct Report {
     pub spheres: u64,
     /// Things in the scene file that are no spheres and were left out.
     pub skipped: u64,
-    /// Viewing rays: pixels.
+    /// Viewing rays: pixels of the window.
     pub rays: u64,
     /// Rays that hit something.
     pub hits: u64,
+    /// Samples of each pixel that colour and alpha are the means of; 1 where they are the answers of pixel centres.
+    pub samples: u32,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
     /// Driver and its version; threads for the reference path.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// A pixel that was decided again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settled {
-    /// Row times width plus column.
+    /// Its place in the buffers: row times columns plus column, of the window.
     pub(crate) pixel: u32,
     /// What its ray hits.
     pub(crate) truth: Option<Truth>,
@@ -62,18 +62,20 @@ struct Settler<'a> {
 impl Settler<'_> {
     /// How many candidates a pixel may have.
     fn most(&self, pixel: u32) -> usize {
-        let width = self.scene.image.width;
-        let [first, end] = self.twin.lists.range(pixel / width, pixel % width);
+        let [row, column] = self.twin.view.place(pixel);
+        let [first, end] = self.twin.lists.range(row, column);
         (end - first) as usize + self.twin.nears.len()
     }
 
     /// The spheres that may be the nearest hit of `pixel`, in the scene's order.
     fn candidates(&self, pixel: u32) -> Vec<u32> {
-        let (twin, width) = (&self.twin, self.scene.image.width);
+        let twin = &self.twin;
         if !(self.go_on)() {
             return Vec::new();
         }
-        let slopes = twin.slopes(pixel / width, pixel % width);
+        let [row, column] = twin.view.place(pixel);
+        let [row, column] = twin.view.aim(row, column);
+        let slopes = twin.slopes(row, column);
         let mut all: Vec<_> = twin.candidates(&slopes).collect();
         // The depth that the nearest hit surely does not exceed.
         let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -86,7 +88,7 @@ impl Settler<'_> {
     }
 
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
-        let (scene, width) = (self.scene, self.scene.image.width);
+        let scene = self.scene;
         let lists: Vec<Vec<u32>> = pixels.par_iter().map(|pixel| self.candidates(*pixel)).collect();
         // Only the spheres in question are prepared; in their order, so that the lower id stays the lower.
         let mut ids: Vec<u32> = lists.concat();
@@ -97,25 +99,31 @@ impl Settler<'_> {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
         let few = Scene { camera: scene.camera, image: scene.image, spheres, skipped: Default::default() };
-        let judge = Judge::new(&few)?;
+        let judge = Judge::new(&few)?.refined(self.twin.view.fine());
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
             let candidates: Vec<u32> = own.iter().map(local).collect();
-            let truth = judge.among(pixel / width, pixel % width, &candidates);
+            let [row, column] = self.twin.view.place(pixel);
+            let [row, column] = self.twin.view.aim(row, column);
+            let truth = judge.among(row, column, &candidates);
             Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
         };
         Ok(pixels.par_iter().zip(&lists).map(decide).collect())
     }
 }
 
-/// Decides every pixel among all spheres: the judge itself. `go_on` is asked before every row.
-pub(crate) fn exact(scene: &Scene, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
-    let judge = Judge::new(scene)?;
-    let (width, height) = (scene.image.width, scene.image.height);
+/// Decides every pixel of the window among all spheres: the judge itself. `go_on` is asked before every row.
+pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
+    let record = &view.record;
+    let judge = Judge::new(scene)?.refined(record.fine());
     let row = |i: u32| {
-        let columns = if go_on() { 0..width } else { 0..0 };
-        let judge = &judge;
-        columns.map(move |j| Settled { pixel: i * width + j, truth: judge.pixel(i, j) }).collect::<Vec<_>>()
+        let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
+        let decide = |pixel: u32| {
+            let [row, column] = record.place(pixel);
+            let [row, column] = record.aim(row, column);
+            Settled { pixel, truth: judge.pixel(row, column) }
+        };
+        pixels.map(decide).collect::<Vec<_>>()
     };
-    Ok((0..height).into_par_iter().flat_map_iter(row).collect())
+    Ok((0..record.rows).into_par_iter().flat_map_iter(row).collect())
 }

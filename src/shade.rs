@@ -102,7 +102,6 @@ impl<R: Real> Surface<'_, R> {
 
 /// Colours what was settled, from its exact normal.
 pub(crate) fn settled(shade: Shade, scene: &Scene, view: &View, settled: &[Settled], color: &mut [f32]) {
-    let width = view.record.width;
     for s in settled {
         let rgb = match &s.truth {
             None => scene.image.background,
@@ -112,7 +111,9 @@ pub(crate) fn settled(shade: Shade, scene: &Scene, view: &View, settled: &[Settl
                     Shade::Flat => own(),
                     Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
                     Shade::Headlight => {
-                        let direction = view.direction((s.pixel / width) as usize, (s.pixel % width) as usize);
+                        let [row, column] = view.record.place(s.pixel);
+                        let [row, column] = view.record.aim(row, column);
+                        let direction = view.direction(row, column);
                         let along = view.to_world(direction);
                         let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();
                         own().map(|x| positive(cosine as f32) * x)

@@ -6,12 +6,15 @@
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
 use crate::camera::{Basis, Viewport};
+use crate::certify::tiles::TILE;
 use crate::dd::{self, Dd};
 use crate::error::{Error, Place, Result};
 use crate::intersect::Method;
 use crate::plan::Kernel;
+use crate::raster::Raster;
 use crate::real::Real;
 use crate::scene::Scene;
+use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -28,13 +31,13 @@ pub struct ViewRecord {
     pub back: [f32; 4],
     /// Linear RGB of a miss; the fourth number is unused.
     pub background: [f32; 4],
-    /// W.
+    /// W of the full frame; where pixels are sampled, of the finer one whose pixels are the samples.
     pub width: u32,
-    /// H.
+    /// H likewise.
     pub height: u32,
-    /// First row of the band that a dispatch renders.
+    /// First row of the window, and of the band of it that a dispatch renders; in the full frame.
     pub first_row: u32,
-    /// Rows in the band.
+    /// Rows in the window or the band.
     pub rows: u32,
     /// vw/(2W), scaled.
     pub half_du: f32,
@@ -52,6 +55,38 @@ pub struct ViewRecord {
     pub half_dv_low: f32,
     /// What rounding took from d.
     pub d_low: f32,
+    /// First column of the window in the full frame.
+    pub first_column: u32,
+    /// Columns in the window.
+    pub columns: u32,
+    /// Strata along a side of a pixel, one sample each; 1 for pixel centres.
+    pub strata: u32,
+    /// Pixels of the finer frame along a side of a stratum, a power of two.
+    pub jitter: u32,
+    /// Which sample.
+    pub sample: u32,
+    /// Chooses where in their strata samples lie.
+    pub seed: u32,
+    /// WGSL rounds the size up to the alignment of the vectors.
+    pub unused: [u32; 2],
+}
+
+impl ViewRecord {
+    /// Pixels of the window.
+    pub(crate) fn pixels(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Row and column in the full frame of a pixel of the window, by its place in the buffers.
+    pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
+        [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
+    }
+
+    /// First and last column and row of the tiles that the window touches.
+    pub(crate) fn tiles(&self) -> [[u32; 2]; 2] {
+        let of = |first: u32, count: u32| [first / TILE, (first + count - 1) / TILE];
+        [of(self.first_column, self.columns), of(self.first_row, self.rows)]
+    }
 }
 
 /// A sphere as the kernels see it; view.wgsl declares it.
@@ -145,13 +180,14 @@ impl View {
         Ok(view)
     }
 
-    /// The same with what `kernel` reads: no sphere records for one that reads lists, which are made of their own, and
-    /// low parts for a method beyond f32.
-    pub(crate) fn for_kernel(scene: &Scene, kernel: &Kernel) -> Result<Self> {
+    /// The rays of `raster` with what `kernel` reads: no sphere records for one that reads lists, which are made of their
+    /// own, and low parts for a method beyond f32.
+    pub(crate) fn for_kernel(scene: &Scene, raster: Raster, kernel: &Kernel) -> Result<Self> {
+        let mut view = Self::of_raster(scene, raster)?;
         if kernel.certify || kernel.tiles {
-            return Self::without_spheres(scene);
+            return Ok(view);
         }
-        let mut view = Self::new(scene)?;
+        view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         if kernel.is_wide() {
             view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
         }
@@ -160,15 +196,27 @@ impl View {
 
     /// Camera, pixels and the frame's unit.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
+        Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)))
+    }
+
+    /// The same for the rays of `raster`. The window says which of them are asked, and no other number depends on it.
+    fn of_raster(scene: &Scene, raster: Raster) -> Result<Self> {
         scene.check()?;
-        let (width, height) = (scene.image.width, scene.image.height);
-        let (pitch, pixel, low) = scaled_pitch(&scene.camera.viewport(width, height)?, width, height);
+        let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
+        let [width, height] = [scene.image.width, scene.image.height].map(|side| side * raster.fine());
+        let (pitch, pixel, low) = scaled_pitch(&viewport, width, height);
         let [red, green, blue] = scene.image.background;
         let record = ViewRecord {
             background: [red, green, blue, 0.0],
             width,
             height,
-            rows: height,
+            first_row: raster.window.y0,
+            rows: raster.window.height(),
+            first_column: raster.window.x0,
+            columns: raster.window.width(),
+            strata: raster.strata,
+            jitter: raster.jitter,
+            seed: raster.seed,
             half_du: pixel[0],
             half_dv: pixel[1],
             d: pixel[2],
@@ -218,9 +266,9 @@ impl View {
         self.lows = spheres.par_iter().zip(moved).map(|(s, moved)| moved.low(s)).collect();
     }
 
-    /// The viewing direction (u, v, -d) of row i and column j in f64, scaled like the record's.
-    pub(crate) fn direction(&self, i: usize, j: usize) -> [f64; 3] {
-        let odd = |n: u32, k: usize| 2.0 * k as f64 + 1.0 - f64::from(n);
+    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's.
+    pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
+        let odd = |n: u32, k: u32| 2.0 * f64::from(k) + 1.0 - f64::from(n);
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
     }
 

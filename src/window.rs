@@ -39,7 +39,7 @@ impl Window {
             (w / h).max(h / w)
         };
         let fits = |rows: &u32| count.is_multiple_of(*rows) && *rows <= height && count / rows <= width;
-        let rows = (1..=count).filter(fits).min_by(|a, b| lank(*a).total_cmp(&lank(*b)));
+        let rows = (1..=count.min(height)).filter(fits).min_by(|a, b| lank(*a).total_cmp(&lank(*b)));
         let Some(rows) = rows else {
             let problem = format!("{width} x {height} pixels cannot be cut into {count} equal tiles");
             return Err(Error::settings(problem, "ask for fewer"));

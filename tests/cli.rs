@@ -189,6 +189,14 @@ fn usage_is_2() {
     for size in ["0x5", "5x0", "5", "axb", "-5x5", "1048577x1"] {
         render(&["-o", "out.png", &format!("--size={size}")], &[size, "--size"]);
     }
+    for crop in ["1,2,3", "0,0,46,1", "5,5,5,6", "a,b,c,d", "-1,0,2,2"] {
+        render(&["-o", "out.png", &format!("--crop={crop}")], &[crop]);
+    }
+    for tile in ["3", "0/4", "5/4", "1/0", "1/10000"] {
+        render(&["-o", "out.png", "--tile", tile], &["tile"]);
+    }
+    render(&["-o", "out.png", "--tile", "1/4", "--crop", "0,0,1,1"], &["--tile", "--crop"]);
+    render(&["-o", "out.png", "--samples", "0"], &["--samples"]);
     for angle in ["200", "0", "-20", "nan", "180"] {
         render(&["-o", "out.png", "--vfov", angle], &[angle, "--vfov", "between 0 and 180"]);
     }
@@ -434,6 +442,49 @@ fn every_buffer_has_its_type_its_shape_and_its_miss() {
             assert!(miss, "{aov} on {backend}: a miss is {corner:?}");
             assert!(hit, "{aov} on {backend}: a hit is {middle:?}");
         }
+    }
+}
+
+#[test]
+fn crops_are_parts_and_samples_are_told() {
+    let desk = Desk::new();
+    for backend in backends() {
+        let run = |options: &[&str]| {
+            let given = ["render", "scene.toml", "--json", "--samples", "5", "--seed", "3", "--backend", backend];
+            json(&desk.good(&[&given[..], options].concat()))
+        };
+        let rows = |name: &str| {
+            let array = Array::read(&desk.path(name)).expect("an array");
+            let row = 3 * array.shape()[1];
+            let values: Vec<_> =
+                (0..array.values().len()).filter_map(|k| array.values().get(k)).map(Number::to_f64).collect();
+            values.chunks_exact(row).map(<[f64]>::to_vec).collect::<Vec<_>>()
+        };
+        let report = run(&["-o", "full.npy"]);
+        assert_eq!([&report["samples"], &report["rays"]], [9, 45 * 31], "the next square");
+        let report = run(&["-o", "crop.npy", "--crop", "5,3,25,20"]);
+        assert_eq!([&report["samples"], &report["rays"]], [9, 20 * 17]);
+        run(&["-o", "tile.npy", "--tile", "4/4"]);
+        let (full, crop, tile) = (rows("full.npy"), rows("crop.npy"), rows("tile.npy"));
+        let part = |columns: std::ops::Range<usize>, rows: std::ops::Range<usize>| {
+            full[rows].iter().map(|row| row[3 * columns.start..3 * columns.end].to_vec()).collect::<Vec<_>>()
+        };
+        assert!(crop == part(5..25, 3..20) && tile == part(22..45, 15..31));
+        let told = json(&desk.good(&[
+            "plan",
+            "scene.toml",
+            "-o",
+            "out.png",
+            "--json",
+            "--samples",
+            "5",
+            "--crop",
+            "5,3,25,20",
+            "--backend",
+            backend,
+        ]));
+        assert_eq!([&told["samples"], &told["rays"]], [9, 20 * 17]);
+        assert_eq!(told["window"], serde_json::json!([5, 3, 25, 20]));
     }
 }
 

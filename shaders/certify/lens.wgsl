@@ -57,11 +57,6 @@ fn front_more(n: u32) -> FrontMore {
     return FrontMore(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
 }
 
-// Tiles in a row of the image.
-fn tile_columns() -> u32 {
-    return (view.width + TILE - 1u) / TILE;
-}
-
 // What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {
     x: f32,
@@ -112,6 +107,6 @@ fn slopes(i: u32, j: u32) -> Slopes {
     let shift = lens.shift;
     return Slopes(
         x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, lens.depth, lens.unit, lens.slack,
-        2u * tile_columns() * ((view.rows + TILE - 1u) / TILE),
+        2u * tile_columns() * tile_rows(),
     );
 }

@@ -1,5 +1,4 @@
 // The data's way, once per pixel, with a certificate: slopes, candidates, the winner's judgement, colour, frame.
-const TILE: u32 = 8u; // pixels along a side of a workgroup's tile
 
 const UNSURE: u32 = 0xfffffffeu; // the id where f32 cannot prove the answer: the host decides
 
@@ -11,16 +10,16 @@ fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
 }
 
 fn render(tile: vec3<u32>, index: u32) {
-    let row = tile.y * TILE + index / TILE;
-    let column = tile.x * TILE + index % TILE;
-    let s = slopes(view.first_row + row, column);
+    let at = pixel_at(tile, index);
+    let to = aim(at);
+    let s = slopes(to.y, to.x);
     let list = 2u * (tile.y * tile_columns() + tile.x);
     let k = candidates(s, vec2<u32>(lists[list], lists[list + 1u]));
-    // Only now may invocations outside the image leave: they carried spheres for their subgroup.
-    if (row >= view.rows || column >= view.width) {
+    // Only now may invocations outside the window leave: they carried spheres for their subgroup.
+    if (!is_shown(at)) {
         return;
     }
-    let pixel = row * view.width + column;
+    let pixel = place_of(at);
     let answer = judge(s, k);
     let hit = Hit(answer.offset, answer.id);
     certified_normal = answer.normal;

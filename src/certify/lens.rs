@@ -5,6 +5,7 @@ pub(super) mod cover;
 pub(super) mod project;
 
 use super::near::NearRecord;
+use super::tiles::TILE;
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd, Dd3};
@@ -103,6 +104,9 @@ pub(super) struct Lens {
     /// 2^shift, and 2^-frame.
     fixed: f64,
     to_frame: f64,
+    /// Pixels of the view's frame along a side of one of the image's; tiles for each of the former.
+    per_pixel: f64,
+    per_tile: f64,
     /// Error of a fixed-point centre and of a winner's, unit of rho.
     coarse: f64,
     fine: f64,
@@ -159,6 +163,8 @@ impl Lens {
             per_step: step.map(|step| WIDEN[1] / step),
             fixed: dd::ldexp(1.0, shift as i32),
             to_frame: dd::ldexp(1.0, -view.unit),
+            per_pixel: view.record.fine().into(),
+            per_tile: 1.0 / f64::from(TILE * view.record.fine()),
             coarse,
             fine,
             errors,

@@ -85,7 +85,7 @@ impl Stage {
         level: u32,
         pool: &Pool,
     ) -> Result<Option<Self>> {
-        let (width, height) = (view.record.width, view.record.height);
+        let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
         let narrow = lens.slope.iter().any(|slope| *slope < 2f64.powi(-100));
@@ -101,7 +101,7 @@ impl Stage {
         let mut record = lens.record(reference, tolerance);
         record.nears = binned.nears.len() as u32;
         let placing = Scenery { lens: &lens, scene, size: [width, height], reference: reference.into() };
-        let lists = Lists::new(&binned.bins, [width, height], level, &placing, pool);
+        let lists = Lists::new(&binned.bins, view.record.tiles(), level, &placing, pool);
         pool.give(binned.bins);
         Ok(Some(Self { lens: record, lists, nears: binned.nears, seen: binned.seen }))
     }

@@ -12,4 +12,5 @@ mod sabotage;
 mod single;
 mod sound;
 mod wild;
+mod window;
 mod worlds;

@@ -93,16 +93,15 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Bins spheres, whose ids are their places in `bins`, for an image of `size` pixels. Squares of 2^`level` tiles, or
-    /// larger ones, share a list.
-    pub(crate) fn new(bins: &[Bin], size: [u32; 2], level: u32, placing: &impl Placing, pool: &Pool) -> Self {
-        let tiles = size.map(|n| n.div_ceil(TILE));
+    /// Bins spheres, whose ids are their places in `bins`. Squares of 2^`level` tiles, or larger ones, share a list: that
+    /// is decided for the whole image, and lists are made where one of `tiles`, first and last column and row, needs them.
+    /// So each is the list that it is in the whole image.
+    pub(crate) fn new(bins: &[Bin], tiles: [[u32; 2]; 2], level: u32, placing: &impl Placing, pool: &Pool) -> Self {
         let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
         let entries = |level: u32| bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>();
         let fits = |level: &u32| *level >= WHOLE || entries(*level) <= most;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
-        let [columns, rows] = tiles.map(|n| ((n - 1) >> level) + 1);
-        let grid = Grid { level, tiles: tiles[0], columns, rows };
+        let grid = Grid::new(level, tiles);
         let (keys, starts) = grid.scatter(bins, pool);
         let lists = Self::gather(grid, &keys, &starts, placing, pool);
         pool.give(keys);
@@ -116,11 +115,17 @@ impl Lists {
         [first, self.ends[cell]]
     }
 
-    /// The same for every tile, row by row, that `count` rows of pixels touch from row `first` on, a multiple of
-    /// [`TILE`].
+    /// The same for every tile of the window, row by row, that `count` rows of pixels touch from row `first` on.
     pub(crate) fn rows(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
-        let rows = (first..first + count).step_by(TILE as usize);
-        rows.flat_map(move |row| (0..self.grid.tiles).map(move |tile| self.range(row, tile * TILE)))
+        let [left, right] = self.grid.tiles;
+        let rows = first / TILE..(first + count).div_ceil(TILE);
+        rows.flat_map(move |row| (left..=right).map(move |tile| self.range(row * TILE, tile * TILE)))
+    }
+
+    /// Squares of 2^level tiles share a list.
+    #[cfg(test)]
+    pub(crate) fn level(&self) -> u32 {
+        self.grid.level
     }
 
     /// Makes the lists of every row of cells, and puts them one after the other.
@@ -133,7 +138,7 @@ impl Lists {
             for (j, pair) in starts.windows(2).enumerate() {
                 own.clear();
                 own.extend(keys[pair[0] as usize..pair[1] as usize].iter().map(|key| key.load(Ordering::Relaxed)));
-                let tile = (grid.level == 0 && own.len() > FOREMOST).then_some([j as u32, i as u32]);
+                let tile = (grid.level == 0 && own.len() > FOREMOST).then_some(grid.tile(j, i));
                 row.fill(&mut own, &mut placing.begin(tile));
             }
             row
@@ -244,28 +249,48 @@ fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) 
     vector
 }
 
-/// Squares of 2^level tiles a side that share a list: cells.
+/// Squares of 2^level tiles a side that share a list: cells, as far as the window touches them.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
     level: u32,
-    /// Tiles in a row; cells in a row and in a column.
-    tiles: u32,
+    /// First and last column of the window's tiles.
+    tiles: [u32; 2],
+    /// First column and row of cells.
+    first: [u32; 2],
+    /// Cells in a row and in a column.
     columns: u32,
     rows: u32,
 }
 
 impl Grid {
-    fn cell(&self, column: u32, row: u32) -> usize {
-        ((row >> self.level) * self.columns + (column >> self.level)) as usize
+    /// For the window of these tiles, first and last column and row.
+    fn new(level: u32, tiles: [[u32; 2]; 2]) -> Self {
+        let cells = tiles.map(|range| range.map(|tile| tile >> level));
+        let [columns, rows] = cells.map(|[first, last]| last - first + 1);
+        Self { level, tiles: tiles[0], first: cells.map(|[first, _]| first), columns, rows }
     }
 
-    /// Every cell that `bin` covers.
+    /// Number of the cell of the tile in this column and row of tiles.
+    fn cell(&self, column: u32, row: u32) -> usize {
+        let [left, top] = self.first;
+        (((row >> self.level) - top) * self.columns + ((column >> self.level) - left)) as usize
+    }
+
+    /// Column and row in the image of the cell in this column and row of cells.
+    fn tile(&self, column: usize, row: usize) -> [u32; 2] {
+        [self.first[0] + column as u32, self.first[1] + row as u32]
+    }
+
+    /// Every cell that `bin` covers, as far as there is one.
     #[inline(always)]
     fn each_cell(&self, bin: &Bin, mut each: impl FnMut(usize)) {
         let [[left, right], [top, bottom]] = bin.tiles.map(|range| range.map(|tile| tile >> self.level));
-        let mut row = top;
+        let [first_column, first_row] = self.first;
+        let (left, right) = (left.max(first_column), right.min(first_column + self.columns - 1));
+        let (mut row, bottom) = (top.max(first_row), bottom.min(first_row + self.rows - 1));
         while row <= bottom {
-            (left..=right).for_each(|column| each((row * self.columns + column) as usize));
+            let before = (row - first_row) * self.columns;
+            (left..=right).for_each(|column| each((before + column - first_column) as usize));
             row += 1;
         }
     }

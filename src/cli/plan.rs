@@ -2,7 +2,7 @@
 
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
-use halfline::plan::{Binding, Explanation, Part, Room, explain};
+use halfline::plan::{Binding, Explanation, Part, Room, Settings, explain};
 use std::fmt::{self, Display};
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -27,7 +27,9 @@ pub(crate) struct Plan {
 impl Plan {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.asked.files.targets(1)?;
-        let told = explain(&self.asked.scene()?, &self.asked.settings(&targets))?;
+        let scene = self.asked.scene()?;
+        let settings = Settings { window: self.asked.window(&scene)?, ..self.asked.settings(&targets) };
+        let told = explain(&scene, &settings)?;
         let text = match self.json {
             true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,
             false => Words(&told).to_string(),
@@ -48,9 +50,20 @@ impl Display for Words<'_> {
             "scene      {} spheres, {} x {} rays, {} things skipped",
             e.spheres, e.size[0], e.size[1], e.skipped
         )?;
+        let [x0, y0, x1, y1] = e.window;
+        if [x0, y0, x1, y1] != [0, 0, e.size[0], e.size[1]] {
+            writeln!(f, "crop       columns {x0} to {x1}, rows {y0} to {y1}, ends excluded: {} rays", e.rays)?;
+        }
         if let Some(staged) = e.staged {
             let halfline::plan::Staged { front, near, unseen } = staged;
             writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can meet and nobody uploads")?;
+        }
+        if e.samples > 1 {
+            let samples = e.samples;
+            writeln!(
+                f,
+                "samples    {samples} of each pixel for colour and alpha: as many passes more, of ids and colour"
+            )?;
         }
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
         writeln!(f, "accuracy   {}, tolerance {:.1e}", e.accuracy, e.tolerance)?;

@@ -16,7 +16,6 @@ use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::scene::style::Legend;
-use halfline::window::Window;
 use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroU32;
@@ -94,14 +93,14 @@ impl Render {
         first: bool,
     ) -> Result<bool> {
         let scene = &shot.scene;
+        let settings = &Settings { window: self.asked.window(scene)?, ..settings.clone() };
         let mut targets = self.asked.files.targets(shot.number)?;
         if let (Some(path), Some(legend)) = (&self.asked.read.legend, &shot.legend) {
             write_legend(&numbered(path, shot.number), legend)?;
         }
         if self.resume && !targets.is_empty() {
             let report = renderer.foresee(scene, settings)?;
-            let window = Window::full(scene.image.width, scene.image.height);
-            let origin = Origin::new(scene, settings, &report, window);
+            let origin = Origin::new(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there(&origin));
             if targets.is_empty() {
                 let which = if self.asked.is_many() { format!("picture {}: ", shot.number) } else { String::new() };

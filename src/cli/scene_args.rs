@@ -12,6 +12,7 @@ use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::Scene;
 use halfline::shade::Shade;
+use halfline::window::Window;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 
@@ -26,6 +27,20 @@ pub(super) struct SceneArgs {
     /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
+    /// Anti-aliasing: colour and alpha are the means of so many samples of each pixel, rounded up to the next square;
+    /// everything else stays the answer of the pixel's centre.
+    #[arg(long, value_name = "N", default_value = "1")]
+    samples: NonZeroU32,
+    /// Chooses where in their pixels samples lie.
+    #[arg(long, value_name = "S", default_value = "0")]
+    seed: u32,
+    /// Renders only columns x0 to x1 and rows y0 to y1 of the image, the ends excluded, bit for bit as the whole has
+    /// them.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    crop: Option<Window>,
+    /// Renders only tile I, from 1, of N equal ones: bands of rows cut into columns, row by row.
+    #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
+    tile: Option<(u32, u32)>,
     /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable, f64,
     /// double-float.
     #[arg(long, value_name = "M")]
@@ -105,7 +120,14 @@ impl SceneArgs {
         }
     }
 
-    /// The options besides the scene, for these buffers.
+    /// Which part of the scene's image is asked for.
+    pub(super) fn window(&self, scene: &Scene) -> Result<Option<Window>> {
+        let image = &scene.image;
+        let tile = self.tile.map(|(number, count)| Window::tile(number, count, image.width, image.height));
+        Ok(tile.transpose()?.or(self.crop))
+    }
+
+    /// The options besides the scene and what is asked of its image, for these buffers.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {
             backend: self.backend,
@@ -116,6 +138,9 @@ impl SceneArgs {
             shade: self.shade,
             tolerance: self.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
+            samples: self.samples.get(),
+            seed: self.seed,
+            window: None,
         }
     }
 }
@@ -149,6 +174,19 @@ pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
         Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
         other => other.to_string(),
     })
+}
+
+fn crop(text: &str) -> Result<Window, String> {
+    let sides: Option<Vec<u32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
+    match sides.as_deref() {
+        Some(&[x0, y0, x1, y1]) => Ok(Window { x0, y0, x1, y1 }),
+        _ => Err("write X0,Y0,X1,Y1, four whole numbers such as 0,0,640,360".into()),
+    }
+}
+
+fn tile(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    numbers.ok_or_else(|| "write I/N, such as 3/16".into())
 }
 
 fn vector(text: &str) -> Result<DVec3, String> {

@@ -4,7 +4,7 @@
 use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
 use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
-use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE};
+use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE, TILE};
 use crate::certify::{Answer, Certify, NEAR, Slopes};
 use crate::frame::raw::{Piece, Raw};
 use crate::plan::Kernel;
@@ -13,9 +13,10 @@ use crate::shade::{Shade, Surface};
 use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Pixels that are answered together: a row of a tile.
-const LANES: usize = crate::certify::tiles::TILE as usize;
+const LANES: usize = TILE as usize;
 
 /// Fills `raw` with certified answers, ids with [`UNSURE`] where there is no proof. `go_on` is asked before every row.
 pub(crate) fn certified(
@@ -26,48 +27,72 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
+    match view.record.fine() {
+        1 => certified_by::<false>(kernel, view, stage, colors, raw, go_on),
+        _ => certified_by::<true>(kernel, view, stage, colors, raw, go_on),
+    }
+}
+
+/// The same for pixel centres or for samples: of the latter, a strip's rays are in as many rows and columns.
+fn certified_by<const SAMPLED: bool>(
+    kernel: &Kernel,
+    view: &View,
+    stage: &Stage,
+    colors: Option<&[[f32; 3]]>,
+    raw: &mut Raw,
+    go_on: &(dyn Fn() -> bool + Sync),
+) {
     let certify = Certify::new(&view.record, stage);
     let surface = Surface { view: &view.record, spheres: &[], colors };
-    let width = view.record.width as usize;
-    let rows: Vec<_> = raw.cut(width).collect();
+    let record = &view.record;
+    let width = record.columns as usize;
+    let rows: Vec<_> = raw.cut(width, width).collect();
     let arch = pulp::Arch::new();
     let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
     let answer = |(i, mut row): (usize, Piece<'_>)| {
-        for first in (0..width).step_by(LANES) {
-            let place = [i as u32, first as u32];
-            let answered = arch.dispatch(Strip { certify: &certify, place });
+        let i = record.first_row + i as u32;
+        // A strip is a row of a tile of the full frame, whatever the window shows of it.
+        let [[left, right], _] = record.tiles();
+        for tile in left..=right {
+            let place = [i, tile * TILE];
+            let answered = arch.dispatch(Strip::<SAMPLED> { certify: &certify, place });
             write(&mut row, place, kernel.shade, &certify, &surface, &answered);
         }
     };
     rows.for_each(answer);
 }
 
-/// Eight pixels of a row, from row and column `place` on. Those past the image's edge are answered and left alone.
-struct Strip<'a> {
+/// Eight pixels of a row, from row and column `place` on. Those past the window's edges are answered and left alone.
+struct Strip<'a, const SAMPLED: bool> {
     certify: &'a Certify<'a, f32>,
     place: [u32; 2],
 }
 
-impl NullaryFnOnce for Strip<'_> {
+impl<const SAMPLED: bool> NullaryFnOnce for Strip<'_, SAMPLED> {
     type Output = (Kepts, [Answer<f32>; LANES]);
 
     #[inline(always)]
     fn call(self) -> Self::Output {
         let [i, first] = self.place;
-        let lanes = Lanes::new(self.certify, i, first);
-        let kept = lanes.kept(self.certify);
+        let lanes = Lanes::<SAMPLED>::new(self.certify, i, first);
+        let [first, end] = self.certify.lists.range(i, first).map(|n| n as usize);
+        let kept = lanes.kept(self.certify, first..end);
         let answers = lanes.judge(self.certify, &kept);
         (kept, answers)
     }
 }
 
 /// The rays of a strip, number by number.
-struct Lanes {
-    /// What all of them have in common.
+struct Lanes<const SAMPLED: bool> {
+    /// What all of them have in common, pixel centres their row.
     first: Slopes<f32>,
     x: [f32; LANES],
     a: [f32; LANES],
     inverse: [f32; LANES],
+    /// What samples do not have in common.
+    y: [f32; LANES],
+    row: [i32; LANES],
+    column: [i32; LANES],
 }
 
 /// The two smallest lower bounds of each, and whose the smallest is.
@@ -78,23 +103,39 @@ struct Kepts {
     slot: [u32; LANES],
 }
 
-impl Lanes {
+impl<const SAMPLED: bool> Lanes<SAMPLED> {
     #[inline(always)]
     fn new(certify: &Certify<'_, f32>, i: u32, first: u32) -> Self {
-        let each: [Slopes<f32>; LANES] = std::array::from_fn(|l| certify.slopes(i, first + l as u32));
-        Self { first: each[0], x: each.map(|s| s.x), a: each.map(|s| s.a), inverse: each.map(|s| s.inverse) }
+        let each: [Slopes<f32>; LANES] = std::array::from_fn(|l| {
+            let column = first + l as u32;
+            let [i, j] = if SAMPLED { certify.view.aim(i, column) } else { [i, column] };
+            certify.slopes(i, j)
+        });
+        Self {
+            first: each[0],
+            x: each.map(|s| s.x),
+            a: each.map(|s| s.a),
+            inverse: each.map(|s| s.inverse),
+            y: each.map(|s| s.y),
+            row: each.map(|s| s.row),
+            column: each.map(|s| s.column),
+        }
     }
 
     #[inline(always)]
     fn slopes(&self, shift: u32, l: usize) -> Slopes<f32> {
-        let column = self.first.column + l as i32;
         let (x, a, inverse) = (self.x[l], self.a[l], self.inverse[l]);
+        if SAMPLED {
+            let (y, row, column) = (self.y[l], self.row[l], self.column[l]);
+            return Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift };
+        }
+        let column = self.first.column + l as i32;
         Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
     }
 
     /// The twin of the search in certify/candidates.wgsl.
     #[inline(always)]
-    fn kept(&self, certify: &Certify<'_, f32>) -> Kepts {
+    fn kept(&self, certify: &Certify<'_, f32>, entries: Range<usize>) -> Kepts {
         let mut k = Kepts { low: [f32::MAX; LANES], second: [f32::MAX; LANES], slot: [NONE; LANES] };
         let (lens, lists) = (certify.lens, certify.lists);
         for (slot, near) in certify.nears.iter().enumerate() {
@@ -106,7 +147,7 @@ impl Lanes {
                 k.keep(l, low, NEAR | slot as u32);
             }
         }
-        let [first, end] = lists.range(self.first.row as u32, self.first.column as u32).map(|n| n as usize);
+        let Range { start: first, end } = entries;
         let chunks = lists.fronts[first..end].chunks_exact(CHUNK).zip(&lists.sills[first / CHUNK..end / CHUNK]);
         for (n, (fronts, &sill)) in chunks.enumerate() {
             let mut behind = true;
@@ -243,7 +284,7 @@ fn pick(mask: u32, yes: f32, no: f32) -> f32 {
     f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
-/// What certify/render.wgsl writes of a strip in `row`, a row of the frame.
+/// What certify/render.wgsl writes of a strip in `row`, a row of the window.
 fn write(
     row: &mut Piece<'_>,
     [i, first]: [u32; 2],
@@ -252,9 +293,12 @@ fn write(
     surface: &Surface<'_, f32>,
     (kept, answers): &(Kepts, [Answer<f32>; LANES]),
 ) {
-    let there = LANES.min(row.id.len() - first as usize);
-    for (l, answer) in answers[..there].iter().enumerate() {
-        let j = first as usize + l;
+    let window = certify.view.first_column..certify.view.first_column + certify.view.columns;
+    for ((l, answer), column) in answers.iter().enumerate().zip(first..) {
+        if !window.contains(&column) {
+            continue;
+        }
+        let j = (column - window.start) as usize;
         let hit = kept.slot[l] != NONE;
         let proved = !hit || certify.certain(answer, kept.second[l]);
         row.id[j] = if proved { answer.id } else { UNSURE };
@@ -265,7 +309,8 @@ fn write(
             *width = answer.high - answer.low;
         }
         let ray = || {
-            let s = certify.slopes(i, j as u32);
+            let [i, j] = certify.view.aim(i, column);
+            let s = certify.slopes(i, j);
             Ray { d: [s.x, s.y, -1.0] }
         };
         row.shade(j, shade, surface, ray, hit.then_some((answer.normal, answer.id)));
@@ -276,7 +321,10 @@ fn write(
 mod tests {
     use super::*;
     use crate::certify::TERMS;
+    use crate::plan::Settings;
+    use crate::raster::Raster;
     use crate::scene::{ReadOptions, Scene};
+    use crate::window::Window;
 
     /// The adversary looks at single rays; what it finds holds for strips because they are the same, bit for bit.
     #[test]
@@ -284,17 +332,28 @@ mod tests {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (136, 77);
-        let view = View::new(&scene).expect("a view");
+        let window = Window::full(136, 77);
+        same_as_single::<false>(&scene, Raster::centres(window));
+        let settings = Settings { samples: 9, seed: 3, ..Settings::default() };
+        let samples = Raster::samples(window, &settings, &scene.image).expect("room").expect("samples");
+        same_as_single::<true>(&scene, samples);
+    }
+
+    fn same_as_single<const SAMPLED: bool>(scene: &Scene, raster: Raster) {
+        let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+        let mut view = View::for_kernel(scene, raster, &kernel).expect("a view");
+        view.record.sample = raster.count() / 2;
         for level in [0, crate::certify::tiles::WHOLE] {
-            let stage = Stage::new(&scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
+            let stage = Stage::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
                 .expect("a stage")
                 .expect("a lens");
             let certify = Certify::<f32>::new(&view.record, &stage);
             let mut hits = 0;
             for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {
-                let (kept, answers) = Strip { certify: &certify, place: [i, first] }.call();
+                let (kept, answers) = Strip::<SAMPLED> { certify: &certify, place: [i, first] }.call();
                 for (l, answer) in answers.iter().enumerate() {
-                    let s = certify.slopes(i, first + l as u32);
+                    let [row, column] = view.record.aim(i, first + l as u32);
+                    let s = certify.slopes(row, column);
                     let k = certify.kept(&s);
                     assert_eq!((k.low, k.second, k.slot), (kept.low[l], kept.second[l], kept.slot[l]));
                     if k.slot != NONE {

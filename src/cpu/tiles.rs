@@ -39,22 +39,26 @@ impl Visit for Frame<'_> {
     fn visit<V: Intersect>(self) {
         let Self { kernel, listed, colors, raw, go_on } = self;
         let view = &listed.view.record;
-        let width = view.width as usize;
+        let width = view.columns as usize;
         let surface = Surface::<V::Number> { view, spheres: &[], colors };
         let nears: Vec<_> = listed.stage.nears.iter().map(|near| candidate(listed, near.id)).collect();
-        let bands: Vec<_> = raw.cut(TILE as usize * width).collect();
+        let [[left, right], [top, _]] = view.tiles();
+        let columns = view.first_column..view.first_column + view.columns;
+        let foremost = (top + 1) * TILE - view.first_row;
+        let bands: Vec<_> = raw.cut(foremost as usize * width, TILE as usize * width).collect();
         let asked = || Tile::<V::Number> { listed, nears: &nears, entries: 0..0, made: Vec::new() };
         let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
         bands.for_each_init(asked, |tile, (band, mut rows)| {
-            let top = band as u32 * TILE;
+            let first = view.first_row.max((top + band as u32) * TILE);
             let count = rows.id.len() / width;
-            for left in (0..view.width).step_by(TILE as usize) {
-                tile.enter(top, left);
+            for left in (left..=right).map(|tile| tile * TILE) {
+                tile.enter(first, left);
                 for i in 0..count {
-                    for j in left..view.width.min(left + TILE) {
-                        let ray = viewing_ray(view, top + i as u32, j);
+                    for j in columns.start.max(left)..columns.end.min(left + TILE) {
+                        let [row, column] = view.aim(first + i as u32, j);
+                        let ray = viewing_ray(view, row, column);
                         let (hit, s) = tile.nearest::<V>(&ray);
-                        let pixel = i * width + j as usize;
+                        let pixel = i * width + (j - columns.start) as usize;
                         rows.id[pixel] = hit.id;
                         let parts = hit.t.parts();
                         rows.t.get_mut(pixel).into_iter().for_each(|t| *t = parts.0);

@@ -68,6 +68,10 @@ impl Provenance {
         if let (Some(shade), true) = (report.shade, aovs.contains(&Aov::Color)) {
             words.set("halfline:shade", shade);
         }
+        if report.samples > 1 && aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha)) {
+            words.set("halfline:samples", report.samples);
+            words.set("halfline:seed", settings.seed);
+        }
         words.set(FRAME, format!("{width}x{height}"));
         words.set(WINDOW, window.to_string());
         words.set(BUFFERS, aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(","));

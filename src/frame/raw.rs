@@ -8,6 +8,7 @@ use crate::memory::Pool;
 use crate::plan::Kernel;
 use crate::ray::{NONE, Ray};
 use crate::real::Real;
+use crate::sample::Sampled;
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 use crate::view::View;
@@ -60,15 +61,14 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
-    /// The buffers cut after every `pixels`; those nobody asked for stay empty.
-    pub(crate) fn cut(&mut self, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
-        // An empty buffer has no pieces: its iterator ends at once.
-        let mut ts = self.t.chunks_mut(pixels);
-        let mut lows = self.t_low.chunks_mut(pixels);
-        let mut normals = self.normal.chunks_mut(3 * pixels);
-        let mut colors = self.color.chunks_mut(3 * pixels);
-        let mut widths = self.width.chunks_mut(pixels);
-        self.id.chunks_mut(pixels).map(move |id| Piece {
+    /// The buffers cut after `first` pixels and then after every `pixels`; those nobody asked for stay empty.
+    pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
+        let mut ts = pieces(&mut self.t, first, pixels);
+        let mut lows = pieces(&mut self.t_low, first, pixels);
+        let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
+        let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
+        let mut widths = pieces(&mut self.width, first, pixels);
+        pieces(&mut self.id, first, pixels).map(move |id| Piece {
             id,
             t: ts.next().unwrap_or_default(),
             t_low: lows.next().unwrap_or_default(),
@@ -78,11 +78,34 @@ impl Raw {
         })
     }
 
+    /// Ids and normals of what was settled.
+    pub(crate) fn settle(&mut self, settled: &[Settled]) {
+        for s in settled {
+            let pixel = s.pixel as usize;
+            self.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
+            if let Some(normal) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
+            }
+        }
+    }
+
+    /// Leaves its memory to the next frame.
+    pub(crate) fn give_to(self, pool: &Pool) {
+        pool.give(self.id);
+        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.give(unused));
+    }
+
     /// t of a hit in all its parts; 0 where nobody asked for it.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
     }
+}
+
+/// The first `first` values, and then `count` at a time. An empty buffer has one piece, and that is empty.
+fn pieces<T>(buffer: &mut [T], first: usize, count: usize) -> impl Iterator<Item = &mut [T]> {
+    let (head, rest) = buffer.split_at_mut(first.min(buffer.len()));
+    std::iter::once(head).chain(rest.chunks_mut(count))
 }
 
 /// Some consecutive pixels of a [`Raw`].
@@ -126,6 +149,8 @@ pub(crate) struct Answers<'a> {
     pub(crate) depths: Option<Depths<'a>>,
     /// In the order of pixels.
     pub(crate) settled: &'a [Settled],
+    /// Colour and coverage, where pixels were sampled.
+    pub(crate) sampled: Option<Sampled>,
 }
 
 /// Relative rounding of a distance made of a depth in f64, and of a settled one: 2^-50, several roundings.
@@ -134,8 +159,8 @@ const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
 impl Answers<'_> {
     /// The buffers asked for, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
-        let (w, h) = (self.view.record.width as usize, self.view.record.height as usize);
-        self.settle_raw();
+        let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
+        self.raw.settle(self.settled);
         let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -143,7 +168,10 @@ impl Answers<'_> {
         let mut buffers = Vec::with_capacity(wanted.len());
         for aov in wanted {
             let data = match aov {
-                Aov::Color => Data::F32(std::mem::take(&mut self.raw.color)),
+                Aov::Color => Data::F32(match &mut self.sampled {
+                    Some(sampled) => std::mem::take(&mut sampled.color),
+                    None => std::mem::take(&mut self.raw.color),
+                }),
                 Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),
                 // Last of all: the others look at the ids. NONE and -1 are the same bits.
                 Aov::Id => continue,
@@ -161,7 +189,10 @@ impl Answers<'_> {
                     };
                     Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance])?)
                 }
-                Aov::Alpha => Data::F32(self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect()),
+                Aov::Alpha => Data::F32(match &mut self.sampled {
+                    Some(sampled) => std::mem::take(&mut sampled.alpha),
+                    None => self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect(),
+                }),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
@@ -180,17 +211,6 @@ impl Answers<'_> {
         Ok(buffers)
     }
 
-    /// Ids and normals of what was settled.
-    fn settle_raw(&mut self) {
-        for s in self.settled {
-            let pixel = s.pixel as usize;
-            self.raw.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
-            if let Some(normal) = self.raw.normal.get_mut(3 * pixel..3 * pixel + 3) {
-                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
-            }
-        }
-    }
-
     /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
     /// `truth` where it was settled.
     fn fill<const N: usize>(
@@ -199,7 +219,8 @@ impl Answers<'_> {
         hit: impl Fn(usize, [f64; 3], f64) -> [f64; N] + Sync,
         truth: impl Fn(&Truth) -> [f64; N],
     ) -> Result<Vec<f64>> {
-        let width = self.view.record.width as usize;
+        let record = &self.view.record;
+        let width = record.columns as usize;
         let unit = crate::dd::ldexp(1.0, self.view.unit);
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
@@ -211,7 +232,8 @@ impl Answers<'_> {
                     *values = if id == NONE {
                         [missed; N]
                     } else {
-                        let [u, v, w] = self.view.direction(i, j);
+                        let [u, v, w] =
+                            self.view.direction(record.first_row + i as u32, record.first_column + j as u32);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
                         let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);

@@ -68,6 +68,10 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
         false if kernel.tiles => tiles(kernel, &mut parts),
         false => search(kernel, &mut parts),
     }
+    if kernel.rays == Rays::Camera {
+        parts.push(part!("window.wgsl"));
+        parts.push(if kernel.samples { part!("pixel/sample.wgsl") } else { part!("pixel/plain.wgsl") });
+    }
     frame(kernel, &mut parts);
     Source::new(parts)
 }

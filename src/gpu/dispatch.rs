@@ -142,9 +142,8 @@ impl Gpu {
         stages.time("pipeline", || self.pipeline(kernel))?;
         stages.time("upload", || self.upload(kernel, input))?;
         let mut bands = Bands::new(kernel, input, Reach::from(&self.limits));
-        let width = if kernel.rays == Rays::Camera { record.width } else { 1 };
         while let Some(band) = bands.next(&self.pipelines[kernel].pace) {
-            if !go_on(u64::from(width) * u64::from(band.first)) {
+            if !go_on(band.before(kernel, &record)) {
                 return Err(Error::Interrupted);
             }
             if let Some(asked) = &input.stage {
@@ -180,11 +179,11 @@ impl Gpu {
         }
         let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
             .min((largest / (3 * 4 * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
-        if kernel.rays == Rays::Camera && record.width > widest {
+        if kernel.rays == Rays::Camera && record.columns > widest {
             return Err(Error::Limits {
                 problem: format!(
                     "{} columns are more than {} can write in one dispatch",
-                    record.width, self.summary.name
+                    record.columns, self.summary.name
                 ),
                 mend: format!("render at most {widest} columns, or use --backend cpu"),
             });
@@ -225,8 +224,8 @@ impl Gpu {
         let (record, pixels, groups) = match kernel.rays {
             Rays::Camera => {
                 let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
-                let groups = (record.width.div_ceil(TILE), band.count.div_ceil(TILE));
-                (record, u64::from(record.width) * u64::from(band.count), groups)
+                let [columns, rows] = record.tiles().map(|[first, last]| last - first + 1);
+                (record, record.pixels() as u64, (columns, rows))
             }
             _ => {
                 let record = ViewRecord { first_row: band.first, rows: 1, width: band.count, ..*record };
@@ -287,8 +286,8 @@ impl Gpu {
     }
 
     fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
-        let row = if kernel.rays == Rays::Camera { record.width as usize } else { 1 };
-        let (first, pixels) = (band.first as usize * row, band.count as usize * row);
+        let row = if kernel.rays == Rays::Camera { record.columns as usize } else { 1 };
+        let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
         let from = |output: &Written| if self.direct { output.name } else { output.staging };
         let read: Vec<_> = outputs(kernel).collect();
         for output in &read {

@@ -119,12 +119,16 @@ mod tests {
                             tiles,
                             width: t && certify,
                             tree,
+                            samples: false,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == Rays::Camera));
                     }
                 }
             }
         }
+        let samples = |k: &&Kernel| k.rays == Rays::Camera && !k.t && !k.normal;
+        let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
+        kernels.extend(sampled);
         kernels
     }
 
@@ -137,7 +141,8 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames, "the list is whole");
+        let sampled = (Method::ALL.len() * 8 + 8) * (1 + 2 + 1 + 2);
+        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled, "the list is whole");
         for kernel in &kernels {
             module(kernel);
         }
@@ -219,7 +224,7 @@ mod tests {
         assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
-            zero half_du_low half_dv_low d_low);
+            zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed);
         same!(module "Sphere", SphereRecord, ball power scale);
         same!(module "SphereLow", SphereLow, ball power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);

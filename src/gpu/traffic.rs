@@ -8,7 +8,7 @@ use crate::certify::tiles::{CHUNK, TILE};
 use crate::error::Result;
 use crate::listed::{Asked, Candidate};
 use crate::plan::{Kernel, Rays};
-use crate::view::{SphereLow, SphereRecord};
+use crate::view::{SphereLow, SphereRecord, ViewRecord};
 use std::ops::Range;
 
 /// What a ray that walks a tree is taken to ask: far more than where spheres are apart, far less than where all overlap.
@@ -42,18 +42,28 @@ impl Reach {
         let Some(asked) = &input.stage else {
             return most.min(self.binding / size_of::<SphereRecord>() as u64);
         };
-        let height = input.view.record.height;
-        let largest = |first: u32| largest(asked, &Band { first, count: TILE.min(height - first) });
-        let fullest = (0..height).step_by(TILE as usize).map(largest).max().unwrap_or(0).max(1);
+        let [_, [top, bottom]] = input.view.record.tiles();
+        let largest = |row: u32| largest(asked, &Band { first: row * TILE, count: TILE });
+        let fullest = (top..=bottom).map(largest).max().unwrap_or(0).max(1);
         let spheres = u128::from(input.view.record.spheres) * u128::from(self.binding) / u128::from(fullest);
         most.min(u64::try_from(spheres).unwrap_or(u64::MAX))
     }
 }
 
-/// A band of the frame: rows of pixels, or a run of given rays in one row.
+/// A band of the window: rows of pixels, counted in the full frame, or a run of given rays in one row.
 pub(crate) struct Band {
     pub(crate) first: u32,
     pub(crate) count: u32,
+}
+
+impl Band {
+    /// Pixels of the window, or rays, that come before it.
+    pub(crate) fn before(&self, kernel: &Kernel, record: &ViewRecord) -> u64 {
+        match kernel.rays {
+            Rays::Camera => u64::from(record.columns) * u64::from(self.first - record.first_row),
+            _ => u64::from(self.first),
+        }
+    }
 }
 
 /// The rays in pieces that fit the adapter's bindings and its patience. The least piece is a row of tiles, or a group of
@@ -62,20 +72,28 @@ pub(crate) struct Bands<'a> {
     kernel: &'a Kernel,
     input: &'a Input<'a>,
     reach: Reach,
-    /// Rows or rays that are in no band yet, and those of the frame.
+    /// The first row or ray of all; bands begin at multiples of the least piece, so the first may be a part of one.
+    start: u32,
+    /// The first one that is in no band yet, and the one past the last.
     first: u32,
-    total: u32,
+    end: u32,
 }
 
 impl<'a> Bands<'a> {
     pub(crate) fn new(kernel: &'a Kernel, input: &'a Input<'a>, reach: Reach) -> Self {
-        let total = if kernel.rays == Rays::Camera { input.view.record.height } else { input.rays.len() as u32 };
-        Self { kernel, input, reach, first: 0, total }
+        let record = &input.view.record;
+        let (start, end) = match kernel.rays {
+            Rays::Camera => (record.first_row, record.first_row + record.rows),
+            _ => (0, input.rays.len() as u32),
+        };
+        let mut bands = Self { kernel, input, reach, start, first: start, end };
+        bands.first -= start % bands.unit().0;
+        bands
     }
 
     /// The next one, as heavy as `pace` allows.
     pub(crate) fn next(&mut self, pace: &Pace) -> Option<Band> {
-        let (first, left) = (self.first, self.total - self.first);
+        let (first, left) = (self.first, self.end - self.first);
         if left == 0 {
             return None;
         }
@@ -90,13 +108,14 @@ impl<'a> Bands<'a> {
             count = rows_that_fit(asked, first, count, self.reach.binding);
         }
         self.first += count;
-        Some(Band { first, count })
+        let cut = self.start.saturating_sub(first);
+        Some(Band { first: first + cut, count: count - cut })
     }
 
     /// Rows or rays that are never parted, and their pixels.
     fn unit(&self) -> (u32, u64) {
         match self.kernel.rays {
-            Rays::Camera => (TILE, u64::from(self.input.view.record.width) * u64::from(TILE)),
+            Rays::Camera => (TILE, u64::from(self.input.view.record.columns) * u64::from(TILE)),
             _ => (GROUP, u64::from(GROUP)),
         }
     }
@@ -119,7 +138,7 @@ impl<'a> Bands<'a> {
     /// What a band may cost at most, in ray-sphere tests of `stable`.
     pub(crate) fn tests(&self, band: &Band) -> f64 {
         let record = &self.input.view.record;
-        let width = if self.kernel.rays == Rays::Camera { record.width } else { 1 };
+        let width = if self.kernel.rays == Rays::Camera { record.columns } else { 1 };
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
         let all = match &self.input.stage {

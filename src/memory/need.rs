@@ -7,6 +7,7 @@ use crate::frame::Aov;
 use crate::plan::{Accuracy, Kernel, Plan};
 use crate::scene::Scene;
 use crate::view::{SphereLow, SphereRecord};
+use crate::window::Window;
 
 /// Bytes that the host needs at once for a certified frame, for each sphere that a ray may meet: its bin (20), its key (8),
 /// and what the rays ask of it (32 and a sill), once in the list of its row and once in the frame's. Smaller ones than a
@@ -28,8 +29,8 @@ pub(crate) struct Need {
 }
 
 impl Need {
-    /// Of a frame as planned, on an adapter or on the CPU path.
-    pub(crate) fn of(plan: &Plan, aovs: &[Aov], scene: &Scene, gpu: bool) -> Self {
+    /// Of this window of a frame as planned, on an adapter or on the CPU path.
+    pub(crate) fn of(plan: &Plan, aovs: &[Aov], scene: &Scene, window: Window, gpu: bool) -> Self {
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
         let records = record + if wide { size_of::<SphereLow>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
@@ -42,8 +43,13 @@ impl Need {
             // The twin has its own in its own numbers.
             _ => records + if wide { 48 } else { 24 },
         };
-        let image = scene.image;
-        let pixels = u64::from(image.width) * u64::from(image.height) * bytes_per_pixel(&plan.kernel, aovs);
+        // The samples' own buffers, their sums and what these become.
+        let sampled = plan.sampled.map_or(0, |kernel| {
+            let colors = u64::from(kernel.shade.is_some());
+            bytes_per_pixel(&kernel, &[]) + (24 + 12) * colors + 4
+        });
+        let each = bytes_per_pixel(&plan.kernel, aovs) + sampled;
+        let pixels = u64::from(window.width()) * u64::from(window.height()) * each;
         Self { pixels, sphere, spheres: scene.spheres.len() as u64 }
     }
 

@@ -14,6 +14,7 @@ use crate::intersect::Method;
 use crate::memory::{self, Need, Pool};
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
+use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
 use crate::shade::Shade;
@@ -33,10 +34,15 @@ pub struct Explanation {
     pub spheres: u64,
     /// Things in the scene file that are no spheres and are left out.
     pub skipped: u64,
-    /// Columns and rows.
+    /// Columns and rows of the full frame.
     pub size: [u32; 2],
-    /// Viewing rays: pixels.
+    /// Which part of it would be rendered: x0, y0, x1, y1, the ends excluded.
+    pub window: [u32; 4],
+    /// Viewing rays: pixels of that part.
     pub rays: u64,
+    /// Samples of each pixel that colour and alpha would be the means of: as many passes more, by the kernel's twin that asks
+    /// samples and writes nothing but ids and colour. 1 where they are the answers of pixel centres.
+    pub samples: u32,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
     /// The adapter's name; `cpu` for the reference path.
@@ -158,9 +164,13 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
         return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
     }
-    let (need, free) = (Need::of(&plan, &settings.aovs, scene, found.is_some()), memory::free(&Pool::default()));
+    let window = settings.window_of(scene)?;
+    let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
+    let need = Need::of(&plan, &settings.aovs, scene, window, found.is_some());
+    let free = memory::free(&Pool::default());
     need.check(free)?;
-    let prepared = Prepared::new(plan, scene, settings, &Pool::default(), &mut Stages::default())?;
+    let prepared =
+        Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
     let Prepared { plan, view, stage } = &prepared;
     let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
     let predicted = match plan.accuracy {
@@ -169,18 +179,25 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     };
     let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
     let on_device = found.as_ref().filter(|_| traced);
-    let work = on_device
+    let mut work = on_device
         .map(|found| Work::of(&kernel.for_stage(prepared.certified()), &prepared, scene, found))
         .unwrap_or_default();
-    let size = [view.record.width, view.record.height];
+    if let (Some(raster), Some(sampled), Some(found)) = (samples, plan.sampled, on_device) {
+        let plan = Plan { kernel: Kernel { sharing: kernel.sharing, ..sampled }, ..plan.clone() };
+        let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
+        let kernel = passes.plan.kernel.for_stage(passes.certified());
+        work.add(Work::of(&kernel, &passes, scene, found), raster.count());
+    }
     Ok(Explanation {
         schema: "halfline-plan",
         version: 1,
         halfline: env!("CARGO_PKG_VERSION"),
         spheres: scene.spheres.len() as u64,
         skipped: scene.skipped.total(),
-        size,
-        rays: u64::from(size[0]) * u64::from(size[1]),
+        size: [view.record.width, view.record.height],
+        window: [window.x0, window.y0, window.x1, window.y1],
+        rays: view.record.pixels() as u64,
+        samples: samples.map_or(1, |raster| raster.count()),
         backend: if found.is_some() { "gpu" } else { "cpu" },
         adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
         accuracy: plan.accuracy.name(),
@@ -191,7 +208,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         search: plan.search.name(),
         search_reason: plan.search_reason.to_owned(),
         staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
-        frame: frame(settings, size),
+        frame: frame(settings, [window.width(), window.height()]),
         left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
         reason: plan.reason.clone(),
         kernel: work.kernel,
@@ -229,7 +246,7 @@ impl Work {
         let pool = Pool::default();
         let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
-        let pixels = u64::from(view.record.width) * u64::from(view.record.height);
+        let pixels = view.record.pixels() as u64;
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
@@ -251,6 +268,25 @@ impl Work {
         }
         let spheres = Some(reach.spheres(kernel, &input));
         Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
+    }
+}
+
+impl Work {
+    /// So many passes of another kernel come on top.
+    fn add(&mut self, pass: Self, passes: u32) {
+        let passes = u64::from(passes);
+        let new = pass.kernel.into_iter().filter(|part| !self.kernel.contains(part)).collect::<Vec<_>>();
+        self.kernel.extend(new);
+        for (all, more) in [(&mut self.uploaded, pass.uploaded), (&mut self.written, pass.written)] {
+            for Binding { name, bytes } in more {
+                match all.iter_mut().find(|b| b.name == name) {
+                    Some(b) => b.bytes += passes * bytes,
+                    None => all.push(Binding { name, bytes: passes * bytes }),
+                }
+            }
+        }
+        self.dispatches += passes * pass.dispatches;
+        self.spheres = self.spheres.min(pass.spheres);
     }
 }
 
@@ -304,7 +340,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         };
         leave("device", why);
     }
-    match kernel.shade {
+    match plan.shade() {
         None => leave("shading", "no picture is asked for"),
         Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not show them"),
         Some(_) if scene.spheres.colors.is_none() => {
@@ -316,7 +352,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         leave("t", "no distance, depth or position is asked for");
     }
     if !kernel.normal {
-        match kernel.shade {
+        match plan.shade() {
             None | Some(Shade::Flat) => leave("normals", "nobody asked, and nothing is shaded by them"),
             Some(_) => leave("normal buffer", "nobody asked: normals are made for shading and not kept"),
         }

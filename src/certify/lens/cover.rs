@@ -4,8 +4,8 @@ use super::Lens;
 use super::project::floor;
 use crate::certify::tiles::{Placed, TILE};
 
-/// What is taken off a disc, in pixels and relative to its radius: far more than its record is off by (2^-24 of a radius,
-/// half a unit of the fixed point), far less than keeps a pixel open.
+/// What is taken off a disc, in pixels and relative to its radius: with a unit of the fixed point, far more than its record
+/// is off by (2^-24 of a radius, half that unit), far less than keeps a pixel open.
 const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 
 /// What a record's depth may be off by: the rounding of its relative part to f32, and the host's 2^-43 of the whole.
@@ -42,20 +42,24 @@ impl Cover {
         let (front, more) = (&sphere.front, &sphere.more);
         let rho = f64::from(front.rho);
         let widest = lens.step[0].max(lens.step[1]);
-        let inner = rho - (rho * SHRINK[1] + widest * SHRINK[0]);
+        // Of a pixel that is sampled, the disc shall cover every sample: none is farther from the centre than this.
+        let aside = 0.5 * (lens.per_pixel - 1.0) * lens.step[0].hypot(lens.step[1]);
+        let inner = rho - (rho * SHRINK[1] + widest * (SHRINK[0] + 1.0 / lens.fixed) + aside);
         if inner <= 0.0 {
             return;
         }
-        let [x, y] = [front.x, front.y].map(|n| f64::from(n) / lens.fixed);
+        let [x, y] =
+            [front.x, front.y].map(|n| (f64::from(n) / lens.fixed - 0.5 * (lens.per_pixel - 1.0)) / lens.per_pixel);
+        let step = lens.step.map(|step| step * lens.per_pixel);
         let (x, y) = (x - self.corner[0], y - self.corner[1]);
         let most = f64::from(TILE - 1);
-        let up = inner / lens.step[1];
+        let up = inner / step[1];
         let (top, bottom) = ((-floor(up - y)).max(0.0), floor(y + up).min(most));
         let mut bits = 0u64;
         let mut row = top;
         while row <= bottom {
-            let down = (row - y) * lens.step[1];
-            let half = (inner * inner - down * down).max(0.0).sqrt() / lens.step[0];
+            let down = (row - y) * step[1];
+            let half = (inner * inner - down * down).max(0.0).sqrt() / step[0];
             let (left, right) = ((-floor(half - x)).max(0.0), floor(x + half).min(most));
             if left <= right {
                 bits |= ((2u64 << right as u32) - (1u64 << left as u32)) << (TILE * row as u32);

@@ -6,7 +6,7 @@ use super::{
     moved,
 };
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
-use crate::certify::tiles::{Bin, Placed, TILE};
+use crate::certify::tiles::{Bin, Placed};
 use crate::dd::{self, Dd, Dd3};
 
 /// Spheres that are computed together.
@@ -188,7 +188,8 @@ impl Lens {
             fixed[k] = whole(place[k] * self.fixed);
             let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
             rest[k] = (SIGNS[k] * ((place[k] - f64::from(pixel)) + low[k])) as f32;
-            tiles[k] = [first, last].map(|pixel| whole(floor(pixel * (1.0 / TILE as f64))) as u32);
+            // Half a pixel more: a quotient is far from whole numbers then, whatever it is rounded by.
+            tiles[k] = [first, last].map(|pixel| whole(floor((pixel + 0.5) * self.per_tile)) as u32);
         }
         let center = aim.depth - reference;
         let low = below(center - self.depth_error(aim, center));

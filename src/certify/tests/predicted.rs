@@ -60,7 +60,7 @@ fn grazed(mut scene: Scene, [i, j]: [u32; 2], dice: &mut Dice) -> Scene {
     let view = View::new(&scene).expect("a good scene");
     let off = Prediction::of(&scene, Method::Stable).expect("a good scene").expect("a sphere").outline;
     let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
-    let d = view.to_world(view.direction(i as usize, j as usize)).normalize();
+    let d = view.to_world(view.direction(i, j)).normalize();
     if p.dot(d) > 0.0 {
         scene.spheres.radii[0] = p.cross(d).length() * (1.0 + dice.sign() * dice.part() * off);
     }
@@ -70,7 +70,7 @@ fn grazed(mut scene: Scene, [i, j]: [u32; 2], dice: &mut Dice) -> Scene {
 /// How far the half-line of a pixel is from the limb, in radii; f64 is within 1e-11 of it here.
 fn excess(view: &View, scene: &Scene, [i, j]: [u32; 2]) -> f64 {
     let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
-    let d = view.to_world(view.direction(i as usize, j as usize)).normalize();
+    let d = view.to_world(view.direction(i, j)).normalize();
     let l = if p.dot(d) > 0.0 { p.cross(d).length() } else { p.length() };
     (l / scene.spheres.radii[0] - 1.0).abs()
 }
@@ -89,7 +89,7 @@ fn no_legal_rounding_is_worse_than_predicted() {
         let predicted: Vec<_> = methods().map(|method| Prediction::of(&scene, method)).collect();
         for pixel in [touching, [dice.below(SIDE), dice.below(SIDE)], [dice.below(SIDE), dice.below(SIDE)]] {
             let truth = judge.pixel(pixel[0], pixel[1]);
-            let [u, v, w] = view.direction(pixel[0] as usize, pixel[1] as usize);
+            let [u, v, w] = view.direction(pixel[0], pixel[1]);
             let length = DVec3::new(u, v, w).length();
             for ((method, predicted), worst) in methods().zip(&predicted).zip(&mut worst) {
                 let predicted = predicted.as_ref().expect("a good scene").expect("a sphere");

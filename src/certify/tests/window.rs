@@ -1,0 +1,53 @@
+//! A window's lists are those of the full frame, also where tiles share them.
+
+use crate::certify::TERMS;
+use crate::certify::stage::Stage;
+use crate::certify::tiles::TILE;
+use crate::memory::Pool;
+use crate::plan::Kernel;
+use crate::raster::Raster;
+use crate::view::View;
+use crate::window::Window;
+use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
+
+/// Spheres of this radius, one behind the other, before an image of 256 x 256 pixels.
+fn scene(count: usize, radius: f64) -> Scene {
+    let mut spheres = Spheres::default();
+    for n in 0..count {
+        let [x, y] = [7, 11].map(|k| ((n * k) % 101) as f64 / 101.0 - 0.5);
+        spheres.push([x, y, -10.0 - n as f64 * 1e-3], radius, None);
+    }
+    let lens = Lens::Vfov { degrees: 3.0, distance: 1.0 };
+    let image = ImagePlane { width: 256, height: 256, background: [0.0; 3] };
+    Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, skipped: Default::default() }
+}
+
+#[test]
+fn a_windows_lists_are_the_full_frames() {
+    let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
+    let window = Window { x0: 101, y0: 27, x1: 152, y1: 90 };
+    // Single tiles that are covered, and cells of several tiles.
+    for (count, radius, shared) in [(900, 0.2, false), (2600, 1.4, true)] {
+        let scene = scene(count, radius);
+        let stage = |window: Window| {
+            let view = View::for_kernel(&scene, Raster::centres(window), &kernel).expect("a view");
+            Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
+        };
+        let (full, part) = (stage(Window::full(256, 256)), stage(window));
+        assert_eq!((full.lens, &full.nears), (part.lens, &part.nears));
+        assert_eq!((full.lists.level() > 0, part.lists.level()), (shared, full.lists.level()));
+        let mut entries = 0;
+        for (row, column) in (window.y0..window.y1).flat_map(|i| (window.x0..window.x1).map(move |j| (i, j))) {
+            let of = |stage: &Stage| {
+                let [first, end] = stage.lists.range(row, column).map(|n| n as usize);
+                let sills = &stage.lists.sills[first / TILE as usize..end / TILE as usize];
+                (stage.lists.fronts[first..end].to_vec(), stage.lists.mores[first..end].to_vec(), sills.to_vec())
+            };
+            let (full, part) = (of(&full), of(&part));
+            entries += part.0.len();
+            assert!(full == part, "row {row}, column {column}");
+        }
+        assert!(entries > 0, "the window shows something");
+        assert!(part.lists.fronts.len() < full.lists.fronts.len() / 4, "other lists were not made");
+    }
+}

@@ -1,0 +1,141 @@
+//! Which rays a frame asks: those of a window's pixels, through their centres or through samples of them.
+//!
+//! A sample is a pixel of a finer frame, of W K x H K pixels: so every formula and every bound holds for it as it stands,
+//! with W K and H K in the places of W and H. A pixel is cut into n x n strata of J x J of these finer pixels, K = n J, and
+//! each stratum is asked at one of them, chosen by a hash of row, column, sample and seed.
+
+use crate::error::{Error, Result};
+use crate::plan::Settings;
+use crate::scene::{ImagePlane, MAX_SIDE};
+use crate::view::ViewRecord;
+use crate::window::Window;
+
+/// Finer pixels along a side of a stratum, at most.
+const FINEST: u32 = 16;
+
+/// The rays of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Raster {
+    pub(crate) window: Window,
+    /// n: strata along a side of a pixel.
+    pub(crate) strata: u32,
+    /// J: finer pixels along a side of a stratum, a power of two.
+    pub(crate) jitter: u32,
+    pub(crate) seed: u32,
+}
+
+impl Raster {
+    /// Pixel centres.
+    pub(crate) fn centres(window: Window) -> Self {
+        Self { window, strata: 1, jitter: 1, seed: 0 }
+    }
+
+    /// The samples that `settings` ask for of an image's pixels, as many as the next square; `None` for one.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the finer frame would have more columns or rows than a frame can have.
+    pub(crate) fn samples(window: Window, settings: &Settings, image: &ImagePlane) -> Result<Option<Self>> {
+        if settings.samples < 2 {
+            return Ok(None);
+        }
+        let strata = u64::from(settings.samples - 1).isqrt() as u32 + 1;
+        let most = MAX_SIDE as u32 / image.width.max(image.height).max(1);
+        if strata > most {
+            let side = u64::from(most) * u64::from(most);
+            let problem = format!("{} samples of a pixel are more than this image can be cut into", settings.samples);
+            return Err(Error::Limits { problem, mend: format!("take at most {side}, or a smaller --size") });
+        }
+        let mut jitter = FINEST;
+        while strata * jitter > most {
+            jitter /= 2;
+        }
+        Ok(Some(Self { window, strata, jitter, seed: settings.seed }))
+    }
+
+    /// K: pixels of the finer frame along a side of a pixel.
+    pub(crate) fn fine(&self) -> u32 {
+        self.strata * self.jitter
+    }
+
+    /// Samples of a pixel.
+    pub(crate) fn count(&self) -> u32 {
+        self.strata.saturating_mul(self.strata)
+    }
+}
+
+impl ViewRecord {
+    /// K, 1 for pixel centres.
+    #[inline(always)]
+    pub(crate) fn fine(&self) -> u32 {
+        self.strata * self.jitter
+    }
+
+    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of pixel/sample.wgsl.
+    #[inline(always)]
+    pub(crate) fn aim(&self, row: u32, column: u32) -> [u32; 2] {
+        if self.fine() == 1 {
+            return [row, column];
+        }
+        let [across, down, ..] = pcg4d([column, row, self.sample, self.seed]);
+        let within = |pixel: u32, stratum: u32, hash: u32| {
+            (pixel * self.strata + stratum) * self.jitter + (hash >> 16 & (self.jitter - 1))
+        };
+        let (i, j) = (self.sample / self.strata, self.sample % self.strata);
+        [within(row, i, down), within(column, j, across)]
+    }
+}
+
+/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques 9(3),
+/// 2020: four numbers of four.
+fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+    let mix = |[x, y, z, w]: [u32; 4]| {
+        let x = x.wrapping_add(y.wrapping_mul(w));
+        let y = y.wrapping_add(z.wrapping_mul(x));
+        let z = z.wrapping_add(x.wrapping_mul(y));
+        let w = w.wrapping_add(y.wrapping_mul(z));
+        [x, y, z, w]
+    };
+    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    mix(mix(v).map(|x| x ^ x >> 16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    fn raster(samples: u32, width: u32, height: u32) -> Result<Option<Raster>> {
+        let image = ImagePlane { width, height, background: [0.0; 3] };
+        Raster::samples(Window::full(width, height), &Settings { samples, ..Settings::default() }, &image)
+    }
+
+    #[test]
+    fn samples_are_the_next_square_as_fine_as_a_frame_can_be() {
+        let cut = |samples, side| raster(samples, side, 5).expect("room").map(|r| [r.count(), r.jitter]);
+        assert_eq!([cut(0, 64), cut(1, 64)], [None; 2]);
+        assert_eq!([cut(2, 64), cut(4, 64), cut(5, 64)], [Some([4, 16]), Some([4, 16]), Some([9, 16])]);
+        // 2^20 columns at most, all of them or one short of twice as many.
+        assert_eq!([cut(64, 1 << 13), cut(64, (1 << 13) + 1)], [Some([64, 16]), Some([64, 8])]);
+        assert_eq!([cut(16, 1 << 18), cut(9, 1 << 18)], [Some([16, 1]), Some([9, 1])]);
+        raster(u32::MAX, 17, 1).expect_err("2^16 strata of 17 columns");
+        let error = raster(17, 1 << 18, 1).expect_err("5 x 2^18").to_string();
+        assert!(error.contains("at most 16"), "{error}");
+    }
+
+    #[test]
+    fn each_stratum_is_asked_once_everywhere_alike() {
+        let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
+        let mut counts = [0u32; 16];
+        for sample in 0..9 {
+            for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {
+                let [i, j] = ViewRecord { sample, ..record }.aim(row, column);
+                assert_eq!([i / 48, j / 48], [row, column], "within its pixel");
+                assert_eq!([i % 48 / 16, j % 48 / 16], [sample / 3, sample % 3], "within its stratum");
+                counts[(i % 16) as usize] += 1;
+                counts[(j % 16) as usize] += 1;
+            }
+        }
+        // 180000 in 16 places: 11250 each, with a deviation of 103; five of them.
+        assert!(counts.iter().all(|n| n.abs_diff(11_250) < 515), "{counts:?}");
+    }
+}
