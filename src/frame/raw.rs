@@ -150,7 +150,7 @@ impl Answers<'_> {
                 Aov::Distance => Data::F64(self.fill(inf, |_, d, depth| [depth * length(d)], |t| [t.distance])?),
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
                 Aov::Position => {
-                    let point = |_, d, depth| self.view.point(d, depth);
+                    let point = |pixel, d, depth| self.view.point(self.view.origin(pixel / w, pixel % w), d, depth);
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
                 }
                 Aov::Bound => {
