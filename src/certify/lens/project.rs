@@ -13,7 +13,7 @@ use crate::dd::{self, Dd, Dd3};
 const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The depth, relative to the reference, of a centre before parallel rays whose hits are never certain: behind all others.
-const NEVER: f64 = -1.0 * (1u128 << 126) as f64;
+const NEVER: f64 = -((1u128 << 126) as f64);
 
 /// Spheres that are computed together.
 pub(in crate::certify) const LANES: usize = 8;
