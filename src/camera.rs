@@ -1,4 +1,4 @@
-//! The general perspective camera of the lecture, in f64 on the host.
+//! The general perspective camera of the lecture, and the orthographic one, in f64 on the host.
 //!
 //! Step by step: the *canonical camera* has its eye at the origin and looks down -z through a viewport of 1 x 1 at
 //! distance 1. A *distance* d and a *viewport* of vw x vh generalise the lens; the *eye* e and the *basis* u, v, w
@@ -8,6 +8,13 @@
 //! u = ((j + 1/2)/W - 1/2) vw        v = -((i + 1/2)/H - 1/2) vh
 //! origin = e                        direction = u u + v v - d w
 //! ```
+//!
+//! An *orthographic* camera is the same with the eye infinitely far behind the viewport: all rays are parallel, and vw and
+//! vh are lengths in the scene. The plane through e that looks along -w takes the eye's place:
+//!
+//! ```text
+//! origin = e + u u + v v            direction = -w
+//! ```
 
 use crate::dd::{self, Dd, Dd3};
 use crate::error::{Error, Place, Result};
@@ -16,7 +23,7 @@ use glam::DVec3;
 /// Pose and lens. Every number is taken as exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// The point all viewing rays leave from.
+    /// The point all viewing rays leave from; orthographic ones leave from the plane through it that faces the view.
     pub eye: DVec3,
     /// Where it looks.
     pub look: Look,
@@ -59,6 +66,20 @@ pub enum Lens {
         /// Degrees between 0 and 180.
         degrees: f64,
     },
+    /// Parallel rays: a view of this height, the width follows from the image's shape. A hit's t, its distance and its
+    /// depth are one: how far it lies before the plane of the eye.
+    Orthographic {
+        /// Full height, in the scene's unit.
+        height: f64,
+    },
+}
+
+impl Lens {
+    /// Whether all viewing rays are parallel.
+    #[must_use]
+    pub fn is_orthographic(&self) -> bool {
+        matches!(self, Self::Orthographic { .. })
+    }
 }
 
 /// The basis of the lecture: e and the orthonormal u (right), v (up), w (back), each component within 2^-52 of the
@@ -168,6 +189,10 @@ impl Camera {
         };
         let shaped = |vh: f64| vh * f64::from(width) / f64::from(height);
         let (vw, vh, d) = match self.lens {
+            Lens::Orthographic { height } => {
+                let vh = positive("height", height)?;
+                return Ok(Viewport { vw: positive("height", shaped(vh))?, vh, d: f64::INFINITY });
+            }
             Lens::Viewport { vw, vh, distance } => (vw, vh, distance),
             Lens::Vfov { degrees, distance } => {
                 let vh = tall("vfov", degrees, positive("distance", distance)?)?;
@@ -187,12 +212,19 @@ impl Camera {
 /// The viewport of the lecture: vw x vh at distance d.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewport {
-    /// Width.
+    /// Width; of an orthographic camera in the scene's unit.
     pub vw: f64,
-    /// Height.
+    /// Height, likewise.
     pub vh: f64,
-    /// Distance from the eye.
+    /// Distance from the eye; infinite for an orthographic camera, whose rays are parallel.
     pub d: f64,
+}
+
+impl Viewport {
+    /// Whether the rays through it are parallel.
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.d.is_infinite()
+    }
 }
 
 /// x/2; exact but for the last bit of a subnormal, which no scene can tell.
@@ -281,6 +313,8 @@ mod tests {
         assert!((square.vh - 6.0).abs() < 1e-14 && (square.vw - 12.0).abs() < 1e-14, "{square:?}");
         let rows = lens(Lens::RowCentres { degrees: 90.0 }).expect("rows");
         assert!((rows.vh * 99.0 / 100.0 - 2.0).abs() < 1e-14, "{rows:?}");
+        let parallel = lens(Lens::Orthographic { height: 12.0 }).expect("orthographic");
+        assert_eq!(parallel, Viewport { vw: 24.0, vh: 12.0, d: f64::INFINITY });
         for bad in [
             Lens::Vfov { degrees: 180.0, distance: 1.0 },
             Lens::Vfov { degrees: 0.0, distance: 1.0 },
@@ -288,6 +322,9 @@ mod tests {
             Lens::Viewport { vw: 0.0, vh: 1.0, distance: 1.0 },
             Lens::Viewport { vw: 1.0, vh: f64::INFINITY, distance: 1.0 },
             Lens::RowCentres { degrees: f64::NAN },
+            Lens::Orthographic { height: 0.0 },
+            Lens::Orthographic { height: f64::NAN },
+            Lens::Orthographic { height: 1.7e308 },
         ] {
             lens(bad).expect_err("a lens that opens no viewport");
         }

@@ -42,6 +42,7 @@ pub(crate) struct LensRecord {
     pub(crate) tolerance: f32,
     pub(crate) nears: u32,
     pub(crate) slack: f32,
+    pub(crate) size: f32,
 }
 
 /// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel.

@@ -21,7 +21,7 @@ use crate::error::{Place, Result};
 use crate::scene::{Scene, Spheres, check_sphere};
 use answer::{Name, Path};
 pub use decide::Root;
-use decide::{Frame, Lens, Meeting};
+use decide::{Frame, Lens, Line, Meeting};
 use dyadic::Dyadic;
 use filter::{Basis, Body, Hit, Screen, Verdict};
 use rayon::prelude::*;
@@ -75,7 +75,10 @@ impl Judge {
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::of(viewport, width, height);
-        let bench = Bench::new(Frame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
+        let mut bench = Bench::new(Frame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
+        if viewport.is_parallel() {
+            bench.screen_aside(filter::exponent(&viewport));
+        }
         Ok(Self { bench, lens, viewport, size: [width, height] })
     }
 
@@ -124,7 +127,7 @@ impl Judge {
     fn ray(&self, i: u32, j: u32) -> Rays {
         Rays {
             quick: filter::Ray::through(&self.viewport, self.size, i, j),
-            direction: self.lens.direction(i, j),
+            line: self.lens.line(i, j),
             stretch: self.lens.stretch(),
             planar: true,
             exact: OnceCell::new(),
@@ -155,7 +158,7 @@ pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> f64
 /// One ray in both arithmetics; the exact one is made when first asked for.
 struct Rays {
     quick: filter::Ray,
-    direction: dyadic::Dyadic3,
+    line: Line,
     /// The real direction times this is the exact one.
     stretch: Dyadic,
     /// Whether the third component is a depth.
@@ -168,7 +171,7 @@ impl Rays {
     fn along(direction: [f64; 3]) -> Self {
         Self {
             quick: filter::Ray::along(direction),
-            direction: dyadic::vector(direction),
+            line: Line { dir: dyadic::vector(direction), from: None },
             stretch: Dyadic::from(1),
             planar: false,
             exact: OnceCell::new(),
@@ -176,7 +179,7 @@ impl Rays {
     }
 
     fn exact(&self, frame: &Frame) -> &decide::Ray {
-        self.exact.get_or_init(|| frame.ray(self.direction.clone()))
+        self.exact.get_or_init(|| frame.ray(self.line.clone()))
     }
 }
 
@@ -194,6 +197,7 @@ struct Best<'a> {
     id: u32,
     body: &'a Body,
     hit: Hit,
+    root: Root,
     tangent: bool,
     meeting: OnceCell<Meeting>,
 }
@@ -211,6 +215,11 @@ impl Bench {
         };
         let (bodies, screens) = spheres.centers.par_iter().zip(&spheres.radii).map(make).unzip();
         Self { frame, eye, basis, bodies, screens }
+    }
+
+    /// Screens for parallel rays, whose origins are 2^`k` of their own away from the eye.
+    fn screen_aside(&mut self, k: i32) {
+        self.screens.par_iter_mut().zip(&self.bodies).for_each(|(screen, body)| screen.aside(body, k));
     }
 
     fn nearest(&self, rays: &Rays, ids: impl Iterator<Item = u32>) -> Option<Truth> {
@@ -231,14 +240,16 @@ impl Bench {
     /// The sphere as a contender, if the ray hits it.
     fn hit(&self, rays: &Rays, id: u32) -> Option<Best<'_>> {
         let body = &self.bodies[id as usize];
-        let best = |hit| Best { id, body, hit, tangent: false, meeting: OnceCell::new() };
+        let best = |hit, root| Best { id, body, hit, root, tangent: false, meeting: OnceCell::new() };
         match rays.quick.meet(body) {
             Verdict::Miss => None,
-            Verdict::Hit(hit) => Some(best(hit)),
+            Verdict::Hit(hit, root) => Some(best(hit, root)),
             Verdict::Unsure(hit) => {
-                let best = best(hit);
-                let tangent = self.meeting(rays, &best).hit(&self.frame.field)?;
-                Some(Best { tangent, ..best })
+                let best = best(hit, Root::Near);
+                let (field, meeting) = (&self.frame.field, self.meeting(rays, &best));
+                let tangent = meeting.hit(field)?;
+                let root = decide::root(meeting.side(field));
+                Some(Best { tangent, root, ..best })
             }
         }
     }
@@ -260,7 +271,7 @@ impl Bench {
     }
 
     fn truth(&self, rays: &Rays, best: &Best) -> Option<Truth> {
-        let name = Name { id: best.id, root: decide::root(best.body.side), tangent: best.tangent };
+        let name = Name { id: best.id, root: best.root, tangent: best.tangent };
         answer::quick(name, self.eye, &self.basis, rays, best.body, &best.hit)
             .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
     }

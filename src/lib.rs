@@ -7,7 +7,7 @@
 //! ```
 //!
 //! - [`scene`]: spheres, colours, camera, image; f64 and taken as exact. Readers make it.
-//! - [`camera`]: the general perspective camera, by the names of the lecture: eye, view, up; basis u, v, w; viewport
+//! - [`camera`]: the general perspective camera and the orthographic one, by the names of the lecture: eye, view, up; basis u, v, w; viewport
 //!   vw x vh at distance d.
 //! - [`view`]: *move the world, not the ray*. Spheres come into the canonical camera in f64 and are rounded once.
 //! - [`ray`]: one viewing ray per pixel, (u, v, -d) from the origin; only t > 0 counts.

@@ -11,7 +11,7 @@
 //! forms of order k^2 u: they subtract squares of the distance from each other. Near the outline D is small and its
 //! error counts by its square root, which is what makes distances worst there.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::intersect::{Form, Method};
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
@@ -58,13 +58,17 @@ impl Prediction {
     /// For `method` on `scene`; `None` without spheres.
     ///
     /// # Errors
-    /// Those of [`View::new`].
+    /// Those of [`View::new`]; [`Error::Settings`] for an orthographic camera, which no method that runs alone has.
     pub fn of(scene: &Scene, method: Method) -> Result<Option<Self>> {
         Ok(Self::each(scene, &[method])?.map(|each| each[0]))
     }
 
     /// For each of `methods`, in one pass over the spheres.
     pub(crate) fn each(scene: &Scene, methods: &[Method]) -> Result<Option<Vec<Self>>> {
+        if scene.camera.lens.is_orthographic() {
+            let problem = "no method runs alone with parallel rays, and nothing is predicted of certified answers";
+            return Err(Error::settings(problem, "render them, or give the camera a vfov"));
+        }
         let view = View::without_spheres(scene)?;
         Ok(Self::among(view.moved(&scene.spheres.centers, &scene.spheres.radii), methods))
     }

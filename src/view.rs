@@ -159,8 +159,11 @@ pub struct View {
     pub lows: Vec<SphereLow>,
     /// The basis, in f64.
     pub basis: Basis,
-    /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's.
+    /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's; of parallel rays vw/(2W) and vh/(2H) in
+    /// the scene's unit, and 1.
     pub pitch: [f64; 3],
+    /// Whether the viewing rays are parallel.
+    pub parallel: bool,
     /// The frame's unit of t is 2^unit: a hit lies at t 2^unit (u, v, -d), with u, v, d as scaled.
     pub unit: i32,
 }
@@ -204,7 +207,16 @@ impl View {
         scene.check()?;
         let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
         let [width, height] = [scene.image.width, scene.image.height].map(|side| side * raster.fine());
-        let (pitch, pixel, low) = scaled_pitch(&viewport, width, height);
+        let parallel = viewport.is_parallel();
+        let (pitch, pixel, low) = match parallel {
+            // The certified kernel alone has parallel rays, and reads no pitch.
+            true => (
+                [viewport.vw / (2.0 * f64::from(width)), viewport.vh / (2.0 * f64::from(height)), 1.0],
+                [0.0; 3],
+                [0.0; 3],
+            ),
+            false => scaled_pitch(&viewport, width, height),
+        };
         let [red, green, blue] = scene.image.background;
         let record = ViewRecord {
             background: [red, green, blue, 0.0],
@@ -225,7 +237,8 @@ impl View {
             d_low: low[2],
             ..ViewRecord::zeroed()
         };
-        Self::of_basis(scene.camera.basis()?, record, pitch, &scene.spheres.centers, &scene.spheres.radii)
+        let view = Self::of_basis(scene.camera.basis()?, record, pitch, &scene.spheres.centers, &scene.spheres.radii)?;
+        Ok(Self { parallel, ..view })
     }
 
     /// A view along the world's axes from `eye`: what given rays are traced in.
@@ -248,7 +261,7 @@ impl View {
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
         let record = ViewRecord { right, up, back, spheres: radii.len() as u32, ..record };
         let unit = unit(basis.e, centers, radii)?;
-        Ok(Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, unit })
+        Ok(Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, parallel: false, unit })
     }
 
     /// The spheres in the arithmetic of `method`'s twin; one beyond f32 wants the lows kept.
@@ -266,15 +279,27 @@ impl View {
         self.lows = spheres.par_iter().zip(moved).map(|(s, moved)| moved.low(s)).collect();
     }
 
-    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's.
+    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's; (0, 0, -1) of parallel rays.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
+        if self.parallel { [0.0, 0.0, -1.0] } else { self.aside(i, j) }
+    }
+
+    /// Where the viewing ray of row i and column j begins, in the canonical camera.
+    pub(crate) fn origin(&self, i: u32, j: u32) -> [f64; 3] {
+        let [u, v, _] = self.aside(i, j);
+        if self.parallel { [u, v, 0.0] } else { [0.0; 3] }
+    }
+
+    /// (u, v, -d) of row i and column j.
+    fn aside(&self, i: u32, j: u32) -> [f64; 3] {
         let odd = |n: u32, k: u32| 2.0 * f64::from(k) + 1.0 - f64::from(n);
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
     }
 
-    /// The world point at `t` along a direction of the canonical camera.
-    pub(crate) fn point(&self, d: [f64; 3], t: f64) -> [f64; 3] {
-        (self.basis.e + self.to_world(d) * t).to_array()
+    /// The world point at `t` along a direction of the canonical camera, from an origin there.
+    pub(crate) fn point(&self, origin: [f64; 3], d: [f64; 3], t: f64) -> [f64; 3] {
+        let from = self.basis.e + self.to_world(origin);
+        (from + self.to_world(d) * t).to_array()
     }
 
     /// A direction of the canonical camera in world space.

@@ -506,6 +506,33 @@ fn options_replace_the_camera_and_may_be_negative() {
 }
 
 #[test]
+fn parallel_rays_by_file_and_by_option() {
+    let desk = Desk::new();
+    desk.good(&["render", "scene.toml", "-o", "a.npy", "--aov", "distance=d.npy", "--backend", "cpu", "--ortho", "3"]);
+    desk.put("ortho.toml", SCENE.replace("viewport = [1.5, 1.0]", "height = 3"));
+    desk.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
+    assert_eq!(desk.get("a.npy"), desk.get("b.npy"));
+    // The middle column passes the unit sphere's centre, three ahead.
+    let distance = Array::read(&desk.path("d.npy")).expect("an array");
+    let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
+    assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
+    // An angle makes it perspective again.
+    desk.good(&["render", "ortho.toml", "-o", "a.npy", "--backend", "cpu", "--vfov", "60"]);
+    desk.good(&["render", "scene.toml", "-o", "b.npy", "--backend", "cpu", "--vfov", "60"]);
+    assert_eq!(desk.get("a.npy"), desk.get("b.npy"));
+    for (arguments, code, word) in [
+        (&["--ortho", "3", "--vfov", "60"][..], 2, "cannot be used with"),
+        (&["--ortho", "-3"], 2, "a positive number"),
+        (&["--ortho", "inf"], 2, "a positive number"),
+        (&["--ortho", "3", "--method", "stable"], 2, "orthographic frames are certified"),
+    ] {
+        let said = desk.run(&[&["render", "scene.toml", "-o", "c.npy", "--backend", "cpu"], arguments].concat());
+        assert!(said.code == code && said.err.contains(word), "{arguments:?}: {} {}", said.code, said.err);
+        assert!(!desk.path("c.npy").exists());
+    }
+}
+
+#[test]
 fn without_an_adapter_the_cpu_path_renders_and_says_so() {
     let desk = Desk::new();
     for (backend, talk) in [("auto", "falling back to the CPU path"), ("cpu", "rendering on cpu")] {

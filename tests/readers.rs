@@ -157,6 +157,8 @@ fn defaults_and_the_other_camera_keys() {
     assert_eq!(far.camera.lens, Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2.0 });
     let vfov = CAMERA.replace("viewport = [1, 1]", "distance = 2.0\nvfov = 40.5");
     assert_eq!(read("s.toml", vfov).expect("vfov").camera.lens, Lens::Vfov { degrees: 40.5, distance: 2.0 });
+    let height = CAMERA.replace("viewport = [1, 1]", "height = 12.5");
+    assert_eq!(read("s.toml", height).expect("height").camera.lens, Lens::Orthographic { height: 12.5 });
     let bare = "v\nangle 9\nresolution 3 2\nup 0 1 0\nat 0 0 0\nfrom 0 0 1\ns 0 0 0 1";
     let scene = read("s.nff", bare).expect("no hither, any order, no last line end");
     assert_eq!((scene.spheres.len(), scene.spheres.colors, scene.image.background), (1, None, [0.0; 3]));
@@ -289,6 +291,11 @@ fn a_broken_toml_is_refused_at_its_place() {
         ("vfov = 20", "vfov = 20\ndistance = 0", ":7:12", "camera.distance"),
         ("vfov = 20", "vfov = 179\ndistance = 1e308", ":6:8", "camera.viewport"),
         ("vfov = 20\n", "", ":2:1", "camera.vfov"),
+        ("vfov = 20", "height = 0", ":6:10", "camera.height"),
+        ("vfov = 20", "height = 1\nvfov = 20", ":7:8", "camera.vfov"),
+        ("vfov = 20", "vfov = 20\nheight = 1", ":7:10", "camera.height"),
+        ("vfov = 20", "height = 1\nviewport = [1, 1]", ":7:12", "camera.viewport"),
+        ("vfov = 20", "height = 1\ndistance = 1", ":7:12", "camera.distance"),
         ("[camera]", "[cámera]", ":2:3", ""),
         ("[camera]", "[sphere]", ":10:3", "sphere"),
         ("[image]", "[imagé]", ":7:6", ""),

@@ -71,7 +71,11 @@ impl Case {
             (None, Some(view)) => Look::View(vector(view).into()),
             _ => panic!("{}: either at or view", self.name),
         };
-        let lens = Lens::Viewport { vw: self.viewport[0].0, vh: self.viewport[1].0, distance: self.distance.0 };
+        let [vw, vh, distance] = [self.viewport[0].0, self.viewport[1].0, self.distance.0];
+        let lens = match distance.is_infinite() {
+            true => Lens::Orthographic { height: vh },
+            false => Lens::Viewport { vw, vh, distance },
+        };
         let mut spheres = Spheres::default();
         for [x, y, z, r] in &self.spheres {
             spheres.push([x.0, y.0, z.0], r.0, None);
@@ -137,7 +141,15 @@ fn the_judge_says_what_a_thousand_digits_say() {
     let cases = cases();
     assert!(cases.len() > 100, "the fixture is there");
     for case in &cases {
-        let judge = Judge::new(&case.scene()).expect("a scene");
+        let scene = case.scene();
+        let lens = scene.camera.viewport(scene.image.width, scene.image.height).expect("a viewport");
+        assert_eq!(
+            [lens.vw, lens.vh, lens.d],
+            [case.viewport[0].0, case.viewport[1].0, case.distance.0],
+            "{}",
+            case.name
+        );
+        let judge = Judge::new(&scene).expect("a scene");
         for pixel in &case.pixels {
             check(case, pixel, &judge, judge.pixel(pixel.i, pixel.j).as_ref());
         }

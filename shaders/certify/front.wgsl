@@ -13,7 +13,7 @@ fn front_low(s: Slopes, f: Front) -> f32 {
     let error = s.error.x + f.rho * (s.error.y + f.rho * s.error.z);
     // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
     let total = s.x * o.x + (s.y * o.y + sqrt(positive(disc + error)));
-    let size = (f.low + s.depth) * s.unit;
+    let size = f.low * s.unit + s.size;
     let low = f.low - total * (size * s.inverse);
     return select(low, MISS, disc < -error);
 }
@@ -54,14 +54,14 @@ fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
     let error = w.error;
     let slant = sqrt(slant2);
     let e = lens.edge;
-    let hits = disc > error;
+    let crosses = disc > error;
     let root = sqrt(positive(disc));
     let most = sqrt(positive(disc + error));
     let least = sqrt(positive(disc - error));
     let along = s.x * dx + s.y * dy;
     let total = abs(along) + most;
     let depth = lens.depth + more.center;
-    let length = depth * lens.unit * s.inverse;
+    let length = (more.center * lens.unit + lens.size) * s.inverse;
     let mixed = UNIT * ((11.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 6.2 * most) + slant * e;
     let blur = (mixed * length + UNIT * 2.5 * abs(more.center)) * INFLATE + DEPTH * depth;
     let low = more.center - (along + most) * length - blur;
@@ -69,5 +69,7 @@ fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
     let k = (along + root) * s.inverse;
     let normal = unit3(vec3<f32>(dx - k * s.x, dy - k * s.y, k));
     let off = sqrt(s.a) * (mixed + (most - least)) * s.inverse + UNIT * 4.0 * (total + sqrt(o2)) + e;
+    // A root that is not surely ahead is not surely the hit.
+    let hits = crosses && lens.depth + low > VANISH;
     return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, normal);
 }

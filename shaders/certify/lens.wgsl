@@ -2,14 +2,14 @@
 // The direction is (x, y, -1): slopes instead of u, v, d, so that t is the planar depth.
 
 struct Lens {
-    slope_x: f32,    // vw / (2 W d)
-    slope_y: f32,    // vh / (2 H d)
+    slope_x: f32,    // vw / (2 W d); 0 for parallel rays
+    slope_y: f32,    // vh / (2 H d); 0
     step_x: f32,     // a pixel's width and height in the unit of rho
     step_y: f32,
     fixed_x: f32,    // the same of a unit of the fixed-point projected centres
     fixed_y: f32,
     shift: u32,      // a pixel is 2^shift of these
-    unit: f32,       // slope of the unit of rho: a power of two
+    unit: f32,       // slope of the unit of rho: a power of two; 0 for parallel rays
     error0: f32,     // bound of a candidate's discriminant: error0 + rho (error1 + rho error2)
     error1: f32,
     error2: f32,
@@ -18,6 +18,7 @@ struct Lens {
     tolerance: f32,  // promised relative error of t
     nears: u32,      // spheres that are not wholly in front of the eye plane, or too near it
     slack: f32,      // how far behind a winner, relative to its depth, a list may be left
+    size: f32,       // length of the unit of rho at the reference depth; at any for parallel rays
 }
 
 // A sphere wholly in front, as every ray sees it: 16 bytes, since loading is what a test costs.
@@ -72,6 +73,7 @@ struct Slopes {
     error: vec3<f32>,
     depth: f32,
     unit: f32,
+    size: f32,
     slack: f32,
     sills: u32, // where they begin in lists
 }
@@ -106,7 +108,7 @@ fn slopes(i: u32, j: u32) -> Slopes {
     let error = vec3<f32>(lens.error0, lens.error1, lens.error2);
     let shift = lens.shift;
     return Slopes(
-        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, lens.depth, lens.unit, lens.slack,
-        2u * tile_columns() * tile_rows(),
+        x, y, a, 1.0 / a, row, column, row << shift, column << shift, fixed, error, lens.depth, lens.unit, lens.size,
+        lens.slack, 2u * tile_columns() * tile_rows(),
     );
 }

@@ -67,7 +67,7 @@ pub(crate) fn front_low<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<R>)
     let error = c(lens.error0) + f.rho * (c(lens.error1) + f.rho * c(lens.error2));
     // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
     let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
-    let size = (f.low + c(lens.depth)) * c(lens.unit);
+    let size = f.low * c(lens.unit) + c(lens.size);
     let low = f.low - total * (size * s.inverse);
     if disc < -error { R::MISS } else { low }
 }
@@ -113,7 +113,7 @@ pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<
     let along = s.x * dx + s.y * dy;
     let total = along.abs() + most;
     let depth = c(lens.depth) + f.center;
-    let length = depth * c(lens.unit) * s.inverse;
+    let length = (f.center * c(lens.unit) + c(lens.size)) * s.inverse;
     let [whole, each, of_along, of_root, of_center] = terms.depth.map(c);
     let steep = (s.x * dx).abs() + (s.y * dy).abs();
     let mixed = c(UNIT) * ((whole + each * slant2) * total + of_along * steep + of_root * most) + slant * e;
@@ -123,7 +123,8 @@ pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<
     let k = (along + root) * s.inverse;
     let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
     let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse + c(UNIT) * c(4.0) * (total + o2.sqrt()) + e;
-    // & and not &&: nothing to skip, and compilers make vectors of it.
+    // A root that is not surely ahead is not surely the hit. & and not &&: nothing to skip, and compilers make vectors of it.
+    let hits = hits & (c(lens.depth) + low > c(VANISH));
     let sure = hits & (off < c(NORMAL) * f.rho);
     Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, normal }
 }

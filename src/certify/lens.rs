@@ -23,6 +23,10 @@ const U64: f64 = 1.0 / (1u64 << 53) as f64;
 const ROTATED: f64 = 5.0 * U64;
 /// Largest |d|^2 that the constants of a front sphere's bound were derived for (176 degrees).
 const WIDEST: f64 = 1024.0;
+/// Largest |d|^2 whose squares a near sphere's bound can hold; a wider lens is judged exactly.
+const UNBOUNDED: f64 = (1u64 << 40) as f64;
+/// Least slope that is squared without loss.
+const NARROWEST: f64 = 1.0 / (1u128 << 100) as f64;
 /// Farthest pixel that a winner's projected centre or a near sphere's start may have: differences stay exact in f32.
 const FARTHEST: f64 = (1 << 22) as f64;
 /// Bits of the fixed-point projected centres, sign excluded; a difference to a pixel needs one more.
@@ -83,10 +87,14 @@ pub(super) struct Lens {
     /// Right, up and forward in double-double.
     axes: [Dd3; 3],
     size: [f64; 2],
+    /// Whether all rays are parallel: slopes are then lengths in the scene, and rays have none.
+    parallel: bool,
     pub(super) slope: [f64; 2],
     step: [f64; 2],
     /// Slope per unit of rho: a power of two.
     unit: f64,
+    /// Length of the unit of rho in the frame's unit: for each unit of depth, and alone.
+    scale: [f64; 2],
     /// A pixel is 2^shift units of the fixed-point centres.
     shift: u32,
     /// Largest |d|^2 of the image.
@@ -122,14 +130,20 @@ impl Lens {
     pub(super) fn new(camera: &Camera, view: &View, viewport: &Viewport, terms: &Terms) -> Result<Self> {
         let [right, up, back] = camera.axes()?;
         let size = [f64::from(view.record.width), f64::from(view.record.height)];
-        let slope = [viewport.vw / viewport.d / (2.0 * size[0]), viewport.vh / viewport.d / (2.0 * size[1])];
+        let parallel = viewport.is_parallel();
+        let d = if parallel { 1.0 } else { viewport.d };
+        let slope = [viewport.vw / d / (2.0 * size[0]), viewport.vh / d / (2.0 * size[1])];
         let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
         let step = slope.map(|s| 2.0 * s / unit);
         // Centres up to four images away from the image.
         let reach = 4 * view.record.width.max(view.record.height).next_power_of_two();
         let shift = (FIXED_BITS - reach.ilog2()).min(FINEST);
-        let edge = [slope[0] * size[0], slope[1] * size[1]];
-        let m = (1.0 + edge[0] * edge[0] + edge[1] * edge[1]) * (1.0 + 2f64.powi(-20));
+        let edge = if parallel { [0.0; 2] } else { [slope[0] * size[0], slope[1] * size[1]] };
+        let m = match parallel {
+            true => 1.0,
+            false => (1.0 + edge[0] * edge[0] + edge[1] * edge[1]) * (1.0 + 2f64.powi(-20)),
+        };
+        let to_frame = dd::ldexp(1.0, -view.unit);
         let host = f64::from(terms.host);
         let diagonal = step[0].hypot(step[1]) * host * (1.0 + 2f64.powi(-20));
         // Rounding to fixed point and what is left of the host's error: half a unit each.
@@ -150,9 +164,11 @@ impl Lens {
             basis: view.basis,
             axes: [right, up, back.map(|x| -x)],
             size,
+            parallel,
             slope,
             step,
             unit,
+            scale: if parallel { [0.0, unit * to_frame] } else { [unit, 0.0] },
             shift,
             widest: m,
             all: Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m },
@@ -162,7 +178,7 @@ impl Lens {
             per_unit: 1.0 / unit,
             per_step: step.map(|step| WIDEN[1] / step),
             fixed: dd::ldexp(1.0, shift as i32),
-            to_frame: dd::ldexp(1.0, -view.unit),
+            to_frame,
             per_pixel: view.record.fine().into(),
             per_tile: 1.0 / f64::from(TILE * view.record.fine()),
             coarse,
@@ -175,15 +191,17 @@ impl Lens {
 
     pub(super) fn record(&self, reference: f32, tolerance: f64) -> LensRecord {
         let fixed = self.step.map(|step| dd::ldexp(step, -(self.shift as i32)));
+        let of_rays = if self.parallel { [0.0; 2] } else { self.slope };
+        let [unit, alone] = self.scale;
         LensRecord {
-            slope_x: self.slope[0] as f32,
-            slope_y: self.slope[1] as f32,
+            slope_x: of_rays[0] as f32,
+            slope_y: of_rays[1] as f32,
             step_x: self.step[0] as f32,
             step_y: self.step[1] as f32,
             fixed_x: fixed[0] as f32,
             fixed_y: fixed[1] as f32,
             shift: self.shift,
-            unit: self.unit as f32,
+            unit: unit as f32,
             error0: not_below(self.errors[0]),
             error1: not_below(self.errors[1]),
             error2: not_below(self.errors[2]),
@@ -193,6 +211,15 @@ impl Lens {
             tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
             nears: 0,
             slack: tolerance.clamp(SLACK[0], SLACK[1]) as f32,
+            size: (f64::from(reference) * unit + alone) as f32,
+        }
+    }
+
+    /// Whether f32 can hold the rays and what a near sphere's bound squares.
+    pub(super) fn is_bounded(&self) -> bool {
+        match self.parallel {
+            true => (RANGE[0]..RANGE[1]).contains(&self.scale[1]),
+            false => self.slope.iter().all(|slope| *slope >= NARROWEST) && self.widest <= UNBOUNDED,
         }
     }
 
@@ -204,6 +231,7 @@ impl Lens {
                 landed.placed.more.id = id;
                 Staged::Front(landed)
             }
+            Err(()) if self.parallel => Staged::Near(NearRecord { id, ..UNKNOWN_BALL }),
             Err(()) => Staged::Near(self.near(id, center, radius)),
         }
     }
@@ -252,6 +280,22 @@ impl Lens {
         }
     }
 }
+
+/// A record that says "perhaps, from depth 0 on" to every ray.
+const UNKNOWN_BALL: NearRecord = NearRecord {
+    ball: [0.0, 0.0, 0.0, 1.0],
+    power: 0.0,
+    scale: 1.0,
+    form: 1,
+    id: 0,
+    column: 0,
+    row: 0,
+    start: 0.0,
+    by_column: 0.0,
+    by_row: 0.0,
+    blur: UNKNOWN,
+    unused: [0.0; 2],
+};
 
 /// The least f32 that is not below x.
 fn not_below(x: f64) -> f32 {

@@ -15,8 +15,6 @@ use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-/// Largest |d|^2 whose squares a near sphere's bound can hold; a wider lens is judged exactly.
-const UNBOUNDED: f64 = (1u64 << 40) as f64;
 /// The scene as the certified kernel sees it.
 #[derive(Debug, Clone)]
 pub(crate) struct Stage {
@@ -88,8 +86,7 @@ impl Stage {
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
         let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
-        let narrow = lens.slope.iter().any(|slope| *slope < 2f64.powi(-100));
-        if narrow || lens.widest > UNBOUNDED {
+        if !lens.is_bounded() {
             return Ok(None);
         }
         let mut binned = lens.binned(scene, 0.0, pool);

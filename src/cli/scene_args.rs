@@ -88,9 +88,12 @@ pub(super) struct CameraArgs {
     /// Up in the scene.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     up: Option<DVec3>,
-    /// Full height of the view, degrees.
+    /// Full height of the view, degrees; makes an orthographic camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,
+    /// Parallel rays: full height of the view in the scene's unit. Its answers are always certified or exact.
+    #[arg(long, value_name = "HEIGHT", value_parser = height, allow_hyphen_values = true, conflicts_with = "vfov")]
+    ortho: Option<f64>,
     /// Moves the eye so that all spheres are seen whole, as near as that allows; a file without a camera is framed so anyway.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
@@ -159,9 +162,12 @@ impl CameraArgs {
         if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
-                Lens::RowCentres { .. } => 1.0,
+                Lens::RowCentres { .. } | Lens::Orthographic { .. } => 1.0,
             };
             camera.lens = Lens::Vfov { degrees, distance };
+        }
+        if let Some(height) = self.ortho {
+            camera.lens = Lens::Orthographic { height };
         }
     }
 }
@@ -202,5 +208,12 @@ fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
         _ => Err("an angle lies between 0 and 180 degrees".into()),
+    }
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("a height is a positive number, in the scene's unit".into()),
     }
 }

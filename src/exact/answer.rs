@@ -25,14 +25,19 @@ pub(crate) struct Name {
 pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body: &Body, hit: &Hit) -> Option<Truth> {
     let ray = &rays.quick;
     let distance = hit.t * ray.a.sqrt();
+    let from = ray.start(body.k);
+    let aside = from.map_or(0.0, |[x, y]| x.hi.abs() + y.hi.abs());
     // The hit point errs by its t; its place on the sphere also by p. A depth next to underflow has too few bits.
     let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
-        && STEPS * (distance.hi + body.size) <= CLOSE * body.r
+        && STEPS * (distance.hi + body.size + aside) <= CLOSE * body.r
         && (!rays.planar || hit.t.hi * ray.dir[2].hi > TINY);
     if !good {
         return None;
     }
-    let offset = ray.dir.map(|x| x * hit.t);
+    let mut offset = ray.dir.map(|x| x * hit.t);
+    if let Some([x, y]) = from {
+        (offset[0], offset[1]) = (x, y);
+    }
     let outward = std::array::from_fn(|n| (offset[n] - body.p[n]) / Dd::from(body.r));
     let normal = basis.world(outward).map(|x| if name.root == Root::Near { x.value() } else { -x.value() });
     let offset = basis.world(offset);
@@ -58,14 +63,19 @@ pub(crate) fn slow(name: Name, frame: &Frame, rays: &Rays, meeting: &Meeting, ra
     let radius = Dyadic::of(radius);
     // A first look at the distance says how many bits the place on a small sphere needs beyond 2^-96.
     let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
-    let bits = 96 + (length.magnitude() - radius.magnitude()).max(0) as usize;
+    let aside = |n| frame.aside(ray, n);
+    let start = |n, bits| (&frame.field.value(&aside(n), bits) * &rays.stretch).over(&ray.a, bits);
+    let farthest = (0..3).map(|n| start(n, 16)).filter(|x| !x.is_zero()).map(|x| x.magnitude()).max();
+    let farthest = farthest.map_or(length.magnitude(), |aside| aside.max(length.magnitude()));
+    let bits = 96 + (farthest - radius.magnitude()).max(0) as usize;
     let path = Path::new(frame, rays, meeting, name.root, bits)?;
     let offset: Dyadic3 = std::array::from_fn(|n| {
         let mut sum = Element::ZERO;
         for (axis, along) in frame.axes.iter().zip(&ray.dir) {
             sum.add(axis.unit, &(along * &axis.vector[n]));
         }
-        (&frame.field.value(&sum, bits) * &path.scaled).over(&ray.a, bits)
+        let along = (&frame.field.value(&sum, bits) * &path.scaled).over(&ray.a, bits);
+        &along + &start(n, bits)
     });
     let normal = |n: usize| (&(&offset[n] - &meeting.p[n]) * &Dyadic::from(sign)).over(&radius, bits).to_f64();
     Some(Truth {
@@ -92,7 +102,7 @@ impl<'a> Path<'a> {
     pub(crate) fn new(frame: &'a Frame, rays: &'a Rays, meeting: &Meeting, root: Root, bits: usize) -> Option<Self> {
         // Two to four more steps follow, each below 2^-(bits+3) of the result.
         let bits = bits + 4;
-        let scaled = meeting.scaled_root(&frame.field, rays.exact(frame), root, bits)?;
+        let scaled = meeting.scaled_root(&frame.field, root, bits)?;
         Some(Self { frame, rays, bits, scaled })
     }
 

@@ -12,6 +12,15 @@
 //! where every number but alpha, beta and the last root is a binary number: D' is an [`Element`] of their [`Field`].
 //! u, v and d are multiplied by 2 W H so that the pixel's fractions vanish too; t is then so much smaller.
 //! A ray that comes with its own direction has alpha = beta = 1 and the axes of the world.
+//!
+//! A parallel ray leaves from e + u A3/alpha + v B3/(alpha beta) along view/beta: u and v move the origin, the direction's
+//! are 0 and d is 1. With p as before, a' = alpha^2 beta^2, b' = (p.view) alpha, and
+//!
+//! ```text
+//! a' c0 = alpha^2 beta^2 (p.p - r^2 + u^2 + v^2) - 2 u beta^2 (p.A3) alpha - 2 v (p.B3) alpha beta
+//! ```
+//!
+//! is no binary number any more, but still one of the field.
 
 use super::dyadic::{self, Dyadic, Dyadic3};
 use super::field::{Element, Field, Unit};
@@ -66,9 +75,10 @@ impl Frame {
     }
 
     /// The ray with these components along the axes.
-    pub(crate) fn ray(&self, dir: Dyadic3) -> Ray {
+    pub(crate) fn ray(&self, line: Line) -> Ray {
+        let Line { dir, from } = line;
         let a = &(&self.field.alpha2 * &self.field.beta2) * &dyadic::dot(&dir, &dir);
-        Ray { dir, a }
+        Ray { dir, from, a }
     }
 
     /// The ray's line and one sphere.
@@ -78,10 +88,35 @@ impl Frame {
         for (axis, along) in self.axes.iter().zip(&ray.dir) {
             b.add(axis.unit, &(along * &dyadic::dot(&p, &axis.vector)));
         }
-        let c = power(&p, radius);
-        let mut disc = self.field.times(&b, &b);
-        disc.add(Unit::One, &-(&ray.a * &c));
-        Meeting { p, b, c, disc }
+        let ac = self.powers(ray, &p, radius);
+        let disc = self.field.times(&b, &b).minus(&ac);
+        Meeting { p, b, ac, disc }
+    }
+
+    /// a' c0
+    fn powers(&self, ray: &Ray, p: &Dyadic3, radius: f64) -> Element {
+        let mut ac = Element::ZERO;
+        ac.add(Unit::One, &(&ray.a * &power(p, radius)));
+        if let Some([u, v]) = &ray.from {
+            // u and v are times the direction's length, and a' has its square.
+            let Field { alpha2, beta2 } = &self.field;
+            let depth = &ray.dir[2];
+            let aside = |axis: &Axis, by: &Dyadic| -(&(by * depth) * &dyadic::dot(p, &axis.vector)).ldexp(1);
+            ac.add(Unit::One, &(&(alpha2 * beta2) * &(&u.square() + &v.square())));
+            ac.add(Unit::Alpha, &(beta2 * &aside(&self.axes[0], u)));
+            ac.add(Unit::AlphaBeta, &aside(&self.axes[1], v));
+        }
+        ac
+    }
+
+    /// Where a parallel ray leaves from, minus the eye, times a' over the direction's length: component n.
+    pub(crate) fn aside(&self, ray: &Ray, n: usize) -> Element {
+        let mut sum = Element::ZERO;
+        if let Some([u, v]) = &ray.from {
+            sum.add(Unit::Alpha, &(&(&self.field.beta2 * u) * &self.axes[0].vector[n]));
+            sum.add(Unit::AlphaBeta, &(v * &self.axes[1].vector[n]));
+        }
+        sum
     }
 }
 
@@ -95,7 +130,8 @@ pub(crate) fn power(p: &Dyadic3, radius: f64) -> Dyadic {
 pub(crate) struct Lens {
     wide: Dyadic,
     tall: Dyadic,
-    deep: Dyadic,
+    /// `None` for parallel rays.
+    deep: Option<Dyadic>,
     size: [i64; 2],
 }
 
@@ -103,14 +139,18 @@ impl Lens {
     pub(crate) fn of(viewport: Viewport, width: u32, height: u32) -> Self {
         let (w, h) = (Dyadic::from(i64::from(width)), Dyadic::from(i64::from(height)));
         let (wide, tall) = (&Dyadic::of(viewport.vw) * &h, &Dyadic::of(viewport.vh) * &w);
-        let deep = (&(&Dyadic::of(viewport.d) * &w) * &h).ldexp(1);
+        let deep = (!viewport.is_parallel()).then(|| (&(&Dyadic::of(viewport.d) * &w) * &h).ldexp(1));
         Self { wide, tall, deep, size: [i64::from(width), i64::from(height)] }
     }
 
-    /// The direction through the centre of row i, column j, times [`Self::stretch`].
-    pub(crate) fn direction(&self, i: u32, j: u32) -> Dyadic3 {
+    /// The ray through the centre of row i, column j, times [`Self::stretch`].
+    pub(crate) fn line(&self, i: u32, j: u32) -> Line {
         let [columns, rows] = odds(self.size, i, j).map(Dyadic::from);
-        [&columns * &self.wide, &rows * &self.tall, self.deep.clone()]
+        let [u, v] = [&columns * &self.wide, &rows * &self.tall];
+        match &self.deep {
+            Some(deep) => Line { dir: [u, v, deep.clone()], from: None },
+            None => Line { dir: [Dyadic::ZERO, Dyadic::ZERO, self.stretch()], from: Some([u, v]) },
+        }
     }
 
     /// 2 W H
@@ -124,20 +164,29 @@ pub(crate) fn odds([width, height]: [i64; 2], i: u32, j: u32) -> [i64; 2] {
     [2 * i64::from(j) + 1 - width, height - 1 - 2 * i64::from(i)]
 }
 
-/// A direction in a frame.
+/// A direction along the axes of a frame, and where a parallel ray leaves the plane of the eye: right and up, as many times
+/// as long as the direction is.
+#[derive(Debug, Clone)]
+pub(crate) struct Line {
+    pub(crate) dir: Dyadic3,
+    pub(crate) from: Option<[Dyadic; 2]>,
+}
+
+/// A line in a frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Ray {
     pub(crate) dir: Dyadic3,
+    from: Option<[Dyadic; 2]>,
     /// a'
     pub(crate) a: Dyadic,
 }
 
-/// p, b', c0 and D' of one ray and one sphere.
+/// p, b', a' c0 and D' of one ray and one sphere.
 #[derive(Debug, Clone)]
 pub(crate) struct Meeting {
     pub(crate) p: Dyadic3,
     b: Element,
-    c: Dyadic,
+    ac: Element,
     disc: Element,
 }
 
@@ -147,13 +196,14 @@ impl Meeting {
     /// From outside both roots have the sign of b'. On the surface they are 0 and 2 b'/a'. From inside they differ in
     /// sign and D' > 0.
     pub(crate) fn hit(&self, field: &Field) -> Option<bool> {
-        if self.c.sign() == Ordering::Less {
+        let side = self.side(field);
+        if side == Ordering::Less {
             return Some(false);
         }
         if field.sign(&self.b) != Ordering::Greater {
             return None;
         }
-        if self.c.is_zero() {
+        if side == Ordering::Equal {
             return Some(false);
         }
         match field.sign(&self.disc) {
@@ -162,11 +212,16 @@ impl Meeting {
         }
     }
 
+    /// The exact sign of the power of the ray's origin.
+    pub(crate) fn side(&self, field: &Field) -> Ordering {
+        field.sign(&self.ac)
+    }
+
     /// (b' -+ sqrt(D')) with a relative error below 2^-bits; `None` when the line misses the sphere.
     ///
     /// The root of larger magnitude is a sum of equal signs, the other is a' c0 over it: nothing cancels. Errors of b'
     /// and of the root of D' (half that of D' and one truncation) are below 2^-(bits+5), the quotient adds as much.
-    pub(crate) fn scaled_root(&self, field: &Field, ray: &Ray, root: Root, bits: usize) -> Option<Dyadic> {
+    pub(crate) fn scaled_root(&self, field: &Field, root: Root, bits: usize) -> Option<Dyadic> {
         let n = bits + 8;
         let s = match field.sign(&self.disc) {
             Ordering::Less => return None,
@@ -180,7 +235,8 @@ impl Meeting {
         if (root == Root::Far) != backwards || large.is_zero() {
             return Some(large);
         }
-        Some((&ray.a * &self.c).over(&large, n))
+        let ac = self.ac.plain().cloned().unwrap_or_else(|| field.value(&self.ac, n));
+        Some(ac.over(&large, n))
     }
 }
 
@@ -195,7 +251,8 @@ pub(crate) fn root(power: Ordering) -> Root {
 /// G + 2 s1 s2 sqrt(D1 D2) with G = B^2 - D1 - D2 decides, and where those two oppose, G^2 - 4 D1 D2.
 pub(crate) fn order(field: &Field, first: &Meeting, second: &Meeting) -> Ordering {
     let gap = first.b.minus(&second.b);
-    let (far1, far2) = (root(first.c.sign()) == Root::Far, root(second.c.sign()) == Root::Far);
+    let far = |meeting: &Meeting| root(meeting.side(field)) == Root::Far;
+    let (far1, far2) = (far(first), far(second));
     let (d1, d2) = (&first.disc, &second.disc);
     let roots = match (far1, far2) {
         (true, true) => field.sign(&d1.minus(d2)),

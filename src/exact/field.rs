@@ -12,12 +12,13 @@ pub(crate) struct Field {
     pub(crate) beta2: Dyadic,
 }
 
-/// An index into [`Element`]; no axis needs the fourth, alpha beta.
+/// An index into [`Element`]; no axis needs the fourth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Unit {
     One = 0,
     Alpha = 1,
     Beta = 2,
+    AlphaBeta = 3,
 }
 
 /// The coefficients of 1, alpha, beta and alpha beta.
@@ -33,6 +34,11 @@ impl Element {
 
     pub(crate) fn minus(&self, b: &Self) -> Self {
         Self(std::array::from_fn(|k| &self.0[k] - &b.0[k]))
+    }
+
+    /// The number itself where it is a binary one.
+    pub(crate) fn plain(&self) -> Option<&Dyadic> {
+        self.0[1..].iter().all(Dyadic::is_zero).then_some(&self.0[0])
     }
 
     /// self 2^k

@@ -12,10 +12,18 @@
 //! * D = a r^2 - |dir x p|^2 is within 2 |dir x p| e + e^2 + [`SQUARES`] (a r^2 + |dir x p|^2), e = CROSS N:
 //!   a r^2 and the square of the computed vector err by at most 2^-97 and 2^-98, the difference by 2^-100.
 //!
+//! A parallel ray has the direction (0, 0, 1) and an origin q in the plane of the eye: two components, products and
+//! quotients within 2^-99 of themselves. Of the two components of p - q and of b = p_z
+//!
+//! * each is within e = [`CROSS`] (|p| + |q|_1), and so is their length l: 2^-97 |p| and 2^-99 |q| from p and q, and 2^-100
+//!   of both from the difference.
+//! * D = r^2 - l^2 is within 2 l e + e^2 + [`SQUARES`] (r^2 + l^2), its root s as below, and t = b -+ s within e, that, and
+//!   2^-98 (|b| + s).
+//!
 //! Products that underflow err by less than [`TINY`]. The bounds themselves are f64: [`ROUNDED`] pays for that.
 
-use super::decide::{Frame, odds, power};
-use super::dyadic;
+use super::decide::{Frame, Root, odds, power, root};
+use super::dyadic::{self, Dyadic};
 use super::field::Unit;
 use crate::camera::Viewport;
 use crate::dd::{self, Dd, Dd3};
@@ -56,6 +64,7 @@ impl Basis {
                 Unit::One => &alpha * &beta,
                 Unit::Alpha => beta.clone(),
                 Unit::Beta => alpha.clone(),
+                Unit::AlphaBeta => Dyadic::from(1),
             };
             axis.vector.each_ref().map(|x| x.over(&length, 128).to_dd())
         }))
@@ -144,6 +153,16 @@ pub(crate) struct Screen {
 impl Screen {
     /// A sphere that nothing hits.
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
+
+    /// The same for parallel rays whose origins, times 2^-`k`, have components up to 1: in that unit.
+    pub(crate) fn aside(&mut self, body: &Body, k: i32) {
+        if self.reach2 < 0.0 {
+            return;
+        }
+        let scaled = |x: f64| dd::ldexp(x, body.k - k);
+        let reach = scaled(body.r) + SCREEN * (scaled(body.size) + 2.0);
+        *self = Self { p: self.p.map(scaled), reach2: reach * reach * COMPARE };
+    }
 }
 
 /// A ray in the frame: direction within 2^-99 of itself, scaled by 2^-k.
@@ -155,13 +174,21 @@ pub(crate) struct Ray {
     /// At least |dir|.
     length: f64,
     pub(crate) k: i32,
+    /// Where a parallel ray leaves the plane of the eye, times 2^-k of its own.
+    from: Option<([Dd; 2], i32)>,
+}
+
+/// The exponent of a lens's largest number.
+pub(crate) fn exponent(lens: &Viewport) -> i32 {
+    let depth = if lens.is_parallel() { 0.0 } else { lens.d };
+    dd::exponent(lens.vw.max(lens.vh).max(depth))
 }
 
 impl Ray {
     fn new(dir: Dd3, k: i32) -> Self {
         let a = dd::dot(dir, dir);
         // The second term is for a direction whose square underflows.
-        Self { dir, a, length: a.hi.sqrt() * ROUNDED + power_of_two(-500), k }
+        Self { dir, a, length: a.hi.sqrt() * ROUNDED + power_of_two(-500), k, from: None }
     }
 
     /// A direction of its own; not zero.
@@ -172,16 +199,29 @@ impl Ray {
 
     /// Through the centre of row i, column j.
     pub(crate) fn through(lens: &Viewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
-        let k = dd::exponent(lens.vw.max(lens.vh).max(lens.d));
+        let k = exponent(lens);
         let [columns, rows] = odds([width.into(), height.into()], i, j).map(|n| n as f64);
         let part =
             |n: f64, extent: f64, count: u32| Dd::product(n, dd::ldexp(extent, -k)) / Dd::from(2.0 * f64::from(count));
-        let dir = [part(columns, lens.vw, width), part(rows, lens.vh, height), Dd::from(dd::ldexp(lens.d, -k))];
-        Self::new(dir, k)
+        let [right, up] = [part(columns, lens.vw, width), part(rows, lens.vh, height)];
+        if lens.is_parallel() {
+            let ahead = [0.0, 0.0, 1.0].map(Dd::from);
+            return Self { from: Some(([right, up], k)), ..Self::new(ahead, 0) };
+        }
+        Self::new([right, up, Dd::from(dd::ldexp(lens.d, -k))], k)
+    }
+
+    /// Where a parallel ray leaves the plane of the eye, times 2^-k.
+    pub(crate) fn start(&self, k: i32) -> Option<[Dd; 2]> {
+        self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
     }
 
     /// The f64 pass: whether the line certainly misses the sphere.
     pub(crate) fn misses(&self, s: &Screen) -> bool {
+        if let Some(([right, up], _)) = self.from {
+            let (x, y) = (s.p[0] - right.hi, s.p[1] - up.hi);
+            return x * x + y * y > s.reach2 + TINY;
+        }
         let ([x, y, z], [u, v, d]) = (s.p, self.dir.map(|x| x.hi));
         let (l, m, n) = (v * z - d * y, d * x - u * z, u * y - v * x);
         l * l + m * m + n * n > self.a.hi * s.reach2 + TINY
@@ -189,6 +229,9 @@ impl Ray {
 
     /// The double-double pass.
     pub(crate) fn meet(&self, s: &Body) -> Verdict {
+        if let Some(from) = self.start(s.k) {
+            return aside(from, s);
+        }
         let e = CROSS * self.length * s.size + TINY;
         let b = dd::dot(self.dir, s.p);
         if s.side != Ordering::Less && b.hi < -e {
@@ -206,7 +249,7 @@ impl Ray {
         };
         let (t, error) = self.parameter(s, b, e, (disc, error));
         let hit = Hit { t, error, k: s.k };
-        if sure { Verdict::Hit(hit) } else { Verdict::Unsure(hit) }
+        if sure { Verdict::Hit(hit, root(s.side)) } else { Verdict::Unsure(hit) }
     }
 
     /// D and its error; `e` is that of the components of dir x p.
@@ -242,10 +285,40 @@ impl Ray {
     }
 }
 
+/// The double-double pass for a parallel ray from that origin, in the sphere's unit. What is not finite decides nothing.
+fn aside([right, up]: [Dd; 2], s: &Body) -> Verdict {
+    let (x, y, b) = (s.p[0] - right, s.p[1] - up, s.p[2]);
+    let e = CROSS * (s.size + right.hi.abs() + up.hi.abs()) + TINY;
+    let (l2, r2) = (x * x + y * y, Dd::product(s.r, s.r));
+    let disc = r2 - l2;
+    let error = ((2.0 * l2.hi.sqrt() + e) * e + SQUARES * (r2.hi + l2.hi) + TINY) * ROUNDED;
+    if disc.hi < -error {
+        return Verdict::Miss;
+    }
+    let half = disc.sqrt();
+    let of_root = if disc.hi > error { error / half.hi } else { error.sqrt() };
+    let loss = (e + of_root + power_of_two(-98) * (b.hi.abs() + half.hi)) * ROUNDED;
+    let (near, far) = (b - half, b + half);
+    if far.hi < -loss {
+        return Verdict::Miss;
+    }
+    let hit = |t: Dd| Hit {
+        t,
+        error: if t.hi > 2.0 * loss { loss / (t.hi - loss) * ROUNDED } else { f64::INFINITY },
+        k: s.k,
+    };
+    match (disc.hi > error, near.hi > loss, near.hi < -loss && far.hi > loss) {
+        (true, true, _) => Verdict::Hit(hit(near), Root::Near),
+        (true, _, true) => Verdict::Hit(hit(far), Root::Far),
+        // Nobody knows which of the roots counts.
+        _ => Verdict::Unsure(Hit { error: f64::INFINITY, ..hit(far) }),
+    }
+}
+
 /// What the double-double pass says of one sphere. An unsure one still bounds the t it would have.
 pub(crate) enum Verdict {
     Miss,
-    Hit(Hit),
+    Hit(Hit, Root),
     Unsure(Hit),
 }
 

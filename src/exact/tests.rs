@@ -1,5 +1,7 @@
 //! Decisions whose answer is known by construction, and the filter against the exact signs it stands in for.
 
+mod parallel;
+
 use super::*;
 use crate::camera::{Camera, Look};
 use crate::scene::{ImagePlane, Skipped};
@@ -59,7 +61,7 @@ fn exactly(bench: &Bench, rays: &Rays) -> Option<Truth> {
     }
     let (id, meeting, tangent) = best?;
     let body = &bench.bodies[id as usize];
-    let name = Name { id, root: decide::root(body.side), tangent };
+    let name = Name { id, root: decide::root(meeting.side(field)), tangent };
     answer::slow(name, &bench.frame, rays, &meeting, body.radius)
 }
 
@@ -186,8 +188,12 @@ fn from_inside_the_far_root_is_the_hit() {
 fn the_filter_says_what_exact_signs_say() {
     let mut dice = Dice(1);
     for scale in [1.0, 1e-30, 1e30, 1e-140, 1e150] {
-        for _ in 0..4 {
-            let scene = dice.scene(scale);
+        for n in 0..8 {
+            let mut scene = dice.scene(scale);
+            if n % 2 == 1 {
+                let height = scale * 10f64.powf(3.0 * dice.unit());
+                scene.camera.lens = crate::camera::Lens::Orthographic { height };
+            }
             let judge = Judge::new(&scene).expect("a scene");
             for (i, j) in pixels(&scene) {
                 let (quick, slow) = (judge.pixel(i, j), exactly(&judge.bench, &judge.ray(i, j)));
@@ -272,10 +278,19 @@ fn underflow_is_no_decision() {
 fn powers_of_two_scale_the_answer_and_nothing_else() {
     let mut dice = Dice(2);
     let scene = dice.scene(1.0);
-    let whole = Judge::new(&scene).expect("a scene");
+    scaled_by_powers_of_two(&scene);
+    let lens = crate::camera::Lens::Orthographic { height: 1.7 };
+    scaled_by_powers_of_two(&Scene { camera: Camera { lens, ..scene.camera }, ..scene });
+}
+
+fn scaled_by_powers_of_two(scene: &Scene) {
+    let whole = Judge::new(scene).expect("a scene");
     for k in [-300, -33, 7, 400] {
         let factor = 2f64.powi(k);
         let mut scaled = scene.clone();
+        if let crate::camera::Lens::Orthographic { height } = &mut scaled.camera.lens {
+            *height *= factor;
+        }
         scaled.camera.eye *= factor;
         if let Look::At(at) = &mut scaled.camera.look {
             *at *= factor;
@@ -284,7 +299,7 @@ fn powers_of_two_scale_the_answer_and_nothing_else() {
             (*center, *radius) = (center.map(|x| x * factor), *radius * factor);
         }
         let scaled = Judge::new(&scaled).expect("a scaled scene");
-        for (i, j) in pixels(&scene) {
+        for (i, j) in pixels(scene) {
             let expected = whole.pixel(i, j).map(|truth| Truth {
                 t: truth.t * factor,
                 distance: truth.distance * factor,

@@ -178,7 +178,10 @@ impl Answers<'_> {
                 Aov::Distance => Data::F64(self.fill(inf, |_, d, depth| [depth * length(d)], |t| [t.distance])?),
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
                 Aov::Position => {
-                    let point = |_, d, depth| self.view.point(d, depth);
+                    let point = |pixel: usize, d, depth| {
+                        let [row, column] = self.row_and_column(pixel);
+                        self.view.point(self.view.origin(row, column), d, depth)
+                    };
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
                 }
                 Aov::Bound => {
@@ -211,6 +214,13 @@ impl Answers<'_> {
         Ok(buffers)
     }
 
+    /// Row and column in the full frame of a pixel of the window.
+    fn row_and_column(&self, pixel: usize) -> [u32; 2] {
+        let record = &self.view.record;
+        let width = record.columns as usize;
+        [record.first_row + (pixel / width) as u32, record.first_column + (pixel % width) as u32]
+    }
+
     /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
     /// `truth` where it was settled.
     fn fill<const N: usize>(
@@ -219,8 +229,7 @@ impl Answers<'_> {
         hit: impl Fn(usize, [f64; 3], f64) -> [f64; N] + Sync,
         truth: impl Fn(&Truth) -> [f64; N],
     ) -> Result<Vec<f64>> {
-        let record = &self.view.record;
-        let width = record.columns as usize;
+        let width = self.view.record.columns as usize;
         let unit = crate::dd::ldexp(1.0, self.view.unit);
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
@@ -232,8 +241,8 @@ impl Answers<'_> {
                     *values = if id == NONE {
                         [missed; N]
                     } else {
-                        let [u, v, w] =
-                            self.view.direction(record.first_row + i as u32, record.first_column + j as u32);
+                        let [row, column] = self.row_and_column(pixel);
+                        let [u, v, w] = self.view.direction(row, column);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
                         let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);

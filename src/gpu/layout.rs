@@ -214,7 +214,7 @@ mod tests {
                 assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance nears slack);
+        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance nears slack size);
         same!(certified "Front", FrontRecord, x y rho low);
         same!(certified "FrontMore", FrontMoreRecord, rest center id);
         same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);

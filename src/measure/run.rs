@@ -6,7 +6,7 @@
 
 use super::contender::Contender;
 use super::record::{PlaceRecord, Record, Run, SceneRecord, units};
-use super::score::{Score, Truths};
+use super::score::{Score, Truths, one_eye};
 use super::suite::{extremes, ladder};
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
@@ -135,11 +135,13 @@ impl Default for Options {
 /// Measures `subject`; `say` hears a line now and then, `watch` every frame and the judge's.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when `watch` says no, and those of [`Renderer::render`]; an adapter's refusal of a method is
+/// [`Error::Interrupted`] when `watch` says no, [`Error::Settings`] for an orthographic camera, which the methods do not
+/// have, and those of [`Renderer::render`]; an adapter's refusal of a method is
 /// part of the record, unless nothing else is.
 pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dyn FnMut(&str)) -> Result<Record> {
     for scene in subject.cases.iter().flat_map(|case| &case.scenes) {
         scene.check()?;
+        one_eye(scene)?;
     }
     let mut record = Record {
         schema: Record::SCHEMA.into(),

@@ -57,6 +57,15 @@ pub struct Truths<'a> {
     answers: Vec<Option<Answer>>,
 }
 
+/// Refuses what the forms that are compared cannot render, and what tells how closely a ray passes a sphere does not know.
+pub(super) fn one_eye(scene: &Scene) -> Result<()> {
+    if scene.camera.lens.is_orthographic() {
+        let problem = "the methods that are measured have one eye, and this camera is orthographic";
+        return Err(Error::settings(problem, "give the camera a vfov instead of a height"));
+    }
+    Ok(())
+}
+
 /// How a pixel stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {

@@ -1,7 +1,7 @@
 //! Which accuracy and which method, and why.
 
 use super::{Accuracy, Settings};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::predict::Prediction;
@@ -36,6 +36,9 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
         reason,
         predicted: None,
     };
+    if scene.camera.lens.is_orthographic() && settings.accuracy != Accuracy::Exact {
+        return parallel(settings).map(|reason| choice(Accuracy::Certified, None, reason));
+    }
     let named = |some: &[Aov]| {
         let asked: Vec<_> = some.iter().filter(|aov| settings.aovs.contains(aov)).map(|aov| aov.name()).collect();
         asked.join(", ")
@@ -69,6 +72,25 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             choice(Accuracy::Fast, None, "no buffer of answers and no tolerance is asked for".into())
         }
         (stated, method, _) => choice(stated, method, format!("accuracy {} was asked for", stated.name())),
+    })
+}
+
+/// Why answers by parallel rays are certified: no form was written for them, and a certified frame costs less than a form
+/// that asks every sphere.
+fn parallel(settings: &Settings) -> Result<String> {
+    if let Some(method) = settings.method {
+        let problem = format!("method {} has no parallel rays: orthographic frames are certified", method.name());
+        return Err(Error::settings(problem, "leave out --method, or give the camera a vfov"));
+    }
+    Ok(match (settings.accuracy, settings.tolerance) {
+        (Accuracy::Certified, _) => "accuracy certified was asked for".into(),
+        (Accuracy::Fast, _) => {
+            "accuracy fast was asked for, and parallel rays are certified in f32: no form is faster".into()
+        }
+        (_, Some(tolerance)) => {
+            format!("parallel rays are certified, distance within {:.1e}", tolerance.relative())
+        }
+        _ => "parallel rays are certified: the forms that run alone have one eye".into(),
     })
 }
 

@@ -77,14 +77,25 @@ impl Document<'_> {
     }
 
     fn camera(&self, table: &Table<'_>, image: &ImagePlane) -> Result<Camera> {
-        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance"])?;
+        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height"])?;
         let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
-        let look = match table.one_of("at", "view")? {
+        let look = match table.one_of(["at", "view"])? {
             "at" => Look::At(vector("at")?),
             _ => Look::View(vector("view")?),
         };
         let distance = table.get("distance").map_or(Ok(1.0), |d| d.number())?;
-        let lens = match table.one_of("vfov", "viewport")? {
+        let lens = match table.one_of(["vfov", "viewport", "height"])? {
+            "height" => {
+                if let Some(distance) = table.get("distance") {
+                    let problem = "parallel rays have no distance of a viewport";
+                    return Err(Error::scene(
+                        distance.place(),
+                        problem,
+                        "leave it out, or give vfov instead of height",
+                    ));
+                }
+                Lens::Orthographic { height: table.need("height")?.number()? }
+            }
             "vfov" => Lens::Vfov { degrees: table.need("vfov")?.number()?, distance },
             _ => {
                 let [vw, vh] = table.need("viewport")?.numbers()?;
@@ -184,16 +195,17 @@ impl<'a> Table<'a> {
         Error::scene(self.doc.place(self.start).named(self.name.field(key)), "missing", mend)
     }
 
-    /// Which of two keys is there; exactly one must be.
-    fn one_of(&self, a: &'static str, b: &'static str) -> Result<&'static str> {
-        match (self.get(a), self.get(b)) {
-            (Some(_), None) => Ok(a),
-            (None, Some(_)) => Ok(b),
-            (None, None) => Err(self.missing(a, format!("add {} or {}", example(a), example(b)))),
-            (Some(first), Some(second)) => {
-                let later = if first.value.span().start > second.value.span().start { first } else { second };
-                Err(Error::scene(later.place(), format!("{a} and {b} say it twice"), format!("give {a} or {b}")))
+    /// Which of some keys is there; exactly one must be.
+    fn one_of<const N: usize>(&self, keys: [&'static str; N]) -> Result<&'static str> {
+        let mut there: Vec<_> = keys.into_iter().filter_map(|key| self.get(key)).collect();
+        there.sort_by_key(|value| value.value.span().start);
+        match there[..] {
+            [only] => Ok(only.key),
+            [first, second, ..] => {
+                let [a, b] = [first.key, second.key];
+                Err(Error::scene(second.place(), format!("{a} and {b} say it twice"), format!("give {a} or {b}")))
             }
+            [] => Err(self.missing(keys[0], format!("add {}", keys.map(example).join(" or ")))),
         }
     }
 
@@ -325,6 +337,7 @@ fn example(key: &str) -> &'static str {
         "vfov" => "vfov = 40.0",
         "viewport" => "viewport = [1.0, 1.0]",
         "distance" => "distance = 1.0",
+        "height" => "height = 12.0",
         "size" => "size = [512, 512]",
         "center" => "center = [0.0, 0.0, 0.0]",
         "radius" => "radius = 1.0",

@@ -6,10 +6,12 @@
 Nothing here is shared with src/exact: the basis is normalised, the quadratic is solved as it stands, both roots are
 looked at, all with 1000 decimal digits. Digits alone cannot tell a touch from a near miss, so wherever the leading 400
 of them vanish the case must say that it was constructed so, and what the answer is; anything else is refused.
-Every input is an f64, written as the hexadecimal digits of its bits.
+Every input is an f64, written as the hexadecimal digits of its bits. A viewport at an infinite distance is orthographic:
+its extent is in the scene's unit, and rays leave from their place in it, about the eye, along the view.
 """
 
 import json
+import math
 import random
 import struct
 from pathlib import Path
@@ -67,6 +69,8 @@ def ray(camera, i, j):
     (width, height), (vw, vh) = camera["size"], exact(camera["viewport"])
     x = ((j + mpf(1) / 2) / width - mpf(1) / 2) * vw
     y = -((i + mpf(1) / 2) / height - mpf(1) / 2) * vh
+    if math.isinf(camera["distance"]):
+        return along(along(e, x, u), y, v), scaled(w, -1)
     return e, along(along(scaled(u, x), y, v), -mpf(camera["distance"]), w)
 
 
@@ -114,7 +118,7 @@ def hit(camera, spheres, i, j, known):
             "t": nstr(t, 40),
             "tail": nstr(t - mpf(float(nstr(t, 40))), 20),
             "distance": nstr(t * sqrt(dot(direction, direction)), 20),
-            "depth": nstr(t * mpf(camera["distance"]), 20),
+            "depth": nstr(t * (1 if math.isinf(camera["distance"]) else mpf(camera["distance"])), 20),
             "normal": [nstr(x, 20) for x in normal],
             "position": [nstr(x, 20) for x in point],
         }
@@ -299,8 +303,57 @@ def grazes():
             case(f"graze {sign:+} 2^-{k}", camera, spheres, [(i, j)])
 
 
+def parallel(name, camera, height, spheres, pixels):
+    """The width follows from the image's shape, as the library rounds it."""
+    width = height * camera["size"][0] / camera["size"][1]
+    case(name, camera | {"viewport": [width, height], "distance": math.inf}, spheres, pixels)
+
+
+def orthographic():
+    for n in range(8):
+        size = [DICE.randrange(1, 60), DICE.randrange(1, 60)]
+        camera = {"eye": vector(4), "at": vector(), "up": vector(), "size": size}
+        parallel(f"parallel {n}", camera, DICE.uniform(1, 4), cluster([0, 0, 0], 1.5, 9), some(size, 7))
+    for s in (1e-20, 1e20):
+        camera = {"eye": vector(4 * s), "at": vector(s), "up": vector(1 / s), "size": [31, 17]}
+        parallel(f"parallel scale {s:g}", camera, 3 * s, cluster([0, 0, 0], 1.5 * s, 9), some([31, 17], 7))
+    for k in (3, 7, 12):
+        eye = [float(x) for x in scaled(unit(exact(vector())), 10**k)]
+        camera = {"eye": eye, "at": [0.0, 0.0, 0.0], "up": vector(), "size": [40, 30]}
+        parallel(f"parallel far eye 1e{k}", camera, 2.5, cluster([0, 0, 0], 1.0, 12), some([40, 30], 8))
+        camera = {"eye": vector(10.0**k), "view": vector(), "up": vector(), "size": [40, 30]}
+        around = cluster(camera["eye"], 1.5, 12) + [camera["eye"] + [0.75]]
+        parallel(f"parallel far origin 1e{k}", camera, 2.5, around, some([40, 30], 8))
+    # alpha = beta = 5 and right is (4, -3, 0)/5; a unit right and one up of the eye, 4 aside and 3 below the centre.
+    slant = {"eye": [5.0, -7.0, 11.0], "view": [3.0, 4.0, 0.0], "up": [0.0, 0.0, 1.0], "size": [3, 3]}
+    for m in (3.0, 77.5, 2.0**36):
+        for k, known in ((0, 0), (-1, -1), (1, 0)):
+            center = [5 + 3 * m + 4, -7 + 4 * m - 3, 11.0 + 4]
+            parallel(f"parallel touch {m} {k:+}", slant, 3.0, [center + [5 * (1 + k * 2.0**-52)]], [(0, 2, known)])
+    # On the surface, looking in and out.
+    parallel("parallel on a surface, in", slant, 3.0, [[8.0, -3.0, 11.0, 5.0]], [(1, 1, 0)])
+    parallel("parallel on a surface, out", slant, 3.0, [[2.0, -11.0, 11.0, 5.0]], [(1, 1, -1)])
+    # Lower ids win, from the front and at a touch.
+    pair = [[20.0, 13.0, 12.0, 5.0], [21.0, 6.0, 12.0, 5.0]]
+    for spheres in (pair, pair[::-1]):
+        parallel("parallel tie", slant, 3.0, spheres, [(0, 1, 0)])
+    for k in (10, 30, 48, 52):
+        for sign in (1, -1):
+            camera = {"eye": vector(9), "at": vector(), "up": vector(), "size": [25, 25]}
+            i, j = DICE.randrange(25), DICE.randrange(25)
+            bare = {"viewport": [3.0, 3.0], "distance": math.inf} | camera
+            e, direction = ray(bare, i, j)
+            side = unit(cross(direction, exact(vector())))
+            spheres = []
+            for r in (1.0, 0.001, 300.0):
+                foot = along(e, 2 * (r + DICE.uniform(1, 9)), direction)
+                spheres.append([float(x) for x in along(foot, r * (1 + sign * mpf(2) ** -k), side)] + [r])
+            spheres.append([float(x) for x in along(e, 2000, direction)] + [700.0])
+            parallel(f"parallel graze {sign:+} 2^-{k}", camera, 3.0, spheres, [(i, j)])
+
+
 def main():
-    for make in (oblique, scales, far, lenses, around, touches, ties, shells, grazes):
+    for make in (oblique, scales, far, lenses, around, touches, ties, shells, grazes, orthographic):
         make()
     lines = ",\n".join(json.dumps(c, separators=(",", ":")) for c in CASES)
     Path(__file__).with_name("cases.json").write_text(f"[\n{lines}\n]\n")

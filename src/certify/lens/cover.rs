@@ -45,7 +45,10 @@ impl Cover {
         // Of a pixel that is sampled, the disc shall cover every sample: none is farther from the centre than this.
         let aside = 0.5 * (lens.per_pixel - 1.0) * lens.step[0].hypot(lens.step[1]);
         let inner = rho - (rho * SHRINK[1] + widest * (SHRINK[0] + 1.0 / lens.fixed) + aside);
-        if inner <= 0.0 {
+        // A sphere before parallel rays that may lie across the plane of the eye is given no depth, and hides nothing.
+        let center = f64::from(more.center);
+        let depth = center + reference;
+        if inner <= 0.0 || depth <= 0.0 {
             return;
         }
         let [x, y] =
@@ -69,9 +72,7 @@ impl Cover {
         if bits & self.open != 0 {
             self.open &= !bits;
             // z = z_c - z_c unit (m + sqrt D) / a, and -m / a <= rho |slopes| / (1 + |slopes|^2) <= rho / 2.
-            let center = f64::from(more.center);
-            let depth = center + reference;
-            let high = center + depth * (0.5 * lens.unit * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
+            let high = center + depth * (0.5 * lens.scale[0] * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
             self.deepest = self.deepest.max(high);
         }
     }

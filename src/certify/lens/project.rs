@@ -9,6 +9,12 @@ use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::tiles::{Bin, Placed};
 use crate::dd::{self, Dd, Dd3};
 
+/// What f64 may leave in the depth of a front sphere before parallel rays, of itself: half of what the kernel supposes.
+const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
+
+/// The depth, relative to the reference, of a centre before parallel rays whose hits are never certain: behind all others.
+const NEVER: f64 = -((1u128 << 126) as f64);
+
 /// Spheres that are computed together.
 pub(in crate::certify) const LANES: usize = 8;
 
@@ -21,6 +27,8 @@ struct Aim {
     /// Depth of its centre in the frame's unit, and the host's error of it.
     depth: f64,
     depth_error: f64,
+    /// Its near root is the hit wherever it is hit, and f64 knows its depth as well as the kernel supposes.
+    plain: bool,
     /// Projected radius; root of twice the bound of its discriminant's error; beyond this offset it is surely missed.
     rho: f64,
     blurred: f64,
@@ -117,7 +125,7 @@ impl Lens {
             }
             let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
             let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
-            let q = [x / z, y / z];
+            let q = if self.parallel { [x, y] } else { [x / z, y / z] };
             for k in 0..2 {
                 let at = q[k] / self.slope[k].into() * SIGNS[k].into() + (self.size[k] - 1.0).into();
                 (place[k], low[k]) = (0.5 * at.hi, 0.5 * at.lo);
@@ -141,24 +149,28 @@ impl Lens {
             & (length2 > 4.0 * radius * radius)
             & (length2 < 4096.0 * z * z)
             & (self.widest <= WIDEST);
-        let inverse = 1.0 / z;
+        let inverse = if self.parallel { 1.0 } else { 1.0 / z };
         let rho = radius * inverse * self.per_unit;
         let depth = z * self.to_frame;
         #[expect(clippy::manual_range_contains, reason = "both are asked, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
         // The discriminant's bound, as a root.
         let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
-        let ranged =
-            small(rho) & small(depth * self.unit) & (self.total(rho, blurred, &self.all)[0] * self.unit <= STEEPEST);
+        let ranged = small(rho)
+            & small(self.length(depth))
+            & (self.total(rho, blurred, &self.all)[0] * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let far = error * inverse;
-        let blur = [0, 1].map(|k| (far * (1.0 + q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
+        // Of a quotient, what its divisor is off by too.
+        let tilt = if self.parallel { 0.0 } else { 1.0 };
+        let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
         let reach = self.reach(rho, &self.all);
         Aim {
             behind: z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0,
-            front: front & ranged,
+            front: (front | self.parallel) & ranged,
             depth,
-            depth_error: error * self.to_frame + U64 * depth,
+            depth_error: error * self.to_frame + U64 * depth.abs(),
+            plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),
             rho,
             blurred,
             reach,
@@ -192,9 +204,10 @@ impl Lens {
             tiles[k] = [first, last].map(|pixel| whole(floor((pixel + 0.5) * self.per_tile)) as u32);
         }
         let center = aim.depth - reference;
+        let more = if aim.plain { center } else { NEVER };
         let low = below(center - self.depth_error(aim, center));
         // The kernel's lower bound is low minus total times size: at most these, and what rounds.
-        let size = (f64::from(low) + reference) * self.unit;
+        let size = self.length(f64::from(low) + reference);
         // Bounds of its own rays, without roots: |(x, y)| <= |x| + |y|, sqrt(1 + x) <= 1 + x / 2.
         let [x, y] = aim.steepest;
         let square = smaller(x * x + y * y, self.widest - 1.0);
@@ -208,10 +221,16 @@ impl Lens {
             depth: aim.depth,
             placed: Placed {
                 front: FrontRecord { x: fixed[0], y: fixed[1], rho: aim.rho as f32, low },
-                more: FrontMoreRecord { rest, center: center as f32, id: 0 },
+                more: FrontMoreRecord { rest, center: more as f32, id: 0 },
             },
             bin: Bin { sill: below(sill), tiles },
         }
+    }
+
+    /// The unit of rho as a length at that depth.
+    #[inline(always)]
+    fn length(&self, depth: f64) -> f64 {
+        depth * self.scale[0] + self.scale[1]
     }
 
     /// Beyond this offset from the projected centre a miss is certain for `rays`, whatever rounds.
@@ -234,10 +253,10 @@ impl Lens {
         let slant = self.all.slant;
         let [of_total, along, of_root, of_center] = self.roundings;
         let roundings = of_total * total + along * slant * aim.reach + of_root * root;
-        let size = aim.depth * self.unit;
+        let size = self.length(aim.depth);
         let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + aim.depth_error;
         // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
-        INFLATE * error / (1.0 - total * self.unit)
+        INFLATE * error / (1.0 - total * self.scale[0])
     }
 }
 

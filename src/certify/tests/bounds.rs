@@ -49,6 +49,8 @@ pub(super) struct Shot {
     turn: f64,
     /// The camera's roll and tilt; 0 for the canonical camera, whose rotation is exact.
     oblique: f64,
+    /// Parallel rays: half is in the scene's unit.
+    parallel: bool,
     /// Depth of a second, small sphere relative to this one's, which decides the reference depth; 0 for none.
     second: f64,
 }
@@ -68,17 +70,21 @@ struct Staged {
 impl Shot {
     fn staged(&self, terms: &Terms) -> Option<Staged> {
         let tilt = DVec3::new(0.3 * self.oblique, self.oblique, -1.0);
-        let lens = Lens::Viewport { vw: 2.0 * self.half, vh: 2.0 * self.half, distance: 1.0 };
+        let lens = match self.parallel {
+            true => Lens::Orthographic { height: 2.0 * self.half },
+            false => Lens::Viewport { vw: 2.0 * self.half, vh: 2.0 * self.half, distance: 1.0 },
+        };
         let camera = Camera { look: Look::View(tilt), lens, ..Camera::CANONICAL };
         let mut site = Site::new(camera, [self.width; 2]);
-        let [x, y] = site.slopes(self.pixel);
-        let d = DVec3::new(x, y, 1.0);
+        let on_ray = |depth: f64| DVec3::from_array(site.on_ray(self.pixel, depth));
+        let d = on_ray(1.0) - on_ray(0.0);
         let side = d.cross(DVec3::new(self.turn.cos(), self.turn.sin(), 0.0)).normalize();
-        let at = d * self.z + side * (self.r * self.impact);
+        let at = on_ray(self.z) + side * (self.r * self.impact);
+        let second = site.place(on_ray(self.z * self.second).to_array());
         let center = site.place(at.to_array());
         site.scene.spheres.push(center, self.r, None);
         if self.second > 0.0 {
-            site.scene.spheres.push(site.place((d * self.z * self.second).to_array()), self.r * 1e-3, None);
+            site.scene.spheres.push(second, self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
         let stage = Stage::new(
@@ -93,11 +99,12 @@ impl Shot {
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
         let unit = match stage.nears.first() {
+            _ if self.parallel => dd::ldexp(stage.lens.size.into(), view.unit),
             Some(n) => dd::ldexp(1.0, dd::exponent(n.scale.into()) + view.unit),
             // The front's unit of offsets is z times the slope of one.
             None => f64::from(stage.lens.unit),
         };
-        let length = if stage.nears.is_empty() { e.p[2] * unit.into() } else { unit.into() };
+        let length = if stage.nears.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
         let power = dd::dot(e.p, e.p) - e.r * e.r;
         let root = disc.sqrt();
         let depth = match (disc.hi >= 0.0, power.hi > 0.0, b.hi > 0.0) {
@@ -220,6 +227,10 @@ pub(super) enum Regime {
     Edge,
     /// So far and small that the host's rounding of the projected centre counts.
     Tiny,
+    /// Parallel rays: spheres of any size before them.
+    Parallel,
+    /// So small and far that the host's rounding of where they are counts.
+    ParallelTiny,
     /// Across the eye plane or beside the eye.
     Beside,
     /// Likewise, through a wide lens.
@@ -239,8 +250,17 @@ pub(super) enum Regime {
 }
 
 impl Regime {
-    pub(super) const FRONT: [Self; 7] =
-        [Self::Middle, Self::Close, Self::Pierced, Self::Passed, Self::Wide, Self::Edge, Self::Tiny];
+    pub(super) const FRONT: [Self; 9] = [
+        Self::Middle,
+        Self::Close,
+        Self::Pierced,
+        Self::Passed,
+        Self::Wide,
+        Self::Edge,
+        Self::Tiny,
+        Self::Parallel,
+        Self::ParallelTiny,
+    ];
     pub(super) const NEAR: [Self; 8] = [
         Self::Beside,
         Self::BesideWide,
@@ -269,8 +289,9 @@ impl Regime {
         let turn = dice.between(0.0, std::f64::consts::TAU);
         let second = [0.0, 0.85, 1.2, 10.0][dice.below(4) as usize];
         let shot = |half, pixel, z, r| {
-            let oblique = if self == Tiny { 0.7 } else { 0.0 };
-            Shot { half, width, pixel, z, r, impact, turn, oblique, second }
+            let oblique = if matches!(self, Tiny | ParallelTiny) { 0.7 } else { 0.0 };
+            let parallel = matches!(self, Parallel | ParallelTiny);
+            Shot { half, width, pixel, z, r, impact, turn, oblique, parallel, second }
         };
         let mut shot = match self {
             Middle => shot(dice.decade(-4.0, -1.5), any(dice), dice.decade(0.5, 3.0), 1.0),
@@ -302,6 +323,15 @@ impl Regime {
             Tiny => {
                 let half = dice.decade(-8.0, -2.0);
                 shot(half, any(dice), 1.0, half / f64::from(width) * dice.decade(-5.0, -1.0))
+            }
+            Parallel => {
+                let half = dice.decade(-2.0, 2.0);
+                let r = half * dice.decade(-2.0, 0.3);
+                shot(half, any(dice), r * dice.decade(0.1, 4.0), r)
+            }
+            ParallelTiny => {
+                let half = dice.decade(-3.0, 3.0);
+                shot(half, any(dice), half * dice.decade(0.0, 6.0), half / f64::from(width) * dice.decade(-5.0, -1.0))
             }
             Beside => shot(dice.decade(-1.0, 0.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 1.0)),
             BesideWide => shot(dice.decade(0.5, 2.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 2.0)),

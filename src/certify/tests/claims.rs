@@ -162,7 +162,8 @@ pub(super) fn check<R: Value>(
     Ok(true)
 }
 
-/// The ray of a pixel and a sphere before it, in double-double: x, y, |d|^2; centre (right, up, ahead), radius.
+/// The ray of a pixel and a sphere before it, in double-double: x, y, |d|^2; centre (right, up, ahead) from where the ray
+/// begins, radius.
 pub(super) struct Exact {
     pub(super) x: Dd,
     pub(super) y: Dd,
@@ -179,12 +180,18 @@ impl Exact {
     pub(super) fn of(scene: &Scene, [i, j]: [u32; 2], center: [f64; 3], radius: f64) -> Self {
         let (width, height) = (f64::from(scene.image.width), f64::from(scene.image.height));
         let lens = scene.camera.viewport(scene.image.width, scene.image.height).expect("a viewport");
-        let slope = |odd: f64, v: f64, n: f64| Dd::product(odd, v) / Dd::product(2.0 * n, lens.d);
+        let parallel = lens.is_parallel();
+        let d = if parallel { 1.0 } else { lens.d };
+        let slope = |odd: f64, v: f64, n: f64| Dd::product(odd, v) / Dd::product(2.0 * n, d);
         let x = slope(2.0 * f64::from(j) + 1.0 - width, lens.vw, width);
         let y = slope(height - 1.0 - 2.0 * f64::from(i), lens.vh, height);
         let [right, up, back] = scene.camera.axes().expect("axes");
         let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], scene.camera.eye[k]));
         let p = [dd::dot(right, away), dd::dot(up, away), -dd::dot(back, away)];
+        if parallel {
+            let zero = Dd::default();
+            return Self { x: zero, y: zero, a: 1.0.into(), p: [p[0] - x, p[1] - y, p[2]], r: radius.into() };
+        }
         Self { x, y, a: Dd::from(1.0) + x * x + y * y, p, r: radius.into() }
     }
 

@@ -1,7 +1,7 @@
 //! What hides what: pixels that count as covered are hit, and no deeper than was said.
 
 use super::wild::Dice;
-use crate::camera::Lens::Viewport;
+use crate::camera::Lens::{Orthographic, Viewport};
 use crate::certify::TERMS;
 use crate::certify::lens::cover::Cover;
 use crate::certify::lens::{Lens, Staged};
@@ -28,13 +28,25 @@ fn scene(dice: &mut Dice) -> Scene {
     Scene { camera, image, spheres, skipped: Default::default() }
 }
 
+/// The same before parallel rays, some across the plane of the eye.
+fn parallel_scene(dice: &mut Dice) -> Scene {
+    let mut scene = scene(dice);
+    scene.camera.lens = Orthographic { height: 100.0 };
+    for (center, radius) in scene.spheres.centers.iter_mut().zip(&mut scene.spheres.radii) {
+        let [x, y] = [0, 1].map(|_| dice.between(-80.0, 80.0));
+        *center = (scene.camera.eye + DVec3::new(x, y, -dice.decade(-1.0, 4.0))).to_array();
+        *radius = dice.decade(-1.0, 1.5);
+    }
+    scene
+}
+
 /// Every closed pixel is hit, exactly, and no deeper than was said.
 #[test]
 fn what_is_covered_is_hit() {
     let mut dice = Dice(5);
     let (mut closed, mut deep) = (0, 0.0f64);
-    for _ in 0..8 {
-        let scene = scene(&mut dice);
+    for make in [scene, parallel_scene].repeat(8) {
+        let scene = make(&mut dice);
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height).expect("a viewport");
@@ -99,15 +111,19 @@ fn a_disc_closes_its_pixels_and_no_others() {
 fn nobody_who_is_seen_is_left_out() {
     let mut dice = Dice(77);
     let (mut listed, mut binned, mut hits) = (0, 0, 0);
-    for round in 0..12 {
+    for round in 0..16 {
         let mut spheres = Spheres::default();
         // Far and compact in every other round, so that depths are kept relative to a reference.
         let eye = DVec3::new(dice.between(-9.0, 9.0), 3.0, 1.0) * if round % 2 == 0 { 1.0 } else { 1e6 };
-        let camera = Camera { eye, ..Camera::CANONICAL };
         let (far, spread) = if round % 2 == 0 { (1.5, 8.0) } else { (1e6, 2e5) };
+        // Parallel rays in the last rounds.
+        let parallel = round >= 12;
+        let lens = if parallel { Orthographic { height: far + spread } } else { Camera::CANONICAL.lens };
+        let camera = Camera { eye, lens, ..Camera::CANONICAL };
         for _ in 0..6000 {
             let depth = far + spread * dice.part();
-            let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6) * depth);
+            let wide = if parallel { far + spread } else { depth };
+            let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6) * wide);
             spheres.push((eye + DVec3::new(x, y, -depth)).to_array(), depth * dice.decade(-2.0, -1.2), None);
         }
         let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };

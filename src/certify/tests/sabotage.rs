@@ -43,7 +43,11 @@ const CONSTANTS: [Constant; 22] = [
     Constant { name: "root[0]", of: |t| &mut t.root[0], aims: &[(NearDepth, Beside), (NearDepth, Axis)] },
     Constant { name: "root[1]", of: |t| &mut t.root[1], aims: &[(NearDepth, Center)] },
     Constant { name: "root[2]", of: |t| &mut t.root[2], aims: &[(NearDepth, Center)] },
-    Constant { name: "host", of: |t| &mut t.host, aims: &[(FrontDisc, Tiny), (FrontLow, Tiny)] },
+    Constant {
+        name: "host",
+        of: |t| &mut t.host,
+        aims: &[(FrontDisc, Tiny), (FrontDisc, ParallelTiny), (FrontLow, Tiny)],
+    },
 ];
 
 /// Scenes of each family that are judged once and answered under every sabotage.

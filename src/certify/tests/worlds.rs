@@ -15,7 +15,7 @@ pub(super) struct World {
 pub(super) type Make = fn(&mut Dice) -> World;
 
 /// The families, by name.
-pub(super) const FAMILIES: [(&str, Make); 15] = [
+pub(super) const FAMILIES: [(&str, Make); 20] = [
     ("generic", generic),
     ("grazed", grazed),
     ("wide lens", wide),
@@ -31,6 +31,11 @@ pub(super) const FAMILIES: [(&str, Make); 15] = [
     ("surface", surface),
     ("big image", big_image),
     ("off axis near", beside),
+    ("parallel", parallel),
+    ("parallel crossing", parallel_crossing),
+    ("parallel distant", parallel_distant),
+    ("parallel sub-pixel", parallel_sub_pixel),
+    ("parallel scales", parallel_scales),
 ];
 
 /// A camera at work: positions are given right, up, ahead.
@@ -91,11 +96,19 @@ impl Site {
         }
     }
 
-    /// Where a ray passes at that depth, moved sideways by about `by`.
+    /// Where a ray passes at that depth: right, up, ahead.
+    pub(super) fn on_ray(&self, pixel: [u32; 2], depth: f64) -> [f64; 3] {
+        // Of the eye itself, from where the ray begins.
+        let ray = Exact::of(&self.scene, pixel, self.scene.camera.eye.to_array(), 1.0);
+        let [right, up, _] = ray.p.map(|x| x.value());
+        [ray.x.value() * depth - right, ray.y.value() * depth - up, depth]
+    }
+
+    /// The same, moved sideways by about `by`.
     fn near_ray(&self, dice: &mut Dice, pixel: [u32; 2], depth: f64, by: f64) -> [f64; 3] {
-        let [x, y] = self.slopes(pixel);
+        let [x, y, _] = self.on_ray(pixel, depth);
         let turn = dice.between(0.0, std::f64::consts::TAU);
-        [x * depth + by * turn.cos(), y * depth + by * turn.sin(), depth]
+        [x + by * turn.cos(), y + by * turn.sin(), depth]
     }
 
     fn done(self, dice: &mut Dice, mut pixels: Vec<[u32; 2]>) -> World {
@@ -277,6 +290,11 @@ fn scales(dice: &mut Dice) -> World {
     let World { mut scene, pixels } = FAMILIES[dice.below(9) as usize].1(dice);
     // A power of two, so that what was aimed stays aimed.
     let scale = 2f64.powi(dice.below(200) as i32 - 100);
+    scaled(&mut scene, scale);
+    World { scene, pixels }
+}
+
+fn scaled(scene: &mut Scene, scale: f64) {
     scene.camera.eye *= scale;
     for center in &mut scene.spheres.centers {
         *center = center.map(|x| x * scale);
@@ -284,7 +302,6 @@ fn scales(dice: &mut Dice) -> World {
     for radius in &mut scene.spheres.radii {
         *radius *= scale;
     }
-    World { scene, pixels }
 }
 
 /// At the corners of a wide image, where |d|^2 is largest.
@@ -346,4 +363,103 @@ fn beside(dice: &mut Dice) -> World {
     let at = site.near_ray(dice, pixel, 1.0, radius);
     site.aim_by(dice.decade(-2.0, 0.3), pixel, at);
     aimed(dice, site, [-1.0, 1.0], &[pixel])
+}
+
+/// Parallel rays of a view about as high as that, from somewhere within `unit`.
+fn parallel_site(dice: &mut Dice, size: [u32; 2], height: f64, unit: f64) -> Site {
+    let site = Site::random(dice, [1.0; 2], size, unit);
+    let lens = Lens::Orthographic { height };
+    Site::new(Camera { lens, ..site.scene.camera }, size)
+}
+
+/// One to four spheres at any depth, larger or smaller than the view, grazed.
+fn parallel(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let height = dice.decade(-3.0, 3.0);
+    let mut site = parallel_site(dice, size, height, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..1 + dice.below(4) {
+        let pixel = site.pixel(dice);
+        let radius = height * dice.decade(-4.0, 0.5);
+        let depth = radius * dice.decade(0.0, 4.0);
+        let at = site.near_ray(dice, pixel, depth, radius);
+        site.aim(dice, pixel, at);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Across the plane of the eye, just before and just behind it; the eye within; something farther behind.
+fn parallel_crossing(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let mut site = parallel_site(dice, size, 2.0, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..1 + dice.below(4) {
+        let pixel = site.pixel(dice);
+        let radius = dice.decade(-2.0, 0.5);
+        let depth = match dice.below(3) {
+            0 => dice.between(-1.0, 1.0),
+            1 => dice.sign() * (1.0 + dice.sign() * dice.decade(-16.0, -1.0)),
+            _ => dice.between(1.0, 3.0),
+        };
+        let by = radius * dice.between(0.0, 1.0);
+        let at = site.near_ray(dice, pixel, depth * radius, by);
+        if dice.below(2) == 0 {
+            site.aim(dice, pixel, at);
+        } else {
+            site.push(at, radius);
+        }
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Far from the plane, or far from the origin, where the order is what is hard.
+fn parallel_distant(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let (depth, unit) = match dice.below(2) {
+        0 => (dice.decade(0.7, 12.0), 1.0),
+        _ => (dice.decade(0.7, 2.0), dice.decade(2.0, 9.0)),
+    };
+    let mut site = parallel_site(dice, size, 3.0, unit);
+    let pixel = site.pixel(dice);
+    let apart = dice.decade(-8.0, 0.0);
+    for _ in 0..2 + dice.below(5) {
+        let by = dice.between(0.0, 0.4);
+        let back = dice.between(0.0, apart);
+        let mut at = site.near_ray(dice, pixel, depth, by);
+        let r = dice.between(0.5, 1.5);
+        at[2] += (r * r - by * by).sqrt() + back;
+        site.push(at, r);
+    }
+    site.done(dice, vec![pixel; 2])
+}
+
+/// A pixel is larger than the sphere, and the host's rounding of where it is what grazes.
+fn parallel_sub_pixel(dice: &mut Dice) -> World {
+    let size = size(dice);
+    let height = dice.decade(-5.0, 5.0);
+    let mut site = parallel_site(dice, size, height, 1.0);
+    let mut pixels = Vec::new();
+    for _ in 0..2 {
+        let pixel = site.pixel(dice);
+        let depth = height * dice.decade(-1.0, 9.0);
+        let radius = height / f64::from(size[1]) * dice.decade(-6.5, 0.0);
+        let at = site.near_ray(dice, pixel, depth, radius);
+        let delta = if dice.below(2) == 0 { dice.sign() * dice.decade(-8.0, -1.0) } else { dice.decade(-2.0, 0.3) };
+        site.aim_by(delta, pixel, at);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Any of these, 1e-30 to 1e30 times as large.
+fn parallel_scales(dice: &mut Dice) -> World {
+    let World { mut scene, pixels } = FAMILIES[15 + dice.below(4) as usize].1(dice);
+    let scale = 2f64.powi(dice.below(200) as i32 - 100);
+    if let Lens::Orthographic { height } = &mut scene.camera.lens {
+        *height *= scale;
+    }
+    scaled(&mut scene, scale);
+    World { scene, pixels }
 }

@@ -13,6 +13,7 @@ pub(super) struct Sight {
 
 impl Sight {
     pub(super) fn of(scene: &Scene) -> Result<Self> {
+        super::one_eye(scene)?;
         let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
         Ok(Self { axes: scene.camera.axes()?, viewport })
     }

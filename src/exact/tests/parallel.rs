@@ -1,0 +1,114 @@
+//! Parallel rays: what is known by construction, and what rays of their own say.
+
+use super::*;
+use crate::camera::Lens;
+
+/// Looks along (3, 4, 0) with z up, so that alpha = beta = 5, and right is (4, -3, 0)/5. Nine pixels, a unit apart.
+fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
+    let look = Look::View([3.0, 4.0, 0.0].into());
+    let lens = Lens::Orthographic { height: 3.0 };
+    judge(Camera { eye: eye.into(), look, up: [0.0, 0.0, 1.0].into(), lens }, [3, 3], balls)
+}
+
+/// The eye of [`slanted`], m times the view, right times 5 s and up z from it.
+fn beside(m: f64, s: f64, z: f64) -> [f64; 3] {
+    [5.0 + 3.0 * m + 4.0 * s, -7.0 + 4.0 * m - 3.0 * s, 11.0 + z]
+}
+
+const EYE: [f64; 3] = [5.0, -7.0, 11.0];
+
+#[test]
+fn a_parallel_ray_is_a_ray_of_its_own() {
+    let mut dice = Dice(11);
+    let mut hits = 0;
+    for height in [0.5, 8.0, 1024.0, 2.0, 4.0, 8.0] {
+        let mut scene = dice.scene(1.0);
+        let lens = Lens::Orthographic { height };
+        scene.camera = Camera { eye: [0.25, -0.5, 2.0].into(), lens, ..Camera::CANONICAL };
+        scene.image = ImagePlane { width: 8, height: 8, ..ImagePlane::default() };
+        let judge = Judge::new(&scene).expect("a scene");
+        for (i, j) in pixels(&scene) {
+            let [u, v] = [f64::from(j) + 0.5 - 4.0, 4.0 - 0.5 - f64::from(i)].map(|n| n * height / 8.0);
+            let ray = judge_ray([0.25 + u, v - 0.5, 2.0], [0.0, 0.0, -1.0], &scene.spheres);
+            assert_eq!(ray.map(|truth| Truth { depth: truth.t, ..truth }), judge.pixel(i, j), "row {i}, column {j}");
+            hits += usize::from(ray.is_some());
+        }
+    }
+    assert!(hits > 30, "{hits} hits");
+}
+
+#[test]
+fn tangency_and_what_is_an_ulp_off_it() {
+    // The ray of row 0, column 2 leaves from right + up: 5 s - 1 = 4 and z - 1 = 3 are 5 together.
+    for m in [3.0, 1000.0, 2f64.powi(40)] {
+        let center = beside(m, 1.0, 4.0);
+        let touch = slanted(EYE, &[(center, 5.0)]).pixel(0, 2).expect("the touch");
+        assert!(
+            touch.tangent && touch.t == 5.0 * m && touch.depth == touch.t && touch.distance == touch.t,
+            "{touch:?}"
+        );
+        // Both are rounded: of the normal (-4 U - 3 V)/5 with U = (4, -3, 0)/5.
+        for (got, known) in touch.normal.into_iter().zip([-16.0 / 25.0, 12.0 / 25.0, -3.0 / 5.0]) {
+            assert!((got - known).abs() <= f64::EPSILON, "{touch:?}");
+        }
+        assert_eq!(slanted(EYE, &[(center, 5f64.next_down())]).pixel(0, 2), None, "{m}");
+        assert!(!slanted(EYE, &[(center, 5f64.next_up())]).pixel(0, 2).expect("a cut").tangent, "{m}");
+    }
+    // Shifts that no double-double holds beside a discriminant of 25.
+    for k in 40..130 {
+        let shift = 2f64.powi(-k);
+        let see = |eye: [f64; 3]| {
+            let truth = slanted(eye, &[([12.0 + 4.0, 16.0 - 3.0, 4.0], 5.0)]).pixel(0, 2);
+            truth.map(|truth| truth.tangent)
+        };
+        assert_eq!(see([0.0; 3]), Some(true));
+        assert_eq!(see([0.0, 0.0, shift]), Some(false), "nearer the middle: 2^-{k}");
+        assert_eq!(see([0.0, 0.0, -shift]), None, "past the edge: 2^-{k}");
+        assert_eq!(see([3.0 * shift, 4.0 * shift, 0.0]), Some(true), "along the ray: 2^-{k}");
+    }
+}
+
+#[test]
+fn ties_go_to_the_lower_index() {
+    // The ray of row 0, column 2 leaves from right + up. All pass through 4 views from there: a touch, from the front
+    // (3 aside, 4 of depth), and from within (4 aside, 3 of depth).
+    let balls = [(beside(4.0, 1.0, 4.0), 5.0), (beside(4.8, 1.0, -2.0), 41f64.sqrt()), (beside(4.8, 0.8, 1.0), 5.0)];
+    assert_eq!(slanted(EYE, &balls[..1]).pixel(0, 2).expect("the touch").t, 20.0);
+    // 4.8, 0.8 and the root are rounded, so these two are no ties: whatever they are, the order of the list says nothing.
+    for n in [1, 2] {
+        let [ahead, back] = [[0, n], [n, 0]].map(|order| {
+            let id = slanted(EYE, &order.map(|k: usize| balls[k])).pixel(0, 2).expect("a hit").id;
+            order[id as usize]
+        });
+        assert_eq!(ahead, back, "{n}");
+    }
+    // The middle column leaves from up alone: exact ties from the front, by a touch, and, nearer, at 2 views.
+    let along = [(beside(5.0, 0.0, 1.0), 5.0), (beside(4.0, 1.0, 1.0), 5.0), (beside(3.0, 0.0, 1.0), 5.0)];
+    for first in 0..3 {
+        for second in (0..3).filter(|second| *second != first) {
+            let truth = slanted(EYE, &[along[first], along[second]]).pixel(0, 1).expect("a hit");
+            let nearer = first == 2 || second == 2;
+            assert_eq!(truth.t, if nearer { 10.0 } else { 20.0 });
+            assert_eq!(truth.id, u32::from(second == 2), "{first} {second}: {truth:?}");
+        }
+    }
+}
+
+#[test]
+fn the_plane_of_the_eye_is_where_rays_begin() {
+    // A sphere about the eye: from inside its far side, from its surface on only what lies ahead.
+    let see = |center: [f64; 3], r: f64| slanted(EYE, &[(center, r)]).pixel(1, 1);
+    let inside = see(EYE, 2.0).expect("inside");
+    assert_eq!((inside.root, inside.t), (Root::Far, 2.0));
+    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5.0), None, "t = 0 does not count");
+    let far = see(beside(1.0, 0.0, 0.0), 5.0).expect("looking in");
+    assert_eq!((far.root, far.t), (Root::Far, 10.0));
+    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5f64.next_up()).map(|truth| truth.root), Some(Root::Far));
+    // The eye itself lies inside, but the ray a unit right of it leaves from outside, and meets the sphere before it.
+    let ball = (beside(0.125, 0.0, 0.0), 0.75);
+    assert_eq!(slanted(EYE, &[ball]).pixel(1, 1).map(|truth| truth.root), Some(Root::Far));
+    assert_eq!(slanted(EYE, &[ball]).pixel(1, 2), None);
+    let wide = (beside(1.0, 0.0, 0.0), 5.05);
+    assert_eq!(slanted(EYE, &[wide]).pixel(1, 1).map(|truth| truth.root), Some(Root::Far), "the eye is inside");
+    assert_eq!(slanted(EYE, &[wide]).pixel(1, 2).map(|truth| truth.root), Some(Root::Near), "this origin is not");
+}
