@@ -454,7 +454,7 @@ fn parallel_rays_by_file_and_by_option() {
     assert_eq!(desk.get("a.npy"), desk.get("b.npy"));
     // The middle column passes the unit sphere's centre, three ahead.
     let distance = Array::read(&desk.path("d.npy")).expect("an array");
-    let middle = distance.get(15 * 45 + 22).expect("a pixel").to_f64();
+    let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
     assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
     // An angle makes it perspective again.
     desk.good(&["render", "ortho.toml", "-o", "a.npy", "--backend", "cpu", "--vfov", "60"]);
