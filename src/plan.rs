@@ -323,7 +323,7 @@ impl Plan {
     /// Decides what `scene` requires for the buffers asked for, among the methods that `admits` lets run.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a method together with a certificate, [`Error::Scene`] for spheres that do not fit one
+    /// [`Error::Settings`] for a method together with a certificate or parallel rays, [`Error::Scene`] for spheres that do not fit one
     /// frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
         if settings.search == Search::Tree {

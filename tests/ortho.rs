@@ -294,6 +294,18 @@ fn the_limit_of_perspective_is_the_same_picture() {
 }
 
 #[test]
+fn what_lies_behind_the_plane_of_the_eye_costs_nothing() {
+    let (_, scene) = scenes().swap_remove(0);
+    let mut more = scene.clone();
+    let behind = cloud(31, 300, behind(scene.camera.eye, 2.0), 1.0, 0.05);
+    more.spheres.centers.extend(behind.centers);
+    more.spheres.radii.extend(behind.radii);
+    more.spheres.colors.as_mut().expect("colours").extend(behind.colors.expect("colours"));
+    let [a, b] = [&scene, &more].map(|scene| frame(&mut cpu(), scene, Accuracy::Certified));
+    assert_eq!((a.ids(), a.report.settled), (b.ids(), b.report.settled));
+}
+
+#[test]
 fn a_broken_answer_is_found() {
     let (_, scene) = scenes().swap_remove(0);
     let exact = frame(&mut cpu(), &scene, Accuracy::Exact);

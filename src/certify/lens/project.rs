@@ -165,9 +165,10 @@ impl Lens {
         let tilt = if self.parallel { 0.0 } else { 1.0 };
         let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
         let reach = self.reach(rho, &self.all);
+        let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
         Aim {
-            behind: z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0,
-            front: (front | self.parallel) & ranged,
+            behind,
+            front: (front | self.parallel & !behind) & ranged,
             depth,
             depth_error: error * self.to_frame + U64 * depth.abs(),
             plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),
