@@ -198,6 +198,20 @@ fn a_file_that_is_cut_short_is_not_read() {
 }
 
 #[test]
+fn a_damaged_byte_is_noticed_where_the_format_has_a_checksum() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["a.png", "a.npz"] {
+        let target = Target::new(&[Aov::Color], &folder.path().join(name), Style::default()).expect("a target");
+        let (bytes, _) = written(&frame(4, [20, 12]), &target);
+        // Halfway stand the numbers.
+        let mut damaged = bytes.clone();
+        damaged[bytes.len() / 2] ^= 4;
+        let error = Sheet::from_bytes(&damaged, name).expect_err("damaged").to_string();
+        assert!(error.starts_with(&format!("{name}: not a whole")), "{error}");
+    }
+}
+
+#[test]
 fn bytes_behind_the_last_value_are_ours_or_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(5, [6, 4]);

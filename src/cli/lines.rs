@@ -62,6 +62,9 @@ impl Lines {
         if latest.is_none_or(|latest| (step, done) < (latest.step, latest.done)) {
             self.frame += 1;
         }
+        if latest == Some(progress) {
+            return false;
+        }
         let due = latest.is_none_or(|latest| latest.step != step) || done == total || self.told.elapsed() >= PAUSE;
         if due {
             self.told = Instant::now();

@@ -107,9 +107,27 @@ fn missing(full: Window, windows: impl Iterator<Item = Window>) -> Vec<Window> {
     for window in windows {
         rest = rest.into_iter().flat_map(|part| without(part, window)).collect();
     }
-    while let Some((a, b, both)) = joined(&rest) {
-        rest[a] = both;
-        rest.swap_remove(b);
+    loop {
+        let before = rest.len();
+        rest.sort_by_key(|part| (part.y0, part.y1, part.x0));
+        rest.dedup_by(|next, part| {
+            let beside = part.x1 == next.x0 && (part.y0, part.y1) == (next.y0, next.y1);
+            if beside {
+                part.x1 = next.x1;
+            }
+            beside
+        });
+        rest.sort_by_key(|part| (part.x0, part.x1, part.y0));
+        rest.dedup_by(|next, part| {
+            let below = part.y1 == next.y0 && (part.x0, part.x1) == (next.x0, next.x1);
+            if below {
+                part.y1 = next.y1;
+            }
+            below
+        });
+        if rest.len() == before {
+            break;
+        }
     }
     rest.sort_by_key(|part| (part.y0, part.x0));
     rest
@@ -125,17 +143,6 @@ fn without(part: Window, window: Window) -> Vec<Window> {
         Window { x0: hole.x1, y0: hole.y0, y1: hole.y1, ..part },
     ];
     around.into_iter().filter(|left| left.x0 < left.x1 && left.y0 < left.y1).collect()
-}
-
-/// Two rectangles that are one, by their places, and that one.
-fn joined(parts: &[Window]) -> Option<(usize, usize, Window)> {
-    let pairs = (0..parts.len()).flat_map(|a| (0..parts.len()).map(move |b| (a, b)));
-    pairs.filter(|(a, b)| a != b).find_map(|(a, b)| {
-        let (first, second) = (parts[a], parts[b]);
-        let beside = first.x1 == second.x0 && (first.y0, first.y1) == (second.y0, second.y1);
-        let below = first.y1 == second.y0 && (first.x0, first.x1) == (second.x0, second.x1);
-        (beside || below).then_some((a, b, Window { x1: second.x1, y1: second.y1, ..first }))
-    })
 }
 
 /// Layer `n` of all tiles.

@@ -158,7 +158,8 @@ impl Provenance {
 
     /// What [`Provenance::trailer`] wrote; `None` for anything else.
     pub(crate) fn from_trailer(bytes: &[u8]) -> Option<Self> {
-        Self::from_json(bytes.strip_prefix(TRAILER.as_bytes())?.strip_suffix(b"\n")?)
+        let words = Self::from_json(bytes.strip_prefix(TRAILER.as_bytes())?.strip_suffix(b"\n")?);
+        words.filter(|words| words.trailer().as_bytes() == bytes)
     }
 }
 
