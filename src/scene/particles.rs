@@ -1,6 +1,10 @@
 //! Particles: what simulations, molecules and scans are files of. A reader gives them frame by frame; the style makes
 //! spheres of them.
 
+mod assembly;
+mod guess;
+mod molecule;
+mod pdb;
 mod xyz;
 
 use super::source::{Format, Source};
@@ -78,6 +82,7 @@ pub(crate) trait Frames: Send {
 /// The frames of a particle file; `None` for the formats that hold a whole scene.
 pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
     let frames: Box<dyn Frames> = match source.format {
+        Format::Pdb => Box::new(pdb::Pdb::new(source, options)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
         _ => return Ok(Err(source)),
     };
