@@ -3,6 +3,8 @@
 
 mod assembly;
 mod guess;
+mod gro;
+mod mmcif;
 mod molecule;
 mod pdb;
 mod xyz;
@@ -82,6 +84,8 @@ pub(crate) trait Frames: Send {
 /// The frames of a particle file; `None` for the formats that hold a whole scene.
 pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
     let frames: Box<dyn Frames> = match source.format {
+        Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
+        Format::Gro => Box::new(gro::Gro::new(source, options)),
         Format::Pdb => Box::new(pdb::Pdb::new(source, options)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
         _ => return Ok(Err(source)),

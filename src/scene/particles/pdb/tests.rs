@@ -158,7 +158,7 @@ fn assemblies_are_built() {
         ("BIOMT2   2", "BIOMT3   2", "text:9:14: REMARK 350: BIOMT3 of operator `2` stands where BIOMT2"),
         ("-1.000000  0.000000  0.000000      100.00000", "-1.0 0 0", "no four numbers"),
         ("100.00000", "inf", "text:8:"),
-        ("APPLY THE FOLLOWING TO CHAINS: A,", "", "text:5:14"),
+        ("APPLY THE FOLLOWING TO CHAINS: A,", "", "text:7:14"),
         ("REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\nATOM", "ATOM", "2 of its three rows"),
     ] {
         let bad = text.replacen(old, new, 1).replace("REMARK 350                    AND CHAINS: B\n", "REMARK 350\n");
