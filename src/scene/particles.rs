@@ -2,8 +2,8 @@
 //! spheres of them.
 
 mod assembly;
-mod guess;
 mod gro;
+mod guess;
 mod mmcif;
 mod molecule;
 mod pdb;

@@ -50,7 +50,10 @@ pub(super) struct Assembly {
 /// # Errors
 /// [`Error::Settings`] with the names there are.
 pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Result<&'a Assembly> {
-    assemblies.iter().find(|assembly| assembly.id == id).ok_or_else(|| unknown(id, assemblies.iter().map(|a| &a.id), file))
+    assemblies
+        .iter()
+        .find(|assembly| assembly.id == id)
+        .ok_or_else(|| unknown(id, assemblies.iter().map(|a| &a.id), file))
 }
 
 /// The error for an assembly that a file does not have, among those it has.
@@ -83,9 +86,11 @@ pub(super) fn build(
     file: &Place,
 ) -> Result<Particles> {
     let members: Vec<Vec<usize>> = assembly.parts.iter().map(|part| members(part, chains, names)).collect();
-    let copies = assembly.parts.iter().zip(&members).map(|(part, atoms)| {
-        (part.operators.len() as u64).saturating_mul(atoms.len() as u64)
-    });
+    let copies = assembly
+        .parts
+        .iter()
+        .zip(&members)
+        .map(|(part, atoms)| (part.operators.len() as u64).saturating_mul(atoms.len() as u64));
     let total = copies.fold(0, u64::saturating_add);
     if total == 0 {
         let problem = format!("assembly `{}` has no atoms: the file has none of its chains", assembly.id);

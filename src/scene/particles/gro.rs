@@ -133,7 +133,8 @@ impl Gro {
 
     /// The box of the current line: three edges along the axes, or three vectors whose diagonal comes first.
     fn cell(&self) -> Result<Option<Cell>> {
-        let numbers = Words::of(&self.lines).map(|word| Ok(word.finite("box")? * NANOMETRE)).collect::<Result<Vec<f64>>>()?;
+        let numbers =
+            Words::of(&self.lines).map(|word| Ok(word.finite("box")? * NANOMETRE)).collect::<Result<Vec<f64>>>()?;
         let edges = match numbers[..] {
             [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
             [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],

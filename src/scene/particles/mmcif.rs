@@ -6,7 +6,7 @@ mod operators;
 mod row;
 mod tokens;
 
-use super::molecule::{Choice, Kind, Model, Names, more_models, not_assembled};
+use super::molecule::{Choice, Model, Names, more_models, not_assembled};
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;

