@@ -181,4 +181,16 @@ mod tests {
         let error = find(&[assembly, empty], "3", &file).expect_err("no third").to_string();
         assert!(error.contains("`3`") && error.contains("1, 2"), "{error}");
     }
+
+    #[test]
+    fn what_memory_does_not_hold_is_refused_before_it_is_built() {
+        let atoms = 1_000_000;
+        let unit = Particles { positions: vec![[0.0; 3]; atoms], elements: vec![6; atoms], ..Particles::default() };
+        let part = Part { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };
+        let assembly = Assembly { id: "1".into(), parts: vec![part] };
+        let file = Place::file("text");
+        let built = build(&assembly, unit, &vec![0; atoms], &[b"A".to_vec()], &file).map(drop);
+        // 6.6e10 atoms are terabytes.
+        assert!(matches!(built, Err(Error::Limits { .. })), "{built:?}");
+    }
 }

@@ -14,6 +14,8 @@ use std::ops::Range;
 pub(super) struct Gro {
     lines: Lines<Box<dyn BufRead + Send>>,
     wanted: Vec<Kind>,
+    /// Whether it was said that elements are guessed.
+    told: bool,
 }
 
 /// Numbers of an atom besides its place.
@@ -47,7 +49,7 @@ impl Gro {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
         let kind = |name: &String| KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let wanted = options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect();
-        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted }
+        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -170,8 +172,9 @@ impl Frames for Gro {
         particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
         particles.columns.retain(|column| particles.has.contains(&column.name));
         let guessed = particles.elements.iter().filter(|element| **element > 0).count();
-        if guessed > 0 {
-            let said = format!("the elements of {guessed} of {count} atoms are guessed from their names; GRO has none");
+        if guessed > 0 && !std::mem::replace(&mut self.told, true) {
+            let of = format!("the elements of {guessed} of {count} atoms are told by their names");
+            let said = format!("{of}; the file names none for them");
             particles.skipped.assumed.push(said);
         }
         Ok(Some(particles))
@@ -228,7 +231,7 @@ MD of 2 waters, t= 0.0
         assert_eq!((&frames[0].elements[..], frames[0].unknown.get("MW3")), (&[8, 1, 0][..], Some(&1)));
         assert_eq!(frames[0].columns[0], Column { name: "vx".into(), values: vec![0.1227, 0.8085, -0.9045] });
         assert_eq!(frames[0].columns[1].values[2], 1.318);
-        assert!(frames[0].skipped.assumed[0].starts_with("the elements of 2 of 3 atoms are guessed"));
+        assert!(frames[0].skipped.assumed[0].starts_with("the elements of 2 of 3 atoms are told"));
         assert!((frames[0].cell.expect("a box").edges[1][1] - 18.206).abs() < 1e-14);
         assert_eq!(frames.len(), 2);
         assert!(close(frames[1].positions[0], [1.26, 16.24, 16.79]) && frames[1].elements == [20]);
@@ -258,5 +261,26 @@ MD of 2 waters, t= 0.0
             let error = read(&TWO.replacen(old, new, 1), &[]).map(drop).expect_err(new).to_string();
             assert!(error.contains(place), "{error}");
         }
+    }
+
+    #[test]
+    fn no_bytes_make_a_panic() {
+        let mut bytes = TWO.as_bytes().to_vec();
+        let with = |bytes: &[u8]| {
+            let reader: Box<dyn BufRead + Send> = Box::new(std::io::Cursor::new(bytes.to_vec()));
+            let mut gro = Gro::new(Source { reader, ..Source::of_text("") }, &ReadOptions::default());
+            (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
+        };
+        assert_eq!(with(&bytes), 4);
+        let (mut seed, mut found) = (1_u64, 0);
+        for _ in 0..3000 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let at = (seed >> 33) as usize % bytes.len();
+            let old = bytes[at];
+            bytes[at] = if seed & 8 == 0 { b"9 .-\n"[(seed >> 20) as usize % 5] } else { (seed >> 20) as u8 };
+            found += with(&bytes);
+            bytes[at] = if seed & 63 == 0 { bytes[at] } else { old };
+        }
+        assert!(found > 100, "only {found} atoms: nothing was tried");
     }
 }

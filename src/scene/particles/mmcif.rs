@@ -28,6 +28,8 @@ pub(super) struct Mmcif {
     /// Models that are behind, kept or not, and the numbers of those that were not asked for.
     count: u64,
     passed: Vec<i64>,
+    /// Whether it was said that assemblies are not built.
+    told: bool,
 }
 
 /// Names of chains and the like, numbered.
@@ -65,6 +67,7 @@ impl Mmcif {
             state: State::Before,
             count: 0,
             passed: Vec::new(),
+            told: false,
         }
     }
 
@@ -303,7 +306,7 @@ impl Frames for Mmcif {
             if more && self.choice.any_model() {
                 said.push(more_models(None));
             }
-            if assembly.is_none() {
+            if assembly.is_none() && !std::mem::replace(&mut self.told, true) {
                 said.extend(not_assembled(self.operators.told()));
             }
             if asked.is_some() {

@@ -115,6 +115,8 @@ pub(super) struct Model {
     /// Atoms met, and those of them that are alternate locations.
     met: u64,
     alternates: u64,
+    /// Those whose element was told by their name.
+    guessed: u64,
     /// The first alternate location's name, and whether that which was asked for is among them.
     first: String,
     found: bool,
@@ -142,6 +144,7 @@ impl Model {
             strange: Vec::new(),
             met: 0,
             alternates: 0,
+            guessed: 0,
             first: String::new(),
             found: false,
         }
@@ -203,6 +206,11 @@ impl Model {
         }
     }
 
+    /// Counts an atom whose element was told by its name.
+    pub(super) fn guessed(&mut self) {
+        self.guessed += 1;
+    }
+
     fn strange(&mut self, name: &[u8]) -> u8 {
         let name = String::from_utf8_lossy(name.trim_ascii());
         let slot = self.strange.iter().position(|known| *known == name).unwrap_or_else(|| {
@@ -235,6 +243,10 @@ impl Model {
         }
         let counted = self.strange.into_iter().zip(counts).filter(|(_, count)| *count > 0);
         self.particles.unknown = counted.collect();
+        if self.guessed > 0 {
+            let of = format!("the elements of {} of {} atoms are told by their names", self.guessed, self.met);
+            self.particles.skipped.assumed.push(format!("{of}; the file names none for them"));
+        }
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
             Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", self.first),

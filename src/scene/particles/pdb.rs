@@ -3,6 +3,7 @@
 //! no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that END alone divides.
 
 mod biomt;
+mod columns;
 
 use super::molecule::{Choice, Kind, Model, Names, cell, more_models, not_assembled};
 use super::{Altloc, Cell, Frames, Particles, assembly, guess};
@@ -11,6 +12,10 @@ use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
 use crate::scene::source::Source;
 use biomt::Biomt;
+use columns::{
+    BFACTOR, CHAIN, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, Record, SERIAL, SYMBOL, X, coordinate,
+    field, hybrid36, number, record, residue, text,
+};
 use std::io::BufRead;
 use std::ops::Range;
 
@@ -30,32 +35,11 @@ pub(super) struct Pdb {
     cell: Option<Cell>,
     biomt: Biomt,
     chains: Names,
+    /// What was met before the atoms.
     said: Vec<String>,
+    /// Whether it was said that assemblies are not built.
+    told: bool,
 }
-
-/// What a line is.
-enum Record {
-    Atom,
-    Model,
-    /// The end of a model, or of the file.
-    End,
-    Other,
-}
-
-/// The columns of an atom's numbers, from 0.
-const SERIAL: Range<usize> = 6..11;
-const NAME: Range<usize> = 12..16;
-const LOCATION: Range<usize> = 16..17;
-const RESIDUE_NAME: Range<usize> = 17..20;
-const CHAIN: Range<usize> = 21..22;
-const RESIDUE: Range<usize> = 22..26;
-/// Chain, number and insertion code.
-const RESIDUE_ID: Range<usize> = 21..27;
-const X: usize = 30;
-const COORDINATE: usize = 8;
-const OCCUPANCY: Range<usize> = 54..60;
-const BFACTOR: Range<usize> = 60..66;
-const SYMBOL: Range<usize> = 76..78;
 
 const HAS: [Kind; 6] = [Kind::Bfactor, Kind::Occupancy, Kind::Residue, Kind::Chain, Kind::Model, Kind::Serial];
 
@@ -76,6 +60,7 @@ impl Pdb {
             biomt: Biomt::default(),
             chains: Names::default(),
             said: Vec::new(),
+            told: false,
         }
     }
 
@@ -178,6 +163,7 @@ impl Pdb {
         if !symbol.iter().any(u8::is_ascii_alphabetic) {
             name = field(line, NAME);
             element = guess::of_columns(name, residue(line));
+            model.guessed();
         }
         let chain = if choice.assembly.is_some() || choice.wants(Kind::Chain) {
             chains.number(match field(line, CHAIN) {
@@ -211,7 +197,7 @@ impl Pdb {
                 particles.skipped.assumed.push(more_models(None));
             }
         }
-        if self.choice.assembly.is_none() {
+        if self.choice.assembly.is_none() && !std::mem::replace(&mut self.told, true) {
             particles.skipped.assumed.extend(not_assembled(self.biomt.told()));
         }
         Ok(())
@@ -266,72 +252,6 @@ impl Frames for Pdb {
         self.number = number;
         self.body(None)?;
         Ok(true)
-    }
-}
-
-fn record(line: &[u8]) -> Record {
-    match line {
-        [b'A', b'T', b'O', b'M', ..] | [b'H', b'E', b'T', b'A', b'T', b'M', ..] => Record::Atom,
-        [b'M', b'O', b'D', b'E', b'L', b' ', ..] | b"MODEL" => Record::Model,
-        [b'E', b'N', b'D', b'M', b'D', b'L', ..] => Record::End,
-        [b'E', b'N', b'D', rest @ ..] if rest.trim_ascii().is_empty() => Record::End,
-        _ => Record::Other,
-    }
-}
-
-/// The bytes of these columns, as far as the line goes.
-fn field(line: &[u8], columns: Range<usize>) -> &[u8] {
-    line.get(columns.start..columns.end.min(line.len())).unwrap_or_default()
-}
-
-/// The residue, where hydrogens and metals may be meant by the same name; that of a HETATM is none of a polymer's.
-fn residue(line: &[u8]) -> &[u8] {
-    if line.starts_with(b"ATOM") { field(line, RESIDUE_NAME) } else { b"" }
-}
-
-fn text(field: &[u8]) -> &str {
-    std::str::from_utf8(field).unwrap_or_default().trim()
-}
-
-fn number(field: &[u8]) -> Option<f64> {
-    text(field).parse().ok()
-}
-
-fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, axis: &str) -> Result<f64> {
-    let found = field(lines.text().as_bytes(), columns.clone());
-    number(found).filter(|x| x.is_finite()).ok_or_else(|| {
-        let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-        let at = (columns.start + blanks % found.len().max(1)).min(lines.text().len());
-        let problem = match found.trim_ascii() {
-            [] => format!("columns {} to {} are empty", columns.start + 1, columns.end),
-            word => format!("`{}` is no finite number", String::from_utf8_lossy(word)),
-        };
-        let mend = format!("write {axis} in columns {} to {}, such as -12.345", columns.start + 1, columns.end);
-        Error::scene(lines.place(at).named(axis), problem, mend)
-    })
-}
-
-/// A whole number, in hybrid-36 where decimal digits did not suffice: `A0000` follows 99999, and `a0000` `ZZZZZ`
-/// (Grosse-Kunstleve, cci.lbl.gov/hybrid_36). NaN for anything else.
-fn hybrid36(field: &[u8]) -> f64 {
-    let digits = text(field);
-    if let Ok(number) = digits.parse::<i64>() {
-        return number as f64;
-    }
-    let width = digits.len() as u32;
-    let (upper, lower) =
-        (|c: u8| c.is_ascii_digit() || c.is_ascii_uppercase(), |c: u8| c.is_ascii_digit() || c.is_ascii_lowercase());
-    let begins = digits.bytes().next().is_some_and(|c| c.is_ascii_alphabetic());
-    let whole = field.len() == digits.len() && (1..=5).contains(&width);
-    let value = i64::from_str_radix(digits, 36).ok().filter(|_| begins && whole);
-    let Some(value) = value else { return f64::NAN };
-    let (tens, power) = (10_i64.pow(width), 36_i64.pow(width - 1));
-    if digits.bytes().all(upper) {
-        (value - 10 * power + tens) as f64
-    } else if digits.bytes().all(lower) {
-        (value + 16 * power + tens) as f64
-    } else {
-        f64::NAN
     }
 }
 

@@ -236,7 +236,10 @@ impl Row {
             return;
         }
         let (name, element) = match self.symbol[..] {
-            [] => (&self.name, guess::of_name(&self.name, &self.residue)),
+            [] => {
+                model.guessed();
+                (&self.name, guess::of_name(&self.name, &self.residue))
+            }
             _ => (&self.symbol, guess::of_symbol(&self.symbol)),
         };
         let position = cell.map_or(self.position, |cell| {

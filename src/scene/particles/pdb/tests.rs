@@ -47,7 +47,10 @@ fn columns_hold_what_the_format_says() {
     assert_eq!(frame.cell.expect("a cell").edges[2], [0.0, 0.0, 60.0]);
     assert_eq!(
         frame.skipped.assumed,
-        ["1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one"]
+        [
+            "the elements of 1 of 2 atoms are told by their names; the file names none for them",
+            "1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one",
+        ]
     );
     assert!(!frame.has.contains(&"copy".to_owned()) && frame.has.contains(&"bfactor".to_owned()));
 }
@@ -69,6 +72,18 @@ fn hybrid_36_goes_on_where_digits_end() {
     for bad in ["*****", "", "Aa000", "1a000", "A 000", " A000", "\u{fc}"] {
         assert!(hybrid36(bad.as_bytes()).is_nan(), "{bad}");
     }
+}
+
+#[test]
+fn elements_are_told_by_names_where_no_columns_name_them() {
+    let text = [" CA  ALA", "CA    CA", " QX  XXX"]
+        .map(|name| format!("HETATM    1 {name} A   1       0.000   0.000   0.000\n"));
+    let frame = read(&text.concat(), &options(&[])).expect("atoms").remove(0);
+    assert_eq!((&frame.elements[..], frame.unknown.get("QX")), (&[6, 20, 0][..], Some(&1)));
+    assert!(frame.skipped.assumed[0].starts_with("the elements of 3 of 3 atoms are told by their names"));
+    // An entry's code and the line's number stood there once.
+    let old = atom(" CA", "", "A", 0.0, 1.0, "").replace("          ", "      1TII 206");
+    assert_eq!(read(&old, &options(&[])).expect("an atom")[0].elements, [6]);
 }
 
 #[test]
