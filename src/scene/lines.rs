@@ -14,11 +14,19 @@ pub(super) struct Lines<R> {
     path: PathBuf,
     text: String,
     number: u64,
+    any_bytes: bool,
 }
 
 impl<R: BufRead> Lines<R> {
     pub(super) fn new(reader: R, path: &Path) -> Self {
-        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0 }
+        Self { reader, path: path.to_path_buf(), text: String::new(), number: 0, any_bytes: false }
+    }
+
+    /// Takes lines that are no UTF-8, with a question mark for each byte beyond ASCII, so that columns stay where they are:
+    /// formats older than UTF-8 have names of people in other encodings, and nothing else that is not ASCII.
+    pub(super) fn of_any_bytes(mut self) -> Self {
+        self.any_bytes = true;
+        self
     }
 
     /// Reads the next line; false at the end of the file, where the last line stays.
@@ -33,6 +41,9 @@ impl<R: BufRead> Lines<R> {
         if bytes.len() as u64 == LONGEST && !bytes.ends_with(b"\n") {
             let problem = format!("more than {LONGEST} bytes without the end of a line");
             return Err(Error::scene(self.file().at(self.number, 1), problem, "is it another format? see --format"));
+        }
+        if self.any_bytes && std::str::from_utf8(&bytes).is_err() {
+            bytes.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
         }
         self.text = String::from_utf8(bytes).map_err(|e| not_utf8(self.file(), self.number - 1, e))?;
         let kept = self.text.trim_end_matches(['\n', '\r']).len();

@@ -1,6 +1,12 @@
 //! Particles: what simulations, molecules and scans are files of. A reader gives them frame by frame; the style makes
 //! spheres of them.
 
+mod assembly;
+mod gro;
+mod guess;
+mod mmcif;
+mod molecule;
+mod pdb;
 mod xyz;
 
 use super::source::{Format, Source};
@@ -78,6 +84,9 @@ pub(crate) trait Frames: Send {
 /// The frames of a particle file; `None` for the formats that hold a whole scene.
 pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
     let frames: Box<dyn Frames> = match source.format {
+        Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
+        Format::Gro => Box::new(gro::Gro::new(source, options)),
+        Format::Pdb => Box::new(pdb::Pdb::new(source, options)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
         _ => return Ok(Err(source)),
     };

@@ -1,0 +1,196 @@
+//! Biological assemblies: copies of a file's chains, moved by its operators.
+
+use super::{Column, Particles};
+use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
+use std::collections::{HashMap, HashSet};
+
+/// A rotation and a shift: three rows of a matrix, each with the shift behind it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Operator(pub(super) [[f64; 4]; 3]);
+
+/// More operators than any assembly has; a few words of a file can ask for more than memory holds.
+pub(super) const MOST_OPERATORS: usize = 1 << 16;
+
+impl Operator {
+    /// Where it moves a point.
+    pub(super) fn apply(&self, p: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, d]| a * p[0] + b * p[1] + c * p[2] + d)
+    }
+
+    /// First `other`, then this.
+    pub(super) fn after(&self, other: &Self) -> Self {
+        Self(self.0.map(|row| {
+            let column = |k: usize| (0..3).map(|j| row[j] * other.0[j][k]).sum::<f64>();
+            [column(0), column(1), column(2), column(3) + row[3]]
+        }))
+    }
+}
+
+/// Chains that the same operators are applied to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Part {
+    /// The chains, by the names that operators know them by.
+    pub(super) chains: Vec<Vec<u8>>,
+    /// The operators in the file's order, each with its name.
+    pub(super) operators: Vec<(String, Operator)>,
+}
+
+/// One assembly of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Assembly {
+    /// What the file calls it: `1`, `PAU`.
+    pub(super) id: String,
+    /// Its parts in the file's order.
+    pub(super) parts: Vec<Part>,
+}
+
+/// The one that is asked for.
+///
+/// # Errors
+/// [`Error::Settings`] with the names there are.
+pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Result<&'a Assembly> {
+    assemblies
+        .iter()
+        .find(|assembly| assembly.id == id)
+        .ok_or_else(|| unknown(id, assemblies.iter().map(|a| &a.id), file))
+}
+
+/// The error for an assembly that a file does not have, among those it has.
+pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
+    let mut ids: Vec<&str> = ids.map(String::as_str).collect();
+    let left_out = ids.len().saturating_sub(LISTED);
+    ids.truncate(LISTED);
+    let mend = match ids[..] {
+        [] => "the file tells of none: leave --assembly out".to_owned(),
+        _ if left_out > 0 => format!("the file has {} and {left_out} more", ids.join(", ")),
+        _ => format!("the file has {}", ids.join(", ")),
+    };
+    Error::settings(format!("{file}: there is no assembly `{id}`"), mend)
+}
+
+/// Names that an error lists.
+const LISTED: usize = 16;
+
+/// The assembly of these atoms: part by part, all atoms of the first operator, then of the second, each in the file's
+/// order. `chains` holds every atom's chain, an index of `names`. The cell goes: an assembly does not repeat by it.
+/// A column `copy` is filled where it is there: the operator's number from 0, the same for the same operator.
+///
+/// # Errors
+/// [`Error::Limits`] for more atoms than memory holds, [`Error::Scene`] for an assembly of nothing.
+pub(super) fn build(
+    assembly: &Assembly,
+    unit: Particles,
+    chains: &[u32],
+    names: &[Vec<u8>],
+    file: &Place,
+) -> Result<Particles> {
+    let members: Vec<Vec<usize>> = assembly.parts.iter().map(|part| members(part, chains, names)).collect();
+    let copies = assembly
+        .parts
+        .iter()
+        .zip(&members)
+        .map(|(part, atoms)| (part.operators.len() as u64).saturating_mul(atoms.len() as u64));
+    let total = copies.fold(0, u64::saturating_add);
+    if total == 0 {
+        let problem = format!("assembly `{}` has no atoms: the file has none of its chains", assembly.id);
+        return Err(Error::scene(file.clone(), problem, "leave --assembly out, or ask for another"));
+    }
+    check_spheres(total, true)?;
+    let mut whole = Particles { has: unit.has, skipped: unit.skipped, ..Particles::default() };
+    whole.positions = room(total)?;
+    whole.elements = room(total)?;
+    for column in &unit.columns {
+        whole.columns.push(Column { name: column.name.clone(), values: room(total)? });
+    }
+    let mut known: HashMap<&str, usize> = HashMap::new();
+    for (part, atoms) in assembly.parts.iter().zip(&members) {
+        for (name, operator) in &part.operators {
+            let next = known.len();
+            let copy = *known.entry(name).or_insert(next);
+            whole.positions.extend(atoms.iter().map(|n| operator.apply(unit.positions[*n])));
+            whole.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
+            for (column, from) in whole.columns.iter_mut().zip(&unit.columns) {
+                match &column.name[..] {
+                    "copy" => column.values.extend(std::iter::repeat_n(copy as f64, atoms.len())),
+                    _ => column.values.extend(atoms.iter().map(|n| from.values[*n])),
+                }
+            }
+        }
+    }
+    Ok(whole)
+}
+
+/// The atoms of a part's chains.
+fn members(part: &Part, chains: &[u32], names: &[Vec<u8>]) -> Vec<usize> {
+    let listed: HashSet<&[u8]> = part.chains.iter().map(Vec::as_slice).collect();
+    let inside: Vec<bool> = names.iter().map(|name| listed.contains(&name[..])).collect();
+    (0..chains.len()).filter(|n| inside.get(chains[*n] as usize).copied().unwrap_or(false)).collect()
+}
+
+fn room<T>(n: u64) -> Result<Vec<T>> {
+    let mut vector = Vec::new();
+    vector.try_reserve_exact(n as usize).map_err(|_| Error::Limits {
+        problem: format!("memory for the {n} atoms of the assembly cannot be had"),
+        mend: "ask for a smaller assembly".into(),
+    })?;
+    Ok(vector)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TURN: Operator = Operator([[0.0, -1.0, 0.0, 10.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+    const STEP: Operator = Operator([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 5.0]]);
+
+    #[test]
+    fn products_are_applied_from_the_right() {
+        let both = STEP.after(&TURN);
+        assert_eq!(both.apply([1.0, 2.0, 3.0]), STEP.apply(TURN.apply([1.0, 2.0, 3.0])));
+        assert_eq!(both.apply([1.0, 2.0, 3.0]), [8.0, 1.0, 8.0]);
+        let other = Operator([[2.0, 0.0, 1.0, 1.0], [0.0, 3.0, 0.0, -1.0], [1.0, 0.0, 0.0, 2.0]]);
+        assert_ne!(other.after(&TURN), TURN.after(&other));
+        assert_eq!(TURN.after(&other).apply([1.0, 2.0, 3.0]), TURN.apply(other.apply([1.0, 2.0, 3.0])));
+    }
+
+    #[test]
+    fn copies_stand_operator_by_operator_and_part_by_part() {
+        let unit = Particles {
+            positions: vec![[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
+            elements: vec![6, 7, 8],
+            columns: ["serial", "copy"].map(|name| Column { name: name.into(), values: vec![1.0, 2.0, 3.0] }).to_vec(),
+            ..Particles::default()
+        };
+        let names = [b"A".to_vec(), b"B".to_vec()];
+        let part = |chains: &[&[u8]], operators: &[(&str, Operator)]| Part {
+            chains: chains.iter().map(|name| name.to_vec()).collect(),
+            operators: operators.iter().map(|(name, operator)| ((*name).to_owned(), *operator)).collect(),
+        };
+        let parts = vec![part(&[b"B", b"A"], &[("1", TURN), ("2", STEP)]), part(&[b"B"], &[("2", STEP)])];
+        let assembly = Assembly { id: "1".into(), parts };
+        let file = Place::file("text");
+        let whole = build(&assembly, unit.clone(), &[0, 1, 0], &names, &file).expect("an assembly");
+        assert_eq!(whole.elements, [6, 7, 8, 6, 7, 8, 7]);
+        assert_eq!(whole.columns[0].values, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 2.0]);
+        assert_eq!(whole.columns[1].values, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+        assert_eq!((whole.positions[1], whole.positions[6]), ([10.0, 2.0, 0.0], [2.0, 0.0, 5.0]));
+        let empty = Assembly { id: "2".into(), parts: vec![part(&[b"C"], &[("1", STEP)])] };
+        let error = build(&empty, unit, &[0, 1, 0], &names, &file).map(drop).expect_err("nothing").to_string();
+        assert!(error.contains("no atoms"), "{error}");
+        let error = find(&[assembly, empty], "3", &file).expect_err("no third").to_string();
+        assert!(error.contains("`3`") && error.contains("1, 2"), "{error}");
+    }
+
+    #[test]
+    fn what_memory_does_not_hold_is_refused_before_it_is_built() {
+        let atoms = 1_000_000;
+        let unit = Particles { positions: vec![[0.0; 3]; atoms], elements: vec![6; atoms], ..Particles::default() };
+        let part = Part { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };
+        let assembly = Assembly { id: "1".into(), parts: vec![part] };
+        let file = Place::file("text");
+        let built = build(&assembly, unit, &vec![0; atoms], &[b"A".to_vec()], &file).map(drop);
+        // 6.6e10 atoms are terabytes.
+        assert!(matches!(built, Err(Error::Limits { .. })), "{built:?}");
+    }
+}

@@ -1,0 +1,286 @@
+//! GROMACS coordinates: a title, a count, a line of fixed columns for every atom, and the box; frame after frame
+//! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres there and ångström here: ten
+//! times the numbers of the file. Velocities stay as they are written, nm/ps.
+
+use super::{Cell, Column, Frames, Particles, guess};
+use crate::error::{Error, Result};
+use crate::scene::ReadOptions;
+use crate::scene::lines::{Lines, Words};
+use crate::scene::source::Source;
+use std::io::BufRead;
+use std::ops::Range;
+
+/// The reader.
+pub(super) struct Gro {
+    lines: Lines<Box<dyn BufRead + Send>>,
+    wanted: Vec<Kind>,
+    /// Whether it was said that elements are guessed.
+    told: bool,
+}
+
+/// Numbers of an atom besides its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Of its residue.
+    Residue,
+    Serial,
+    Velocity(usize),
+}
+
+const KINDS: [(&str, Kind); 5] = [
+    ("residue", Kind::Residue),
+    ("serial", Kind::Serial),
+    ("vx", Kind::Velocity(0)),
+    ("vy", Kind::Velocity(1)),
+    ("vz", Kind::Velocity(2)),
+];
+
+/// The columns before the coordinates, from 0.
+const RESIDUE: Range<usize> = 0..5;
+const RESIDUE_NAME: Range<usize> = 5..10;
+const NAME: Range<usize> = 10..15;
+const SERIAL: Range<usize> = 15..20;
+const X: usize = 20;
+
+/// Ångström in a nanometre.
+const NANOMETRE: f64 = 10.0;
+
+impl Gro {
+    pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
+        let kind = |name: &String| KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        let wanted = options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect();
+        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false }
+    }
+
+    /// The number of atoms of the next frame; `None` at the end of the file.
+    fn count(&mut self) -> Result<Option<u64>> {
+        // A title may be empty; blank lines behind the last frame are none.
+        let mut titled = false;
+        while self.lines.advance()? {
+            let text = self.lines.text().trim();
+            if titled && !text.is_empty() {
+                return text.parse().map(Some).map_err(|_| {
+                    let problem = format!("`{text}` is no number of atoms");
+                    self.fail(0, "count", problem, "give a title, and below it the number of atoms")
+                });
+            }
+            titled = true;
+        }
+        Ok(None)
+    }
+
+    fn need(&mut self, what: &str) -> Result<()> {
+        if self.lines.advance()? {
+            return Ok(());
+        }
+        let end = self.lines.text().len();
+        Err(self.fail(end, what, "the file ends within a frame", "give as many atoms as announced, and the box"))
+    }
+
+    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+        Error::scene(self.lines.place(byte).named(field), problem, mend)
+    }
+
+    fn field(&self, columns: Range<usize>) -> &[u8] {
+        let line = self.lines.text().as_bytes();
+        line.get(columns.start..columns.end.min(line.len())).unwrap_or_default()
+    }
+
+    fn number(&self, columns: Range<usize>) -> Option<f64> {
+        std::str::from_utf8(self.field(columns)).ok()?.trim().parse().ok()
+    }
+
+    /// The width of a coordinate: from point to point.
+    fn width(&self) -> Result<usize> {
+        let rest = self.field(X..usize::MAX);
+        let mut points = (0..rest.len()).filter(|k| rest[*k] == b'.');
+        let [first, second] = [points.next(), points.next()];
+        first.zip(second).map(|(first, second)| second - first).ok_or_else(|| {
+            let problem = "no two numbers with a decimal point stand behind column 20";
+            self.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates as %8.3f does")
+        })
+    }
+
+    /// Takes the atom of the current line.
+    fn atom(&self, width: usize, particles: &mut Particles) -> Result<()> {
+        let mut position = [0.0; 3];
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let at = X + k * width;
+            let found = self.number(at..at + width).filter(|x| x.is_finite());
+            position[k] = NANOMETRE
+                * found.ok_or_else(|| {
+                    let found = self.field(at..at + width);
+                    let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+                    let problem = format!("`{}` is no finite number", String::from_utf8_lossy(found.trim_ascii()));
+                    let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
+                    self.fail(byte, axis, problem, "write as many columns as the first atom of the frame has")
+                })?;
+        }
+        let element = guess::of_name(self.field(NAME).trim_ascii(), self.field(RESIDUE_NAME).trim_ascii());
+        if element == 0 {
+            particles.meet_unknown(String::from_utf8_lossy(self.field(NAME)).trim());
+        }
+        particles.elements.push(element);
+        particles.positions.push(position);
+        for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
+            let columns = match kind {
+                Kind::Residue => RESIDUE,
+                Kind::Serial => SERIAL,
+                Kind::Velocity(k) => X + (3 + k) * width..X + (4 + k) * width,
+            };
+            column.values.push(self.number(columns).unwrap_or(f64::NAN));
+        }
+        Ok(())
+    }
+
+    /// The box of the current line: three edges along the axes, or three vectors whose diagonal comes first.
+    fn cell(&self) -> Result<Option<Cell>> {
+        let numbers =
+            Words::of(&self.lines).map(|word| Ok(word.finite("box")? * NANOMETRE)).collect::<Result<Vec<f64>>>()?;
+        let edges = match numbers[..] {
+            [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
+            [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
+            _ => {
+                let problem = format!("{} numbers make no box", numbers.len());
+                return Err(self.fail(0, "box", problem, "give 3 or 9; is the number of atoms right?"));
+            }
+        };
+        let some = numbers.iter().any(|x| *x != 0.0);
+        Ok(some.then_some(Cell { origin: [0.0; 3], edges }))
+    }
+}
+
+impl Frames for Gro {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(count) = self.count()? else { return Ok(None) };
+        let mut particles = Particles::default();
+        let name = |kind: &Kind| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
+        particles.columns =
+            self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
+        let (mut width, mut moving) = (0, false);
+        for n in 0..count {
+            self.need("atom")?;
+            if n == 0 {
+                width = self.width()?;
+                moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
+            }
+            self.atom(width, &mut particles)?;
+        }
+        self.need("box")?;
+        particles.cell = self.cell()?;
+        let there = |kind: Kind| moving || !matches!(kind, Kind::Velocity(_));
+        particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
+        particles.columns.retain(|column| particles.has.contains(&column.name));
+        let guessed = particles.elements.iter().filter(|element| **element > 0).count();
+        if guessed > 0 && !std::mem::replace(&mut self.told, true) {
+            let of = format!("the elements of {guessed} of {count} atoms are told by their names");
+            let said = format!("{of}; the file names none for them");
+            particles.skipped.assumed.push(said);
+        }
+        Ok(Some(particles))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        let Some(count) = self.count()? else { return Ok(false) };
+        for _ in 0..count {
+            self.need("atom")?;
+        }
+        self.need("box")?;
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::style::{ColorMap, Coloring, Scale, Style};
+
+    fn gro(text: &str, columns: &[&str]) -> Gro {
+        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        let scale = Scale { columns, map: ColorMap::default(), range: None, log: false };
+        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+        Gro::new(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
+    }
+
+    fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
+        let mut gro = gro(text, columns);
+        std::iter::from_fn(|| gro.next().transpose()).collect()
+    }
+
+    /// The manual's example, first atoms; and a frame of five decimals with another box.
+    const TWO: &str = "\
+MD of 2 waters, t= 0.0
+    3
+    1WATER  OW1    1   0.126   1.624   1.679  0.1227 -0.0580  0.0434
+    1WATER  HW2    2   0.190   1.661   1.747  0.8085  0.3191 -0.7791
+    1WATER  MW3    3-100.177-200.568-300.613 -0.9045 -2.6469  1.3180
+   1.82060   1.82060   1.82060
+
+ 1
+12345CA      CA99999   0.12600   1.62400   1.67900
+ 1 2 3 0 0 0.25 0 0.5 0.75
+";
+
+    #[test]
+    fn frames_are_read_in_angstrom_by_the_width_that_decimals_give() {
+        let frames = read(TWO, &["VX", "vz", "residue", "serial"]).expect("two frames");
+        let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= b.abs() * f64::EPSILON);
+        // One rounding for the decimal number, one for its tenfold.
+        assert!(close(frames[0].positions[0], [1.26, 16.24, 16.79]), "{:?}", frames[0].positions);
+        assert!(close(frames[0].positions[2], [-1001.77, -2005.68, -3006.13]), "{:?}", frames[0].positions);
+        assert_eq!((&frames[0].elements[..], frames[0].unknown.get("MW3")), (&[8, 1, 0][..], Some(&1)));
+        assert_eq!(frames[0].columns[0], Column { name: "vx".into(), values: vec![0.1227, 0.8085, -0.9045] });
+        assert_eq!(frames[0].columns[1].values[2], 1.318);
+        assert!(frames[0].skipped.assumed[0].starts_with("the elements of 2 of 3 atoms are told"));
+        assert!((frames[0].cell.expect("a box").edges[1][1] - 18.206).abs() < 1e-14);
+        assert_eq!(frames.len(), 2);
+        assert!(close(frames[1].positions[0], [1.26, 16.24, 16.79]) && frames[1].elements == [20]);
+        let names: Vec<&str> = frames[1].columns.iter().map(|column| &column.name[..]).collect();
+        assert_eq!((names, frames[1].columns[1].values[0]), (vec!["residue", "serial"], 99999.0));
+        let edges = [[10.0, 0.0, 0.0], [2.5, 20.0, 0.0], [5.0, 7.5, 30.0]];
+        assert_eq!(frames[1].cell.expect("a box").edges, edges);
+        let mut passed = gro(TWO, &[]);
+        assert!(passed.skip().expect("one"));
+        assert_eq!(passed.next().expect("read").expect("the second").elements, [20]);
+        assert!(!passed.skip().expect("the end"));
+    }
+
+    #[test]
+    fn faults_are_told_with_line_and_column() {
+        for (old, new, place) in [
+            ("    3\n", "three\n", "text:2:1: count"),
+            ("    3\n", "9999999999999\n", "text:6:"),
+            ("   1.624   1.679  0.1", "   1.six   1.679  0.1", "text:3:32: y: `1.six`"),
+            ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "   0.126   1.624", "text:3:37: z"),
+            ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "", "text:3:21: x: no two numbers"),
+            ("  0.190", "    inf", "text:4:26: x: `inf`"),
+            ("   1.82060   1.82060   1.82060", "   1.82060   1.82060", "text:6:1: box: 2 numbers"),
+            (" 1 2 3 0 0 0.25 0 0.5 0.75\n", "", "ends within a frame"),
+            ("WATER  OW1    1   0.126", "W\u{fc}TER \u{20ac}W1    1   0.126", "text:3:"),
+        ] {
+            let error = read(&TWO.replacen(old, new, 1), &[]).map(drop).expect_err(new).to_string();
+            assert!(error.contains(place), "{error}");
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_a_panic() {
+        let mut bytes = TWO.as_bytes().to_vec();
+        let with = |bytes: &[u8]| {
+            let reader: Box<dyn BufRead + Send> = Box::new(std::io::Cursor::new(bytes.to_vec()));
+            let mut gro = Gro::new(Source { reader, ..Source::of_text("") }, &ReadOptions::default());
+            (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
+        };
+        assert_eq!(with(&bytes), 4);
+        let (mut seed, mut found) = (1_u64, 0);
+        for _ in 0..3000 {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let at = (seed >> 33) as usize % bytes.len();
+            let old = bytes[at];
+            bytes[at] = if seed & 8 == 0 { b"9 .-\n"[(seed >> 20) as usize % 5] } else { (seed >> 20) as u8 };
+            found += with(&bytes);
+            bytes[at] = if seed & 63 == 0 { bytes[at] } else { old };
+        }
+        assert!(found > 100, "only {found} atoms: nothing was tried");
+    }
+}

@@ -1,0 +1,319 @@
+//! What an mmCIF file says besides its atoms: the cell, the operators and which of them make which assembly
+//! (mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic: `_cell`, `_pdbx_struct_oper_list`, `_pdbx_struct_assembly_gen`).
+
+use super::tokens::{Tokens, number};
+use crate::error::{Error, Place, Result};
+use crate::scene::lines::Spot;
+use crate::scene::particles::Cell;
+use crate::scene::particles::assembly::{Assembly, MOST_OPERATORS, Operator, Part, unknown};
+use crate::scene::particles::molecule::cell;
+use std::collections::HashMap;
+
+/// A value that is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Item {
+    /// Of [`Generator`]: which assembly, which operators, which chains.
+    Assembly,
+    Expression,
+    Chains,
+    /// Of an operator: its name, and its numbers row by row.
+    Operator,
+    Number(usize),
+    /// Of the cell: edges, then angles.
+    Cell(usize),
+}
+
+impl Item {
+    /// Of a tag in lower case.
+    pub(super) fn of(tag: &str) -> Option<Self> {
+        // Small-molecule files write `_cell_length_a`.
+        if let Some(name) = tag.strip_prefix("_cell").and_then(|rest| rest.strip_prefix(['.', '_'])) {
+            let names = ["length_a", "length_b", "length_c", "angle_alpha", "angle_beta", "angle_gamma"];
+            return names.iter().position(|known| *known == name).map(Self::Cell);
+        }
+        if let Some(name) = tag.strip_prefix("_pdbx_struct_assembly_gen.") {
+            return match name {
+                "assembly_id" => Some(Self::Assembly),
+                "oper_expression" => Some(Self::Expression),
+                "asym_id_list" => Some(Self::Chains),
+                _ => None,
+            };
+        }
+        let name = tag.strip_prefix("_pdbx_struct_oper_list.")?;
+        let digit = |byte: u8| (b'1'..=b'3').contains(&byte).then(|| usize::from(byte - b'1'));
+        match name.as_bytes() {
+            b"id" => Some(Self::Operator),
+            [b'm', b'a', b't', b'r', b'i', b'x', b'[', row, b']', b'[', column, b']'] => {
+                Some(Self::Number(4 * digit(*row)? + digit(*column)?))
+            }
+            [b'v', b'e', b'c', b't', b'o', b'r', b'[', row, b']'] => Some(Self::Number(4 * digit(*row)? + 3)),
+            _ => None,
+        }
+    }
+}
+
+/// Chains of an assembly and the operators that they are moved by, as the file writes them.
+#[derive(Debug, Clone, Default)]
+struct Generator {
+    assembly: String,
+    expression: String,
+    chains: String,
+    at: Spot,
+}
+
+/// An operator as the file writes it; NaN for what is missing or no number.
+#[derive(Debug, Clone)]
+struct Listed {
+    name: String,
+    numbers: [f64; 12],
+    at: Spot,
+}
+
+/// What was said.
+#[derive(Debug, Clone)]
+pub(super) struct Operators {
+    generators: Vec<Generator>,
+    list: Vec<Listed>,
+    cell: [f64; 6],
+}
+
+impl Default for Operators {
+    fn default() -> Self {
+        Self { generators: Vec::new(), list: Vec::new(), cell: [f64::NAN; 6] }
+    }
+}
+
+impl Operators {
+    /// A row of a loop begins, or a value that stands alone, with this item.
+    pub(super) fn begin(&mut self, item: Item, alone: bool, at: Spot) {
+        match item {
+            Item::Assembly | Item::Expression | Item::Chains if !alone || self.generators.is_empty() => {
+                self.generators.push(Generator { at, ..Generator::default() });
+            }
+            Item::Operator | Item::Number(_) if !alone || self.list.is_empty() => {
+                self.list.push(Listed { name: String::new(), numbers: [f64::NAN; 12], at });
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes the current value.
+    pub(super) fn take(&mut self, item: Item, tokens: &Tokens) {
+        match (item, self.generators.last_mut(), self.list.last_mut()) {
+            (Item::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
+            (Item::Assembly, Some(generator), _) => generator.assembly = tokens.string(),
+            (Item::Chains, Some(generator), _) => generator.chains = tokens.string(),
+            (Item::Expression, Some(generator), _) => {
+                (generator.expression, generator.at) = (tokens.string(), tokens.spot());
+            }
+            (Item::Operator, _, Some(listed)) => listed.name = tokens.string(),
+            (Item::Number(k), _, Some(listed)) => listed.numbers[k] = number(tokens.value()).unwrap_or(f64::NAN),
+            _ => {}
+        }
+    }
+
+    /// Whether all is there that assemblies are made of.
+    pub(super) fn known(&self) -> bool {
+        !self.generators.is_empty() && !self.list.is_empty()
+    }
+
+    /// The cell, if it was given and encloses something.
+    pub(super) fn cell(&self) -> Option<Cell> {
+        let [a, b, c, alpha, beta, gamma] = self.cell;
+        cell([a, b, c], [alpha, beta, gamma])
+    }
+
+    /// The assemblies' names, and how many operators each has at most, where that can be told.
+    pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
+        let count = |generator: &Generator| match self.groups(&generator.expression) {
+            Ok(groups) => groups.iter().map(|group| group.len() as u64).product(),
+            Err(_) => 0,
+        };
+        self.generators.iter().map(move |generator| (generator.assembly.clone(), count(generator)))
+    }
+
+    /// The assembly of this name.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the names there are, [`Error::Scene`] for operators that are none.
+    pub(super) fn assembly(&self, id: &str, file: &Place) -> Result<Assembly> {
+        let generators: Vec<&Generator> = self.generators.iter().filter(|generator| generator.assembly == id).collect();
+        if generators.is_empty() {
+            let mut ids: Vec<&String> = self.generators.iter().map(|generator| &generator.assembly).collect();
+            ids.dedup();
+            return Err(unknown(id, ids.into_iter(), file));
+        }
+        let mut parts = Vec::new();
+        let mut total = 0;
+        for generator in generators {
+            let fail = |(problem, mend): (String, &str)| {
+                Error::scene(generator.at.of(file.clone()).named("oper_expression"), problem, mend)
+            };
+            let groups = self.groups(&generator.expression).map_err(fail)?;
+            let product = groups.iter().try_fold(1_usize, |product, group| product.checked_mul(group.len()));
+            total = product.and_then(|product| product.checked_add(total)).unwrap_or(usize::MAX);
+            if total > MOST_OPERATORS {
+                return Err(fail(too_many(&generator.expression)));
+            }
+            let chains = generator.chains.split(',').map(|name| name.trim().as_bytes().to_vec()).collect();
+            parts.push(Part { chains, operators: self.products(&groups, file)? });
+        }
+        Ok(Assembly { id: id.to_owned(), parts })
+    }
+
+    /// The products of one operator of each group, the first group changing last; the rightmost operator acts first.
+    fn products(&self, groups: &[Vec<usize>], file: &Place) -> Result<Vec<(String, Operator)>> {
+        let mut products: Vec<(String, Option<Operator>)> = vec![(String::new(), None)];
+        for group in groups {
+            let mut longer = Vec::with_capacity(products.len() * group.len());
+            for (name, left) in &products {
+                for n in group {
+                    let right = self.operator(*n, file)?;
+                    let operator = left.map_or(right, |left: Operator| left.after(&right));
+                    longer.push((format!("{name}({})", self.list[*n].name), Some(operator)));
+                }
+            }
+            products = longer;
+        }
+        Ok(products.into_iter().filter_map(|(name, operator)| Some((name, operator?))).collect())
+    }
+
+    fn operator(&self, n: usize, file: &Place) -> Result<Operator> {
+        let listed = &self.list[n];
+        if listed.numbers.iter().any(|number| number.is_nan()) {
+            let place = listed.at.of(file.clone()).named("_pdbx_struct_oper_list");
+            let problem = format!("operator `{}` is not made of 12 finite numbers", listed.name);
+            return Err(Error::scene(place, problem, "give matrix[1][1] to matrix[3][3] and vector[1] to vector[3]"));
+        }
+        let [a, b, c, d, e, f, g, h, i, j, k, l] = listed.numbers;
+        Ok(Operator([[a, b, c, d], [e, f, g, h], [i, j, k, l]]))
+    }
+
+    /// The operators that an expression names, as places in the list: one group for `1,2` or `(1-60)`, two for
+    /// `(1-60)(61-88)`. Or what is wrong and how to mend it.
+    fn groups(&self, expression: &str) -> Result<Vec<Vec<usize>>, (String, &'static str)> {
+        const MEND: &str = "write 1, or (1-60), or (1-60)(61-88), of ids in _pdbx_struct_oper_list";
+        let places: HashMap<&str, usize> =
+            self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect();
+        let wrong = || (format!("`{}` names no operators", shown(expression)), MEND);
+        let place = |name: &str| {
+            let missing = || (format!("there is no operator `{}`", shown(name)), MEND);
+            places.get(name).copied().ok_or_else(missing)
+        };
+        let group = |list: &str| {
+            let mut group = Vec::new();
+            for item in list.split(',').map(str::trim) {
+                let ends =
+                    item.split_once('-').and_then(|(a, b)| Some((a.parse::<u64>().ok()?, b.parse::<u64>().ok()?)));
+                match ends.filter(|_| !places.contains_key(item)) {
+                    None => group.push(place(item)?),
+                    Some((first, last)) if first <= last => {
+                        // Their number is checked before they are.
+                        if last - first >= self.list.len() as u64 {
+                            let problem =
+                                format!("`{item}` are more operators than the {} of the file", self.list.len());
+                            return Err((problem, MEND));
+                        }
+                        for name in first..=last {
+                            group.push(place(&name.to_string())?);
+                        }
+                    }
+                    Some(_) => return Err(wrong()),
+                }
+                if group.len() > MOST_OPERATORS {
+                    return Err(too_many(expression));
+                }
+            }
+            Ok(group)
+        };
+        let bare: String = expression.split_whitespace().collect();
+        if !bare.contains(['(', ')']) {
+            return Ok(vec![group(&bare)?]);
+        }
+        let inner = bare.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).ok_or_else(wrong)?;
+        let groups: Vec<Vec<usize>> = inner.split(")(").map(group).collect::<Result<_, _>>()?;
+        if groups.len() > MOST_FACTORS { Err(wrong()) } else { Ok(groups) }
+    }
+}
+
+/// More factors than any product has.
+const MOST_FACTORS: usize = 64;
+
+fn too_many(expression: &str) -> (String, &'static str) {
+    let problem = format!("`{}` are more than {MOST_OPERATORS} operators", shown(expression));
+    (problem, "ask for a smaller assembly")
+}
+
+/// The beginning of a text that may be long.
+fn shown(text: &str) -> String {
+    if text.chars().count() > 40 { text.chars().take(40).chain("...".chars()).collect() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `n` shifts along x, the k-th by 2^k, and one that doubles.
+    fn operators(n: usize) -> Operators {
+        let row = |name: String, scale: f64, shift: f64| Listed {
+            name,
+            numbers: [scale, 0.0, 0.0, shift, 0.0, scale, 0.0, 0.0, 0.0, 0.0, scale, 0.0],
+            at: Spot::default(),
+        };
+        let shifts = (1..=n).map(|k| row(k.to_string(), 1.0, f64::powi(2.0, k as i32)));
+        Operators { list: shifts.chain([row("X0".into(), 2.0, 0.0)]).collect(), ..Operators::default() }
+    }
+
+    fn moved(operators: &Operators, expression: &str) -> Result<Vec<f64>> {
+        let generator = Generator { assembly: "1".into(), expression: expression.into(), ..Generator::default() };
+        let operators = Operators { generators: vec![generator], ..operators.clone() };
+        let assembly = operators.assembly("1", &Place::file("text"))?;
+        Ok(assembly.parts[0].operators.iter().map(|(_, operator)| operator.apply([1.0, 0.0, 0.0])[0]).collect())
+    }
+
+    #[test]
+    fn expressions_are_multiplied_out() {
+        let operators = operators(5);
+        for (expression, expected) in [
+            ("1", &[3.0][..]),
+            ("1,3", &[3.0, 9.0]),
+            ("(2-4)", &[5.0, 9.0, 17.0]),
+            (" ( 1 , 3-4 ) ", &[3.0, 9.0, 17.0]),
+            // The doubling acts on the place, and then the shift.
+            ("(1,2)(X0)", &[4.0, 6.0]),
+            ("(X0)(1-2)", &[6.0, 10.0]),
+            ("(1-2)(3-4)", &[11.0, 19.0, 13.0, 21.0]),
+            ("(X0)(X0)(1)", &[12.0]),
+        ] {
+            assert_eq!(moved(&operators, expression).expect(expression), expected, "{expression}");
+        }
+    }
+
+    #[test]
+    fn what_names_no_operators_or_too_many_is_refused() {
+        let many = operators(500);
+        for (expression, problem) in [
+            ("", "there is no operator ``"),
+            ("(1", "names no operators"),
+            ("1,(2)", "names no operators"),
+            ("(1)(", "names no operators"),
+            ("((1))", "there is no operator `(1"),
+            ("4-2", "names no operators"),
+            ("Y", "there is no operator `Y`"),
+            ("1-999999999", "more operators than the 501"),
+            ("1-18446744073709551615", "more operators than"),
+            ("(1-500)(1-500)", "more than 65536 operators"),
+            ("(1-500)(1-500)(1-500)(1-500)(1-500)(1-500)(1-500)(1-500)(1-500)", "more than 65536 operators"),
+            ("495-505", "there is no operator `501`"),
+        ] {
+            let error = moved(&many, expression).expect_err(expression).to_string();
+            assert!(error.contains(problem), "{expression}: {error}");
+        }
+        let error = moved(&many, &vec!["1-500"; 1000].join(",")).expect_err("a long list").to_string();
+        assert!(error.contains("65536") && error.len() < 200, "{error}");
+        let mut broken = operators(2);
+        broken.list[1].numbers[7] = f64::NAN;
+        assert!(moved(&broken, "2").expect_err("not 12").to_string().contains("operator `2` is not made of 12"));
+        assert_eq!(moved(&broken, "1").expect("the other is good"), [3.0]);
+    }
+}

@@ -1,0 +1,268 @@
+//! A row of `_atom_site`: which column is what, and what an atom's values come to.
+
+use super::RowNames;
+use super::tokens::{Token, Tokens, number};
+use crate::error::{Error, Place, Result};
+use crate::scene::lines::Spot;
+use crate::scene::particles::molecule::{Choice, Kind, Model};
+use crate::scene::particles::{Altloc, Cell, guess};
+
+/// What a column is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Use {
+    Symbol,
+    /// The atom's name.
+    Name,
+    /// The residue's.
+    Residue,
+    Location,
+    Model,
+    Position(usize),
+    /// A number that only colours need.
+    Number(Kind),
+    /// The author's chain; the file's own.
+    Chain,
+    Asym,
+    Entity,
+    /// Part of what tells sites apart.
+    Site,
+}
+
+/// The columns of the atoms.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Layout {
+    uses: Vec<Vec<Use>>,
+    has: Vec<Kind>,
+    fractional: bool,
+    one: bool,
+}
+
+impl Layout {
+    /// Whether a tag in lower case is of an atom; small-molecule files write `_atom_site_label`.
+    pub(super) fn is_atom(tag: &str) -> bool {
+        item(tag).is_some()
+    }
+
+    /// Of tags in lower case.
+    pub(super) fn of(tags: &[String], choice: &Choice) -> Self {
+        let items: Vec<&str> = tags.iter().map(|tag| item(tag).unwrap_or_default()).collect();
+        // The first of these names that is there.
+        let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
+        let mut layout = Self { uses: vec![Vec::new(); items.len()], ..Self::default() };
+        let highest = choice.altloc == Altloc::Highest;
+        let numbers: [(Kind, &[&str]); 8] = [
+            (Kind::Bfactor, &["b_iso_or_equiv"]),
+            (Kind::Occupancy, &["occupancy"]),
+            (Kind::Residue, &["auth_seq_id", "label_seq_id"]),
+            (Kind::Serial, &["id"]),
+            (Kind::Chain, &["auth_asym_id", "label_asym_id"]),
+            (Kind::Asym, &["label_asym_id", "auth_asym_id"]),
+            (Kind::Entity, &["label_entity_id"]),
+            (Kind::Model, &["pdbx_pdb_model_num"]),
+        ];
+        for (kind, names) in numbers {
+            let Some(at) = column(names) else { continue };
+            layout.has.push(kind);
+            let (wanted, sites) = (choice.wants(kind), highest && kind == Kind::Occupancy);
+            match kind {
+                Kind::Model => layout.uses[at].push(Use::Model),
+                Kind::Chain if wanted => layout.uses[at].push(Use::Chain),
+                Kind::Asym if wanted || choice.assembly.is_some() => layout.uses[at].push(Use::Asym),
+                Kind::Entity if wanted => layout.uses[at].push(Use::Entity),
+                Kind::Chain | Kind::Asym | Kind::Entity => {}
+                kind if wanted || sites => layout.uses[at].push(Use::Number(kind)),
+                _ => {}
+            }
+        }
+        let cartesian = ["cartn_x", "cartn_y", "cartn_z"];
+        layout.fractional = !cartesian.iter().all(|name| items.contains(name));
+        let places = if layout.fractional { ["fract_x", "fract_y", "fract_z"] } else { cartesian };
+        for (k, name) in places.iter().enumerate() {
+            if let Some(at) = column(&[name]) {
+                layout.uses[at].push(Use::Position(k));
+            }
+        }
+        let symbol = column(&["type_symbol"]);
+        let texts = [
+            (symbol, Use::Symbol),
+            (column(&["label_atom_id", "auth_atom_id", "label"]), Use::Name),
+            (column(&["label_comp_id", "auth_comp_id"]).filter(|_| symbol.is_none()), Use::Residue),
+            (column(&["label_alt_id"]), Use::Location),
+        ];
+        let sites =
+            ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
+        let sites = sites.iter().filter(|_| highest).map(|name| (column(&[name]), Use::Site));
+        for (at, what) in texts.into_iter().chain(sites) {
+            if let Some(at) = at {
+                layout.uses[at].push(what);
+            }
+        }
+        layout
+    }
+
+    /// Whether all three coordinates are there.
+    pub(super) fn is_placed(&self) -> bool {
+        (0..3).all(|k| self.uses.iter().flatten().any(|kind| *kind == Use::Position(k)))
+    }
+
+    pub(super) fn is_fractional(&self) -> bool {
+        self.fractional
+    }
+
+    /// The same, of a single atom that no row follows.
+    pub(super) fn of_one(self) -> Self {
+        Self { one: true, ..self }
+    }
+
+    pub(super) fn is_of_one(&self) -> bool {
+        self.one
+    }
+
+    /// The numbers that the file has.
+    pub(super) fn has(&self) -> Vec<Kind> {
+        self.has.clone()
+    }
+}
+
+fn item(tag: &str) -> Option<&str> {
+    tag.strip_prefix("_atom_site").and_then(|rest| rest.strip_prefix(['.', '_']))
+}
+
+/// The values of an atom; its texts in buffers that the next atom uses again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Row {
+    /// The model's number.
+    pub(super) model: i64,
+    symbol: Vec<u8>,
+    name: Vec<u8>,
+    residue: Vec<u8>,
+    location: Vec<u8>,
+    site: Vec<u8>,
+    position: [f64; 3],
+    /// By [`Kind`].
+    numbers: [f64; Kind::ALL.len()],
+    asym: u32,
+}
+
+impl Row {
+    /// Reads the next row; false where the loop ends.
+    pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &Layout, names: &mut RowNames) -> Result<bool> {
+        self.clear();
+        for (k, uses) in layout.uses.iter().enumerate() {
+            match tokens.next()? {
+                Token::Value => {}
+                token if k == 0 => {
+                    tokens.give_back(token);
+                    return Ok(false);
+                }
+                _ => {
+                    let problem = format!("the row of this atom ends after {k} of its {} values", layout.uses.len());
+                    return Err(Error::scene(tokens.place().named("_atom_site"), problem, "give one for every column"));
+                }
+            }
+            for kind in uses {
+                self.take(*kind, tokens.value(), names, || tokens.place())?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Takes an atom whose values stand alone.
+    pub(super) fn single(
+        &mut self,
+        layout: &Layout,
+        values: &[(Vec<u8>, Spot)],
+        names: &mut RowNames,
+        file: &Place,
+    ) -> Result<()> {
+        self.clear();
+        for (uses, (value, spot)) in layout.uses.iter().zip(values) {
+            for kind in uses {
+                self.take(*kind, value, names, || spot.of(file.clone()))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn clear(&mut self) {
+        for text in [&mut self.symbol, &mut self.name, &mut self.residue, &mut self.location, &mut self.site] {
+            text.clear();
+        }
+        (self.model, self.asym) = (1, 0);
+        self.numbers = [f64::NAN; Kind::ALL.len()];
+    }
+
+    fn take(&mut self, kind: Use, value: &[u8], names: &mut RowNames, place: impl Fn() -> Place) -> Result<()> {
+        match kind {
+            Use::Symbol => self.symbol.extend(value),
+            Use::Name => self.name.extend(value),
+            Use::Residue => self.residue.extend(value),
+            Use::Location => self.location.extend(value),
+            Use::Site => {
+                self.site.extend(value);
+                self.site.push(0);
+            }
+            Use::Model => {
+                let number = std::str::from_utf8(value).ok().and_then(|text| text.parse().ok());
+                self.model = match number {
+                    Some(number) => number,
+                    None if value.is_empty() => 1,
+                    None => return Err(bad_model(value, place())),
+                };
+            }
+            Use::Position(k) => {
+                self.position[k] = match number(value) {
+                    Some(x) => x,
+                    None => return Err(bad_place(k, value, place())),
+                };
+            }
+            Use::Number(kind) => self.numbers[kind as usize] = number(value).unwrap_or(f64::NAN),
+            Use::Chain => self.numbers[Kind::Chain as usize] = f64::from(names.chains.number(value)),
+            Use::Entity => self.numbers[Kind::Entity as usize] = f64::from(names.entities.number(value)),
+            Use::Asym => {
+                self.asym = names.asyms.number(value);
+                self.numbers[Kind::Asym as usize] = f64::from(self.asym);
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the atom to a model; fractions of a cell become places in it.
+    pub(super) fn give(&self, model: &mut Model, cell: Option<&Cell>) {
+        let occupancy = self.numbers[Kind::Occupancy as usize];
+        // Where a file does not say it, an atom is there.
+        let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
+        if !model.admits(&self.location, occupancy, |key| key.extend(&self.site)) {
+            return;
+        }
+        let (name, element) = match self.symbol[..] {
+            [] => {
+                model.guessed();
+                (&self.name, guess::of_name(&self.name, &self.residue))
+            }
+            _ => (&self.symbol, guess::of_symbol(&self.symbol)),
+        };
+        let position = cell.map_or(self.position, |cell| {
+            [0, 1, 2].map(|k| cell.origin[k] + (0..3).map(|n| self.position[n] * cell.edges[n][k]).sum::<f64>())
+        });
+        model.push(element, name, position, self.asym, |kind| match kind {
+            Kind::Occupancy => occupancy,
+            Kind::Model => self.model as f64,
+            Kind::Copy => 0.0,
+            kind => self.numbers[kind as usize],
+        });
+    }
+}
+
+fn bad_place(axis: usize, value: &[u8], place: Place) -> Error {
+    let problem = match value {
+        [] => "the atom has no place".to_owned(),
+        word => format!("`{}` is no finite number", String::from_utf8_lossy(word)),
+    };
+    Error::scene(place.named(["x", "y", "z"][axis]), problem, "give a finite number such as -12.345")
+}
+
+fn bad_model(value: &[u8], place: Place) -> Error {
+    let problem = format!("`{}` is no model's number", String::from_utf8_lossy(value));
+    Error::scene(place.named("pdbx_PDB_model_num"), problem, "give a whole number")
+}

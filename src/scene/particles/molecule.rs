@@ -1,0 +1,357 @@
+//! What PDB and mmCIF have in common: which atoms of a model are kept, what is kept of them, and what is said about it.
+
+use super::assembly::{self, Assembly};
+use super::{Altloc, Cell, Column, FrameRange, Particles};
+use crate::error::{Place, Result};
+use crate::scene::ReadOptions;
+use std::collections::HashMap;
+
+/// Numbers of an atom that it can be coloured by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// B factor, Å².
+    Bfactor,
+    Occupancy,
+    /// The residue's number in its chain.
+    Residue,
+    /// The chain, counted from 0 in the order of first appearance; so are asym and entity.
+    Chain,
+    Model,
+    Serial,
+    Asym,
+    Entity,
+    /// In an assembly, its operator's number from 0.
+    Copy,
+}
+
+impl Kind {
+    /// All of them, by the names that colours are asked by.
+    pub(super) const ALL: [(&'static str, Self); 9] = [
+        ("bfactor", Self::Bfactor),
+        ("occupancy", Self::Occupancy),
+        ("residue", Self::Residue),
+        ("chain", Self::Chain),
+        ("model", Self::Model),
+        ("serial", Self::Serial),
+        ("asym", Self::Asym),
+        ("entity", Self::Entity),
+        ("copy", Self::Copy),
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// What is asked of a file of molecules.
+#[derive(Debug, Clone)]
+pub(super) struct Choice {
+    /// The columns to be kept.
+    pub(super) columns: Vec<Kind>,
+    pub(super) altloc: Altloc,
+    pub(super) model: Option<i64>,
+    pub(super) frames: FrameRange,
+    pub(super) assembly: Option<String>,
+}
+
+impl Choice {
+    pub(super) fn of(options: &ReadOptions) -> Self {
+        let kind = |name: &String| Kind::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        Self {
+            columns: options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect(),
+            altloc: options.altloc.clone(),
+            model: options.model,
+            frames: options.frames.clone(),
+            assembly: options.assembly.clone(),
+        }
+    }
+
+    /// Whether nobody said which model.
+    pub(super) fn any_model(&self) -> bool {
+        self.model.is_none() && self.frames == FrameRange::first()
+    }
+
+    pub(super) fn wants(&self, kind: Kind) -> bool {
+        self.columns.contains(&kind)
+    }
+}
+
+/// Names by the order of their first appearance.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    pub(super) list: Vec<Vec<u8>>,
+    numbers: HashMap<Vec<u8>, u32>,
+    last: u32,
+}
+
+impl Names {
+    pub(super) fn number(&mut self, name: &[u8]) -> u32 {
+        // Atoms of a chain follow each other.
+        if self.list.get(self.last as usize).is_none_or(|last| last != name) {
+            self.last = self.numbers.get(name).copied().unwrap_or_else(|| {
+                let number = self.list.len() as u32;
+                self.list.push(name.to_vec());
+                self.numbers.insert(name.to_vec(), number);
+                number
+            });
+        }
+        self.last
+    }
+}
+
+/// A model while it is read.
+pub(super) struct Model {
+    particles: Particles,
+    altloc: Altloc,
+    columns: Vec<(Kind, Vec<f64>)>,
+    /// The chain of every atom, kept for an assembly.
+    chains: Option<Vec<u32>>,
+    /// For [`Altloc::Highest`]: of every atom that has several places, which one and with what occupancy.
+    best: HashMap<Vec<u8>, (usize, f64)>,
+    beaten: Vec<usize>,
+    /// Names that are no element's. An atom's stands among the elements as [`STRANGE`] and its place here, until it is
+    /// known which atoms stay.
+    strange: Vec<String>,
+    /// Atoms met, and those of them that are alternate locations.
+    met: u64,
+    alternates: u64,
+    /// Those whose element was told by their name.
+    guessed: u64,
+    /// The first alternate location's name, and whether that which was asked for is among them.
+    first: String,
+    found: bool,
+}
+
+/// Beyond all elements.
+const STRANGE: u8 = 128;
+
+/// Unknown names that are told apart; the rest counts together.
+const NAMES: usize = 16;
+
+impl Model {
+    /// An empty one; `has` are the columns that the file has.
+    pub(super) fn new(choice: &Choice, has: &[Kind]) -> Self {
+        let copy = choice.assembly.is_some();
+        let there = |kind: Kind| has.contains(&kind) || copy && kind == Kind::Copy;
+        let names = Kind::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
+        Self {
+            particles: Particles { has: names.collect(), ..Particles::default() },
+            altloc: choice.altloc.clone(),
+            columns: choice.columns.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
+            chains: choice.assembly.is_some().then(Vec::new),
+            best: HashMap::new(),
+            beaten: Vec::new(),
+            strange: Vec::new(),
+            met: 0,
+            alternates: 0,
+            guessed: 0,
+            first: String::new(),
+            found: false,
+        }
+    }
+
+    /// Whether an atom at an alternate location (empty if it has only one) is kept. `site` writes what its alternatives
+    /// have in common with it.
+    pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> bool {
+        self.met += 1;
+        if location.is_empty() {
+            return true;
+        }
+        self.alternates += 1;
+        if self.first.is_empty() {
+            self.first = String::from_utf8_lossy(location).into_owned();
+        }
+        match &self.altloc {
+            Altloc::All => true,
+            Altloc::Named(name) => {
+                let same = name.as_bytes() == location;
+                self.found |= same;
+                same
+            }
+            Altloc::Highest => {
+                let mut key = Vec::new();
+                site(&mut key);
+                let here = self.particles.positions.len();
+                let Some(best) = self.best.get_mut(&key) else {
+                    self.best.insert(key, (here, occupancy));
+                    return true;
+                };
+                let more = occupancy > best.1;
+                if more {
+                    self.beaten.push(best.0);
+                    *best = (here, occupancy);
+                }
+                more
+            }
+        }
+    }
+
+    /// Takes an atom: its atomic number, or 0 with the name that is no element's; its numbers by kind.
+    pub(super) fn push(
+        &mut self,
+        element: u8,
+        name: &[u8],
+        position: [f64; 3],
+        chain: u32,
+        value: impl Fn(Kind) -> f64,
+    ) {
+        let element = if element == 0 { self.strange(name) } else { element };
+        self.particles.elements.push(element);
+        self.particles.positions.push(position);
+        if let Some(chains) = &mut self.chains {
+            chains.push(chain);
+        }
+        for (kind, values) in &mut self.columns {
+            values.push(value(*kind));
+        }
+    }
+
+    /// Counts an atom whose element was told by its name.
+    pub(super) fn guessed(&mut self) {
+        self.guessed += 1;
+    }
+
+    fn strange(&mut self, name: &[u8]) -> u8 {
+        let name = String::from_utf8_lossy(name.trim_ascii());
+        let slot = self.strange.iter().position(|known| *known == name).unwrap_or_else(|| {
+            let name = if self.strange.len() < NAMES { &name } else { "others" };
+            if self.strange.last().is_none_or(|last| last != name) {
+                self.strange.push(name.to_owned());
+            }
+            self.strange.len() - 1
+        });
+        STRANGE + slot as u8
+    }
+
+    /// The particles, as they stand or in the assembly, whose chains are indices of `names`.
+    ///
+    /// # Errors
+    /// Those of [`assembly::build`].
+    pub(super) fn finish(mut self, assembly: Option<&Assembly>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
+        if !self.beaten.is_empty() {
+            self.leave_beaten();
+        }
+        let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
+        self.particles.columns = columns.collect();
+        if let (Some(assembly), Some(chains)) = (assembly, &self.chains) {
+            self.particles = assembly::build(assembly, self.particles, chains, names, file)?;
+        }
+        let mut counts = vec![0; self.strange.len()];
+        for element in self.particles.elements.iter_mut().filter(|element| **element >= STRANGE) {
+            counts[usize::from(*element - STRANGE)] += 1;
+            *element = 0;
+        }
+        let counted = self.strange.into_iter().zip(counts).filter(|(_, count)| *count > 0);
+        self.particles.unknown = counted.collect();
+        if self.guessed > 0 {
+            let of = format!("the elements of {} of {} atoms are told by their names", self.guessed, self.met);
+            self.particles.skipped.assumed.push(format!("{of}; the file names none for them"));
+        }
+        let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
+        let said = match &self.altloc {
+            Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", self.first),
+            Altloc::Named(name) if !self.found => {
+                format!("{of}, none of them is called `{name}` and none is shown; --altloc {} shows some", self.first)
+            }
+            _ => String::new(),
+        };
+        if self.alternates > 0 && !said.is_empty() {
+            self.particles.skipped.assumed.push(said);
+        }
+        Ok(self.particles)
+    }
+
+    /// Takes out what a place of higher occupancy came after.
+    fn leave_beaten(&mut self) {
+        let mut stays = vec![true; self.particles.positions.len()];
+        for n in &self.beaten {
+            stays[*n] = false;
+        }
+        fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
+            let mut n = 0;
+            values.retain(|_| {
+                n += 1;
+                stays[n - 1]
+            });
+        }
+        keep(&mut self.particles.positions, &stays);
+        keep(&mut self.particles.elements, &stays);
+        self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
+        self.columns.iter_mut().for_each(|(_, values)| keep(values, &stays));
+    }
+}
+
+/// That there are more models than the one that is shown; how many, where it is known.
+pub(super) fn more_models(count: Option<u64>) -> String {
+    match count {
+        Some(n) => format!("the file has {n} models and the first is shown; --model N or --frames 1-{n} shows others"),
+        None => "the file has more than one model and the first is shown; --model N or --frames 1- shows others".into(),
+    }
+}
+
+/// That there are assemblies that nobody asked for; nothing where they are the atoms as they stand.
+pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> Option<String> {
+    let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
+    several.map(|(id, operators)| {
+        format!(
+            "the atoms are shown as they stand, not the biological assembly of {operators} copies; --assembly {id} builds it"
+        )
+    })
+}
+
+/// The cell of these edges, ångström, and angles between them (b and c, a and c, a and b), degrees: a along x, b in the xy
+/// plane (wwPDB format 3.3, SCALEn). `None` for what encloses nothing, and for the unit cube that stands for "no crystal".
+pub(super) fn cell([a, b, c]: [f64; 3], angles: [f64; 3]) -> Option<Cell> {
+    let cosine = |degrees: f64| if degrees == 90.0 { 0.0 } else { degrees.to_radians().cos() };
+    let [alpha, beta, gamma] = angles.map(cosine);
+    let sine = (1.0 - gamma * gamma).sqrt();
+    let x = (alpha - beta * gamma) / sine;
+    let height = (1.0 - beta * beta - x * x).sqrt();
+    let edges = [[a, 0.0, 0.0], [b * gamma, b * sine, 0.0], [c * beta, c * x, c * height]];
+    let encloses = [a, b, c, sine, height].iter().all(|length| *length > 0.0 && length.is_finite());
+    (encloses && [a, b, c] != [1.0; 3]).then_some(Cell { origin: [0.0; 3], edges })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_have_their_lengths_and_angles() {
+        let (lengths, angles) = ([10.0, 20.0, 30.0], [70.0, 80.0, 100.0]);
+        let edges = cell(lengths, angles).expect("a cell").edges;
+        let dot = |i: usize, j: usize| (0..3).map(|k| edges[i][k] * edges[j][k]).sum::<f64>();
+        for (n, (i, j)) in [(1, 2), (0, 2), (0, 1)].into_iter().enumerate() {
+            let expected = lengths[i] * lengths[j] * f64::to_radians(angles[n]).cos();
+            // A dozen roundings of numbers below 900.
+            assert!((dot(i, j) - expected).abs() < 1e-11, "{i} {j}");
+            assert!((dot(n, n).sqrt() - lengths[n]).abs() < 1e-13, "{n}");
+        }
+        assert_eq!(cell([2.0, 3.0, 4.0], [90.0; 3]).expect("a box").edges[2], [0.0, 0.0, 4.0]);
+        for (lengths, angles) in
+            [([1.0; 3], [90.0; 3]), ([0.0; 3], [90.0; 3]), ([5.0; 3], [0.0; 3]), ([5.0; 3], [170.0; 3])]
+        {
+            assert_eq!(cell(lengths, angles), None, "{lengths:?} {angles:?}");
+        }
+    }
+
+    #[test]
+    fn strange_names_are_counted_after_all_is_chosen() {
+        let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
+        let mut model = Model::new(&Choice::of(&options), &[]);
+        for (location, occupancy, name) in [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("C", 0.6, "X3"), ("", 1.0, "X1")] {
+            if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")) {
+                model.push(0, name.as_bytes(), [occupancy, 0.0, 0.0], 0, |_| 0.0);
+            }
+        }
+        for n in 0..40 {
+            assert!(model.admits(b"", 1.0, |_| ()));
+            model.push(0, format!("Y{n}").as_bytes(), [0.0; 3], 0, |_| 0.0);
+        }
+        let particles = model.finish(None, &[], &Place::default()).expect("particles");
+        assert_eq!(particles.positions[..2], [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");
+        assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
+        assert_eq!(particles.unknown["others"], 40 - (NAMES as u64 - 2));
+        assert!(particles.elements.iter().all(|element| *element == 0));
+    }
+}
