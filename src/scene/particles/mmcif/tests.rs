@@ -196,6 +196,15 @@ fn no_bytes_make_a_panic() {
     };
     let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
     assert_eq!((with(bytes.clone(), &all), with(bytes.clone(), &options(&[]))), (4, 5));
+    // The end comes anywhere, and so does a beginning.
+    let single = b"data_X\n_atom_site.Cartn_x 1\n_atom_site.Cartn_y\n;2\n;\n_atom_site.Cartn_z 'a'\n";
+    for text in [&bytes[..], single] {
+        for at in 0..text.len() {
+            for part in [&text[..at], &text[at..]] {
+                let _found = with(part.to_vec(), &all) + with(part.to_vec(), &options(&[]));
+            }
+        }
+    }
     let (mut seed, mut found) = (1_u64, 0);
     for _ in 0..3000 {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
