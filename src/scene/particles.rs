@@ -83,6 +83,7 @@ pub(crate) trait Frames: Send {
 
 /// The frames of a particle file; `None` for the formats that hold a whole scene.
 pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
+    molecule::check(source.format, options)?;
     let frames: Box<dyn Frames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
         Format::Gro => Box::new(gro::Gro::new(source, options)),

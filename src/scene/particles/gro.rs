@@ -272,6 +272,9 @@ MD of 2 waters, t= 0.0
             (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
         };
         assert_eq!(with(&bytes), 4);
+        for at in 0..bytes.len() {
+            let _found = with(&bytes[..at]) + with(&bytes[at..]);
+        }
         let (mut seed, mut found) = (1_u64, 0);
         for _ in 0..3000 {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

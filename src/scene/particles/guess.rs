@@ -91,7 +91,7 @@ mod tests {
             (" CA ", "ALA", "C"),
             ("CA  ", " CA", "Ca"),
             ("CA  ", "ALA", "C"),
-            ("HG11", "VAL", "H"),
+            ("HG11", "XXX", "H"),
             ("HG  ", " HG", "Hg"),
             ("1HB ", "XXX", "H"),
             ("2HG1", "XXX", "H"),

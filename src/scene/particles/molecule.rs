@@ -2,8 +2,9 @@
 
 use super::assembly::{self, Assembly};
 use super::{Altloc, Cell, Column, FrameRange, Particles};
-use crate::error::{Place, Result};
+use crate::error::{Error, Place, Result};
 use crate::scene::ReadOptions;
+use crate::scene::source::Format;
 use std::collections::HashMap;
 
 /// Numbers of an atom that it can be coloured by.
@@ -73,6 +74,23 @@ impl Choice {
 
     pub(super) fn wants(&self, kind: Kind) -> bool {
         self.columns.contains(&kind)
+    }
+}
+
+/// Refuses what is asked of molecules where a format has none.
+///
+/// # Errors
+/// [`Error::Settings`] that says which option to leave out.
+pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
+    let asked = [
+        (options.assembly.is_some(), "biological assemblies", "leave --assembly out"),
+        (options.model.is_some(), "numbered models", "leave --model out; --frames counts from 1"),
+        (options.altloc != Altloc::All, "alternate locations", "leave --altloc out"),
+    ];
+    let molecules = matches!(format, Format::Pdb | Format::Mmcif);
+    match asked.iter().find(|(asked, ..)| *asked && !molecules) {
+        Some((_, what, mend)) => Err(Error::settings(format!("{} files know no {what}", format.name()), *mend)),
+        None => Ok(()),
     }
 }
 
@@ -332,6 +350,24 @@ mod tests {
             [([1.0; 3], [90.0; 3]), ([0.0; 3], [90.0; 3]), ([5.0; 3], [0.0; 3]), ([5.0; 3], [170.0; 3])]
         {
             assert_eq!(cell(lengths, angles), None, "{lengths:?} {angles:?}");
+        }
+    }
+
+    #[test]
+    fn other_formats_are_not_asked_for_what_they_do_not_have() {
+        let plain = ReadOptions::default();
+        for (options, word) in [
+            (ReadOptions { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
+            (ReadOptions { model: Some(1), ..plain.clone() }, "--model"),
+            (ReadOptions { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
+        ] {
+            for format in Format::ALL {
+                let molecules = matches!(format, Format::Pdb | Format::Mmcif);
+                let found = check(*format, &options);
+                assert_eq!(found.is_ok(), molecules, "{format:?} {word}");
+                assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
+                check(*format, &plain).expect("nothing was asked");
+            }
         }
     }
 

@@ -148,8 +148,10 @@ fn the_first_block_with_atoms_is_read_and_what_is_foreign_is_passed_over() {
     );
     assert_eq!(read(&text, &options(&[])).expect("two models").len(), 2);
     let single = "data_X\n_atom_site.Cartn_x 1.5\n_atom_site.Cartn_y 2\n_atom_site.Cartn_z -3(1)\n_atom_site.type_symbol ZN\n_x.y z\n";
-    let one = read(single, &options(&[])).expect("one atom");
-    assert_eq!((one.len(), one[0].positions[0], one[0].elements[0]), (1, [1.5, 2.0, -3.0], 30));
+    for end in [single.len(), single.len() - "_x.y z\n".len()] {
+        let one = read(&single[..end], &options(&[])).expect("one atom");
+        assert_eq!((one.len(), one[0].positions[0], one[0].elements[0]), (1, [1.5, 2.0, -3.0], 30));
+    }
     for bad in ["", "data_X\n", "data_X\nloop_\n", "data_X\nloop_\n_atom_site.id\n1\n", "data_X\n_atom_site.id\n"] {
         assert!(refused(bad, &options(&[])).contains("there are no atoms"), "{bad:?}");
     }
@@ -194,6 +196,15 @@ fn no_bytes_make_a_panic() {
     };
     let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
     assert_eq!((with(bytes.clone(), &all), with(bytes.clone(), &options(&[]))), (4, 5));
+    // The end comes anywhere, and so does a beginning.
+    let single = b"data_X\n_atom_site.Cartn_x 1\n_atom_site.Cartn_y\n;2\n;\n_atom_site.Cartn_z 'a'\n";
+    for text in [&bytes[..], single] {
+        for at in 0..text.len() {
+            for part in [&text[..at], &text[at..]] {
+                let _found = with(part.to_vec(), &all) + with(part.to_vec(), &options(&[]));
+            }
+        }
+    }
     let (mut seed, mut found) = (1_u64, 0);
     for _ in 0..3000 {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -110,9 +110,13 @@ impl Tokens {
         self.kept = Some(token);
     }
 
-    /// The current word.
+    /// The current word; empty at the end.
     pub(super) fn word(&self) -> &[u8] {
-        if self.text.is_some() { &self.buffer } else { &self.lines.text().as_bytes()[self.span.clone()] }
+        match self.text {
+            Some(_) => &self.buffer,
+            // Behind the last line there is none.
+            None => self.lines.text().as_bytes().get(self.span.clone()).unwrap_or_default(),
+        }
     }
 
     /// The current value; empty for `.` and `?`, which stand for none.

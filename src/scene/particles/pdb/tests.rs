@@ -221,6 +221,11 @@ fn latin_1_and_any_other_bytes_do_no_harm() {
     let plain = with([first, bytes.clone()].concat(), &options(&[])).expect("read").expect("a model");
     assert_eq!(plain.positions.len(), 2);
     let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
+    for at in 0..bytes.len() {
+        for part in [&bytes[..at], &bytes[at..]] {
+            let _read = (with(part.to_vec(), &all), with(part.to_vec(), &options(&[])));
+        }
+    }
     let mut seed = 1_u64;
     for _ in 0..3000 {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
