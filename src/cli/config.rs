@@ -10,10 +10,11 @@ use std::env;
 use std::path::PathBuf;
 
 /// The options that may be set so: what a user or a machine always wants, not what one picture shows.
-const NAMES: [&str; 19] = [
+const NAMES: [&str; 20] = [
     "accuracy",
     "adapter",
     "backend",
+    "background",
     "bits",
     "map",
     "method",

@@ -1,5 +1,6 @@
 //! The files that `render` writes: which buffers go where, and how their numbers are stored.
 
+use super::read_args::color;
 use super::shots::{check_pattern, numbered};
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -34,6 +35,9 @@ pub(super) struct FileArgs {
     /// Renders before nothing: colour is black behind the spheres, and alpha goes beside it into .png, .exr and .npz.
     #[arg(long)]
     transparent: bool,
+    /// The colour of a ray that hits nothing: #rrggbb in sRGB, or r,g,b in linear RGB.
+    #[arg(long, value_name = "C", value_parser = color, conflicts_with = "transparent")]
+    background: Option<[f32; 3]>,
     /// Writes bare little-endian numbers to standard output, as every .raw file holds them, instead of a PNG or .npy.
     #[arg(long)]
     raw: bool,
@@ -42,9 +46,8 @@ pub(super) struct FileArgs {
 impl FileArgs {
     /// What the files ask of the scene.
     pub(super) fn apply(&self, scene: &mut Scene) {
-        if self.transparent {
-            scene.image.background = [0.0; 3];
-        }
+        let given = if self.transparent { Some([0.0; 3]) } else { self.background };
+        scene.image.background = given.unwrap_or(scene.image.background);
     }
 
     /// Every file that is named, with all that goes into it, for the picture of this number.

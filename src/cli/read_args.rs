@@ -114,7 +114,7 @@ fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "give a positive number".into())
 }
 
-fn color(text: &str) -> Result<[f32; 3], String> {
+pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
     style::color(text).map_err(|e| e.to_string())
 }
 

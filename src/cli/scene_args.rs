@@ -10,7 +10,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::file::Target;
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
-use halfline::scene::Scene;
+use halfline::scene::{Framing, Scene};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use std::num::NonZeroU32;
@@ -91,9 +91,11 @@ pub(super) struct CameraArgs {
     /// Full height of the view, degrees; makes an orthographic camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,
-    /// Parallel rays: full height of the view in the scene's unit. Its answers are always certified or exact.
-    #[arg(long, value_name = "HEIGHT", value_parser = height, allow_hyphen_values = true, conflicts_with = "vfov")]
-    ortho: Option<f64>,
+    /// Parallel rays: full height of the view in the scene's unit, or as high as all spheres need. Its answers are always
+    /// certified or exact.
+    #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
+        conflicts_with = "vfov")]
+    ortho: Option<Option<f64>>,
     /// Moves the eye so that all spheres are seen whole, as near as that allows; a file without a camera is framed so anyway.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
@@ -149,6 +151,21 @@ impl SceneArgs {
 }
 
 impl CameraArgs {
+    /// How the scene is framed, if it is; a file without a camera always is, unless the eye is given.
+    pub(super) fn framing(&self, has_camera: bool) -> Result<Option<Framing>> {
+        let keep_height = !matches!(self.ortho, None | Some(None));
+        if self.eye.is_some() {
+            return match self.ortho {
+                Some(None) => {
+                    Err(Error::settings("an eye is given, and no height of the view", "give --ortho a height"))
+                }
+                _ => Ok(None),
+            };
+        }
+        let framed = self.fit || self.ortho == Some(None) || !has_camera;
+        Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
+    }
+
     /// Whether a direction is given.
     pub(super) fn looks(&self) -> bool {
         self.at.is_some() || self.view.is_some()
@@ -167,7 +184,7 @@ impl CameraArgs {
             camera.lens = Lens::Vfov { degrees, distance };
         }
         if let Some(height) = self.ortho {
-            camera.lens = Lens::Orthographic { height };
+            camera.lens = Lens::Orthographic { height: height.unwrap_or(1.0) };
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use halfline::camera::Look;
 use halfline::error::{Error, Result};
 use halfline::scene::style::Legend;
-use halfline::scene::{Framing, Scene, Sequence, Shot};
+use halfline::scene::{Scene, Sequence, Shot};
 use std::path::{Path, PathBuf};
 
 /// Scenes in turn.
@@ -62,8 +62,8 @@ impl<'a> Shots<'a> {
         if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
             scene.camera.look = Look::At(middle);
         }
-        if camera.fit || !shot.has_camera && camera.eye.is_none() {
-            scene.fit(&Framing { ball: camera.spin.is_some(), ..Framing::default() })?;
+        if let Some(framing) = camera.framing(shot.has_camera)? {
+            scene.fit(&framing)?;
         }
         if let Some(turns) = camera.spin {
             spin(scene, middle, f64::from(count) / f64::from(turns.get()));

@@ -13,12 +13,14 @@ pub struct Framing {
     pub margin: f64,
     /// Whether to frame the ball around all spheres, which looks the same from every side, rather than the spheres.
     pub ball: bool,
+    /// Whether parallel rays keep the height of their view, and only the eye is moved; else the height is fitted.
+    pub keep_height: bool,
 }
 
 impl Default for Framing {
     /// 4 % free, the spheres themselves.
     fn default() -> Self {
-        Self { margin: 0.04, ball: false }
+        Self { margin: 0.04, ball: false, keep_height: false }
     }
 }
 
@@ -44,6 +46,9 @@ impl Scene {
     /// planes through the eye. The planes' directions are known, so each plane touches the sphere that is foremost against
     /// it, and the nearest such eye is where the tighter of the two pairs of planes meets; the other pair is centred.
     ///
+    /// Parallel rays see a box instead of a pyramid: the spheres' extents across and down give its height, and the eye
+    /// stands before the foremost sphere by the scene's own size.
+    ///
     /// # Errors
     /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`].
     pub fn fit(&mut self, framing: &Framing) -> Result<()> {
@@ -55,7 +60,8 @@ impl Scene {
         }
         let basis = self.camera.basis()?;
         let viewport = self.camera.viewport(self.image.width, self.image.height)?;
-        let framed = if framing.ball { ball(&self.spheres) } else { self.spheres.clone() };
+        let around = framing.ball.then(|| ball(&self.spheres));
+        let framed = around.as_ref().unwrap_or(&self.spheres);
         // Everything is counted from the middle, so that far places lose nothing.
         let middle = framed.middle();
         let reach = |normal: DVec3| {
@@ -64,6 +70,18 @@ impl Scene {
         };
         // What rounding takes here is far below this share of the image.
         let free = 1.0 - framing.margin.clamp(1e-9, 0.9);
+        if viewport.is_parallel() {
+            let extent = |axis: DVec3| (reach(axis), -reach(-axis));
+            let [(left, right), (bottom, top), (_, front)] = [basis.u, basis.v, basis.w].map(extent);
+            let shape = f64::from(self.image.height) / f64::from(self.image.width);
+            let height = (top - bottom).max((right - left) * shape) / free;
+            if !framing.keep_height {
+                self.camera.lens = Lens::Orthographic { height };
+            }
+            let back = front + height.max(right - left);
+            self.camera.eye = middle + (left + right) / 2.0 * basis.u + (bottom + top) / 2.0 * basis.v + back * basis.w;
+            return Ok(());
+        }
         let pair = |axis: DVec3, side: f64| {
             let slope = free * side / (2.0 * viewport.d);
             let length = slope.hypot(1.0);
@@ -126,7 +144,7 @@ mod tests {
                 Camera { eye: DVec3::ZERO, look: Look::View(view), up: DVec3::new(random(), random(), 1.0), lens };
             let image = ImagePlane { width: 1 + case as u32 * 7, height: 100, background: [0.0; 3] };
             let mut scene = Scene { camera, image, spheres, skipped: Skipped::default() };
-            scene.fit(&Framing { margin: 0.0, ball: false }).expect("framed");
+            scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
             let (basis, v) =
                 (scene.camera.basis().expect("a basis"), scene.camera.viewport(image.width, 100).expect("one"));
             let mut least = [f64::INFINITY; 4];
@@ -144,5 +162,21 @@ mod tests {
             let tight = |a: f64, b: f64| a.max(b) < 1e-6;
             assert!(tight(least[0], least[1]) || tight(least[2], least[3]), "case {case}: loose by {least:?}");
         }
+    }
+
+    #[test]
+    fn parallel_rays_see_all_and_no_more() {
+        let mut spheres = Spheres::default();
+        spheres.push([1.0, 2.0, -5.0], 1.0, None);
+        spheres.push([4.0, 2.0, 3.0], 0.5, None);
+        let camera = Camera { lens: Lens::Orthographic { height: 1.0 }, ..Camera::CANONICAL };
+        let image = ImagePlane { width: 200, height: 100, background: [0.0; 3] };
+        let mut scene = Scene { camera, image, spheres, skipped: Skipped::default() };
+        scene.fit(&Framing { margin: 0.0, ..Framing::default() }).expect("framed");
+        let Lens::Orthographic { height } = scene.camera.lens else { panic!("still parallel") };
+        // From 0 to 4.5 across, half as high; from 1 to 3 down is less.
+        assert!((height - 2.25).abs() < 1e-8, "{height}");
+        assert!((scene.camera.eye.x - 2.25).abs() < 1e-12 && (scene.camera.eye.y - 2.0).abs() < 1e-12);
+        assert!(scene.camera.eye.z > 3.5, "{}", scene.camera.eye.z);
     }
 }
