@@ -1,7 +1,19 @@
 //! Particles: what simulations, molecules and scans are files of. A reader gives them frame by frame; the style makes
 //! spheres of them.
 
+mod data;
+mod dump;
+mod layout;
+mod masses;
+mod npz;
+mod ply;
+mod scalar;
+mod table;
 mod xyz;
+
+pub(super) use layout::{Layout, Role, component, wanted};
+pub(super) use scalar::Scalar;
+pub(super) use table::{Table, axes};
 
 use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
@@ -50,6 +62,14 @@ pub struct Cell {
     pub edges: [[f64; 3]; 3],
 }
 
+impl Cell {
+    /// The place at these parts of the edges.
+    fn place(&self, parts: [f64; 3]) -> [f64; 3] {
+        let along = |k: usize| (0..3).map(|edge| parts[edge] * self.edges[edge][k]).sum::<f64>();
+        [0, 1, 2].map(|k| self.origin[k] + along(k))
+    }
+}
+
 impl Particles {
     /// Counts a name that is no element's. Only so many different ones are kept, whatever a file holds.
     pub(crate) fn meet_unknown(&mut self, name: &str) {
@@ -78,7 +98,13 @@ pub(crate) trait Frames: Send {
 /// The frames of a particle file; `None` for the formats that hold a whole scene.
 pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
     let frames: Box<dyn Frames> = match source.format {
-        Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
+        Format::Xyz => Box::new(xyz::Xyz::new(source, options)?),
+        Format::Dump => Box::new(dump::Dump::new(source, options)?),
+        Format::Data => Box::new(data::Data::new(source, options)?),
+        Format::Ply => Box::new(ply::Ply::new(source, options)?),
+        Format::Csv => Box::new(table::Table::new(source, options)?),
+        Format::Npy => Box::new(super::npy::Array::new(source, options)?),
+        Format::Npz => Box::new(npz::Npz::new(source, options)?),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))
@@ -159,6 +185,21 @@ impl FromStr for FrameRange {
             Error::settings(problem, "count frames from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
         })
     }
+}
+
+/// All frames of a text, for the readers' tests.
+#[cfg(test)]
+fn read_frames<F: Frames>(
+    text: &str,
+    columns: &[&str],
+    open: impl Fn(Source, &ReadOptions) -> Result<F>,
+) -> Result<Vec<Particles>> {
+    use super::style::{Coloring, Scale, Style};
+    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+    let scale = Scale { columns, map: Default::default(), range: None, log: false };
+    let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+    let mut frames = open(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })?;
+    std::iter::from_fn(|| frames.next().transpose()).collect()
 }
 
 #[cfg(test)]
