@@ -577,7 +577,8 @@ fn real_nff_files_give_the_spheres_of_their_readme() {
     }
     let csv = std::fs::read(data.join("solar_system.csv")).expect("the planets");
     assert_refused(read_spheres("a.csv", &csv), "a.csv:1:1", "header", "its columns have other names");
-    let planets = Scene::read(&data.join("solar_system.csv"), &ReadOptions::default()).expect("the Sun and its planets");
+    let planets =
+        Scene::read(&data.join("solar_system.csv"), &ReadOptions::default()).expect("the Sun and its planets");
     assert_eq!((planets.spheres.len(), planets.spheres.radii[0]), (11, 695700.0));
     assert_eq!(planets.spheres.centers[3], [76580651.925311, 114940047.833629, 49846795.759752], "the Earth");
 }

@@ -75,7 +75,7 @@ impl Format {
             Self::Dump => &["dump", "lammpstrj"],
             Self::Data => &["data", "lammps"],
             Self::Ply => &["ply"],
-            Self::Csv => &["csv", "tsv", "txt"],
+            Self::Csv => &["csv", "tsv"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
         }
@@ -184,15 +184,17 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names x, y and z.
+/// A header that names x, y and z, which may be a comment or follow some.
 fn is_csv(lines: &[&str]) -> bool {
-    let header = lines.iter().map(|line| line.trim_start_matches('#').trim()).find(|line| !line.is_empty());
-    header.is_some_and(|header| {
+    let mut before = true;
+    let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
+    lines.iter().take_while(first).any(|line| {
+        let header = line.trim().trim_start_matches('#').trim();
         let names = |delimiters: &[char]| -> Vec<String> {
-            header.split(delimiters).map(|name| name.trim().trim_matches('"').to_lowercase()).collect()
+            header.split(delimiters).map(|name| name.trim().trim_matches('"').to_owned()).collect()
         };
         // `x (km)` is one name where commas separate, and two where spaces do.
-        names(&[',', ';', '\t']).len() > 1 && axes(&names(&[',', ';', '\t'])).is_some() || axes(&names(&[' '])).is_some()
+        [&[',', ';', '\t'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
     })
 }
 
@@ -287,7 +289,7 @@ mod tests {
     #[test]
     fn formats_are_told_by_content() {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
-        let cases: [(&str, Option<Format>); 18] = [
+        let cases: [(&str, Option<Format>); 19] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -302,6 +304,7 @@ mod tests {
             ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
             ("x,y,z,radius\n", Some(Format::Csv)),
             ("# id X Y Z vx\n", Some(Format::Csv)),
+            ("# by hand\n\nradius,z,y,x\n", Some(Format::Csv)),
             ("name,x_km,y_km,z_km\n", Some(Format::Csv)),
             ("[camera]\neye = [0, 0, 1]\n", None),
             ("hello\n", None),

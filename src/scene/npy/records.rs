@@ -209,7 +209,10 @@ mod tests {
             data.push(k + 200);
         }
         let found = read(descr, "(2,)", &data).expect("records");
-        assert_eq!((&found.positions[..], &found.radii[..]), (&[[1.0, -1.0, 1.5], [2.0, -2.0, 2.5]][..], &[3.0; 2][..]));
+        assert_eq!(
+            (&found.positions[..], &found.radii[..]),
+            (&[[1.0, -1.0, 1.5], [2.0, -2.0, 2.5]][..], &[3.0; 2][..])
+        );
         let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
         assert_eq!((column("t"), column("v_y")), (&[201.0, 202.0][..], &[8.0; 2][..]));
         let cut = read(descr, "(2,)", &data[..60]).map(drop).expect_err("cut short").to_string();

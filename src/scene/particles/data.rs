@@ -310,8 +310,9 @@ impl Data {
         if found.ids.is_empty() {
             return Ok(());
         }
-        let axes: Vec<usize> =
-            (0..3).filter(|k| self.wanted.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k]))).collect();
+        let axes: Vec<usize> = (0..3)
+            .filter(|k| self.wanted.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
+            .collect();
         let mut columns = vec![vec![f64::NAN; found.ids.len()]; axes.len()];
         let mut places = HashMap::new();
         for read in 0..count {
@@ -409,7 +410,11 @@ mod tests {
         let cell = Cell { origin: [0.0, -1.0, 0.0], edges: [[2.0, 0.0, 0.0], [0.5, 4.0, 0.0], [0.0, -1.0, 5.0]] };
         assert_eq!(found.cell, Some(cell));
         let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
-        assert_eq!((column("q"), column("vz")), (&[-0.8, 0.4][..], &[8.0, 9.0][..]), "velocities by the atoms' numbers");
+        assert_eq!(
+            (column("q"), column("vz")),
+            (&[-0.8, 0.4][..], &[8.0, 9.0][..]),
+            "velocities by the atoms' numbers"
+        );
         assert_eq!(found.skipped.assumed.len(), 1, "{:?}", found.skipped);
         assert!(found.skipped.assumed[0].contains("2 O, 1 H"), "{:?}", found.skipped);
     }
@@ -428,7 +433,11 @@ mod tests {
             ("Atoms", "1 1 1 0.5 1 2 3", 1),
         ] {
             let found = read(&file(heading, row), &[]).unwrap_or_else(|e| panic!("{heading} {row}: {e}"));
-            assert_eq!((found.positions[1], found.skipped.assumed.len()), ([1.0, 2.0, 3.0], assumed), "{heading} {row}");
+            assert_eq!(
+                (found.positions[1], found.skipped.assumed.len()),
+                ([1.0, 2.0, 3.0], assumed),
+                "{heading} {row}"
+            );
             assert_eq!(found.radii, if heading.ends_with("# sphere") { vec![1.5; 2] } else { vec![] }, "{heading}");
         }
         let general = file("Atoms # atomic", "1 1 1 2 3").replace("0 2 xlo xhi", "1 2 3 avec\n4 5 6 bvec\n7 8 9 cvec");

@@ -21,12 +21,8 @@ struct Head {
 }
 
 /// Names of coordinates, best first: as they are, unwrapped, and as parts of the cell's edges.
-const AXES: [([&str; 3], bool); 4] = [
-    (["x", "y", "z"], false),
-    (["xu", "yu", "zu"], false),
-    (["xs", "ys", "zs"], true),
-    (["xsu", "ysu", "zsu"], true),
-];
+const AXES: [([&str; 3], bool); 4] =
+    [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
 
 impl Dump {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {

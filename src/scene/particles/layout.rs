@@ -94,7 +94,9 @@ impl Layout {
 
     /// The last `count` columns are a vector of this name, whose length can be asked for.
     pub(crate) fn vector(&mut self, name: &str, count: usize, wanted: &[String]) {
-        if count < 2 || self.asked.iter().any(|asked| asked == name) || !wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
+        if count < 2
+            || self.asked.iter().any(|asked| asked == name)
+            || !wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
         {
             return;
         }

@@ -4,8 +4,8 @@
 use super::layout::wanted;
 use super::{Column, Frames, Particles};
 use crate::error::{Error, Place, Result};
-use crate::scene::check_color;
 use crate::scene::ReadOptions;
+use crate::scene::check_color;
 use crate::scene::lines::short;
 use crate::scene::npy::Npy;
 use crate::scene::source::{Source, Stream};
@@ -58,7 +58,13 @@ impl Npz {
 }
 
 impl Found {
-    fn take<R: BufRead>(&mut self, name: &str, header: &NpyHeader, npy: &mut Npy<'_, R>, wanted: &[String]) -> Result<()> {
+    fn take<R: BufRead>(
+        &mut self,
+        name: &str,
+        header: &NpyHeader,
+        npy: &mut Npy<'_, R>,
+        wanted: &[String],
+    ) -> Result<()> {
         let name = name.to_lowercase();
         let shape = header.shape().to_vec();
         if self.one.len() < MOST && shape.len() == 1 && matches!(header.dtype(), DType::Plain(_)) {
@@ -93,7 +99,8 @@ impl Found {
 
     fn particles(self, file: &Place) -> Result<Particles> {
         let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
-        let threes = |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
+        let threes =
+            |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
         let positions = match (self.positions, self.axes) {
             (Some(positions), _) => threes(&positions),
             (None, [Some(x), Some(y), Some(z)]) => {

@@ -193,11 +193,15 @@ fn text(lines: &mut Lines<Stream>, element: &Element, layout: &Layout, particles
                         words.next().ok_or_else(need)?;
                     }
                 }
-                None => numbers.push(property.light(layout, numbers.len(), match layout.role(numbers.len()) {
-                    Role::Radius | Role::Diameter => word.positive(&property.name)?,
-                    Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
-                    _ => word.number(&property.name)?,
-                })),
+                None => numbers.push(property.light(
+                    layout,
+                    numbers.len(),
+                    match layout.role(numbers.len()) {
+                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
+                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
+                        _ => word.number(&property.name)?,
+                    },
+                )),
             }
         }
         layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;

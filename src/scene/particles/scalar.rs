@@ -107,7 +107,15 @@ mod tests {
             let read = |big, bytes: &[u8]| Scalar::of_ply(name, big).expect(name).number(bytes);
             assert_eq!((read(true, &bytes), read(false, &little)), (number, number), "{name}");
         }
-        for (name, size) in [("<f8", Some(8)), (">i2", Some(2)), ("|u1", Some(1)), ("|b1", Some(1)), ("<f2", None), ("<c16", None), ("|S4", None)] {
+        for (name, size) in [
+            ("<f8", Some(8)),
+            (">i2", Some(2)),
+            ("|u1", Some(1)),
+            ("|b1", Some(1)),
+            ("<f2", None),
+            ("<c16", None),
+            ("|S4", None),
+        ] {
             let found = Scalar::of_numpy(&name.parse().expect("a type"));
             assert_eq!(found.map(Scalar::size), size, "{name}");
         }

@@ -23,11 +23,7 @@ pub(crate) struct Table<R> {
 
 impl<R: BufRead> Table<R> {
     /// A table whose header is the first line that says something, separated by commas; `roles` tells what its names are.
-    pub(crate) fn strict(
-        mut lines: Lines<R>,
-        allowed: &str,
-        role: impl Fn(&str) -> Option<Role>,
-    ) -> Result<Self> {
+    pub(crate) fn strict(mut lines: Lines<R>, allowed: &str, role: impl Fn(&str) -> Option<Role>) -> Result<Self> {
         if !next(&mut lines)? {
             return Err(Error::scene(lines.file(), "the file is empty", format!("begin with a header: {allowed}")));
         }
@@ -141,12 +137,9 @@ impl Header {
         let likely = delimiter(&lines.text()[start..]);
         for delimiter in [likely, b' '] {
             let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.text.to_owned()).collect();
-            let Some((axes, unit)) = axes(&names) else { continue };
+            let Some(unit) = axes(&names) else { continue };
             let place = lines.place(start);
             let mut roles: Vec<Role> = names.iter().map(|name| role(name, &unit)).collect();
-            for (axis, column) in axes.into_iter().enumerate() {
-                roles[column] = Role::Position(axis);
-            }
             // Three components or none: an `r` alone is no colour.
             let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
             roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
@@ -165,10 +158,13 @@ impl Header {
     }
 }
 
-/// What a column that is no coordinate is, where lengths are in this unit.
+/// What a column is, where lengths are in this unit.
 fn role(name: &str, unit: &str) -> Role {
     let (base, of) = split(name);
     match (base.as_str(), name.to_lowercase().as_str()) {
+        ("x", _) if of == unit => Role::Position(0),
+        ("y", _) if of == unit => Role::Position(1),
+        ("z", _) if of == unit => Role::Position(2),
         ("radius", _) if of == unit => Role::Radius,
         ("diameter", _) if of == unit => Role::Diameter,
         (_, "r" | "red") => Role::Color(0),
@@ -197,16 +193,14 @@ fn split(name: &str) -> (String, String) {
     (name, String::new())
 }
 
-/// Which columns are x, y and z, and the unit that they are named with.
-pub(crate) fn axes(names: &[String]) -> Option<([usize; 3], String)> {
+/// The unit that x, y and z are named with, where there are such columns; empty for none.
+pub(crate) fn axes(names: &[String]) -> Option<String> {
     let names: Vec<_> = names.iter().map(|name| split(name)).collect();
     // Without a unit first.
     let mut units: Vec<&String> = names.iter().filter(|(base, _)| base == "x").map(|(_, unit)| unit).collect();
     units.sort();
-    units.into_iter().find_map(|unit| {
-        let column = |axis: &str| names.iter().position(|(base, of)| base == axis && of == unit);
-        Some(([column("x")?, column("y")?, column("z")?], unit.clone()))
-    })
+    let named = |axis: &str, unit: &String| names.iter().any(|(base, of)| base == axis && of == unit);
+    units.into_iter().find(|unit| named("y", unit) && named("z", unit)).cloned()
 }
 
 /// What separates the fields of a line.
