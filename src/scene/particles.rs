@@ -102,7 +102,7 @@ pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<d
         Format::Dump => Box::new(dump::Dump::new(source, options)?),
         Format::Data => Box::new(data::Data::new(source, options)?),
         Format::Ply => Box::new(ply::Ply::new(source, options)?),
-        Format::Csv => Box::new(table::Table::new(source, options)?),
+        Format::Csv => Box::new(table::OneTable::new(source, options)?),
         Format::Npy => Box::new(super::npy::Array::new(source, options)?),
         Format::Npz => Box::new(npz::Npz::new(source, options)?),
         _ => return Ok(Err(source)),

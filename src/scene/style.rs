@@ -111,6 +111,9 @@ pub struct Legend {
     pub log: bool,
 }
 
+/// A colour for each of the particles, where they have any.
+type Colors = Option<Vec<[f32; 3]>>;
+
 /// Radius of an atom whose element is not known, ångström: between carbon's and nitrogen's.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
@@ -225,7 +228,7 @@ impl Style {
         Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
     }
 
-    fn colors(&self, particles: &Particles) -> Result<(Option<Vec<[f32; 3]>>, Option<Legend>)> {
+    fn colors(&self, particles: &Particles) -> Result<(Colors, Option<Legend>)> {
         let elements = || {
             // The table once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();

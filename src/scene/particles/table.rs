@@ -144,12 +144,11 @@ impl Header {
             let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
             roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
             let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
-            if roles.iter().copied().all(lengths) {
-                if let Some(odd) = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str())) {
-                    let problem = format!("`{odd}` is in another unit than the places");
-                    let mend = "give radii and places in one unit, and name it the same";
-                    return Err(Error::scene(place.named("header"), problem, mend));
-                }
+            let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
+            if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
+                let problem = format!("`{odd}` is in another unit than the places");
+                let mend = "give radii and places in one unit, and name it the same";
+                return Err(Error::scene(place.named("header"), problem, mend));
             }
             let comment = start > 0 && lines.text()[..start].ends_with('#');
             return Ok(Some(Self { names: names.into_iter().zip(roles).collect(), delimiter, comment, place }));
@@ -258,15 +257,15 @@ fn quoted(text: &[u8]) -> Option<usize> {
     }
 }
 
-impl Table<Stream> {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<OneTable> {
-        let lines = Lines::new(source.reader, &source.path);
-        Ok(OneTable(Some(Self::tolerant(lines, &wanted(options.style.columns())?)?)))
-    }
-}
-
 /// The one frame of a table.
 pub(super) struct OneTable(Option<Table<Stream>>);
+
+impl OneTable {
+    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+        let lines = Lines::new(source.reader, &source.path);
+        Ok(Self(Some(Table::tolerant(lines, &wanted(options.style.columns())?)?)))
+    }
+}
 
 impl Frames for OneTable {
     fn next(&mut self) -> Result<Option<Particles>> {
@@ -283,7 +282,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Ok(read_frames(text, columns, Table::new)?.remove(0))
+        Ok(read_frames(text, columns, OneTable::new)?.remove(0))
     }
 
     #[test]
