@@ -102,8 +102,11 @@ impl Wrap {
     }
 }
 
-/// A zip file of these members: name, bytes, and what the bytes were before they were deflated.
-fn archive(members: &[(&str, &[u8], Option<&[u8]>)]) -> Vec<u8> {
+/// A file of an archive: name, bytes, and what the bytes were before they were deflated.
+type Member<'a> = (&'a str, &'a [u8], Option<&'a [u8]>);
+
+/// A zip file of these members.
+fn archive(members: &[Member<'_>]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (name, packed, content) in members {
         let whole = content.unwrap_or(packed);

@@ -106,8 +106,8 @@ impl Dump {
         let names = || Words::of(&self.lines).skip(2);
         let at = names().next().map_or(self.lines.text().len(), |word| word.at);
         let fail = |problem: String, mend| Err(self.fail(at, "ITEM: ATOMS", problem, mend));
-        let has = |name: &&str| names().any(|word| word.text == *name);
-        let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(&axis))) else {
+        let has = |name: &str| names().any(|word| word.text == name);
+        let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(axis))) else {
             return fail("no three columns are coordinates".into(), "dump x y z, xu yu zu, xs ys zs or xsu ysu zsu");
         };
         let mut layout = Layout::default();
