@@ -213,6 +213,18 @@ fn ids_count_inline_spheres_first_and_files_stand_beside_the_scene() {
 }
 
 #[test]
+fn a_file_of_spheres_alone_is_framed() {
+    let npy = npy_of("<f8", "False", "(2, 4)", &little(&[0.0, 1.0, -1e-3, 1.0, 0.1, 2.0, 3.0, 2.5]));
+    for (name, content) in [("s.csv", CSV.as_bytes()), ("s", CSV.as_bytes()), ("s.npy", &npy), ("s", &npy)] {
+        let scene = read(name, content).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scene.spheres.centers, [[0.0, 1.0, -1e-3], [0.1, 2.0, 3.0]], "{name}");
+        assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
+        scene.check().expect("from a camera that shows all of it");
+        assert!(scene.skipped.warnings().is_empty(), "{:?}", scene.skipped);
+    }
+}
+
+#[test]
 fn what_cannot_be_read_is_io() {
     let folder = folder(&[]);
     for name in ["missing.toml", "missing.nff", "missing", "."] {
@@ -320,7 +332,6 @@ fn a_broken_toml_is_refused_at_its_place() {
     assert_refused(read("s.toml", &odd), "s.toml:1:11", "sphere", &odd);
     assert_refused(read("s", ""), "s:1:1", "camera", "");
     assert_refused(read("s.toml", b"# \xc3\xa9\n# \xc3\xa9\xff\n"), "s.toml:2:4", "", "");
-    assert_refused(read("s.csv", CSV), "s.csv", "", CSV);
     let deep = "a = ".to_owned() + &"[".repeat(100_000);
     assert!(matches!(read("s.toml", deep), Err(Error::Scene { .. })));
     let dotted = "a".to_owned() + &".a".repeat(100_000) + " = 1";
@@ -573,4 +584,8 @@ fn real_nff_files_give_the_spheres_of_their_readme() {
     }
     let csv = std::fs::read(data.join("solar_system.csv")).expect("the planets");
     assert_refused(read_spheres("a.csv", &csv), "a.csv:1:1", "header", "its columns have other names");
+    let planets =
+        Scene::read(&data.join("solar_system.csv"), &ReadOptions::default()).expect("the Sun and its planets");
+    assert_eq!((planets.spheres.len(), planets.spheres.radii[0]), (11, 695700.0));
+    assert_eq!(planets.spheres.centers[3], [76580651.925311, 114940047.833629, 49846795.759752], "the Earth");
 }

@@ -54,6 +54,27 @@ impl<R: BufRead> Lines<R> {
         Ok(true)
     }
 
+    /// Passes over so many lines without looking at them; how many there were.
+    pub(super) fn pass(&mut self, count: u64) -> Result<u64> {
+        for passed in 0..count {
+            if self.reader.skip_until(b'\n').map_err(|e| Error::read(&self.path, e))? == 0 {
+                return Ok(passed);
+            }
+            self.number += 1;
+        }
+        Ok(count)
+    }
+
+    /// What follows the current line.
+    pub(super) fn into_reader(self) -> R {
+        self.reader
+    }
+
+    /// A part of the line.
+    pub(super) fn word(&self, at: usize, end: usize) -> Word<'_, R> {
+        Word { text: &self.text[at..end], at, lines: self }
+    }
+
     /// The line without its end.
     pub(super) fn text(&self) -> &str {
         &self.text
@@ -102,7 +123,7 @@ impl<R: BufRead> Word<'_, R> {
     }
 
     fn wrong(&self, field: &str, what: &str) -> Error {
-        let problem = format!("`{}` {what}", self.text);
+        let problem = format!("`{}` {what}", short(self.text));
         Error::scene(self.lines.place(self.at).named(field), problem, "give a finite number such as 0.5")
     }
 }
@@ -124,13 +145,18 @@ impl<'a, R: BufRead> Iterator for Words<'a, R> {
     type Item = Word<'a, R>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let rest = self.lines.text.get(self.at..)?;
-        let at = self.at + rest.find(|c: char| !c.is_whitespace())?;
-        let rest = &self.lines.text[at..];
-        let end = at + rest.find(char::is_whitespace).unwrap_or(rest.len());
+        // By bytes: what separates words is ASCII, and so no part of another character.
+        let bytes = self.lines.text.as_bytes();
+        let at = self.at + bytes.get(self.at..)?.iter().position(|b| !b.is_ascii_whitespace())?;
+        let end = bytes[at..].iter().position(u8::is_ascii_whitespace).map_or(bytes.len(), |length| at + length);
         self.at = end;
-        Some(Word { text: &self.lines.text[at..end], at, lines: self.lines })
+        Some(self.lines.word(at, end))
     }
+}
+
+/// The beginning of a text that may be long, for an error.
+pub(super) fn short(text: &str) -> &str {
+    text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
 }
 
 /// Line and column, from 1, kept for an error that may come later.

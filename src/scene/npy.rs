@@ -1,5 +1,8 @@
 //! Spheres from a NumPy array file: float64 (or float32, widened exactly) of shape (n, 4) = x, y, z, radius or
-//! (n, 7) = also r, g, b, in C or Fortran order and either byte order. Rows count from 0, as NumPy's do.
+//! (n, 7) = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays
+//! of records with named fields. Rows count from 0, as NumPy's do.
+
+mod records;
 
 use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
 use crate::error::{Error, Place, Result};
@@ -10,6 +13,8 @@ use rayon::prelude::*;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
+pub(super) use records::Array;
+
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
 
 /// Appends the spheres of the file. Memory grows with what the file holds, never with what its header claims.
@@ -17,22 +22,28 @@ pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
     let reader = super::open(path)?;
     // What has no length, a pipe say, holds nothing that could be counted on.
     let bytes = reader.get_ref().metadata().map_or(0, |file| file.len());
-    Npy { path, reader, bytes }.read(spheres)
+    let mut npy = Npy { path, reader, bytes };
+    let header = npy.header()?;
+    npy.read(header, &[4, 7], spheres).map(drop)
 }
 
-struct Npy<'p, R> {
-    path: &'p Path,
-    reader: R,
+/// An array file that is being read.
+pub(super) struct Npy<'p, R> {
+    pub(super) path: &'p Path,
+    pub(super) reader: R,
     /// The file's length, or less.
-    bytes: u64,
+    pub(super) bytes: u64,
 }
 
 impl<R: BufRead> Npy<'_, R> {
-    fn read(&mut self, spheres: &mut Spheres) -> Result<()> {
-        let header = self.header()?;
+    /// Appends the spheres of an array of one of these widths, which is returned; where it is 3, with radii of 1.
+    fn read(&mut self, header: NpyHeader, widths: &[u64], spheres: &mut Spheres) -> Result<usize> {
         let (rows, width) = match *header.shape() {
-            [n, width @ (4 | 7)] => (n, width as usize),
-            ref other => return Err(self.fail("shape", format!("found {other:?}, wanted (n, 4) or (n, 7)"))),
+            [n, width] if widths.contains(&width) => (n, width as usize),
+            ref other => {
+                let wanted: Vec<_> = widths.iter().map(|width| format!("(n, {width})")).collect();
+                return Err(self.fail("shape", format!("found {other:?}, wanted {}", wanted.join(" or "))));
+            }
         };
         // An element has a byte at least; most have eight.
         let size = header.dtype().num_bytes().unwrap_or(1).max(1) as u64;
@@ -43,12 +54,12 @@ impl<R: BufRead> Npy<'_, R> {
         let plain = PLAIN.into_iter().find(|plain| plain.0 == header.dtype().descr() && order == Order::C);
         if let Some((_, bytes, decode)) = plain {
             let outcome = fill_blocks(&mut self.reader, rows, width, bytes, decode, spheres);
-            return self.finish(outcome, rows);
+            return self.finish(outcome, rows).map(|()| width);
         }
         let file = match NpyFile::with_header(header, &mut self.reader).try_data::<f64>() {
             Ok(numbers) => {
                 let row = fill(numbers, order, rows, width, spheres);
-                return self.finish(row, rows);
+                return self.finish(row, rows).map(|()| width);
             }
             Err(file) => file,
         };
@@ -57,12 +68,12 @@ impl<R: BufRead> Npy<'_, R> {
             Ok(numbers) => fill(numbers.map(|x| x.map(f64::from)), order, rows, width, spheres),
             Err(_) => return Err(self.fail("dtype", format!("found {found}, wanted float64 or float32"))),
         };
-        self.finish(row, rows)
+        self.finish(row, rows).map(|()| width)
     }
 
     /// The header, once it is known to be small and simple. npyz would allocate what a damaged header claims, multiply
     /// its shape without looking, and descend into nested brackets as deep as they go.
-    fn header(&mut self) -> Result<NpyHeader> {
+    pub(super) fn header(&mut self) -> Result<NpyHeader> {
         let mut bytes = vec![0; 10];
         self.exact(&mut bytes)?;
         if !bytes.starts_with(b"\x93NUMPY") {
@@ -119,11 +130,11 @@ impl<R: BufRead> Npy<'_, R> {
         }
     }
 
-    fn place(&self, field: impl Into<String>) -> Place {
+    pub(super) fn place(&self, field: impl Into<String>) -> Place {
         Place::file(self.path.display().to_string()).named(field)
     }
 
-    fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
+    pub(super) fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
         Error::scene(self.place(field), problem, MEND)
     }
 }
@@ -131,16 +142,30 @@ impl<R: BufRead> Npy<'_, R> {
 /// NumPy itself refuses longer headers; ours need about a hundred bytes.
 const MAX_HEADER: usize = 10_000;
 
-/// Whether the header holds nothing but plain words, few brackets, and so few digits that no shape made of them
-/// overflows: a product of numbers of 19 decimal digits in all is below 10^19 < 2^64.
+/// Whether the header holds nothing but plain words, brackets that are not deep, and so few digits that no shape made of
+/// them overflows: a product of numbers of 19 decimal digits in all is below 10^19 < 2^64. Within quotes stand names and
+/// types, whose sizes have few digits.
 fn is_simple(text: &str) -> bool {
-    let plain = |c: char| c.is_ascii_alphanumeric() || " \n\t_'\"(){}[],:<>|=.".contains(c);
-    let count = |set: fn(char) -> bool| text.chars().filter(|c| set(*c)).count();
-    text.chars().all(plain)
-        && !text.contains("0x")
-        && !text.contains("0X")
-        && count(|c| "([{".contains(c)) <= 4
-        && count(|c| c.is_ascii_digit()) <= 19
+    let (mut depth, mut digits, mut quote, mut run) = (0, 0, None, 0);
+    for c in text.chars() {
+        let digit = c.is_ascii_digit();
+        run = if digit { run + 1 } else { 0 };
+        match (quote, c) {
+            (None, '\'' | '"') => quote = Some(c),
+            (Some(open), _) if c == open => quote = None,
+            (Some(_), _) if run > 6 => return false,
+            (Some(_), _) => {}
+            (None, '(' | '[' | '{') => depth += 1,
+            (None, ')' | ']' | '}') => depth -= 1,
+            (None, _) if digit => digits += 1,
+            _ => {}
+        }
+        let plain = c.is_ascii_alphanumeric() || " \n\t_'\"(){}[],:<>|=.".contains(c);
+        if !plain || !(0..=4).contains(&depth) || digits > 19 {
+            return false;
+        }
+    }
+    !text.contains("0x") && !text.contains("0X")
 }
 
 /// Why the rows could not be taken over.
@@ -186,12 +211,12 @@ fn fill_blocks(
         reader.take(wanted).read_to_end(&mut bytes).map_err(|e| Fault::Numbers(done, e))?;
         let block = bytes.par_chunks_exact(row_bytes);
         let found = block.len() as u64;
-        let sphere = |[x, y, z, radius, ..]: [f64; 7]| ([x, y, z], radius);
+        let sphere = |[x, y, z, radius, ..]: [f64; 7]| ([x, y, z], if width == 3 { 1.0 } else { radius });
         let is_sphere = |row: &[u8]| {
             let (center, radius) = sphere(values(row));
             check_sphere(center, radius, Place::default).is_ok()
         };
-        if width == 4 && spheres.colors.is_none() && block.clone().all(is_sphere) {
+        if width <= 4 && spheres.colors.is_none() && block.clone().all(is_sphere) {
             let (centers, radii): (Vec<_>, Vec<_>) = block.map(|row| sphere(values(row))).unzip();
             spheres.centers.extend(centers);
             spheres.radii.extend(radii);
@@ -248,6 +273,7 @@ fn fill(
 }
 
 fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
+    let radius = if width == 3 { 1.0 } else { radius };
     check_sphere([x, y, z], radius, Place::default)?;
     let color = (width == COLUMNS.len()).then_some([r as f32, g as f32, b as f32]);
     if let Some(color) = color {

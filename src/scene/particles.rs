@@ -2,12 +2,24 @@
 //! spheres of them.
 
 mod assembly;
+mod data;
+mod dump;
 mod gro;
 mod guess;
+mod layout;
+mod masses;
 mod mmcif;
 mod molecule;
+mod npz;
 mod pdb;
+mod ply;
+mod scalar;
+mod table;
 mod xyz;
+
+pub(super) use layout::{Layout, Role, component, wanted};
+pub(super) use scalar::Scalar;
+pub(super) use table::{Table, axes};
 
 use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
@@ -56,6 +68,14 @@ pub struct Cell {
     pub edges: [[f64; 3]; 3],
 }
 
+impl Cell {
+    /// The place at these parts of the edges.
+    fn place(&self, parts: [f64; 3]) -> [f64; 3] {
+        let along = |k: usize| (0..3).map(|edge| parts[edge] * self.edges[edge][k]).sum::<f64>();
+        [0, 1, 2].map(|k| self.origin[k] + along(k))
+    }
+}
+
 impl Particles {
     /// Counts a name that is no element's. Only so many different ones are kept, whatever a file holds.
     pub(crate) fn meet_unknown(&mut self, name: &str) {
@@ -88,7 +108,13 @@ pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<d
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
         Format::Gro => Box::new(gro::Gro::new(source, options)),
         Format::Pdb => Box::new(pdb::Pdb::new(source, options)),
-        Format::Xyz => Box::new(xyz::Xyz::new(source, options)),
+        Format::Xyz => Box::new(xyz::Xyz::new(source, options)?),
+        Format::Dump => Box::new(dump::Dump::new(source, options)?),
+        Format::Data => Box::new(data::Data::new(source, options)?),
+        Format::Ply => Box::new(ply::Ply::new(source, options)?),
+        Format::Csv => Box::new(table::OneTable::new(source, options)?),
+        Format::Npy => Box::new(super::npy::Array::new(source, options)?),
+        Format::Npz => Box::new(npz::Npz::new(source, options)?),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))
@@ -176,6 +202,21 @@ impl FromStr for FrameRange {
             Error::settings(problem, "count frames from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
         })
     }
+}
+
+/// All frames of a text, for the readers' tests.
+#[cfg(test)]
+fn read_frames<F: Frames>(
+    text: &str,
+    columns: &[&str],
+    open: impl Fn(Source, &ReadOptions) -> Result<F>,
+) -> Result<Vec<Particles>> {
+    use super::style::{Coloring, Scale, Style};
+    let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+    let scale = Scale { columns, map: Default::default(), range: None, log: false };
+    let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+    let mut frames = open(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })?;
+    std::iter::from_fn(|| frames.next().transpose()).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Where a scene comes from: a file or standard input, compressed or not, in a format that its content tells.
 
+use super::particles::axes;
 use super::{ending, nff};
 use crate::error::{Error, Place, Result};
 use bzip2::bufread::MultiBzDecoder;
@@ -74,7 +75,7 @@ impl Format {
             Self::Dump => &["dump", "lammpstrj"],
             Self::Data => &["data", "lammps"],
             Self::Ply => &["ply"],
-            Self::Csv => &["csv", "tsv", "txt"],
+            Self::Csv => &["csv", "tsv"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
         }
@@ -96,7 +97,7 @@ impl Format {
         }
         let text = String::from_utf8_lossy(start);
         let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-        let signs: [(Self, fn(&[&str]) -> bool); 9] = [
+        let signs: [(Self, Sign); 9] = [
             (Self::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
             (Self::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
             (Self::Mmcif, is_mmcif),
@@ -110,6 +111,9 @@ impl Format {
         signs.into_iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| format)
     }
 }
+
+/// Whether lines are those of a format.
+type Sign = fn(&[&str]) -> bool;
 
 impl FromStr for Format {
     type Err = Error;
@@ -180,22 +184,27 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names x, y and z.
+/// A header that names x, y and z, which may be a comment or follow some.
 fn is_csv(lines: &[&str]) -> bool {
-    let header = lines.iter().map(|line| line.trim_start_matches('#').trim()).find(|line| !line.is_empty());
-    header.is_some_and(|header| {
-        let names: Vec<String> = header
-            .split([',', ';', '\t', ' '])
-            .map(|name| name.trim().trim_matches('"').to_ascii_lowercase())
-            .collect();
-        ["x", "y", "z"].iter().all(|axis| names.iter().any(|name| name == axis))
+    let mut before = true;
+    let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
+    lines.iter().take_while(first).any(|line| {
+        let header = line.trim().trim_start_matches('#').trim();
+        let names = |delimiters: &[char]| -> Vec<String> {
+            header.split(delimiters).map(|name| name.trim().trim_matches('"').to_owned()).collect()
+        };
+        // `x (km)` is one name where commas separate, and two where spaces do.
+        [&[',', ';', '\t'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
     })
 }
+
+/// Bytes, decompressed.
+pub(super) type Stream = Box<dyn BufRead + Send>;
 
 /// An opened scene file.
 pub(super) struct Source {
     /// The bytes, decompressed.
-    pub(super) reader: Box<dyn BufRead + Send>,
+    pub(super) reader: Stream,
     /// As the user named it; `-` is standard input.
     pub(super) path: PathBuf,
     /// In this format.
@@ -228,7 +237,7 @@ impl Source {
         (&mut raw).take(3).read_to_end(&mut magic).map_err(|e| Error::read(path, e))?;
         let packed = Cursor::new(magic.clone()).chain(raw);
         let mut name = path.to_path_buf();
-        let mut reader: Box<dyn BufRead + Send> = match magic[..] {
+        let mut reader: Stream = match magic[..] {
             [0x1f, 0x8b, _] => Box::new(BufReader::with_capacity(1 << 16, MultiGzDecoder::new(packed))),
             [b'B', b'Z', b'h'] => Box::new(BufReader::with_capacity(1 << 16, MultiBzDecoder::new(packed))),
             _ => Box::new(packed),
@@ -255,8 +264,13 @@ impl Source {
 impl Source {
     /// A text in memory, for the readers' tests; `format` does not matter to a reader.
     pub(super) fn of_text(text: &str) -> Self {
-        let reader = Box::new(Cursor::new(text.as_bytes().to_vec()));
-        Self { reader, path: "text".into(), format: Format::Native, bytes: text.len() as u64 }
+        Self::of_bytes(text.as_bytes())
+    }
+
+    /// As [`Source::of_text`].
+    pub(super) fn of_bytes(bytes: &[u8]) -> Self {
+        let reader = Box::new(Cursor::new(bytes.to_vec()));
+        Self { reader, path: "text".into(), format: Format::Native, bytes: bytes.len() as u64 }
     }
 }
 
@@ -275,7 +289,7 @@ mod tests {
     #[test]
     fn formats_are_told_by_content() {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
-        let cases: [(&str, Option<Format>); 17] = [
+        let cases: [(&str, Option<Format>); 19] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -290,6 +304,8 @@ mod tests {
             ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
             ("x,y,z,radius\n", Some(Format::Csv)),
             ("# id X Y Z vx\n", Some(Format::Csv)),
+            ("# by hand\n\nradius,z,y,x\n", Some(Format::Csv)),
+            ("name,x_km,y_km,z_km\n", Some(Format::Csv)),
             ("[camera]\neye = [0, 0, 1]\n", None),
             ("hello\n", None),
             ("", None),

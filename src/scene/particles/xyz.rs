@@ -2,42 +2,22 @@
 //! says what the columns are (`Properties=species:S:1:pos:R:3:forces:R:3`) and what the cell is (`Lattice="..."`);
 //! described at github.com/libAtoms/extxyz.
 
-use super::{Cell, Column, Frames, Particles};
+use super::layout::{Layout, Role, component, wanted};
+use super::{Cell, Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
-use crate::scene::lines::{Lines, Words};
-use crate::scene::source::Source;
-use crate::scene::style::elements::{atomic_number, element};
-use std::io::BufRead;
+use crate::scene::lines::{Lines, Words, short};
+use crate::scene::source::{Source, Stream};
 
 /// The reader.
 pub(super) struct Xyz {
-    lines: Lines<Box<dyn BufRead + Send>>,
+    lines: Lines<Stream>,
     wanted: Vec<String>,
 }
 
-/// What a column of an atom's line is.
-#[derive(Debug, Clone, PartialEq)]
-enum Use {
-    /// A symbol or an atomic number.
-    Species,
-    Number,
-    Position(usize),
-    Radius,
-    /// Of the wanted columns, the one of this number.
-    Wanted(usize),
-    Ignored,
-}
-
-/// A frame's columns in the order of the file.
-struct Layout {
-    uses: Vec<Use>,
-    has: Vec<String>,
-}
-
 impl Xyz {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
-        Self { lines: Lines::new(source.reader, &source.path), wanted: options.style.columns().to_vec() }
+    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+        Ok(Self { lines: Lines::new(source.reader, &source.path), wanted: wanted(options.style.columns())? })
     }
 
     /// The number of atoms that the next frame announces; `None` at the end of the file.
@@ -51,7 +31,7 @@ impl Xyz {
                 continue;
             }
             return text.parse().map(Some).map_err(|_| {
-                let problem = format!("`{text}` is no number of atoms");
+                let problem = format!("`{}` is no number of atoms", short(text));
                 self.fail(0, "count", problem, "begin a frame with the number of its atoms")
             });
         }
@@ -59,11 +39,12 @@ impl Xyz {
 
     /// The next line, which must be there.
     fn need(&mut self, what: &str) -> Result<()> {
-        if self.lines.advance()? {
-            return Ok(());
-        }
+        if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
+    }
+
+    fn ends(&self, what: &str) -> Error {
         let end = self.lines.text().len();
-        Err(self.fail(end, what, "the file ends within a frame", "give as many lines as the frame announces"))
+        self.fail(end, what, "the file ends within a frame", "give as many lines as the frame announces")
     }
 
     fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
@@ -71,126 +52,67 @@ impl Xyz {
     }
 
     /// The columns and the cell that the comment line tells of.
-    fn layout(&self, particles: &mut Particles) -> Result<Layout> {
-        let mut properties = "species:S:1:pos:R:3";
-        for (at, key, value) in pairs(self.lines.text()) {
+    fn layout(&self) -> Result<(Layout, Option<Cell>)> {
+        let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
+        for (place, key, value) in pairs(self.lines.text()) {
             match &key.to_ascii_lowercase()[..] {
-                "properties" => properties = value,
-                "lattice" => particles.cell = Some(self.lattice(at, value)?),
+                "properties" => (at, properties) = (place, value),
+                "lattice" => cell = Some(self.lattice(place, value)?),
                 _ => {}
             }
         }
-        let at = self.lines.text().find(properties).unwrap_or(0);
         let wrong = |problem: String| {
             self.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
         };
-        let parts: Vec<&str> = properties.split(':').collect();
-        let mut layout = Layout { uses: Vec::new(), has: Vec::new() };
-        for triple in parts.chunks(3) {
-            let [name, kind @ ("S" | "R" | "I" | "L"), count] = triple else {
-                return Err(wrong(format!("`{}` is no name, type and number of columns", triple.join(":"))));
+        let mut parts = properties.split(':');
+        let mut layout = Layout::default();
+        while let Some(name) = parts.next() {
+            let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
+                return Err(wrong(format!("`{}` has no type S, R, I or L and number of columns", short(name))));
             };
-            let count: usize = count.parse().map_err(|_| wrong(format!("`{count}` is no number of columns")))?;
-            if layout.uses.len() + count > MOST_COLUMNS {
-                return Err(wrong(format!("more than {MOST_COLUMNS} columns")));
-            }
+            let count = count.parse().map_err(|_| wrong(format!("`{}` is no number of columns", short(count))))?;
+            let name = name.to_lowercase();
             for k in 0..count {
-                layout.add(&name.to_ascii_lowercase(), kind, (count > 1).then_some(k), &self.wanted);
+                let (column, role) = column(&name, kind, k, count);
+                layout.add(&column, role, &self.wanted).map_err(wrong)?;
+            }
+            if matches!(kind, "R" | "I") {
+                layout.vector(&name, count, &self.wanted);
             }
         }
-        match (0..3).find(|k| !layout.uses.contains(&Use::Position(*k))) {
-            None => Ok(layout),
-            Some(_) => Err(wrong("there is no pos of three columns".into())),
+        if !layout.contains(Role::Position(2)) {
+            return Err(wrong("there is no pos of three columns".into()));
         }
+        Ok((layout, cell))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
-        let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let numbers: Vec<f64> = text.split_whitespace().take(10).map_while(|word| word.parse().ok()).collect();
         match numbers[..] {
             [a, b, c, d, e, f, g, h, i] if numbers.iter().all(|x| x.is_finite()) => {
                 Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
             }
             _ => {
-                Err(self.fail(at, "Lattice", format!("`{text}` is no cell"), "give three vectors, nine finite numbers"))
+                let problem = format!("`{}` is no cell", short(text));
+                Err(self.fail(at, "Lattice", problem, "give three vectors, nine finite numbers"))
             }
         }
     }
+}
 
-    /// Takes the atom of the current line.
-    fn atom(&self, layout: &Layout, particles: &mut Particles) -> Result<()> {
-        let mut words = Words::of(&self.lines);
-        let mut position = [0.0; 3];
-        for kind in &layout.uses {
-            let missing = "give a number for every column that the frame announces";
-            let Some(word) = words.next() else {
-                let end = self.lines.text().len();
-                return Err(self.fail(
-                    end,
-                    "atom",
-                    format!("the line ends before all of its {} columns", layout.uses.len()),
-                    missing,
-                ));
-            };
-            match *kind {
-                Use::Ignored => {}
-                Use::Position(k) => position[k] = word.finite(["x", "y", "z"][k])?,
-                Use::Radius => particles.radii.push(word.positive("radius")?),
-                Use::Wanted(k) => particles.columns[k].values.push(word.number("column")?),
-                Use::Number => {
-                    particles.elements.push(word.text.parse().ok().filter(|n| element(*n).is_some()).unwrap_or(0))
-                }
-                Use::Species => {
-                    let number = species(word.text);
-                    if number == 0 {
-                        particles.meet_unknown(word.text);
-                    }
-                    particles.elements.push(number);
-                }
-            }
+/// What the `k`th of `count` columns of a property is called, and what it is.
+fn column(name: &str, kind: &str, k: usize, count: usize) -> (String, Role) {
+    match (name, kind, count) {
+        ("species" | "element" | "symbol", "S", 1) => (name.to_owned(), Role::Symbol),
+        ("z" | "numbers" | "atomic_numbers", "I", 1) => (name.to_owned(), Role::Number),
+        ("pos" | "positions", _, 3) => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
+        ("color" | "colour" | "colors" | "rgb", "R", 3) => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
+        ("radius" | "radii", _, 1) => (name.to_owned(), Role::Radius),
+        _ => {
+            let named = if count == 1 { name.to_owned() } else { component(name, k) };
+            (named, if matches!(kind, "R" | "I") { Role::Other } else { Role::Text })
         }
-        particles.positions.push(position);
-        Ok(())
     }
-}
-
-/// More columns than any file has.
-const MOST_COLUMNS: usize = 4096;
-
-impl Layout {
-    /// One more column: the `k`th of several by this name.
-    fn add(&mut self, name: &str, kind: &str, k: Option<usize>, wanted: &[String]) {
-        let numbered = k.map_or_else(|| name.to_owned(), |k| format!("{name}_{}", axis(k)));
-        if kind != "S" {
-            self.has.push(numbered.clone());
-        }
-        let asked = wanted.iter().position(|w| w.eq_ignore_ascii_case(&numbered)).filter(|_| kind != "S");
-        let kind = match (name, k) {
-            ("species" | "element" | "symbol", None) if kind == "S" && !self.uses.contains(&Use::Species) => {
-                Use::Species
-            }
-            ("z" | "numbers" | "atomic_numbers", None) if kind == "I" && !self.uses.contains(&Use::Species) => {
-                Use::Number
-            }
-            ("pos" | "positions", Some(k @ 0..3)) => Use::Position(k),
-            ("radius" | "radii", None) => Use::Radius,
-            _ => asked.map_or(Use::Ignored, Use::Wanted),
-        };
-        self.uses.push(kind);
-    }
-}
-
-/// How a column of a vector is called: `forces_x`, and by its number beyond the third.
-fn axis(k: usize) -> String {
-    ["x", "y", "z"].get(k).map_or_else(|| k.to_string(), |name| (*name).to_owned())
-}
-
-/// A symbol, perhaps with a number after it (`C12`), or an atomic number.
-fn species(word: &str) -> u8 {
-    if let Ok(number) = word.parse::<u8>() {
-        return element(number).map_or(0, |_| number);
-    }
-    let letters = word.trim_end_matches(|c: char| c.is_ascii_digit() || "+-_*'".contains(c));
-    atomic_number(letters)
 }
 
 /// The `key=value` pairs of a comment, values perhaps in quotes or brackets, each with the byte its value begins at.
@@ -218,43 +140,30 @@ fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
 impl Frames for Xyz {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
-        let mut particles = Particles::default();
         self.need("comment")?;
-        let layout = self.layout(&mut particles)?;
-        particles.has.clone_from(&layout.has);
-        particles.columns = self.wanted.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
+        let (layout, cell) = self.layout()?;
+        let mut particles = Particles { cell, ..layout.begin() };
         for _ in 0..count {
             self.need("atom")?;
-            self.atom(&layout, &mut particles)?;
+            layout.row(&mut Words::of(&self.lines), &self.lines, &mut particles)?;
         }
-        particles.columns.retain(|column| {
-            column.values.len() as u64 == count && layout.has.contains(&column.name.to_ascii_lowercase())
-        });
         Ok(Some(particles))
     }
 
     fn skip(&mut self) -> Result<bool> {
         let Some(count) = self.count()? else { return Ok(false) };
         self.need("comment")?;
-        for _ in 0..count {
-            self.need("atom")?;
-        }
-        Ok(true)
+        if self.lines.pass(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
 
-/// What the tests of formats share: a place without a file.
 #[cfg(test)]
 mod tests {
+    use super::super::{Column, read_frames};
     use super::*;
-    use crate::scene::style::{Coloring, Scale, Style};
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
-        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: Default::default(), range: None, log: false };
-        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut xyz = Xyz::new(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() });
-        std::iter::from_fn(|| xyz.next().transpose()).collect()
+        read_frames(text, columns, Xyz::new)
     }
 
     #[test]
@@ -270,10 +179,18 @@ mod tests {
         let text = "1\nLattice=\"1 0 0 0 2 0 0 0 3\" Properties=pos:R:3:species:S:1:v:R:2:radius:R:1 pbc='T T F'\n1 2 3 Xx 4 5 0.5\n";
         let frame = read(text, &["V_y", "nothing"]).expect("a frame").remove(0);
         assert_eq!((frame.positions[0], frame.radii[0], frame.elements[0]), ([1.0, 2.0, 3.0], 0.5, 0));
-        assert_eq!(frame.columns, [Column { name: "V_y".into(), values: vec![5.0] }]);
+        assert_eq!(frame.columns, [Column { name: "v_y".into(), values: vec![5.0] }]);
         assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
         assert_eq!(frame.unknown.get("Xx"), Some(&1));
         assert_eq!(frame.has[3..], ["v_x", "v_y", "radius"]);
+    }
+
+    #[test]
+    fn the_length_of_a_vector_is_a_column() {
+        let text = "2\nProperties=pos:R:3:vel:R:3\n0 0 0 2 -3 6\n1 1 1 0 -4 0\n";
+        let frame = read(text, &["vel", "z"]).expect("a frame").remove(0);
+        let column = |name: &str| &frame.columns.iter().find(|c| c.name == name).expect("a column").values;
+        assert_eq!((&column("vel")[..], &column("z")[..]), (&[7.0, 4.0][..], &[0.0, 1.0][..]));
     }
 
     #[test]
@@ -283,9 +200,11 @@ mod tests {
             ("2\n\nO 0 0 0\n", "file ends"),
             ("1\n\nO 0 zero 0\n", ":3:5: y"),
             ("1\n\nO 0 inf 0\n", ":3:5: y"),
-            ("1\n\nO 0 1\n", ":3:6: atom"),
+            ("1\n\nO 0 1\n", ":3:6: z"),
             ("1\nProperties=pos:R\nO 0 1\n", ":2:12: Properties"),
             ("1\nProperties=species:S:1\nO\n", "no pos"),
+            ("1\nProperties=pos:R:3:radius:R:1:radius:R:1\n0 0 0 1 1\n", "given twice"),
+            ("1\nProperties=pos:R:99999999999999\n0 0 0 1 1\n", "columns"),
             ("1\nLattice=\"1 2\"\nO 0 0 0\n", ":2:10: Lattice"),
             ("1\nProperties=pos:R:3:radius:R:1\n0 0 0 -1\n", ":3:7: radius"),
         ] {

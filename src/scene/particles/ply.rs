@@ -1,0 +1,390 @@
+//! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and whatever else
+//! there is are left out. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
+
+use super::layout::{Layout, Role, wanted};
+use super::scalar::Scalar;
+use super::{Frames, Particles};
+use crate::error::{Error, Place, Result};
+use crate::scene::lines::{Lines, Words, short};
+use crate::scene::source::{Source, Stream};
+use crate::scene::{ReadOptions, relocate};
+use std::io::{self, BufReader, Read};
+use std::path::PathBuf;
+
+/// The reader.
+pub(super) struct Ply {
+    source: Option<Source>,
+    wanted: Vec<String>,
+    strict: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Form {
+    Text,
+    Binary { big: bool },
+}
+
+struct Element {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+struct Property {
+    name: String,
+    /// The type of the number of a list's items.
+    length: Option<Scalar>,
+    scalar: Scalar,
+}
+
+/// More properties than any file has.
+const MOST: usize = 4096;
+
+impl Ply {
+    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())?, strict: options.strict })
+    }
+
+    fn read(&self, source: Source) -> Result<Particles> {
+        let path = source.path.clone();
+        let mut lines = Lines::new(source.reader, &path);
+        let (form, elements) = header(&mut lines)?;
+        let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
+            let mend = "give a file of points";
+            return Err(Error::scene(lines.place(0).named("header"), "there is no element vertex", mend));
+        };
+        let layout = self.layout(&elements[place], &lines)?;
+        let mut particles = layout.begin();
+        for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
+            let kind = match other.name.as_str() {
+                "face" => "face",
+                "edge" => "edge",
+                _ => "other element",
+            };
+            let options = ReadOptions { strict: self.strict, ..ReadOptions::default() };
+            particles.skipped.meet(kind, &options, || lines.file().named(short(&other.name)))?;
+            if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
+                *count = count.saturating_add(other.count - 1);
+            }
+        }
+        let (before, vertices) = (&elements[..place], &elements[place]);
+        match form {
+            Form::Text => {
+                for element in before {
+                    lines.pass(element.count)?;
+                }
+                text(&mut lines, vertices, &layout, &mut particles)?;
+            }
+            Form::Binary { .. } => {
+                let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
+                for element in before {
+                    binary.pass(element)?;
+                }
+                binary.vertices(vertices, &layout, &mut particles)?;
+            }
+        }
+        Ok(particles)
+    }
+
+    /// The columns of a vertex: its properties that are no lists.
+    fn layout(&self, vertex: &Element, lines: &Lines<Stream>) -> Result<Layout> {
+        let wrong = |problem: String| {
+            let mend = "give a vertex the properties x, y and z, each property once";
+            Error::scene(lines.file().named("vertex"), problem, mend)
+        };
+        let mut layout = Layout::default();
+        let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
+        for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
+            let role = match property.name.as_str() {
+                "x" => Role::Position(0),
+                "y" => Role::Position(1),
+                "z" => Role::Position(2),
+                "radius" => Role::Radius,
+                "diameter" => Role::Diameter,
+                "red" if colored => Role::Color(0),
+                "green" if colored => Role::Color(1),
+                "blue" if colored => Role::Color(2),
+                _ => Role::Other,
+            };
+            layout.add(&property.name, role, &self.wanted).map_err(wrong)?;
+        }
+        match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
+            None => Ok(layout),
+            Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
+        }
+    }
+}
+
+/// The header, up to its end.
+fn header(lines: &mut Lines<Stream>) -> Result<(Form, Vec<Element>)> {
+    let (mut form, mut elements) = (None, Vec::<Element>::new());
+    let mut properties = 0;
+    if !lines.advance()? || lines.text().trim() != "ply" {
+        return Err(Error::scene(lines.place(0).named("header"), "this is no polygon file", "begin with the line ply"));
+    }
+    loop {
+        if !lines.advance()? {
+            let problem = "the file ends within its header";
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end it with end_header"));
+        }
+        let wrong = |what: &str| {
+            let problem = format!("`{}` {what}", short(lines.text()));
+            Error::scene(lines.place(0).named("header"), problem, "write it as the format's description does")
+        };
+        let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
+        let scalar = |name: &str| {
+            let big = form == Some(Form::Binary { big: true });
+            Scalar::of_ply(name, big).ok_or_else(|| wrong("has a type that is none"))
+        };
+        match words[..] {
+            ["format", "ascii", _] => form = Some(Form::Text),
+            ["format", "binary_little_endian", _] => form = Some(Form::Binary { big: false }),
+            ["format", "binary_big_endian", _] => form = Some(Form::Binary { big: true }),
+            ["comment" | "obj_info", ..] | [] => {}
+            ["element", name, count] if elements.len() < MOST => {
+                let count = count.parse().map_err(|_| wrong("has no whole number of elements"))?;
+                if elements.iter().any(|element| element.name == name) {
+                    return Err(wrong("stands there already"));
+                }
+                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
+            }
+            ["property", ref kind @ .., name] if properties < MOST && form.is_some() => {
+                let Some(element) = elements.last_mut() else { return Err(wrong("belongs to no element")) };
+                let (length, scalar) = match kind {
+                    ["list", length, item] => (Some(scalar(length)?).filter(|length| length.is_whole()), scalar(item)?),
+                    [kind] => (None, scalar(kind)?),
+                    _ => return Err(wrong("is no property")),
+                };
+                if length.is_none() && kind.len() == 3 {
+                    return Err(wrong("counts by a type that is no whole number"));
+                }
+                element.properties.push(Property { name: name.to_owned(), length, scalar });
+                properties += 1;
+            }
+            ["end_header"] => break,
+            _ => return Err(wrong("is no line of a header")),
+        }
+    }
+    match form {
+        Some(form) => Ok((form, elements)),
+        None => Err(Error::scene(lines.place(0).named("header"), "there is no format", "write format ascii 1.0")),
+    }
+}
+
+fn text(lines: &mut Lines<Stream>, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
+    let mut numbers = Vec::new();
+    for read in 0..element.count {
+        if !lines.advance()? {
+            return Err(truncated(lines.file(), read, element));
+        }
+        numbers.clear();
+        let mut words = Words::of(lines);
+        for property in &element.properties {
+            let need = || {
+                let place = lines.place(lines.text().len()).named(&property.name);
+                Error::scene(place, "the line ends before it", "give every property of the vertex")
+            };
+            let word = words.next().ok_or_else(need)?;
+            match property.length {
+                Some(_) => {
+                    // Each item is a word; what is counted beyond the line is not there.
+                    let count = word.finite(&property.name)?;
+                    for _ in 0..count as u64 {
+                        words.next().ok_or_else(need)?;
+                    }
+                }
+                None => numbers.push(property.light(
+                    layout,
+                    numbers.len(),
+                    match layout.role(numbers.len()) {
+                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
+                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
+                        _ => word.number(&property.name)?,
+                    },
+                )),
+            }
+        }
+        layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+    }
+    Ok(())
+}
+
+impl Property {
+    /// The value of a column: bytes of colours are sRGB, and made linear.
+    fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
+        match layout.role(column) {
+            Role::Color(_) => self.scalar.light(number),
+            _ => number,
+        }
+    }
+}
+
+fn truncated(file: Place, read: u64, element: &Element) -> Error {
+    let problem = format!("the file ends after {read} of {} vertices", element.count);
+    Error::scene(file.named("vertex"), problem, "give as many as the header announces")
+}
+
+/// What follows a header that is followed by bytes.
+struct Binary {
+    reader: BufReader<Stream>,
+    path: PathBuf,
+}
+
+impl Binary {
+    /// A number; `None` at the end of the file.
+    fn number(&mut self, scalar: Scalar) -> Result<Option<f64>> {
+        let mut bytes = [0; 8];
+        match self.reader.read_exact(&mut bytes[..scalar.size()]) {
+            Ok(()) => Ok(Some(scalar.number(&bytes))),
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+            Err(e) => Err(Error::read(&self.path, e)),
+        }
+    }
+
+    /// Passes over so many bytes; `false` where there are fewer.
+    fn skip(&mut self, bytes: u64) -> Result<bool> {
+        let passed = io::copy(&mut (&mut self.reader).take(bytes), &mut io::sink());
+        Ok(passed.map_err(|e| Error::read(&self.path, e))? == bytes)
+    }
+
+    /// Passes over a property that is no number; `false` at the end of the file.
+    fn skip_list(&mut self, length: Scalar, item: Scalar) -> Result<bool> {
+        let Some(count) = self.number(length)? else { return Ok(false) };
+        self.skip((count as u64).saturating_mul(item.size() as u64))
+    }
+
+    fn pass(&mut self, element: &Element) -> Result<()> {
+        if element.properties.iter().all(|property| property.length.is_none()) {
+            let size: usize = element.properties.iter().map(|property| property.scalar.size()).sum();
+            self.skip(element.count.saturating_mul(size as u64))?;
+            return Ok(());
+        }
+        for _ in 0..element.count {
+            for property in &element.properties {
+                let there = match property.length {
+                    Some(length) => self.skip_list(length, property.scalar)?,
+                    None => self.skip(property.scalar.size() as u64)?,
+                };
+                if !there {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn vertices(&mut self, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
+        let file = Place::file(self.path.display().to_string());
+        let mut numbers = Vec::new();
+        for read in 0..element.count {
+            numbers.clear();
+            for property in &element.properties {
+                let there = match property.length {
+                    Some(length) => self.skip_list(length, property.scalar)?,
+                    None => match self.number(property.scalar)? {
+                        Some(number) => {
+                            numbers.push(property.light(layout, numbers.len(), number));
+                            true
+                        }
+                        None => false,
+                    },
+                };
+                if !there {
+                    return Err(truncated(file, read, element));
+                }
+            }
+            let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
+            layout.numbers(&numbers, particles).map_err(placed)?;
+        }
+        Ok(())
+    }
+}
+
+impl Frames for Ply {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        self.source.take().map(|source| self.read(source)).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_frames;
+    use super::*;
+    use crate::scene::style::{Coloring, Scale, Style};
+
+    const BODY: &str = "comment by hand\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 2\n\
+        property float x\nproperty double y\nproperty short z\nproperty uchar red\nproperty uchar green\n\
+        property uchar blue\nproperty list uchar float more\nproperty int t\nelement edge 7\nproperty int a\nend_header\n";
+
+    fn header(format: &str) -> String {
+        format!("ply\nformat {format} 1.0\n{BODY}")
+    }
+
+    fn binary(big: bool) -> Vec<u8> {
+        let mut bytes = header(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes();
+        let mut put = |little: &[u8]| {
+            if big { bytes.extend(little.iter().rev()) } else { bytes.extend(little) }
+        };
+        put(&[3]);
+        [0i32, 1, 1].iter().for_each(|i| put(&i.to_le_bytes()));
+        for (x, z, red, more, t) in [(1.5f32, -2i16, 255, 0, 9), (3.0, 4, 0, 2, -9i32)] {
+            put(&x.to_le_bytes());
+            put(&0.1f64.to_le_bytes());
+            put(&z.to_le_bytes());
+            [red, 0, 128].iter().for_each(|c: &u8| put(&[*c]));
+            put(&[more]);
+            (0..more).for_each(|_| put(&7f32.to_le_bytes()));
+            put(&t.to_le_bytes());
+        }
+        bytes
+    }
+
+    fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
+        let scale = Scale { columns: vec!["t".into()], map: Default::default(), range: None, log: false };
+        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+        let mut ply = Ply::new(Source::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
+        Ok(ply.next()?.expect("one frame"))
+    }
+
+    #[test]
+    fn the_three_forms_hold_the_same() {
+        let text = header("ascii") + "3 0 1 1\n1.5 0.1 -2 255 0 128 0 9\n3 0.1 4 0 0 128 2 7 7 -9\n";
+        for bytes in [text.into_bytes(), binary(false), binary(true)] {
+            let found = read_bytes(&bytes, false).expect("points");
+            assert_eq!(found.positions, [[1.5, 0.1, -2.0], [3.0, 0.1, 4.0]]);
+            assert_eq!(found.columns[0].values, [9.0, -9.0]);
+            // IEC 61966-2-1 of 128/255.
+            assert!(found.colors[0][0] == 1.0 && (found.colors[1][2] - 0.2158605).abs() < 1e-6);
+            assert_eq!(found.skipped.kinds, [("face", 1), ("edge", 7)]);
+            assert!(read_bytes(&bytes, true).expect_err("strict").to_string().contains("a face is no sphere"));
+            let short = &bytes[..bytes.len() - 9];
+            assert!(read_bytes(short, false).is_err(), "cut short");
+        }
+        let cut = read_bytes(&binary(false)[..binary(false).len() - 9], false).map(drop).expect_err("cut short");
+        assert!(cut.to_string().contains("the file ends after 1 of 2 vertices"), "{cut}");
+    }
+
+    #[test]
+    fn faults_are_told() {
+        let points = |properties: &str, rows: &str| {
+            format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n{rows}")
+        };
+        let xyz = "property float x\nproperty float y\nproperty float z\n";
+        for (text, told) in [
+            (points(xyz, "1 2\n"), ":8:4: z"),
+            (points(xyz, "1 b 2\n"), ":8:3: y: `b`"),
+            (points(xyz, ""), "after 0 of 1 vertices"),
+            (points("property float x\n", "1\n"), "no y"),
+            (points("property half x\n", "1\n"), ":4:1: header"),
+            (points(&format!("{xyz}property float x\n"), ""), "given twice"),
+            (points(&format!("{xyz}property float radius\n"), "1 2 3 0\n"), ":9:7: radius"),
+            (points(&format!("{xyz}property list float int i\n"), ""), "no whole number"),
+            ("ply\nformat ascii 1.0\nend_header\n".into(), "no element vertex"),
+            ("ply\nelement vertex 1\n".into(), "within its header"),
+            ("ply\nwhat\n".into(), ":2:1: header: `what`"),
+        ] {
+            let error = read_frames(&text, &[], Ply::new).map(drop).expect_err(&text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

@@ -1,0 +1,467 @@
+//! The promise: whatever a file holds, a reader makes a scene of it or an error. No panic, no memory that the file does
+//! not fill, no endless work. Seeds are fixed; `HALFLINE_FUZZ_RUNS=100000` runs longer than the suite does, and
+//! `HALFLINE_FUZZ_FORMAT=ply` only one format.
+
+#![expect(unsafe_code, reason = "a global allocator that counts cannot be written without")]
+
+use flate2::Compression;
+use flate2::write::{DeflateEncoder, GzEncoder};
+use halfline::scene::style::{Coloring, Scale, Style};
+use halfline::scene::{Format, ReadOptions, Sequence};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Counts what is allocated, and the most there was at once.
+struct Counting;
+
+static LIVE: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is handed on to the system's allocator as it is.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        PEAK.fetch_max(LIVE.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: the caller's promise is handed on.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Bytes that a reader may hold beyond [`PER_BYTE`] for every byte of the file: buffers and decompressors.
+const FREE: usize = 64 << 20;
+const PER_BYTE: usize = 64;
+/// What no file of this size takes.
+const SLOWEST: Duration = Duration::from_secs(10);
+
+/// xorshift64, Marsaglia 2003.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % n.max(1) as u64) as usize
+    }
+
+    fn one<'a, T: ?Sized>(&mut self, of: &[&'a T]) -> &'a T {
+        of[self.below(of.len())]
+    }
+}
+
+/// What stands around a file's content.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wrap {
+    Plain,
+    Gzip,
+    Bzip2,
+    Stored,
+    Deflated,
+}
+
+impl Wrap {
+    fn around(self, content: &[u8]) -> Vec<u8> {
+        let deflate = |bytes: &[u8]| {
+            let mut encoder = DeflateEncoder::new(Vec::new(), Compression::fast());
+            encoder.write_all(bytes).expect("in memory");
+            encoder.finish().expect("in memory")
+        };
+        match self {
+            Self::Plain => content.to_vec(),
+            Self::Gzip => {
+                let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+                encoder.write_all(content).expect("in memory");
+                encoder.finish().expect("in memory")
+            }
+            Self::Bzip2 => {
+                let mut encoder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::fast());
+                encoder.write_all(content).expect("in memory");
+                encoder.finish().expect("in memory")
+            }
+            Self::Stored => archive(&[("positions.npy", content, None), ("radii.npy", &radii(), None)]),
+            Self::Deflated => {
+                let (positions, radii) = (deflate(content), radii());
+                let packed = deflate(&radii);
+                archive(&[("positions.npy", &positions, Some(content)), ("radii.npy", &packed, Some(&radii))])
+            }
+        }
+    }
+}
+
+/// A file of an archive: name, bytes, and what the bytes were before they were deflated.
+type Member<'a> = (&'a str, &'a [u8], Option<&'a [u8]>);
+
+/// A zip file of these members.
+fn archive(members: &[Member<'_>]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for (name, packed, content) in members {
+        let whole = content.unwrap_or(packed);
+        let mut crc = flate2::Crc::new();
+        crc.update(whole);
+        bytes.extend(b"PK\x03\x04\x14\x00\x00\x00");
+        bytes.extend([if content.is_some() { 8 } else { 0 }, 0, 0, 0, 0, 0]);
+        [crc.sum(), packed.len() as u32, whole.len() as u32].iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+        bytes.extend((name.len() as u16).to_le_bytes());
+        bytes.extend([0, 0]);
+        bytes.extend(name.as_bytes());
+        bytes.extend(*packed);
+    }
+    bytes.extend(b"PK\x05\x06");
+    bytes
+}
+
+fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+fn doubles(numbers: &[f64]) -> Vec<u8> {
+    numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn radii() -> Vec<u8> {
+    npy("'<f8'", "(2,)", &doubles(&[0.5, 1.5]))
+}
+
+fn ply(form: &str, vertices: &[u8]) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat {form} 1.0\ncomment small\nelement face 1\nproperty list uchar int i\nelement vertex 2\n\
+         property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
+         property uchar blue\nproperty list uchar uchar l\nproperty float radius\nelement edge 1\nproperty int a\n\
+         end_header\n"
+    )
+    .into_bytes();
+    bytes.extend(vertices);
+    bytes
+}
+
+const NATIVE: &str = "[camera]\neye = [0, 0, 5.5]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 20\n\
+    [image]\nsize = [120, 67]\nbackground = [0.5, 0.25, 1.0]\n\
+    [[sphere]]\ncenter = [0.1, 0x10, 3]\nradius = 2.5\ncolor = [1, 0.5, 0]\n";
+const NFF: &str = "b 0.5 0.25 1\nv\nfrom 0 0 5.5\nat 0 0 0\nup 0 1 0\nangle 20\nhither 0.01\nresolution 120 67\n\
+    l 4 3 2\ns 0 1 -1e-3 1\nf 1 0.5 0 0.8 0 100 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\nc\n0 0 0 1\n1 1 1 0\ns 0.1 16 9 2.5\n";
+const XYZ: &str = "2\nwater\nO 0 0 0\nH1 1 0 -1e-1\n1\nLattice=\"1 0 0 0 2 0 0 0 3\" \
+    Properties=species:S:1:pos:R:3:vel:R:3:radius:R:1 pbc=\"T T F\"\nFe 1 2 3 4 5 6 0.5\n";
+const PDB: &str = "HEADER    SMALL\n\
+    REMARK 350 BIOMOLECULE: 1\n\
+    REMARK 350 APPLY THE FOLLOWING TO CHAINS: A, B\n\
+    REMARK 350   BIOMT1   1  1.000000  0.000000  0.000000        0.00000\n\
+    REMARK 350   BIOMT2   1  0.000000  1.000000  0.000000        0.00000\n\
+    REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\n\
+    CRYST1   10.000   20.000   30.000  90.00 100.00  90.00 P 1           1\n\
+    MODEL        1\n\
+    ATOM      1  N  AMET A   1      27.340  24.430   2.614  0.50  9.67           N\n\
+    ATOM      2  CA BMET A   1      26.266  25.413   2.842  0.50 10.38           C\n\
+    HETATM    3 FE   HEM B   2      26.913  26.639  -3.531  1.00  9.62          FE\n\
+    ENDMDL\nMODEL        2\n\
+    ATOM      1  N   MET A   1      27.340  24.430   2.614  1.00  9.67           N\n\
+    ENDMDL\nEND\n";
+const CIF: &str = "data_SMALL\n_cell.length_a 10.0\n_cell.length_b 20\n_cell.length_c 30\n_cell.angle_alpha 90\n\
+    _cell.angle_beta 100\n_cell.angle_gamma 90\n#\nloop_\n_atom_site.group_PDB\n_atom_site.id\n\
+    _atom_site.type_symbol\n_atom_site.label_atom_id\n_atom_site.label_alt_id\n_atom_site.label_asym_id\n\
+    _atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n_atom_site.occupancy\n_atom_site.B_iso_or_equiv\n\
+    _atom_site.pdbx_PDB_model_num\nATOM 1 N N . A 1.5 2 -3 1.0 20.1 1\nATOM 2 C \"C'\" A A 4 5 6 0.5 ? 1\n\
+    HETATM 3 FE FE B B 7 8 9 0.5 3 2\n#\n_pdbx_struct_assembly_gen.assembly_id 1\n\
+    _pdbx_struct_assembly_gen.oper_expression '(1-2)(1,2)'\n_pdbx_struct_assembly_gen.asym_id_list A,B\n\
+    loop_\n_pdbx_struct_oper_list.id\n\
+    _pdbx_struct_oper_list.matrix[1][1]\n_pdbx_struct_oper_list.matrix[1][2]\n_pdbx_struct_oper_list.matrix[1][3]\n\
+    _pdbx_struct_oper_list.vector[1]\n\
+    _pdbx_struct_oper_list.matrix[2][1]\n_pdbx_struct_oper_list.matrix[2][2]\n_pdbx_struct_oper_list.matrix[2][3]\n\
+    _pdbx_struct_oper_list.vector[2]\n\
+    _pdbx_struct_oper_list.matrix[3][1]\n_pdbx_struct_oper_list.matrix[3][2]\n_pdbx_struct_oper_list.matrix[3][3]\n\
+    _pdbx_struct_oper_list.vector[3]\n1 1 0 0 0 0 1 0 0 0 0 1 0\n2 -1 0 0 1 0 -1 0 2 0 0 1 3\n\
+    _struct.title\n;a text\nof lines\n;\n";
+const GRO: &str = "Water t= 0.0\n    3\n    1SOL    OW1    1   0.126   1.624   1.679  0.1227 -0.0580  0.0434\n    \
+    1SOL    HW2    2   0.190   1.661   1.747  0.8085  0.3191 -0.7791\n    \
+    1SOL    HW3    3   0.177   1.568   1.613 -0.9045 -2.6469  1.3180\n   1.82060   1.82060   1.82060\n";
+const DUMP: &str = "ITEM: UNITS\nlj\nITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n-1 1\n0 4\n\
+    0 8\nITEM: ATOMS id type x y z vx radius\n2 1 0 1 2 -5 0.5\n1 2 3 4 5 6e1 1.5\nITEM: TIMESTEP\n8\n\
+    ITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n-3 4 -3\n0 7 2\n0 5 1\nITEM: ATOMS xs ys zs element\n\
+    0.5 0.5 0.25 Fe\n";
+const DATA: &str = "by hand\n\n2 atoms\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n0.5 0 -1 xy xz yz\n\n\
+    Masses\n\n1 1.008\n2 15.9994\n\nPair Coeffs\n\n1 1 1\n\nAtoms # full\n\n7 1 2 -0.8 1 2 3 0 0 1\n3 1 1 0.4 4 5 6 0 0 0\n\n\
+    Velocities\n\n3 0 0 9\n7 0 0 8\n";
+const CSV: &str =
+    "# a table\nname,x_km,y_km,z_km,radius_km,vx,red,green,blue\n\"a, b\",1,2,3,0.5,7,1,0.5,0\nc,4,5,6,1.5,8,0,0,1\n";
+
+/// Small files of a format that are whole.
+fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
+    let text = |texts: &[&str]| texts.iter().map(|text| (text.as_bytes().to_vec(), Wrap::Plain)).collect::<Vec<_>>();
+    let arrays = || {
+        let records = "[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('v', '<i2', (3,)), ('n', '|S2')]";
+        [
+            npy("'<f8'", "(2, 3)", &doubles(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+            npy("'<f8'", "(1, 7)", &doubles(&[1.0, 2.0, 3.0, 4.0, 0.5, 0.6, 1.0])),
+            npy("'>f8'", "(1, 4)", &doubles(&[1.0, 2.0, 3.0, 4.0])),
+            npy(records, "(2,)", &[7; 40]),
+        ]
+    };
+    match format {
+        Format::Native => text(&[NATIVE]),
+        Format::Nff => text(&[NFF]),
+        Format::Xyz => text(&[XYZ]),
+        Format::Pdb => text(&[PDB]),
+        Format::Mmcif => text(&[CIF]),
+        Format::Gro => text(&[GRO]),
+        Format::Dump => text(&[DUMP]),
+        Format::Data => text(&[DATA, &DATA.replace(" # full", "")]),
+        Format::Ply => {
+            let vertices = |big: bool| {
+                let word = |x: f32| if big { x.to_be_bytes() } else { x.to_le_bytes() };
+                let mut bytes = vec![1, 0, 0, 0, 0];
+                for _ in 0..2 {
+                    [1.0, 2.0, 3.0].iter().for_each(|x| bytes.extend(word(*x)));
+                    bytes.extend([255, 0, 7, 2, 1, 1]);
+                    bytes.extend(word(0.5));
+                }
+                bytes
+            };
+            let ascii = b"1 0\n1 2 3 255 0 7 2 1 1 0.5\n4 5 6 0 0 0 0 1.5\n0\n";
+            let forms = [
+                ply("ascii", ascii),
+                ply("binary_little_endian", &vertices(false)),
+                ply("binary_big_endian", &vertices(true)),
+            ];
+            forms.into_iter().map(|bytes| (bytes, Wrap::Plain)).collect()
+        }
+        Format::Csv => text(&[CSV, &CSV.replace(',', "\t"), "# x y z t\n1 2 3 4\n5 6 7 nan\n"]),
+        Format::Npy => arrays().into_iter().map(|bytes| (bytes, Wrap::Plain)).collect(),
+        Format::Npz => {
+            let [positions, ..] = arrays();
+            vec![(positions.clone(), Wrap::Stored), (positions, Wrap::Deflated)]
+        }
+        other => panic!("{other:?} has no seeds: write some"),
+    }
+}
+
+/// The beginnings of real files, where there are any.
+fn real(format: Format) -> Vec<(Vec<u8>, Wrap)> {
+    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
+    let folder = std::env::var_os("HALFLINE_DATA").map_or(beside, PathBuf::from);
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    let of_format = |path: &PathBuf| path.extension().is_some_and(|ending| ending == format.name());
+    let start = |path: PathBuf| {
+        let bytes = std::fs::read(path).ok()?;
+        Some((bytes[..bytes.len().min(4096)].to_vec(), Wrap::Plain))
+    };
+    paths.into_iter().filter(of_format).filter_map(start).collect()
+}
+
+/// What readers stumble over.
+const SCRAPS: [&[u8]; 40] = [
+    b"\n",
+    b"\r\n",
+    b" ",
+    b"-",
+    b"nan",
+    b"inf",
+    b"1e999",
+    b"-1e308",
+    b"1e-320",
+    b"0",
+    b"[",
+    b"]",
+    b"\"",
+    b"'",
+    b"\xff",
+    b"\xc3",
+    b"9999999999999999999",
+    b"18446744073709551615",
+    b"9223372036854775808",
+    b"4294967296",
+    b"-1",
+    b"#",
+    b",",
+    b";",
+    b"\t",
+    b"\0",
+    b"(",
+    b"{",
+    b"ITEM:",
+    b"element vertex 99999999999",
+    b"property list int int q",
+    b"p 3",
+    b"loop_",
+    b"_atom_site.",
+    b"ATOM",
+    b"Atoms",
+    b"MODEL",
+    b"Properties=pos:R:4000000000",
+    b"'",
+    b"0x",
+];
+
+/// Damages bytes in the ways that files are damaged.
+fn damage(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
+    let at = random.below(bytes.len() + 1);
+    let to = (at + random.below(16)).min(bytes.len());
+    let lines = |bytes: &[u8], from: usize| {
+        bytes[from..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |k| from + k + 1)
+    };
+    match random.below(12) {
+        0 => bytes.truncate(at),
+        1 => drop(bytes.drain(at..to)),
+        2 => bytes.extend_from_within(at..to),
+        3 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+        4 if at < bytes.len() => bytes[at] = random.below(256) as u8,
+        5 => {
+            // Another digit for a digit.
+            let digits: Vec<usize> = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit()).collect();
+            if !digits.is_empty() {
+                bytes[digits[random.below(digits.len())]] = b'0' + random.below(10) as u8;
+            }
+        }
+        6 => {
+            // A scrap for a number.
+            let digit = (at..bytes.len()).find(|k| bytes[*k].is_ascii_digit()).unwrap_or(at);
+            let end = (digit..bytes.len()).find(|k| !b"0123456789.+-eE".contains(&bytes[*k])).unwrap_or(bytes.len());
+            drop(bytes.splice(digit..end, random.one(&SCRAPS).iter().copied()));
+        }
+        7 => {
+            // A line many times over.
+            let end = lines(bytes, at);
+            let block = bytes[at..end].repeat(1 + random.below(64));
+            drop(bytes.splice(end..end, block));
+        }
+        8 => drop(bytes.drain(at..lines(bytes, at))),
+        9 => {
+            // A piece of another file.
+            let from = random.below(other.len() + 1);
+            let piece = &other[from..(from + random.below(200)).min(other.len())];
+            drop(bytes.splice(at..at, piece.iter().copied()));
+        }
+        10 => {
+            // Largest and smallest words.
+            let word = random.one(&[&[0xff; 8][..], &[0; 8], &[0xff, 0xff, 0xff, 0x7f], &[0, 0, 0, 0x80]]);
+            let end = (at + word.len()).min(bytes.len());
+            bytes[at..end].copy_from_slice(&word[..end - at]);
+        }
+        _ => drop(bytes.splice(at..at, random.one(&SCRAPS).iter().copied())),
+    }
+}
+
+/// Options that make the readers go other ways.
+fn options(format: Format, random: &mut Random) -> ReadOptions {
+    let mut options = ReadOptions { frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
+    options.format = (random.below(4) > 0).then_some(format);
+    options.strict = random.below(8) == 0;
+    if random.below(2) == 0 {
+        let columns = ["vx", "vel", "radius", "z", "id", "red", "b_iso_or_equiv", "bfactor", "t", "x"];
+        let columns = (0..=random.below(3)).map(|_| random.one(&columns).to_owned()).collect();
+        let scale = Scale { columns, map: Default::default(), range: None, log: random.below(2) == 0 };
+        options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+    }
+    match random.below(8) {
+        0 => options.model = Some(random.below(4) as i64),
+        1 => options.altloc = ["highest", "A"][random.below(2)].parse().expect("an alternate location"),
+        2 => options.assembly = Some("1".into()),
+        3 => options.frames = "2-".parse().expect("frames"),
+        _ => {}
+    }
+    options
+}
+
+/// Reads all of a file; whether there was something.
+fn read(path: &Path, options: &ReadOptions) -> bool {
+    let Ok(mut sequence) = Sequence::open(path, options) else { return false };
+    let mut found = false;
+    while let Ok(Some(shot)) = sequence.next_scene() {
+        shot.scene.check().expect("what is read can be rendered");
+        found = true;
+    }
+    found
+}
+
+#[test]
+fn nothing_makes_a_reader_panic_or_grow() {
+    let runs: usize = std::env::var("HALFLINE_FUZZ_RUNS").map_or(300, |runs| runs.parse().expect("a number of runs"));
+    let only = std::env::var("HALFLINE_FUZZ_FORMAT").ok();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("fuzzed");
+    let all: Vec<_> = Format::ALL.iter().flat_map(|format| seeds(*format)).collect();
+    panic::set_hook(Box::new(|_| {}));
+    let mut failures = Vec::new();
+    for format in Format::ALL.iter().copied().filter(|format| only.as_deref().is_none_or(|only| only == format.name()))
+    {
+        let mut seeds = seeds(format);
+        for (bytes, wrap) in seeds.clone() {
+            std::fs::write(&path, wrap.around(&bytes)).expect("a temporary file");
+            let options = ReadOptions { format: Some(format), ..ReadOptions::default() };
+            assert!(read(&path, &options), "the seed of {format:?} is a file of it");
+        }
+        if seeds[0].1 == Wrap::Plain {
+            seeds.extend([(seeds[0].0.clone(), Wrap::Gzip), (seeds[0].0.clone(), Wrap::Bzip2)]);
+        }
+        seeds.extend(real(format));
+        let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ format.name().len() as u64);
+        let (begun, mut read_some, mut most) = (Instant::now(), 0, 0);
+        for run in 0..runs {
+            let (content, wrap) = &seeds[random.below(seeds.len())];
+            let mut content = content.clone();
+            let inside = *wrap == Wrap::Plain || random.below(2) == 0;
+            let mut bytes = if inside { Vec::new() } else { wrap.around(&content) };
+            let target = if inside { &mut content } else { &mut bytes };
+            for _ in 0..=random.below(4) {
+                let other = &all[random.below(all.len())].0;
+                damage(target, other, &mut random);
+            }
+            let bytes = if inside { wrap.around(&content) } else { bytes };
+            std::fs::write(&path, &bytes).expect("a temporary file");
+            let options = options(format, &mut random);
+            let (started, live) = (Instant::now(), LIVE.load(Relaxed));
+            PEAK.store(live, Relaxed);
+            let outcome = panic::catch_unwind(AssertUnwindSafe(|| read(&path, &options)));
+            let grown = PEAK.load(Relaxed).saturating_sub(live);
+            most = most.max(grown);
+            read_some += usize::from(*outcome.as_ref().unwrap_or(&false));
+            let fault = match outcome {
+                Err(panic) => {
+                    let text = panic.downcast_ref::<String>().cloned();
+                    text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned()))
+                }
+                Ok(_) if grown > FREE + PER_BYTE * bytes.len() => Some(format!("{grown} bytes were held")),
+                Ok(_) if started.elapsed() > SLOWEST => Some(format!("it took {:?}", started.elapsed())),
+                Ok(_) => None,
+            };
+            if let Some(fault) = fault {
+                let hex: String = bytes.iter().take(8192).map(|byte| format!("{byte:02x}")).collect();
+                failures.push(format!(
+                    "{} run {run}: {fault}; {options:?}; {} bytes {hex}",
+                    format.name(),
+                    bytes.len()
+                ));
+            }
+        }
+        println!(
+            "{:>5}: {runs} runs in {:.1} s, {read_some} of them read, at most {} KiB held",
+            format.name(),
+            begun.elapsed().as_secs_f64(),
+            most >> 10
+        );
+    }
+    drop(panic::take_hook());
+    assert!(
+        failures.is_empty(),
+        "{} failures, the first:\n{}",
+        failures.len(),
+        failures[..failures.len().min(3)].join("\n")
+    );
+}
