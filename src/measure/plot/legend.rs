@@ -2,6 +2,7 @@
 
 use super::Plot;
 use super::canvas::plain;
+use super::look::FONT;
 use crate::scene::style::{ColorMap, Legend};
 use std::fmt::Write;
 
@@ -26,7 +27,7 @@ impl Legend {
         let [width, height] = SIZE;
         let [left, top, wide, high] = BAR;
         let mut svg = format!(
-            "<svg width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\" font-family=\"sans-serif\">"
+            "<svg width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\" font-family=\"{FONT}\">"
         );
         let mut add = |text: std::fmt::Arguments<'_>| {
             // A string takes whatever is written.
@@ -89,6 +90,10 @@ mod tests {
         for part in ["a&lt;b (logarithmic)", ">1<", ">10<", ">100<", "#440154", "#fde725"] {
             assert!(plot.svg.contains(part), "{part} in {}", plot.svg);
         }
-        assert!(plot.png().expect("a picture").starts_with(b"\x89PNG"));
+        // Numbers are drawn too: dark pixels under the bar's marks, in a picture of twice the size.
+        let picture = image::load_from_memory(&plot.png().expect("a picture")).expect("a PNG").to_luma8();
+        let below = 2 * (BAR[1] + BAR[3] + 6.0) as u32;
+        let dark = picture.enumerate_pixels().filter(|(_, y, p)| *y >= below && p.0[0] < 64).count();
+        assert!(dark > 50, "{dark} dark pixels in the numbers");
     }
 }
