@@ -227,10 +227,6 @@ pub(super) enum Regime {
     Edge,
     /// So far and small that the host's rounding of the projected centre counts.
     Tiny,
-    /// Parallel rays: spheres of any size before them.
-    Parallel,
-    /// So small and far that the host's rounding of where they are counts.
-    ParallelTiny,
     /// Across the eye plane or beside the eye.
     Beside,
     /// Likewise, through a wide lens.
@@ -247,6 +243,10 @@ pub(super) enum Regime {
     Center,
     /// The eye close to a surface, looking to or from the centre through a long lens: p.d hardly changes.
     Axis,
+    /// Parallel rays: spheres of any size before them.
+    Parallel,
+    /// So small and far that the host's rounding of where they are counts.
+    ParallelTiny,
 }
 
 impl Regime {
