@@ -446,7 +446,10 @@ fn slips_through(scene: &Scene) -> Option<String> {
         false => "a nearer --eye, a smaller --vfov",
     };
     (largest > 0.0 && largest < std::f64::consts::SQRT_2).then(|| {
-        format!("the largest sphere in view is {largest:.1e} pixels across and slips between the rays: {mend} or a larger --size shows it")
+        format!(
+            "the largest sphere in view is {largest:.1e} pixels across and slips between the rays: \
+             {mend} or a larger --size shows it"
+        )
     })
 }
 

@@ -59,6 +59,7 @@ fn what_a_file_or_a_variable_cannot_mean_is_refused_where_it_stands() {
     let missing = [("HALFLINE_CONFIG", "missing.toml")];
     desk.refused_with(8, "one.xyz -o a.png", &missing, &["missing.toml"]);
     desk.refused_with(2, "one.xyz -o a.png", &[("HALFLINE_SAMPLES", "0")], &["--samples", "0"]);
+    desk.refused(2, "one.xyz -o a.png --samples 0", &["--samples", "0"]);
 }
 
 /// A preference for how renderings are computed does not soften what two files are judged by.

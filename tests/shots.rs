@@ -4,7 +4,8 @@
 #[path = "common/desk.rs"]
 mod desk;
 
-use desk::Desk;
+use desk::{Desk, Said};
+use std::io::Write;
 
 /// Spheres of several sizes, away from the origin.
 const PILE: &str = "x,y,z,radius\n1,2,3,0.5\n4,2,3,1\n2,6,-1,0.25\n-3,1,8,0.7\n0,0,0,0.9\n5,-2,4,0.3\n";
@@ -17,6 +18,12 @@ const NATIVE: &str = "[camera]\neye = [0, 0, 0]\nview = [0, 0, 1]\nup = [0, 1, 0
 [[sphere]]\ncenter = [0, 3, -9]\nradius = 1\n";
 
 const CELL: &str = "2\nLattice=\"4 0 0 0 5 0 0 0 6\" Properties=species:S:1:pos:R:3\nC 0.5 0.5 0.5\nO 2 2 2\n";
+
+/// The objects that were printed, one a line.
+fn json(said: &Said) -> Vec<serde_json::Value> {
+    let text = std::str::from_utf8(&said.out).expect("UTF-8");
+    text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e} in {line}"))).collect()
+}
 
 fn desk() -> Desk {
     Desk::new(&[("pile.csv", PILE), ("frames.xyz", FRAMES), ("native.toml", NATIVE), ("cell.xyz", CELL)])
@@ -72,6 +79,7 @@ fn fit_frames_what_has_a_camera_and_keeps_its_direction() {
     // Seen along +z, the sphere at z = -9 shows its side at -10.
     assert!((nearest + 10.0).abs() < 1e-2, "{nearest}");
     desk.refused(2, "native.toml --fit --eye 0,0,5 -o a.png", &["--fit", "--eye"]);
+    desk.refused(3, "native.toml --fit --at 0,0,0 -o a.png", &["camera.at", "same point"]);
 }
 
 #[test]
@@ -80,7 +88,7 @@ fn what_is_too_small_for_a_pixel_is_told_with_its_size() {
     desk.put("far.csv", "x,y,z,radius\n0,0,0,1\n1e6,0,0,1\n-1e6,0,0,1\n");
     for (words, mend) in [("", "--vfov"), (" --ortho", "--ortho")] {
         let said = desk.render(&format!("far.csv --size 64x64 --json{words}"));
-        let warning = said.json()[0]["warnings"].as_array().expect("warnings").last().expect("one").to_string();
+        let warning = json(&said)[0]["warnings"].as_array().expect("warnings").last().expect("one").to_string();
         let across: f64 =
             warning.split("is ").find_map(|t| t.split_once(" pixels across")?.0.parse().ok()).expect("pixels");
         // Two across 2.08e6 in 64 pixels of a framed view; perspective sees the middle one a little smaller or larger.
@@ -93,7 +101,7 @@ fn what_is_too_small_for_a_pixel_is_told_with_its_size() {
 fn a_spin_shows_all_of_it_from_every_side() {
     let desk = desk();
     let said = desk.render("pile.csv --spin 5 --size 150x110 --aov mask=m%d.npy -o p%02d.png --json");
-    let numbers: Vec<_> = said.json().iter().map(|report| report["number"].as_u64()).collect();
+    let numbers: Vec<_> = json(&said).iter().map(|report| report["number"].as_u64()).collect();
     assert_eq!(numbers, (1..=5).map(Some).collect::<Vec<_>>());
     let mut pictures: Vec<_> = (1..=5).map(|n| desk.get(&format!("p{n:02}.png"))).collect();
     for n in 1..=5 {
@@ -121,7 +129,7 @@ fn a_frame_alone_is_the_frame_among_the_others() {
     for (options, name) in [("", "a"), (" --spin 12", "b"), (" --color-by x", "c")] {
         let options = format!("--size 60x40{options} --aov mask={name}%d.npy");
         let said = desk.render(&format!("frames.xyz --frames 2-9 {options} -o {name}.%03d.png --json"));
-        let numbers: Vec<_> = said.json().iter().map(|report| report["number"].as_u64()).collect();
+        let numbers: Vec<_> = json(&said).iter().map(|report| report["number"].as_u64()).collect();
         assert_eq!(numbers, [Some(2), Some(3)], "the file ends with 3");
         let together = desk.files();
         for n in [2, 3] {
@@ -157,7 +165,7 @@ fn several_pictures_need_several_names_and_frames_that_are_there() {
 #[test]
 fn copies_clips_and_outlines_are_counted() {
     let desk = desk();
-    let count = |words: &str| desk.render(&format!("{words} --size 24x24 --json")).json()[0]["spheres"].as_u64();
+    let count = |words: &str| json(&desk.render(&format!("{words} --size 24x24 --json")))[0]["spheres"].as_u64();
     assert_eq!(count("cell.xyz --copies 3,2,4"), Some(2 * 24));
     // Centres at x = 0.5, 2 and, a cell of 4 farther, 4.5, 6.
     assert_eq!(count("cell.xyz --copies 2,1,1 --clip 1,0,0,2"), Some(2));
@@ -211,17 +219,12 @@ fn compressed_and_piped_is_the_same() {
     };
     let plain = render("frames.xyz --frames 2", b"");
     assert!(plain.starts_with(b"\x89PNG"));
-    let squeezed = |mut writer: Box<dyn FnMut(&[u8]) -> Vec<u8>>| writer(FRAMES.as_bytes());
-    let gz = squeezed(Box::new(|bytes| {
-        let mut coder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-        std::io::Write::write_all(&mut coder, bytes).expect("memory");
-        coder.finish().expect("memory")
-    }));
-    let bz2 = squeezed(Box::new(|bytes| {
-        let mut coder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::default());
-        std::io::Write::write_all(&mut coder, bytes).expect("memory");
-        coder.finish().expect("memory")
-    }));
+    let mut coder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    coder.write_all(FRAMES.as_bytes()).expect("memory");
+    let gz = coder.finish().expect("memory");
+    let mut coder = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::default());
+    coder.write_all(FRAMES.as_bytes()).expect("memory");
+    let bz2 = coder.finish().expect("memory");
     desk.put("f.xyz.gz", &gz);
     desk.put("f.xyz.bz2", &bz2);
     // Neither name nor content tells an xyz that is piped from a table.

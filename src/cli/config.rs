@@ -34,7 +34,8 @@ const NAMES: [&str; 20] = [
     "unit",
 ];
 
-/// The commands that they are set for; what `compare` tolerates is a judgement, which a file of preferences must not soften.
+/// The commands that they are set for; what `compare` tolerates is a judgement, which a file of preferences must not
+/// soften.
 const COMMANDS: [&str; 3] = ["render", "plan", "measure"];
 
 /// The configuration file's words by the options' names.
@@ -52,7 +53,8 @@ impl Config {
     /// Of this process.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Settings`] with the place of what cannot be meant.
+    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Settings`] with the place of what cannot be
+    /// meant.
     pub(super) fn load() -> Result<Self> {
         let named = env::var_os("HALFLINE_CONFIG").filter(|name| !name.is_empty()).map(PathBuf::from);
         let home = || Some(PathBuf::from(env::var_os("HOME")?).join(".config"));

@@ -57,6 +57,8 @@ impl Scene {
             return Ok(());
         }
         if let Look::At(at) = self.camera.look {
+            // A point that gives no direction is told as what it is.
+            self.camera.basis()?;
             self.camera.look = Look::View(at - self.camera.eye);
         }
         let basis = self.camera.basis()?;

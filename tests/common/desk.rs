@@ -46,7 +46,7 @@ impl Desk {
     /// Runs halfline with words, variables and standard input; the words are parted by spaces.
     pub(crate) fn run_with(&self, words: &str, environment: &[(&str, &str)], input: &[u8]) -> Said {
         let mut command = Command::new(env!("CARGO_BIN_EXE_halfline"));
-        command.args(words.split(' ')).current_dir(self.0.path());
+        command.args(words.split_whitespace()).current_dir(self.0.path());
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALFLINE_")) {
             command.env_remove(name);
         }
@@ -94,13 +94,5 @@ impl Desk {
         let array = Array::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
         let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(Number::to_f64).collect();
         (values, array.shape().to_vec())
-    }
-}
-
-impl Said {
-    /// The objects that were printed, one a line.
-    pub(crate) fn json(&self) -> Vec<serde_json::Value> {
-        let text = String::from_utf8(self.out.clone()).expect("UTF-8");
-        text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e} in {line}"))).collect()
     }
 }
