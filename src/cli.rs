@@ -5,6 +5,7 @@ mod bar;
 mod compare;
 mod config;
 mod file_args;
+mod legend;
 mod lines;
 mod measure;
 mod merge;
@@ -49,7 +50,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
 /// clap refuses, it says itself, and exits with 2.
 pub(crate) fn arguments() -> Result<Arguments> {
-    let command = config::Config::load()?.apply(Arguments::command());
+    let command = config::Config::load()?.apply(Arguments::command())?;
     let mut matches = command.clone().get_matches();
     Arguments::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command.clone()).exit())
 }

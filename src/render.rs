@@ -23,6 +23,7 @@ use crate::scene::{Scene, point};
 use crate::settle::{self, Settled};
 use crate::shade;
 use crate::window::Window;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -416,12 +417,40 @@ fn warnings(scene: &Scene, window: Option<Window>, hits: u64, expected: Option<S
             Look::View(view) => format!("along {}", point(view)),
         };
         warnings.push(format!(
-            "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; --fit frames them",
+            "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; {}",
             point(scene.camera.eye),
-            scene.spheres.extent()
+            scene.spheres.extent(),
+            slips_through(scene).unwrap_or_else(|| "--fit frames them".into())
         ));
     }
     warnings
+}
+
+/// How small the spheres in view are and what would show them, where that is why no ray meets one: a disc that is sqrt(2)
+/// pixels across holds the centre of one wherever it lies, a smaller one may lie between them.
+fn slips_through(scene: &Scene) -> Option<String> {
+    let (camera, image) = (&scene.camera, &scene.image);
+    let (basis, v) = (camera.basis().ok()?, camera.viewport(image.width, image.height).ok()?);
+    let pixel = (v.vw / f64::from(image.width)).max(v.vh / f64::from(image.height));
+    let across = |center: &[f64; 3], radius: f64| {
+        let c = DVec3::from_array(*center) - basis.e;
+        let depth = -c.dot(basis.w);
+        let scale = if v.is_parallel() { 1.0 } else { depth / v.d };
+        let inside = 2.0 * c.dot(basis.u).abs() <= v.vw * scale && 2.0 * c.dot(basis.v).abs() <= v.vh * scale;
+        (depth > 0.0 && inside).then(|| 2.0 * radius / (pixel * scale))
+    };
+    let spheres = scene.spheres.centers.par_iter().zip(&scene.spheres.radii);
+    let largest = spheres.filter_map(|(center, radius)| across(center, *radius)).reduce(|| 0.0, f64::max);
+    let mend = match v.is_parallel() {
+        true => "a smaller --ortho",
+        false => "a nearer --eye, a smaller --vfov",
+    };
+    (largest > 0.0 && largest < std::f64::consts::SQRT_2).then(|| {
+        format!(
+            "the largest sphere in view is {largest:.1e} pixels across and slips between the rays: \
+             {mend} or a larger --size shows it"
+        )
+    })
 }
 
 #[cfg(test)]

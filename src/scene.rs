@@ -126,7 +126,12 @@ impl Spheres {
 
 /// A point in words.
 pub(crate) fn point(p: DVec3) -> String {
-    format!("({}, {}, {})", p.x, p.y, p.z)
+    // Written out, a number of the solar system's scale fits a line and one near the ends of f64 does not.
+    let number = |x: f64| match x.abs() {
+        size if size == 0.0 || (1e-9..1e16).contains(&size) => x.to_string(),
+        _ => format!("{x:e}"),
+    };
+    format!("({}, {}, {})", number(p.x), number(p.y), number(p.z))
 }
 
 /// What a reader met that is no sphere, counted by kind, in the file's order of first meeting; and what it assumed.

@@ -7,7 +7,12 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 /// Lists every adapter: driver, limits, subgroups, f64, and what its arithmetic was measured to be.
+///
+/// Examples:
+///   halfline adapters
+///   halfline adapters --json --retest
 #[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
 pub(crate) struct Adapters {
     /// Prints one JSON object.
     #[arg(long)]

@@ -13,7 +13,12 @@ use std::process::ExitCode;
 ///
 /// NaN equals NaN and an infinity equals itself. Against anything else they differ infinitely, beyond any tolerance.
 /// Frames of different shapes, and PNGs of 8 and of 16 bits, are different.
+///
+/// Examples:
+///   halfline compare expected.png actual.png -o difference.png
+///   halfline compare expected.npy actual.npy --tolerance 1e-6 --json
 #[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
 pub(crate) struct Compare {
     /// The expected frame; `-` is standard input.
     a: PathBuf,

@@ -3,7 +3,8 @@
 //! A flag beats the variable `HALFLINE_NAME`, which beats the file's `name`, which beats the default. The file is
 //! `$HALFLINE_CONFIG`, or else `halfline/config.toml` in `$XDG_CONFIG_HOME` (`~/.config`), if it is there.
 
-use clap::{Arg, Command};
+use clap::builder::BoolishValueParser;
+use clap::{Arg, ArgAction, Command};
 use halfline::error::{Error, Place, Result};
 use std::collections::BTreeMap;
 use std::env;
@@ -33,15 +34,27 @@ const NAMES: [&str; 20] = [
     "unit",
 ];
 
-/// The configuration file's words.
+/// The commands that they are set for; what `compare` tolerates is a judgement, which a file of preferences must not
+/// soften.
+const COMMANDS: [&str; 3] = ["render", "plan", "measure"];
+
+/// The configuration file's words by the options' names.
 #[derive(Debug, Default)]
-pub(super) struct Config(BTreeMap<String, String>);
+pub(super) struct Config(BTreeMap<String, Word>);
+
+/// What a file says of an option, and where.
+#[derive(Debug)]
+struct Word {
+    text: String,
+    place: Place,
+}
 
 impl Config {
     /// Of this process.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Scene`] with the place of what cannot be meant.
+    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Settings`] with the place of what cannot be
+    /// meant.
     pub(super) fn load() -> Result<Self> {
         let named = env::var_os("HALFLINE_CONFIG").filter(|name| !name.is_empty()).map(PathBuf::from);
         let home = || Some(PathBuf::from(env::var_os("HOME")?).join(".config"));
@@ -53,12 +66,13 @@ impl Config {
     }
 
     fn parse(text: &str, file: &str) -> Result<Self> {
-        let fail = |start: usize, problem: &str, mend: String| {
+        let place = |start: usize| {
             let before = &text[..start.min(text.len())];
             let line = before.matches('\n').count() as u64 + 1;
             let column = before.chars().rev().take_while(|c| *c != '\n').count() as u64 + 1;
-            Error::scene(Place::file(file).at(line, column), problem, mend)
+            Place::file(file).at(line, column)
         };
+        let fail = |start: usize, problem: &str, mend: String| wrong(&place(start), problem, mend);
         let table = toml::de::DeTable::parse(text).map_err(|e| {
             let message = e.message().lines().collect::<Vec<_>>().join(", ");
             fail(e.span().map_or(0, |span| span.start), &message, "mend the TOML there".into())
@@ -84,31 +98,65 @@ impl Config {
                     ));
                 }
             };
-            words.insert(name, word);
+            words.insert(name, Word { text: word, place: place(start) });
         }
         Ok(Self(words))
     }
 
     /// The command whose options know of the environment and of this file.
-    pub(super) fn apply(&self, command: Command) -> Command {
-        let names: Vec<String> = command.get_subcommands().map(|part| part.get_name().to_owned()).collect();
-        names.into_iter().fold(command, |command, name| {
-            command.mut_subcommand(name, |part| part.mut_args(|argument| self.option(argument)))
-        })
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the place of a word that its option does not take.
+    pub(super) fn apply(&self, command: Command) -> Result<Command> {
+        let mut fault = Ok(());
+        let mut option = |argument: Arg| {
+            let (argument, checked) = self.option(argument);
+            fault = std::mem::replace(&mut fault, Ok(())).and(checked);
+            argument
+        };
+        let known = COMMANDS
+            .into_iter()
+            .fold(command, |command, name| command.mut_subcommand(name, |part| part.mut_args(&mut option)));
+        fault.map(|()| known)
     }
 
-    fn option(&self, argument: Arg) -> Arg {
+    fn option(&self, argument: Arg) -> (Arg, Result<()>) {
         let Some(name) = argument.get_long().filter(|name| NAMES.contains(name)).map(str::to_owned) else {
-            return argument;
+            return (argument, Ok(()));
+        };
+        // People write 1 and yes into variables too.
+        let argument = match argument.get_action() {
+            ArgAction::SetTrue => argument.value_parser(BoolishValueParser::new()),
+            _ => argument,
         };
         let argument = argument.env(format!("HALFLINE_{}", name.to_uppercase().replace('-', "_")));
         // Help names the variable, not what it holds: a manual is the same on every machine.
         let argument = argument.hide_env_values(true);
         match self.0.get(&name) {
-            Some(word) => argument.default_value(word.clone()),
-            None => argument,
+            Some(word) => match word.check(&name, &argument) {
+                Ok(()) => (argument.default_value(word.text.clone()), Ok(())),
+                fault => (argument, fault),
+            },
+            None => (argument, Ok(())),
         }
     }
+}
+
+impl Word {
+    /// Whether the option takes it: clap would say what is wrong, but not where.
+    fn check(&self, name: &str, argument: &Arg) -> Result<()> {
+        let alone = Arg::new("word").value_parser(argument.get_value_parser().clone()).allow_hyphen_values(true);
+        let taken = Command::new("config").no_binary_name(true).arg(alone).try_get_matches_from([&self.text]);
+        taken.map(drop).map_err(|error| {
+            let why = std::error::Error::source(&error).map_or_else(String::new, |why| format!(": {why}"));
+            let problem = format!("`{}` is no value of {name}{why}", self.text);
+            wrong(&self.place, &problem, format!("write what --{name} takes on the command line"))
+        })
+    }
+}
+
+fn wrong(place: &Place, problem: &str, mend: String) -> Error {
+    Error::settings(format!("{place}: {problem}"), mend)
 }
 
 #[cfg(test)]
@@ -121,7 +169,8 @@ mod tests {
     fn a_flag_beats_the_file() {
         let config = Config::parse("backend = \"cpu\"\nsearch = \"all\"\nradius_scale = 2\n", "c.toml").expect("good");
         let of = |arguments: &[&str], id: &str| {
-            let matches = config.apply(Arguments::command()).try_get_matches_from(arguments).expect("good");
+            let matches =
+                config.apply(Arguments::command()).expect("words").try_get_matches_from(arguments).expect("good");
             let raw = matches.subcommand().expect("render").1.get_raw(id).expect("a value").next().expect("one");
             raw.to_string_lossy().into_owned()
         };

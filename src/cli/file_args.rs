@@ -3,6 +3,7 @@
 use super::read_args::color;
 use super::shots::{check_pattern, numbered};
 use clap::Args;
+use clap::builder::ArgPredicate;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::frame::file::{Target, is_standard};
@@ -33,7 +34,8 @@ pub(super) struct FileArgs {
     #[arg(long, value_name = "V", default_value = "inf")]
     no_return: NoReturn,
     /// Renders before nothing: colour is black behind the spheres, and alpha goes beside it into .png, .exr and .npz.
-    #[arg(long)]
+    // A background on the command line beats a file that always wants none.
+    #[arg(long, default_value_if("background", ArgPredicate::IsPresent, "false"))]
     transparent: bool,
     /// The colour of a ray that hits nothing: #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, value_name = "C", value_parser = color, conflicts_with = "transparent")]
@@ -70,6 +72,11 @@ impl FileArgs {
             ));
         }
         files.into_iter().map(|(path, aovs)| self.target(&aovs, &numbered(path, number))).collect()
+    }
+
+    /// Whether a buffer goes to `path`.
+    pub(super) fn writes(&self, path: &Path) -> Result<bool> {
+        Ok(self.named()?.iter().any(|(_, other)| place(other) == place(path)))
     }
 
     /// Refuses names that several pictures would bear.

@@ -53,7 +53,7 @@ pub(super) struct ReadArgs {
     /// Makes the logarithm of the numbers even along the map.
     #[arg(long, requires = "color_by")]
     log: bool,
-    /// Where the legend of the map is written: .svg or .png.
+    /// Where the legend of the map is written: .svg or .png; of several frames without --range with %d, as -o.
     #[arg(long, value_name = "FILE", requires = "color_by")]
     pub(super) legend: Option<PathBuf>,
     /// Periodic copies along the edges of the file's cell, the spheres themselves included.
@@ -95,6 +95,16 @@ impl ReadArgs {
     /// The frames of a sequence that are named.
     pub(super) fn frames(&self) -> Option<&FrameRange> {
         self.frames.as_ref()
+    }
+
+    /// Whether colours come from numbers, which have a legend.
+    pub(super) fn has_legend(&self) -> bool {
+        matches!(self.options().style.coloring, Coloring::Column(_))
+    }
+
+    /// Whether several frames each have a legend of their own.
+    pub(super) fn has_many_legends(&self) -> bool {
+        self.range.is_none() && self.frames.as_ref().is_some_and(|frames| frames.count() > 1)
     }
 
     /// What is done to the spheres.

@@ -4,22 +4,20 @@ use super::bar::Bar;
 use super::lines::Talk;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
-use super::shots::{Numbered, Shots, numbered};
-use super::{go_on, say};
+use super::shots::{Numbered, Shots};
+use super::{go_on, legend, say};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::frame::file::{Target, write_atomically};
+use halfline::frame::file::Target;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
 use halfline::plan::{Accuracy, Backend, Settings};
 use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::scene::Scene;
-use halfline::scene::style::Legend;
 use rayon::prelude::*;
 use std::io::Write;
 use std::num::NonZeroU32;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// Renders a scene: a picture, and the buffers beside it that are asked for.
@@ -95,9 +93,6 @@ impl Render {
         let scene = &shot.scene;
         let settings = &Settings { window: self.asked.window(scene)?, ..settings.clone() };
         let mut targets = self.asked.files.targets(shot.number)?;
-        if let (Some(path), Some(legend)) = (&self.asked.read.legend, &shot.legend) {
-            write_legend(&numbered(path, shot.number), legend)?;
-        }
         if self.resume && !targets.is_empty() {
             let report = renderer.foresee(scene, settings)?;
             let origin = Origin::new(scene, settings, &report, settings.window_of(scene)?);
@@ -107,6 +102,7 @@ impl Render {
                 bar.aside(|| {
                     say(format_args!("{which}already there: every file is whole and from this very rendering"));
                 });
+                self.write_legend(shot)?;
                 return self.tell(&Report { resumed: true, number: shot.number, ..report }).map(|()| false);
             }
         }
@@ -124,6 +120,7 @@ impl Render {
         if !targets.is_empty() {
             write(&frame, &targets, &Origin::new(scene, settings, &frame.report, frame.window))?;
         }
+        self.write_legend(shot)?;
         if let Some(preview) = self.preview {
             preview.show(&frame);
         }
@@ -149,6 +146,13 @@ impl Render {
         Ok(frame)
     }
 
+    fn write_legend(&self, shot: &Numbered) -> Result<()> {
+        match (legend::file(&self.asked, shot.number)?, &shot.legend) {
+            (Some(path), Some(legend)) => legend::write(legend, &path),
+            _ => Ok(()),
+        }
+    }
+
     /// Prints the report, if it is asked for.
     fn tell(&self, report: &Report) -> Result<()> {
         if !self.json {
@@ -169,6 +173,7 @@ impl Render {
     fn ready(&self, shots: &mut Shots<'_>) -> Result<Option<Numbered>> {
         let Some(shot) = shots.next_shot()? else { return Ok(None) };
         self.asked.files.targets(shot.number)?.iter().try_for_each(Target::check)?;
+        legend::file(&self.asked, shot.number)?;
         shot.scene.check()?;
         Ok(Some(shot))
     }
@@ -179,6 +184,7 @@ impl Render {
         if self.asked.is_many() {
             self.asked.files.check_many()?;
         }
+        legend::check(&self.asked)?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "nothing is asked for";
             return Err(Error::settings(problem, "name a picture with -o, a buffer with --aov, or --json"));
@@ -195,18 +201,4 @@ impl Render {
 fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
     let each = |target: &Target| if go_on() { target.write(frame, origin) } else { Err(Error::Interrupted) };
     targets.par_iter().try_for_each(each)
-}
-
-fn write_legend(path: &Path, legend: &Legend) -> Result<()> {
-    let plot = legend.plot();
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let bytes = match ending.to_str() {
-        Some("svg") => plot.svg.into_bytes(),
-        Some("png") => plot.png()?,
-        _ => {
-            let problem = format!("{} is no legend", path.display());
-            return Err(Error::settings(problem, "end the name in .svg or .png"));
-        }
-    };
-    write_atomically(path, |out| out.write_all(&bytes))
 }

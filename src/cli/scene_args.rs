@@ -100,7 +100,7 @@ pub(super) struct CameraArgs {
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
     /// N pictures from all sides, around up: the first from where the camera stands. Of the frames of a sequence, each is
-    /// turned a little farther.
+    /// turned by its number.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
 }

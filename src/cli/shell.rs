@@ -47,7 +47,7 @@ impl Completions {
 
 impl Man {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let command = Config::default().apply(Arguments::command());
+        let command = Config::default().apply(Arguments::command())?;
         let Some(folder) = &self.out else {
             write_page(command, "-".into())?;
             return Ok(ExitCode::SUCCESS);

@@ -52,7 +52,11 @@ impl<'a> Shots<'a> {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         let scene = &mut shot.scene;
+        let read = scene.spheres.len();
         self.asked.read.arrangement().apply(&mut scene.spheres, shot.cell.as_ref())?;
+        if read > 0 && scene.spheres.is_empty() {
+            scene.skipped.assumed.push(format!("--clip leaves out every one of the {read} spheres that the file has"));
+        }
         if let Some((width, height)) = self.asked.size {
             (scene.image.width, scene.image.height) = (width, height);
         }
@@ -66,7 +70,8 @@ impl<'a> Shots<'a> {
             scene.fit(&framing)?;
         }
         if let Some(turns) = camera.spin {
-            spin(scene, middle, f64::from(count) / f64::from(turns.get()));
+            // By the number, not by what was rendered before: a frame alone is the frame among the others.
+            spin(scene, middle, (shot.number - 1) as f64 / f64::from(turns.get()));
         }
         Ok(Some(Numbered { number: shot.number, scene: shot.scene, legend: shot.legend }))
     }

@@ -2,7 +2,7 @@
 
 use super::{Scene, Spheres};
 use crate::camera::{Lens, Look};
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -50,12 +50,15 @@ impl Scene {
     /// stands before the foremost sphere by the scene's own size.
     ///
     /// # Errors
-    /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`].
+    /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the ends of f64
+    /// that no eye is far enough.
     pub fn fit(&mut self, framing: &Framing) -> Result<()> {
         if self.spheres.is_empty() {
             return Ok(());
         }
         if let Look::At(at) = self.camera.look {
+            // A point that gives no direction is told as what it is.
+            self.camera.basis()?;
             self.camera.look = Look::View(at - self.camera.eye);
         }
         let basis = self.camera.basis()?;
@@ -80,7 +83,7 @@ impl Scene {
             }
             let back = front + height.max(right - left);
             self.camera.eye = middle + (left + right) / 2.0 * basis.u + (bottom + top) / 2.0 * basis.v + back * basis.w;
-            return Ok(());
+            return self.framed();
         }
         let pair = |axis: DVec3, side: f64| {
             let slope = free * side / (2.0 * viewport.d);
@@ -92,8 +95,15 @@ impl Scene {
         };
         let ((x, z_across), (y, z_down)) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
         self.camera.eye = middle + x * basis.u + y * basis.v + z_across.max(z_down) * basis.w;
-        // Spheres near the ends of f64 leave no place for an eye.
-        self.camera.basis().map(drop)
+        self.framed()
+    }
+
+    fn framed(&self) -> Result<()> {
+        if self.camera.eye.is_finite() {
+            return Ok(());
+        }
+        let problem = format!("{}: f64 has no place for an eye that sees them all", self.spheres.extent());
+        Err(Error::scene(Place::field("spheres"), problem, "write the scene in a larger unit"))
     }
 }
 

@@ -184,7 +184,7 @@ impl Style {
     pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = particles.skipped.clone();
-        let (colors, legend) = self.colors(&particles)?;
+        let (colors, legend) = self.colors(&particles, &mut skipped)?;
         let radii = self.radii_of(&particles, &mut skipped)?;
         let spheres = Spheres { centers: particles.positions, radii, colors };
         let bad = spheres
@@ -228,7 +228,7 @@ impl Style {
         Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
     }
 
-    fn colors(&self, particles: &Particles) -> Result<(Option<Colors>, Option<Legend>)> {
+    fn colors(&self, particles: &Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
             // The table once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();
@@ -243,8 +243,8 @@ impl Style {
                 Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")
             })?),
             Coloring::Column(scale) => {
-                let (colors, legend) = scale.apply(particles)?;
-                return Ok((Some(colors), Some(legend)));
+                let (colors, legend) = scale.apply(particles, skipped)?;
+                return Ok((Some(colors), legend));
             }
         };
         Ok((colors, None))
@@ -252,7 +252,12 @@ impl Style {
 }
 
 impl Scale {
-    fn apply(&self, particles: &Particles) -> Result<(Colors, Legend)> {
+    /// The colours, and the legend unless there is no number to be shown and no range.
+    fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<(Colors, Option<Legend>)> {
+        if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
+            let problem = format!("the range {a},{b} has an end without a logarithm");
+            return Err(Error::settings(problem, "give two positive numbers, or leave the logarithm out"));
+        }
         let column = |name: &String| {
             particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
                 let mend = match &particles.has[..] {
@@ -287,8 +292,15 @@ impl Scale {
             [one] => one.clone(),
             several => format!("|{}|", several.join(", ")),
         };
+        let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
+        if lost > 0 {
+            let why = if self.log { "are not positive or no numbers" } else { "are no numbers" };
+            skipped
+                .assumed
+                .push(format!("{lost} of {n} values of {name} {why}: they have the colour of the map's beginning"));
+        }
         let legend = Legend { name, map: self.map, range: [low, high], log: self.log };
-        Ok((values.par_iter().map(color).collect(), legend))
+        Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
     }
 }
 
@@ -340,15 +352,28 @@ mod tests {
         p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
         let scale = |range, log| Scale { columns: vec!["V".into()], map: ColorMap::Viridis, range, log };
         let middle = ColorMap::Viridis.color(0.5);
-        let (colors, legend) = scale(None, true).apply(&p).expect("colours");
+        let apply = |scale: Scale, p: &Particles| {
+            let mut skipped = Skipped::default();
+            let (colors, legend) = scale.apply(p, &mut skipped)?;
+            Ok::<_, Error>((colors, legend, skipped.assumed))
+        };
+        let (colors, legend, _) = apply(scale(None, true), &p).expect("colours");
+        let legend = legend.expect("a legend");
         assert_eq!(
             (legend.range, colors[0], colors[2]),
             ([1.0, 100.0], ColorMap::Viridis.color(0.0), ColorMap::Viridis.color(1.0))
         );
         assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
-        assert_eq!(scale(Some([0.0, 20.0]), false).apply(&p).expect("colours").0[1], middle);
+        assert_eq!(apply(scale(Some([0.0, 20.0]), false), &p).expect("colours").0[1], middle);
         let missing = Scale { columns: vec!["w".into()], ..scale(None, false) };
-        assert!(missing.apply(&p).expect_err("no such column").to_string().contains("`w`"));
+        assert!(apply(missing, &p).expect_err("no such column").to_string().contains("`w`"));
+        apply(scale(Some([0.0, 20.0]), true), &p).expect_err("0 has no logarithm");
+        p.columns[0].values = vec![f64::NAN, -1.0, 5.0];
+        let (colors, legend, warnings) = apply(scale(None, true), &p).expect("colours");
+        assert_eq!((legend.map(|legend| legend.range), colors[0]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
+        assert!(warnings[0].starts_with("2 of 3 values of V "), "{warnings:?}");
+        p.columns[0].values = vec![f64::NAN; 3];
+        assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "nothing to tell");
     }
 
     #[test]

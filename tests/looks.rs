@@ -1,0 +1,188 @@
+//! The promise of looks: radii and colours are those that are asked for, a legend says what they stand for, and what cannot
+//! be is refused before anything is written.
+
+#[path = "common/desk.rs"]
+mod desk;
+
+use desk::Desk;
+use halfline::scene::style::ColorMap;
+
+/// Two atoms apart, with columns; one number is missing, one has no logarithm.
+const ATOMS: &str = "3\nProperties=species:S:1:pos:R:3:vx:R:1:vy:R:1:q:R:1:kind:I:1
+C 0 0 0 3 4 1 0\nO 9 0 0 0 0 -2 1\nH 18 0 0 6 8 nan 2\n";
+
+const NATIVE: &str = "[camera]\neye = [0, 0, 9]\nview = [0, 0, -1]\nup = [0, 1, 0]\nvfov = 40\n[image]\nsize = [30, 20]
+background = [0.25, 0.5, 0.75]\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\ncolor = [0.5, 0.25, 1]\n";
+
+fn desk() -> Desk {
+    Desk::new(&[("atoms.xyz", ATOMS), ("native.toml", NATIVE), ("bare.csv", "x,y,z\n0,0,0\n4,0,0\n")])
+}
+
+/// Renders the three atoms flat, and gives the colour of each.
+fn colors(desk: &Desk, options: &str) -> [[f32; 3]; 3] {
+    desk.render(&format!("atoms.xyz --size 120x40 --shade flat --aov id=id.npy -o c.npy {options}"));
+    let ((ids, _), (pixels, _)) = (desk.array("id.npy"), desk.array("c.npy"));
+    [0.0, 1.0, 2.0].map(|id| {
+        let seen: Vec<_> = ids.iter().zip(pixels.chunks(3)).filter(|(i, _)| **i == id).map(|(_, c)| c).collect();
+        assert!(!seen.is_empty() && seen.iter().all(|c| c == &seen[0]), "{options}: sphere {id} has one colour");
+        [0, 1, 2].map(|k| seen[0][k] as f32)
+    })
+}
+
+#[test]
+fn colours_are_those_that_are_asked_for() {
+    let desk = desk();
+    let ends = |map: ColorMap, parts: [f64; 3]| parts.map(|part| map.color(part));
+    assert_eq!(colors(&desk, "--color 0.1,0.2,0.3"), [[0.1, 0.2, 0.3]; 3]);
+    assert_eq!(colors(&desk, "--color #ffffff"), [[1.0; 3]; 3]);
+    let elements = colors(&desk, "--color-by element");
+    assert_eq!(elements, colors(&desk, ""), "atoms have the colours of their elements anyway");
+    assert!(elements[1][0] > elements[1][2] && elements[0] != elements[2], "oxygen is red: {elements:?}");
+    // 3, 0, 6 between their least and their largest; 5, 0, 10 as lengths.
+    assert_eq!(colors(&desk, "--color-by vx"), ends(ColorMap::Viridis, [0.5, 0.0, 1.0]));
+    assert_eq!(colors(&desk, "--color-by VX,vy --map magma"), ends(ColorMap::Magma, [0.5, 0.0, 1.0]));
+    assert_eq!(colors(&desk, "--color-by vx --range 0,12 --map grays"), ends(ColorMap::Grays, [0.25, 0.0, 0.5]));
+    assert_eq!(colors(&desk, "--color-by vx --range 6,0"), ends(ColorMap::Viridis, [0.5, 1.0, 0.0]));
+    assert_eq!(colors(&desk, "--color-by vx --range 4,5"), ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "beyond the ends");
+    assert_eq!(colors(&desk, "--color-by kind --map category"), [0.0, 1.0, 2.0].map(|k| ColorMap::Category.color(k)));
+    let log = colors(&desk, "--color-by vx --log");
+    assert_eq!([log[0], log[1], log[2]], ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "3 and 6 are the ends");
+}
+
+#[test]
+fn what_has_no_place_on_the_map_is_counted() {
+    let desk = desk();
+    for (options, told) in [
+        ("--color-by q", "1 of 3 values of q are no numbers"),
+        ("--color-by q --log", "2 of 3 values of q are not positive or no numbers"),
+        ("--color-by vy --log", "1 of 3 values of vy are not positive"),
+    ] {
+        let said = desk.render(&format!("atoms.xyz --size 20x20 -o a.png {options}"));
+        assert!(said.err.contains(told), "{options}: {}", said.err);
+    }
+    assert!(!desk.render("atoms.xyz --size 20x20 -o a.png --color-by vx").err.contains("warning"));
+}
+
+#[test]
+fn what_cannot_colour_is_refused_with_what_can() {
+    let desk = desk();
+    desk.refused(2, "atoms.xyz -o a.png --color-by mass", &["`mass`", "x, y, z, vx, vy, q, kind"]);
+    desk.refused(2, "atoms.xyz -o a.png --color-by vx,mass", &["`mass`"]);
+    desk.refused(2, "native.toml -o a.png --color-by vx", &["no columns"]);
+    desk.refused(2, "native.toml -o a.png --color-by element", &["no elements"]);
+    desk.refused(2, "bare.csv -o a.png --color-by element", &["no elements"]);
+    desk.refused(2, "atoms.xyz -o a.png --color-by vx --log --range 0,5", &["0,5", "logarithm"]);
+    desk.refused(2, "atoms.xyz -o a.png --color-by vx --map rainbow", &["rainbow", "viridis", "category"]);
+    desk.refused(2, "atoms.xyz -o a.png --color-by vx --range 1,1", &["--range", "different"]);
+    for lonely in ["--range 0,1", "--log", "--legend l.svg"] {
+        desk.refused(2, &format!("atoms.xyz -o a.png {lonely}"), &["--color-by"]);
+    }
+    desk.refused(2, "atoms.xyz -o a.png --color #fff --color-by vx", &["--color"]);
+    desk.refused(2, "atoms.xyz -o a.png --color red", &["red", "#rrggbb"]);
+}
+
+#[test]
+fn legends_tell_the_ends_and_are_checked_before_any_work() {
+    let desk = desk();
+    let legend = |options: &str, name: &str| {
+        desk.render(&format!("atoms.xyz --size 20x20 -o a.png {options} --legend {name}"));
+        desk.get(name)
+    };
+    let text = |options: &str| String::from_utf8(legend(options, "l.svg")).expect("UTF-8");
+    let plain = text("--color-by vx,vy");
+    assert!([">|vx, vy|<", ">0<", ">5<", ">10<"].iter().all(|part| plain.contains(part)), "{plain}");
+    let log = text("--color-by vx --log --range 1,100");
+    assert!([">vx (logarithmic)<", ">1<", ">10<", ">100<"].iter().all(|part| log.contains(part)), "{log}");
+    // One number that is not negative: both ends are it.
+    assert!(text("--color-by q --log").contains(">1<"));
+    assert!(legend("--color-by vx", "l.png").starts_with(b"\x89PNG"));
+    desk.put("none.xyz", "1\nProperties=species:S:1:pos:R:3:q:R:1\nC 0 0 0 nan\n");
+    let said = desk.render("none.xyz --size 20x20 -o a.png --color-by q --legend none.svg");
+    assert!(said.err.contains("1 of 1 values of q") && !desk.path("none.svg").exists(), "{}", said.err);
+
+    for (options, code, told) in [
+        ("--color-by vx --legend l.gif", 2, ".svg or .png"),
+        ("--color-by vx --legend new", 2, ".svg or .png"),
+        ("--color-by vx --legend no/l.svg", 8, "no folder"),
+        ("--color-by vx --legend ./new.png", 2, "twice"),
+        ("--color-by element --legend l.svg", 2, "elements have no legend"),
+        // Nothing of a picture that is refused is left behind, its legend neither.
+        ("--color-by vx --legend new.svg --crop 0,0,99999,1", 2, "99999"),
+    ] {
+        desk.refused(code, &format!("atoms.xyz -o new.png {options}"), &[told]);
+    }
+    let two = format!("{ATOMS}{ATOMS}");
+    desk.put("two.xyz", two);
+    let frames = "two.xyz --size 20x20 --frames 1-2 -o t%d.png --color-by vx --legend";
+    desk.refused(2, &format!("{frames} l.svg"), &["l.svg", "l.%04d.svg"]);
+    desk.render(&format!("{frames} l%d.svg"));
+    assert!(desk.get("l1.svg") == desk.get("l2.svg"));
+    desk.render(&format!("{frames} all.svg --range 0,9"));
+    assert!(String::from_utf8_lossy(&desk.get("all.svg")).contains(">9<"));
+}
+
+#[test]
+fn a_resumed_picture_has_its_legend() {
+    let desk = desk();
+    let words = "atoms.xyz --size 20x20 -o a.png --color-by vx --legend l.svg --resume";
+    desk.render(words);
+    let legend = desk.get("l.svg");
+    std::fs::remove_file(desk.path("l.svg")).expect("it was there");
+    assert!(desk.render(words).err.contains("already there"));
+    assert!(desk.get("l.svg") == legend);
+}
+
+#[test]
+fn behind_the_spheres_is_what_is_asked_for() {
+    let desk = desk();
+    let corner = |options: &str| {
+        desk.render(&format!("native.toml -o c.npy {options}"));
+        desk.array("c.npy").0[..3].to_vec()
+    };
+    assert_eq!(corner(""), [0.25, 0.5, 0.75]);
+    assert_eq!(corner("--background 1,0,0.5"), [1.0, 0.0, 0.5]);
+    assert_eq!(corner("--background #000000"), [0.0; 3]);
+    assert_eq!(corner("--transparent"), [0.0; 3]);
+    desk.render("native.toml --transparent -o t.png");
+    let (pixels, shape) = desk.array("t.png");
+    assert_eq!((shape, &pixels[..4]), (vec![20, 30, 4], &[0.0; 4][..]));
+    assert!(pixels.chunks(4).any(|pixel| pixel[3] == 255.0), "the sphere hides what is behind it");
+    desk.refused(2, "native.toml --transparent --background 1,0,0 -o a.png", &["--background", "--transparent"]);
+}
+
+/// Radii, from how far before the centre the nearest point of each sphere lies: parallel rays tell them apart.
+#[test]
+fn radii_are_those_that_are_asked_for() {
+    let desk = desk();
+    let radii = |file: &str, options: &str| {
+        desk.render(&format!("{file} --ortho --size 400x100 --aov id=id.npy --aov position=p.npy {options}"));
+        let ((ids, _), (positions, _)) = (desk.array("id.npy"), desk.array("p.npy"));
+        let mut front = vec![0.0f64; 3];
+        for (id, p) in ids.iter().zip(positions.chunks(3)).filter(|(id, _)| **id >= 0.0) {
+            front[*id as usize] = front[*id as usize].max(p[2]);
+        }
+        front
+    };
+    // Bondi 1964 and Cordero 2008 (hydrogen 1.20: Rowland and Taylor 1996), carbon, oxygen, hydrogen, in angstrom.
+    let (vdw, covalent) = ([1.7, 1.52, 1.2], [0.76, 0.66, 0.31]);
+    // A pixel is below 0.06 here: the centre of one is within 0.042 of the axis, where the smallest sphere is 0.003 lower.
+    let close = |found: &[f64], wanted: &[f64], options: &str| {
+        let near = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 4e-3);
+        assert!(near, "{options}: {found:?}, not {wanted:?}");
+    };
+    for (options, wanted) in [
+        ("", vdw),
+        ("--radii covalent", covalent),
+        ("--radius-scale 0.5", vdw.map(|r| r * 0.5)),
+        ("--radius 2", [2.0; 3]),
+        ("--radius 2 --radius-scale 0.75", [1.5; 3]),
+    ] {
+        close(&radii("atoms.xyz", options), &wanted, options);
+    }
+    close(&radii("native.toml", "--radius 0.5")[..1], &[0.5], "a scene's own spheres too");
+    let said = desk.render("bare.csv --size 20x20 -o a.png");
+    assert!(said.err.contains("2 particles have no radius") && said.err.contains("--radius"), "{}", said.err);
+    for bad in ["--radius 0", "--radius nan", "--radius-scale -1", "--radius-scale inf", "--radii bondi"] {
+        desk.refused(2, &format!("atoms.xyz -o a.png {bad}"), &[bad.split(' ').next().expect("an option")]);
+    }
+}
