@@ -8,6 +8,11 @@ use std::path::{Path, PathBuf};
 /// Bytes in a line beyond which no text of ours goes; what holds no lines must not fill the memory.
 const LONGEST: u64 = 1 << 20;
 
+/// Bytes in a block of lines, about, and in one of its parts. They are the same on every machine, so that nothing depends on
+/// the number of its cores.
+const BLOCK: usize = 2 << 20;
+const PART: usize = 64 << 10;
+
 /// One line at a time, in one reused buffer.
 pub(super) struct Lines<R> {
     reader: R,
@@ -54,6 +59,35 @@ impl<R: BufRead> Lines<R> {
         Ok(true)
     }
 
+    /// Reads so many lines into `block`, fewer where the file ends or the block is full. The last of them is the current
+    /// one then; what it holds is for those to judge who look at the parts.
+    pub(super) fn block(&mut self, most: u64, block: &mut Block) -> Result<()> {
+        block.bytes.clear();
+        block.parts.clear();
+        (block.path, block.any_bytes, block.lines) = (self.path.clone(), self.any_bytes, 0);
+        let (mut part, mut last) = (0, 0);
+        while block.lines < most && block.bytes.len() < BLOCK {
+            if block.bytes.len() >= part + PART || block.lines == 0 {
+                part = block.bytes.len();
+                block.parts.push((part, self.number + block.lines));
+            }
+            let mut line = (&mut self.reader).take(LONGEST);
+            let length = line.read_until(b'\n', &mut block.bytes).map_err(|e| Error::read(&self.path, e))?;
+            if length == 0 {
+                break;
+            }
+            (last, block.lines) = (block.bytes.len() - length, block.lines + 1);
+            if length as u64 == LONGEST {
+                break;
+            }
+        }
+        if block.lines > 0 {
+            self.number += block.lines;
+            self.text = String::from_utf8_lossy(&block.bytes[last..]).trim_end_matches(['\n', '\r']).to_owned();
+        }
+        Ok(())
+    }
+
     /// Passes over so many lines without looking at them; how many there were.
     pub(super) fn pass(&mut self, count: u64) -> Result<u64> {
         for passed in 0..count {
@@ -93,6 +127,35 @@ impl<R: BufRead> Lines<R> {
     /// The place of a byte of this line.
     pub(super) fn place(&self, byte: usize) -> Place {
         self.spot(byte).of(self.file())
+    }
+}
+
+/// Lines that were read at once, for all cores to look at.
+#[derive(Default)]
+pub(super) struct Block {
+    bytes: Vec<u8>,
+    /// The byte that a part begins at, and the lines before it.
+    parts: Vec<(usize, u64)>,
+    lines: u64,
+    path: PathBuf,
+    any_bytes: bool,
+}
+
+impl Block {
+    /// How many lines they are.
+    pub(super) fn len(&self) -> u64 {
+        self.lines
+    }
+
+    /// Parts of whole lines, one after the other.
+    pub(super) fn parts(&self) -> Vec<Lines<&[u8]>> {
+        let ends = self.parts.iter().skip(1).map(|(start, _)| *start).chain([self.bytes.len()]);
+        let part = |((start, number), end): (&(usize, u64), usize)| Lines {
+            number: *number,
+            any_bytes: self.any_bytes,
+            ..Lines::new(&self.bytes[*start..end], &self.path)
+        };
+        self.parts.iter().zip(ends).map(part).collect()
     }
 }
 

@@ -13,6 +13,7 @@ mod molecule;
 mod npz;
 mod pdb;
 mod ply;
+mod rows;
 mod scalar;
 mod table;
 mod xyz;
@@ -24,6 +25,7 @@ pub(super) use table::{Table, axes};
 use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
 use crate::error::{Error, Result};
+use crate::memory::check_spheres;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -77,10 +79,41 @@ impl Cell {
 }
 
 impl Particles {
-    /// Counts a name that is no element's. Only so many different ones are kept, whatever a file holds.
-    pub(crate) fn meet_unknown(&mut self, name: &str) {
-        let name = if self.unknown.len() < 16 || self.unknown.contains_key(name) { name } else { "others" };
-        *self.unknown.entry(name.to_owned()).or_default() += 1;
+    /// Counts a name that is no element's so often. Only so many different ones are kept, whatever a file holds.
+    pub(crate) fn meet_unknown(&mut self, name: &str, count: u64) {
+        let keep = self.unknown.len() < 16 || self.unknown.contains_key(name);
+        self.count_unknown(if keep { name } else { "others" }, count);
+    }
+
+    /// The same of a part of a file, which is small enough to keep all names.
+    fn count_unknown(&mut self, name: &str, count: u64) {
+        match self.unknown.get_mut(name) {
+            Some(known) => *known += count,
+            None => drop(self.unknown.insert(name.to_owned(), count)),
+        }
+    }
+
+    /// Appends the particles of a part, which has the same columns.
+    fn append(&mut self, mut more: Self) {
+        self.positions.append(&mut more.positions);
+        self.radii.append(&mut more.radii);
+        self.elements.append(&mut more.elements);
+        self.colors.append(&mut more.colors);
+        for (column, more) in self.columns.iter_mut().zip(&mut more.columns) {
+            column.values.append(&mut more.values);
+        }
+        more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
+    }
+
+    /// Refuses to grow beyond what the memory has room for. It is asked every few million particles, of which there were
+    /// `before` so many: a file that never ends must not fill the memory first.
+    ///
+    /// # Errors
+    /// [`Error::Limits`].
+    pub(crate) fn check_room(&self, before: usize) -> Result<()> {
+        const EVERY: usize = 1 << 22;
+        let now = self.positions.len();
+        if now / EVERY > before / EVERY { check_spheres(now as u64, true) } else { Ok(()) }
     }
 }
 

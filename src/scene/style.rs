@@ -181,10 +181,10 @@ impl Style {
     ///
     /// # Errors
     /// [`Error::Scene`] for what makes no sphere, [`Error::Settings`] for a column that is not there, [`Error::Limits`].
-    pub(super) fn dress(&self, particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+    pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
-        let mut skipped = particles.skipped.clone();
-        let (colors, legend) = self.colors(&particles, &mut skipped)?;
+        let mut skipped = std::mem::take(&mut particles.skipped);
+        let (colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let radii = self.radii_of(&particles, &mut skipped)?;
         let spheres = Spheres { centers: particles.positions, radii, colors };
         let bad = spheres
@@ -228,7 +228,8 @@ impl Style {
         Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
     }
 
-    fn colors(&self, particles: &Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
+    /// Takes the file's own where they are wanted.
+    fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
             // The table once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();
@@ -237,7 +238,7 @@ impl Style {
         };
         let colors = match &self.coloring {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
-            Coloring::File if !particles.colors.is_empty() => Some(particles.colors.clone()),
+            Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
             Coloring::File => elements(),
             Coloring::Element => Some(elements().ok_or_else(|| {
                 Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")

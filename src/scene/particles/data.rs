@@ -261,6 +261,7 @@ impl Data {
             }
             layout.row(&mut self.row(), &self.lines, &mut particles)?;
             self.remember(type_at, moving, found)?;
+            particles.check_room(particles.positions.len() - 1)?;
         }
         Ok(particles)
     }

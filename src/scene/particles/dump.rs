@@ -2,6 +2,7 @@
 //! a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
 use super::layout::{Layout, Role, wanted};
+use super::rows::rows;
 use super::{Cell, Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
@@ -153,9 +154,9 @@ impl Frames for Dump {
             }
             _ => None,
         };
-        for _ in 0..count {
-            self.need("atom")?;
-            layout.row(&mut Words::of(&self.lines), &self.lines, &mut particles)?;
+        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
+            return Err(self.ends("atom"));
         }
         if let Some(cell) = scaling {
             particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));

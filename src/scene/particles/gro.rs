@@ -118,7 +118,7 @@ impl Gro {
         }
         let element = guess::of_name(self.field(NAME).trim_ascii(), self.field(RESIDUE_NAME).trim_ascii());
         if element == 0 {
-            particles.meet_unknown(String::from_utf8_lossy(self.field(NAME)).trim());
+            particles.meet_unknown(String::from_utf8_lossy(self.field(NAME)).trim(), 1);
         }
         particles.elements.push(element);
         particles.positions.push(position);
@@ -165,6 +165,7 @@ impl Frames for Gro {
                 moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
             }
             self.atom(width, &mut particles)?;
+            particles.check_room(particles.positions.len() - 1)?;
         }
         self.need("box")?;
         particles.cell = self.cell()?;

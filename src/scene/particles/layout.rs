@@ -179,7 +179,7 @@ impl Slot {
             Role::Symbol => {
                 let number = species(word.text);
                 if number == 0 {
-                    particles.meet_unknown(word.text);
+                    particles.count_unknown(word.text, 1);
                 }
                 particles.elements.push(number);
                 return Ok(());

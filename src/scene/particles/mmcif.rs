@@ -228,7 +228,7 @@ impl Mmcif {
         }
         while self.state == State::Row && self.row.model == number {
             if let Some(model) = &mut model {
-                self.row.give(model, cell.as_ref());
+                self.row.give(model, cell.as_ref())?;
             }
             if self.layout.is_of_one() {
                 self.state = State::Behind;

@@ -205,6 +205,9 @@ impl Model {
     }
 
     /// Takes an atom: its atomic number, or 0 with the name that is no element's; its numbers by kind.
+    ///
+    /// # Errors
+    /// Those of [`Particles::check_room`].
     pub(super) fn push(
         &mut self,
         element: u8,
@@ -212,7 +215,7 @@ impl Model {
         position: [f64; 3],
         chain: u32,
         value: impl Fn(Kind) -> f64,
-    ) {
+    ) -> Result<()> {
         let element = if element == 0 { self.strange(name) } else { element };
         self.particles.elements.push(element);
         self.particles.positions.push(position);
@@ -222,6 +225,7 @@ impl Model {
         for (kind, values) in &mut self.columns {
             values.push(value(*kind));
         }
+        self.particles.check_room(self.particles.positions.len() - 1)
     }
 
     /// Counts an atom whose element was told by its name.
@@ -377,12 +381,12 @@ mod tests {
         let mut model = Model::new(&Choice::of(&options), &[]);
         for (location, occupancy, name) in [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("C", 0.6, "X3"), ("", 1.0, "X1")] {
             if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")) {
-                model.push(0, name.as_bytes(), [occupancy, 0.0, 0.0], 0, |_| 0.0);
+                model.push(0, name.as_bytes(), [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
             }
         }
         for n in 0..40 {
             assert!(model.admits(b"", 1.0, |_| ()));
-            model.push(0, format!("Y{n}").as_bytes(), [0.0; 3], 0, |_| 0.0);
+            model.push(0, format!("Y{n}").as_bytes(), [0.0; 3], 0, |_| 0.0).expect("room");
         }
         let particles = model.finish(None, &[], &Place::default()).expect("particles");
         assert_eq!(particles.positions[..2], [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");

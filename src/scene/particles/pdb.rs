@@ -181,8 +181,7 @@ impl Pdb {
             Kind::Chain => f64::from(chain),
             Kind::Model => model_number as f64,
             Kind::Asym | Kind::Entity | Kind::Copy => 0.0,
-        });
-        Ok(())
+        })
     }
 
     /// What was chosen and what of it is worth saying.

@@ -205,6 +205,7 @@ fn text(lines: &mut Lines<Stream>, element: &Element, layout: &Layout, particles
             }
         }
         layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+        particles.check_room(particles.positions.len() - 1)?;
     }
     Ok(())
 }

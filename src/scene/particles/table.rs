@@ -5,6 +5,7 @@
 //! record to it: a number that spans lines is wrong anyway, and an error here names the very character.
 
 use super::layout::{Layout, Role, wanted};
+use super::rows::rows;
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
@@ -100,23 +101,50 @@ impl<R: BufRead> Table<R> {
         if !std::mem::take(&mut self.ahead) && !next(&mut self.lines)? {
             return Ok(false);
         }
-        let mut words = fields(&self.lines, 0, self.delimiter);
-        self.layout.row(&mut words, &self.lines, particles)?;
-        match words.next() {
-            None => Ok(true),
-            Some(word) => {
-                let problem = format!("more than the {} fields that the header names", self.layout.len());
-                Err(Error::scene(self.lines.place(word.at).named("row"), problem, "give one field per column"))
-            }
+        row(&self.lines, self.delimiter, &self.layout, particles)?;
+        Ok(true)
+    }
+}
+
+impl<R: BufRead + Send> Table<R> {
+    /// Takes all rows.
+    fn all(mut self) -> Result<Particles> {
+        let (layout, delimiter) = (self.layout, self.delimiter);
+        let mut particles = layout.begin();
+        if self.ahead {
+            row(&self.lines, delimiter, &layout, &mut particles)?;
+        }
+        rows(&mut self.lines, u64::MAX, &layout, &mut particles, |line, found| match says(line.text()) {
+            true => row(line, delimiter, &layout, found),
+            false => Ok(()),
+        })?;
+        Ok(particles)
+    }
+}
+
+/// Takes the particle of the current line.
+fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: &mut Particles) -> Result<()> {
+    let mut words = fields(lines, 0, delimiter);
+    layout.row(&mut words, lines, particles)?;
+    match words.next() {
+        None => Ok(()),
+        Some(word) => {
+            let problem = format!("more than the {} fields that the header names", layout.len());
+            Err(Error::scene(lines.place(word.at).named("row"), problem, "give one field per column"))
         }
     }
+}
+
+/// Whether a line is neither blank nor a comment.
+fn says(line: &str) -> bool {
+    let text = line.trim_start();
+    !text.is_empty() && !text.starts_with('#')
 }
 
 /// Goes to the next line that says something.
 fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
     while lines.advance()? {
-        let text = lines.text().trim_start();
-        if !text.is_empty() && !text.starts_with('#') {
+        if says(lines.text()) {
             return Ok(true);
         }
     }
@@ -269,10 +297,7 @@ impl OneTable {
 
 impl Frames for OneTable {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(mut table) = self.0.take() else { return Ok(None) };
-        let mut particles = table.layout.begin();
-        while table.row(&mut particles)? {}
-        Ok(Some(particles))
+        self.0.take().map(Table::all).transpose()
     }
 }
 

@@ -3,6 +3,7 @@
 //! described at github.com/libAtoms/extxyz.
 
 use super::layout::{Layout, Role, component, wanted};
+use super::rows::rows;
 use super::{Cell, Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
@@ -143,9 +144,9 @@ impl Frames for Xyz {
         self.need("comment")?;
         let (layout, cell) = self.layout()?;
         let mut particles = Particles { cell, ..layout.begin() };
-        for _ in 0..count {
-            self.need("atom")?;
-            layout.row(&mut Words::of(&self.lines), &self.lines, &mut particles)?;
+        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
+            return Err(self.ends("atom"));
         }
         Ok(Some(particles))
     }

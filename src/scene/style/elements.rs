@@ -25,13 +25,31 @@ pub fn element(number: u8) -> Option<&'static Element> {
 /// The atomic number of a symbol in capitals or not; `D` and `T` are hydrogen. 0 if it names no element.
 #[must_use]
 pub fn atomic_number(symbol: &str) -> u8 {
-    let symbol = match symbol {
-        "D" | "d" | "T" | "t" => "H",
-        _ => symbol,
+    let place = |letter: u8| usize::from(letter.to_ascii_lowercase().wrapping_sub(b'a'));
+    let number = match *symbol.as_bytes() {
+        [b'D' | b'd' | b'T' | b't'] => Some(&1),
+        [letter] => NUMBERS.get(place(letter)).map(|row| &row[ALONE]),
+        [first, second] => NUMBERS.get(place(first)).and_then(|row| row[..ALONE].get(place(second))),
+        _ => None,
     };
-    let place = ELEMENTS.iter().position(|element| element.symbol.eq_ignore_ascii_case(symbol));
-    place.map_or(0, |place| place as u8 + 1)
+    number.copied().unwrap_or(0)
 }
+
+/// Where the symbols of one letter are in a row of [`NUMBERS`].
+const ALONE: usize = 26;
+
+/// Atomic numbers by the symbol's first letter and its second, for files name millions of atoms.
+static NUMBERS: [[u8; 27]; 26] = {
+    let mut numbers = [[0; 27]; 26];
+    let mut n = 0;
+    while n < ELEMENTS.len() {
+        let symbol = ELEMENTS[n].symbol.as_bytes();
+        let second = if symbol.len() > 1 { (symbol[1] - b'a') as usize } else { ALONE };
+        numbers[(symbol[0] - b'A') as usize][second] = n as u8 + 1;
+        n += 1;
+    }
+    numbers
+};
 
 const fn row(symbol: &'static str, vdw: f64, covalent: f64, color: u32) -> Element {
     let vdw = if vdw > 0.0 { Some(vdw) } else { None };

@@ -228,12 +228,12 @@ impl Row {
     }
 
     /// Gives the atom to a model; fractions of a cell become places in it.
-    pub(super) fn give(&self, model: &mut Model, cell: Option<&Cell>) {
+    pub(super) fn give(&self, model: &mut Model, cell: Option<&Cell>) -> Result<()> {
         let occupancy = self.numbers[Kind::Occupancy as usize];
         // Where a file does not say it, an atom is there.
         let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
         if !model.admits(&self.location, occupancy, |key| key.extend(&self.site)) {
-            return;
+            return Ok(());
         }
         let (name, element) = match self.symbol[..] {
             [] => {
@@ -250,7 +250,7 @@ impl Row {
             Kind::Model => self.model as f64,
             Kind::Copy => 0.0,
             kind => self.numbers[kind as usize],
-        });
+        })
     }
 }
 

@@ -1,0 +1,106 @@
+//! Rows of particles by all cores: the file is read in blocks of lines, and while the next is read, the parts of one are
+//! looked at. Nothing is held but two blocks and what was found, and the first bad line is the one that is told.
+
+use super::{Layout, Particles};
+use crate::error::Result;
+use crate::scene::lines::{Block, Lines};
+use rayon::prelude::*;
+use std::io::BufRead;
+
+/// Takes `most` lines, or all there are, into `particles`, which `layout` began; how many there were. `row` takes the current
+/// line.
+///
+/// # Errors
+/// Those of `row`, of reading, and of [`Particles::check_room`].
+pub(super) fn rows<R: BufRead + Send>(
+    lines: &mut Lines<R>,
+    most: u64,
+    layout: &Layout,
+    particles: &mut Particles,
+    row: impl Fn(&Lines<&[u8]>, &mut Particles) -> Result<()> + Sync,
+) -> Result<u64> {
+    let found = |mut part: Lines<&[u8]>| {
+        let mut particles = layout.begin();
+        while part.advance()? {
+            row(&part, &mut particles)?;
+        }
+        Ok(particles)
+    };
+    let (mut block, mut next) = (Block::default(), Block::default());
+    lines.block(most, &mut block)?;
+    let mut taken = block.len();
+    while block.len() > 0 {
+        let (before, parts) = (particles.positions.len(), block.parts());
+        let read = if parts.len() == 1 {
+            // A small frame is not worth waking other threads.
+            parts.into_iter().try_for_each(|part| found(part).map(|part| particles.append(part)))?;
+            lines.block(most - taken, &mut next)
+        } else {
+            let (read, all): (_, Vec<Result<Particles>>) =
+                rayon::join(|| lines.block(most - taken, &mut next), || parts.into_par_iter().map(found).collect());
+            all.into_iter().try_for_each(|part| part.map(|part| particles.append(part)))?;
+            read
+        };
+        particles.check_room(before)?;
+        read?;
+        taken += next.len();
+        std::mem::swap(&mut block, &mut next);
+    }
+    Ok(taken)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{read_frames, table::OneTable, xyz::Xyz};
+
+    /// Several blocks of 2 MiB.
+    const COUNT: usize = 200_000;
+
+    /// Two frames, of which the second is small; line `n` of `changed` is another.
+    fn xyz(changed: &[(usize, &str)]) -> String {
+        let mut atoms: Vec<String> = (0..COUNT).map(|n| format!("X{} {n}.125 -{n} 1e-3", n % 3)).collect();
+        changed.iter().for_each(|(n, line)| atoms[*n] = (*line).to_owned());
+        format!("{COUNT}\nmany\n{}\n1\nfew\nFe 1 2 3\n", atoms.join("\n"))
+    }
+
+    #[test]
+    fn blocks_are_put_together_in_the_order_of_the_file() {
+        let frames = read_frames(&xyz(&[(7, "Fe 1 2 3 more")]), &["z"], Xyz::new).expect("two frames");
+        let [many, few] = &frames[..] else { panic!("{} frames", frames.len()) };
+        assert_eq!(
+            (many.positions.len(), many.columns[0].values.len(), few.positions[0]),
+            (COUNT, COUNT, [1.0, 2.0, 3.0])
+        );
+        assert_eq!(many.elements.iter().position(|number| *number == 26), Some(7));
+        let at = |n: usize| if n == 7 { [1.0, 2.0, 3.0] } else { [n as f64 + 0.125, -(n as f64), 1e-3] };
+        assert!(many.positions.iter().enumerate().all(|(n, position)| *position == at(n)));
+        // 7 is 1 of 3.
+        let known = [("X0", 66_667), ("X1", 66_666), ("X2", 66_666)].map(|(name, n)| (name.to_owned(), n));
+        assert_eq!(many.unknown, known.into());
+    }
+
+    #[test]
+    fn the_first_bad_line_is_told() {
+        for (changed, place) in [
+            (&[(150_000, "H 1 2"), (149_999, "H 0 b 0"), (199_999, "")][..], "text:150002:5: y: `b`"),
+            (&[(199_999, "H 1 2 \u{e9}")], "text:200002:7: z"),
+        ] {
+            let error = read_frames(&xyz(changed), &[], Xyz::new).map(drop).expect_err(place).to_string();
+            assert!(error.contains(place), "{error}");
+        }
+        let cut = xyz(&[]).lines().take(COUNT).collect::<Vec<_>>().join("\n") + "  ";
+        let error = read_frames(&cut, &[], Xyz::new).map(drop).expect_err("an end").to_string();
+        assert!(error.contains("text:200000:29: atom: the file ends"), "{error}");
+    }
+
+    #[test]
+    fn tables_keep_their_comments_and_blank_lines() {
+        let rows: String = (0..COUNT).map(|n| format!("{n},2,3\n{}", ["", "\n", "# no row\n"][n % 3])).collect();
+        let table = read_frames(&format!("x,y,z\n{rows}"), &[], OneTable::new).expect("a table").remove(0);
+        assert!(table.positions.len() == COUNT && table.positions.iter().enumerate().all(|(n, p)| p[0] == n as f64));
+        let error = read_frames(&format!("x,y,z\n{rows}1,2,3,4\n"), &[], OneTable::new).map(drop).expect_err("a row");
+        // The header, the rows, and two lines for every three rows.
+        let line = 1 + COUNT + COUNT / 3 * 2 + 1 + 1;
+        assert!(error.to_string().contains(&format!("text:{line}:7: row")), "{error}");
+    }
+}
