@@ -52,7 +52,8 @@ fn is_tight((gap, side): (usize, usize)) -> bool {
 #[test]
 fn what_has_no_camera_is_seen_whole_and_as_near_as_that_allows() {
     let desk = desk();
-    let views = ["", " --view 1,-2,0.5 --up 0,0,1", " --view -1,0,0", " --vfov 100", " --at 9,9,9 --vfov 3"];
+    let views =
+        ["", " --view 1,-2,0.5 --up 0,0,1", " --view -1,0,0", " --view 0,-2,0", " --vfov 100", " --at 9,9,9 --vfov 3"];
     for (file, size) in [("pile.csv", "200x200"), ("pile.csv", "160x300"), ("frames.xyz", "310x150")] {
         for view in views {
             for lens in ["", " --ortho"].iter().take(if view.contains("vfov") { 1 } else { 2 }) {
@@ -144,6 +145,20 @@ fn a_frame_alone_is_the_frame_among_the_others() {
 }
 
 #[test]
+fn what_every_picture_would_say_is_said_once() {
+    let desk = Desk::new(&[("odd.xyz", "1\n\nXx 0 0 0\n1\n\nXx 1 0 0\n2\n\nXx 0 0 0\nC 9 0 0\n")]);
+    let said = desk.render("odd.xyz --frames 1-3 --aov mask=m.%d.npy");
+    let count = |words: &str| said.err.matches(words).count();
+    // The same sentence of frames 1 and 2, and another of frame 3.
+    assert_eq!(
+        (count("rendering on"), count("1 particle has no radius"), count("1 of 2 atoms")),
+        (1, 1, 1),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
 fn several_pictures_need_several_names_and_frames_that_are_there() {
     let desk = desk();
     for many in ["frames.xyz --frames 1-2", "frames.xyz --frames 2-", "pile.csv --spin 3", "missing.xyz --spin 3"] {
@@ -206,7 +221,7 @@ fn odd_scenes_are_framed_or_refused_in_words() {
         desk.refused(2, &format!("one.xyz --ortho {bad} -o a.png"), &["--ortho", bad, "positive"]);
     }
     desk.refused(2, "one.xyz --eye 0,0,9 --ortho -o a.png", &["--ortho", "height"]);
-    desk.refused(3, "one.xyz --view 0,-1,0 -o a.png", &["camera.up", "parallel"]);
+    desk.refused(3, "one.xyz --view 0,-1,0 --up 0,1,0 -o a.png", &["camera.up", "parallel"]);
 }
 
 #[test]

@@ -16,6 +16,7 @@ use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::scene::Scene;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
@@ -69,27 +70,27 @@ impl Render {
         if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
-        let mut rendered = false;
+        let mut told = BTreeSet::new();
         while let Some(now) = shot {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            rendered |= self.picture(&now, &settings, &mut renderer, &bar, !rendered)?;
+            self.picture(&now, &settings, &mut renderer, &bar, &mut told)?;
             shot = self.ready(&mut shots)?;
         }
         bar.finish();
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Renders one scene and writes its files; whether anything was left to render. The `first` says who renders.
+    /// Renders one scene and writes its files, if anything is left to render. What was `told` is not told again.
     fn picture(
         &self,
         shot: &Numbered,
         settings: &Settings,
         renderer: &mut Renderer,
         bar: &Bar,
-        first: bool,
-    ) -> Result<bool> {
+        told: &mut BTreeSet<String>,
+    ) -> Result<()> {
         let scene = &shot.scene;
         let settings = &Settings { window: self.asked.window(scene)?, ..settings.clone() };
         let mut targets = self.asked.files.targets(shot.number)?;
@@ -103,20 +104,22 @@ impl Render {
                     say(format_args!("{which}already there: every file is whole and from this very rendering"));
                 });
                 self.write_legend(shot)?;
-                return self.tell(&Report { resumed: true, number: shot.number, ..report }).map(|()| false);
+                return self.tell(&Report { resumed: true, number: shot.number, ..report });
             }
         }
-        if first {
-            bar.aside(|| say(format_args!("rendering on {} ({})", renderer.adapter(), renderer.driver())));
-        }
+        let mut once = |words: String| {
+            if !told.contains(&words) {
+                bar.aside(|| say(format_args!("{words}")));
+                told.insert(words);
+            }
+        };
+        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = shot.number;
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            bar.aside(|| say(format_args!("{}", frame.report.reason)));
+            once(frame.report.reason.clone());
         }
-        for warning in &frame.report.warnings {
-            bar.aside(|| say(format_args!("warning: {warning}")));
-        }
+        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}")));
         if !targets.is_empty() {
             write(&frame, &targets, &Origin::new(scene, settings, &frame.report, frame.window))?;
         }
@@ -126,7 +129,7 @@ impl Render {
         }
         self.tell(&frame.report)?;
         renderer.recycle(frame);
-        Ok(true)
+        Ok(())
     }
 
     /// The last of the frames, its report telling the times of all, and what its files cannot hold.

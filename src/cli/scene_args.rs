@@ -166,6 +166,11 @@ impl CameraArgs {
         Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
     }
 
+    /// Whether an up is given.
+    pub(super) fn has_up(&self) -> bool {
+        self.up.is_some()
+    }
+
     /// Whether a direction is given.
     pub(super) fn looks(&self) -> bool {
         self.at.is_some() || self.view.is_some()

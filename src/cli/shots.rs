@@ -2,7 +2,7 @@
 
 use super::scene_args::SceneArgs;
 use glam::{DQuat, DVec3};
-use halfline::camera::Look;
+use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::scene::style::Legend;
 use halfline::scene::{Scene, Sequence, Shot};
@@ -61,6 +61,9 @@ impl<'a> Shots<'a> {
             (scene.image.width, scene.image.height) = (width, height);
         }
         camera.apply(scene);
+        if !shot.has_camera && !camera.has_up() {
+            scene.camera.up = upright(&scene.camera);
+        }
         self.asked.files.apply(scene);
         let middle = scene.spheres.middle();
         if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
@@ -74,6 +77,14 @@ impl<'a> Shots<'a> {
             spin(scene, middle, (shot.number - 1) as f64 / f64::from(turns.get()));
         }
         Ok(Some(Numbered { number: shot.number, scene: shot.scene, legend: shot.legend }))
+    }
+}
+
+/// What is up for a camera that was given a view and no up: its own, or z where it looks along that.
+fn upright(camera: &Camera) -> DVec3 {
+    match camera.look {
+        Look::View(view) if view.cross(camera.up).length() <= 1e-6 * view.length() => DVec3::Z,
+        _ => camera.up,
     }
 }
 

@@ -209,8 +209,9 @@ impl Style {
         if particles.elements.iter().all(|number| *number == 0) {
             let radius = spacing(&particles.positions) / 2.0;
             if n > 0 {
+                let particles = if n == 1 { "particle has" } else { "particles have" };
                 skipped.assumed.push(format!(
-                    "{n} particles have no radius: {radius:.3e} is taken, half their mean spacing; --radius sets another"
+                    "{n} {particles} no radius: {radius:.3e} is taken, half their mean spacing; --radius sets another"
                 ));
             }
             return Ok(vec![radius * scale; n]);
