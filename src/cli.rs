@@ -60,8 +60,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("off"));
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(std::io::stderr).init();
-    // The first interrupt, or the first request to end, lets the work end tidily; a second one does not wait. Without a handler the system's
-    // default ends the process, which is right too.
+    // The first interrupt, or the first request to end, lets the work end tidily; a second one does not wait. Without a
+    // handler the system's default ends the process, which is right too.
     let _ = ctrlc::set_handler(|| {
         if INTERRUPTED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);

@@ -129,6 +129,14 @@ impl Place {
         self
     }
 
+    /// The same place at a byte of `text`, which is the file's; a byte beyond it, or within a character, is its end.
+    pub fn at_byte(self, text: &str, byte: usize) -> Self {
+        let before = text.get(..byte).unwrap_or(text);
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = before.bytes().filter(|b| *b == b'\n').count() as u64 + 1;
+        self.at(line, before[start..].chars().count() as u64 + 1)
+    }
+
     /// The same place with the field's name.
     pub fn named(mut self, field: impl Into<String>) -> Self {
         self.field = Some(field.into());

@@ -178,7 +178,8 @@ impl Renderer {
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let (mut frame, doubt) = self.planned(scene, settings, Self::frame)?;
+        let work = |this: &mut Self, plan: Plan, rays: Rays| this.frame(plan, rays, scene, settings);
+        let (mut frame, doubt) = self.planned(scene, settings, work)?;
         frame.report.warnings.extend(doubt);
         Ok(frame)
     }
@@ -188,10 +189,7 @@ impl Renderer {
     /// # Errors
     /// Those of [`Renderer::render`] that need no ray.
     pub fn foresee(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known = |this: &mut Self, plan: Plan, scene: &Scene, settings: &Settings, window: Window| {
-            let samples = Raster::samples(window, settings, &scene.image)?.zip(plan.sampled);
-            Ok(this.report(&plan, scene, samples.map(|(raster, _)| raster)))
-        };
+        let known = |this: &mut Self, plan: Plan, rays: Rays| Ok(this.report(&plan, scene, rays.samples));
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
@@ -200,15 +198,16 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        work: impl FnOnce(&mut Self, Plan, &Scene, &Settings, Window) -> Result<T>,
+        work: impl FnOnce(&mut Self, Plan, Rays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         let window = settings.window_of(scene)?;
-        Raster::samples(window, settings, &scene.image)?;
+        let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
+        let rays = Rays { window, samples };
         Need::of(&plan, &settings.aovs, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
-            return work(self, plan, scene, settings, window).map(|done| (done, None));
+            return work(self, plan, rays).map(|done| (done, None));
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
@@ -217,7 +216,7 @@ impl Renderer {
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
-        let done = work(self, plan, scene, settings, window);
+        let done = work(self, plan, rays);
         self.place = adapter;
         done.map(|done| (done, Some(format!("{doubt}: the CPU path answered instead"))))
     }
@@ -240,7 +239,8 @@ impl Renderer {
     }
 
     /// A window of one frame as planned.
-    fn frame(&mut self, plan: Plan, scene: &Scene, settings: &Settings, window: Window) -> Result<Frame> {
+    fn frame(&mut self, plan: Plan, rays: Rays, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let Rays { window, samples } = rays;
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
         pool.turn();
@@ -258,8 +258,8 @@ impl Renderer {
         self.kernel_ms();
         let settled = self.answer(&prepared, scene, &mut raw, &mut stages)?;
         watch.check()?;
-        let samples = Raster::samples(window, settings, &scene.image)?.zip(plan.sampled);
         let sampled = samples
+            .zip(plan.sampled)
             .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut stages))
             .transpose()?;
         let kernel_ms = self.kernel_ms();
@@ -277,7 +277,7 @@ impl Renderer {
             _ => None,
         };
         let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
-        let report = self.report(plan, scene, samples.map(|(raster, _)| raster));
+        let report = self.report(plan, scene, samples);
         let mut frame = Frame { width, height, window, full, buffers, report };
         let report = &mut frame.report;
         report.rays = pixels as u64;
@@ -379,6 +379,14 @@ impl Renderer {
         }
         doing.end()
     }
+}
+
+/// Which rays a frame asks.
+#[derive(Clone, Copy)]
+struct Rays {
+    window: Window,
+    /// Where colour and alpha are means.
+    samples: Option<Raster>,
 }
 
 /// Hits in the buffer of ids; 0 in any other.

@@ -7,9 +7,12 @@
 #[path = "common/bits.rs"]
 mod bits;
 mod common;
+#[path = "common/cut.rs"]
+mod cut;
 
-use bits::{Bits, cut};
+use bits::Bits;
 use common::{cpu, gpu};
+use cut::cut;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::error::Error;

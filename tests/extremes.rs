@@ -14,11 +14,14 @@
 //!
 //! A case that fails is printed with the bits of its scene, so that it can be rebuilt anywhere.
 
+#[path = "common/bits.rs"]
+mod as_bits;
 #[expect(dead_code, reason = "the helpers of tests that walk the methods")]
 mod common;
 #[path = "extremes/score.rs"]
 mod score;
 
+use as_bits::Bits;
 use common::{cpu, gpu};
 use glam::DVec3;
 use halfline::camera::Look;
@@ -204,17 +207,8 @@ fn faults(what: &str, scene: &Scene, frame: &Frame, exact: &Frame, tolerance: f6
 
 /// The first difference in bits, if the adapter is known to leave none.
 fn differs(a: &Frame, b: &Frame) -> Option<String> {
-    let words = |frame: &Frame, aov: Aov| -> Vec<u64> {
-        match &frame.get(aov).expect("asked for").data {
-            Data::F32(v) => v.iter().map(|x| u64::from(x.to_bits())).collect(),
-            Data::F64(v) => v.iter().map(|x| x.to_bits()).collect(),
-            Data::I32(v) => v.iter().map(|x| *x as u64).collect(),
-            Data::U8(v) => v.iter().map(|x| u64::from(*x)).collect(),
-            _ => panic!("a new type of data"),
-        }
-    };
     AOVS.iter().chain([&Aov::Id]).find_map(|&aov| {
-        let (a, b) = (words(a, aov), words(b, aov));
+        let (a, b) = (a.bits(aov), b.bits(aov));
         let k = (0..a.len().max(b.len())).find(|&k| a.get(k) != b.get(k))?;
         Some(format!("{aov}[{k}] differs in bits: {:x?} and {:x?}", a.get(k), b.get(k)))
     })

@@ -4,15 +4,18 @@
 //! Gold standard: the judge, which tests/truth.rs holds against a thousand digits of another program; here it is held
 //! once more against a closed form, and against a perspective camera so far away that its rays are as good as parallel.
 
+#[path = "common/bits.rs"]
+mod bits;
 #[expect(dead_code, reason = "no method but the certified one has parallel rays")]
 mod common;
 
+use bits::Bits;
 use common::{cpu, gpu};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::error::Error;
 use halfline::exact::{Judge, Root};
-use halfline::frame::{Aov, Data, Frame};
+use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::suite::Random;
@@ -191,16 +194,6 @@ fn certified_frames_are_exact_on_the_gpu() {
     check(&mut gpu);
 }
 
-fn bits(data: &Data) -> Vec<u64> {
-    match data {
-        Data::F32(v) => v.iter().map(|x| u64::from(x.to_bits())).collect(),
-        Data::F64(v) => v.iter().map(|x| x.to_bits()).collect(),
-        Data::I32(v) => v.iter().map(|x| *x as u64).collect(),
-        Data::U8(v) => v.iter().map(|x| u64::from(*x)).collect(),
-        _ => panic!("a new type of data"),
-    }
-}
-
 #[test]
 fn kernel_and_twin_agree_bit_for_bit_and_lists_change_nothing() {
     let Some(mut gpu) = gpu() else { return };
@@ -213,7 +206,7 @@ fn kernel_and_twin_agree_bit_for_bit_and_lists_change_nothing() {
             assert_eq!(a.report.backend, "gpu");
             assert_eq!(a.ids(), b.ids(), "{name}");
             for aov in AOVS.into_iter().filter(|_| strict) {
-                let [a, b] = [&a, &b].map(|frame| bits(&frame.get(aov).expect("asked for").data));
+                let [a, b] = [&a, &b].map(|frame| frame.bits(aov));
                 let first = a.iter().zip(&b).position(|(a, b)| a != b);
                 assert_eq!(first, None, "{name}, {aov}");
             }

@@ -7,9 +7,12 @@
 #[path = "common/bits.rs"]
 mod bits;
 mod common;
+#[path = "common/cut.rs"]
+mod cut;
 
-use bits::{Bits, cut};
+use bits::Bits;
 use common::{cpu, gpu};
+use cut::cut;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;

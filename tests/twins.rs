@@ -5,8 +5,11 @@
 //! round either way and division be off by 2.5 ulp, which moves silhouettes by fractions of a pixel and flips hits
 //! within them), and where ids agree t differs by at most 1e-3 of itself (the lecture's forms lose half the digits).
 
+#[path = "common/bits.rs"]
+mod bits;
 mod common;
 
+use bits::Bits;
 use common::{cpu, gpu};
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
@@ -89,17 +92,7 @@ fn differing(a: &Frame, b: &Frame) -> (usize, String) {
     let mut count = 0;
     let mut first = String::new();
     for aov in AOVS {
-        let (a, b) = (&a.get(aov).expect("asked for").data, &b.get(aov).expect("asked for").data);
-        let bits = |data: &Data| -> Vec<u64> {
-            match data {
-                Data::F32(v) => v.iter().map(|x| u64::from(x.to_bits())).collect(),
-                Data::F64(v) => v.iter().map(|x| x.to_bits()).collect(),
-                Data::I32(v) => v.iter().map(|x| *x as u64).collect(),
-                Data::U8(v) => v.iter().map(|x| u64::from(*x)).collect(),
-                _ => panic!("a new type of data"),
-            }
-        };
-        let (a, b) = (bits(a), bits(b));
+        let (a, b) = (a.bits(aov), b.bits(aov));
         assert_eq!(a.len(), b.len(), "{aov}");
         let wrong: Vec<_> = (0..a.len()).filter(|&k| a[k] != b[k]).collect();
         if let (Some(&k), true) = (wrong.first(), first.is_empty()) {

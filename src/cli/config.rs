@@ -66,12 +66,7 @@ impl Config {
     }
 
     fn parse(text: &str, file: &str) -> Result<Self> {
-        let place = |start: usize| {
-            let before = &text[..start.min(text.len())];
-            let line = before.matches('\n').count() as u64 + 1;
-            let column = before.chars().rev().take_while(|c| *c != '\n').count() as u64 + 1;
-            Place::file(file).at(line, column)
-        };
+        let place = |start: usize| Place::file(file).at_byte(text, start);
         let fail = |start: usize, problem: &str, mend: String| wrong(&place(start), problem, mend);
         let table = toml::de::DeTable::parse(text).map_err(|e| {
             let message = e.message().lines().collect::<Vec<_>>().join(", ");

@@ -65,16 +65,15 @@ impl<'a> Shots<'a> {
             scene.camera.up = upright(&scene.camera);
         }
         self.asked.files.apply(scene);
-        let middle = scene.spheres.middle();
         if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
-            scene.camera.look = Look::At(middle);
+            scene.camera.look = Look::At(scene.spheres.middle());
         }
         if let Some(framing) = camera.framing(shot.has_camera)? {
             scene.fit(&framing)?;
         }
         if let Some(turns) = camera.spin {
             // By the number, not by what was rendered before: a frame alone is the frame among the others.
-            spin(scene, middle, (shot.number - 1) as f64 / f64::from(turns.get()));
+            spin(scene, (shot.number - 1) as f64 / f64::from(turns.get()));
         }
         Ok(Some(Numbered { number: shot.number, scene: shot.scene, legend: shot.legend }))
     }
@@ -88,8 +87,9 @@ fn upright(camera: &Camera) -> DVec3 {
     }
 }
 
-/// Carries the camera around the axis through `middle` along up, by a share of a full turn.
-fn spin(scene: &mut Scene, middle: DVec3, share: f64) {
+/// Carries the camera around the axis through the middle of all spheres along up, by a share of a full turn.
+fn spin(scene: &mut Scene, share: f64) {
+    let middle = scene.spheres.middle();
     let camera = &mut scene.camera;
     let Some(axis) = camera.up.try_normalize() else { return };
     if share == 0.0 {

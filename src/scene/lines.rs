@@ -234,14 +234,6 @@ impl Spot {
     pub(super) fn of(self, file: Place) -> Place {
         file.at(self.line, self.column)
     }
-
-    /// Line and column of a byte in a text of many lines.
-    pub(super) fn in_text(text: &str, byte: usize) -> Self {
-        let before = text.get(..byte).unwrap_or(text);
-        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let line = before.bytes().filter(|b| *b == b'\n').count() as u64 + 1;
-        Self { line, column: column(&before[start..], byte) }
-    }
 }
 
 /// Characters before `byte`, plus one.
@@ -254,7 +246,8 @@ pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Erro
     let valid = error.utf8_error().valid_up_to();
     let bytes = error.as_bytes();
     let before = String::from_utf8_lossy(&bytes[..valid]);
-    let Spot { line, column } = Spot::in_text(&before, before.len());
+    let mut place = file.at_byte(&before, before.len());
+    place.line = place.line.map(|line| lines + line);
     let byte = bytes.get(valid).copied().unwrap_or_default();
-    Error::scene(file.at(lines + line, column), format!("byte 0x{byte:02x} is no UTF-8 text"), "save the file as UTF-8")
+    Error::scene(place, format!("byte 0x{byte:02x} is no UTF-8 text"), "save the file as UTF-8")
 }

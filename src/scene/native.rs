@@ -1,7 +1,7 @@
 //! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]` and `[[spheres]]`. Every fault is told with
 //! the line, column and key of what is wrong.
 
-use super::lines::{Spot, not_utf8};
+use super::lines::not_utf8;
 use super::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere, csv, ending, npy, relocate};
 use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
@@ -30,7 +30,7 @@ struct Document<'a> {
 
 impl Document<'_> {
     fn place(&self, byte: usize) -> Place {
-        Spot::in_text(self.text, byte).of(self.file.clone())
+        self.file.clone().at_byte(self.text, byte)
     }
 
     fn scene(&self) -> Result<Scene> {

@@ -276,7 +276,12 @@ impl Source {
 
 /// A text without a format's signs and without a name is taken for a scene file, unless it is plainly none.
 fn native(start: &[u8]) -> Option<Format> {
-    let text = std::str::from_utf8(start).ok()?;
+    let text = match std::str::from_utf8(start) {
+        Ok(text) => text,
+        // What is looked at may end within a character.
+        Err(error) if error.error_len().is_none() => std::str::from_utf8(&start[..error.valid_up_to()]).ok()?,
+        Err(_) => return None,
+    };
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
     let plain = said(&lines).next().is_none_or(|line| line.starts_with('[') || line.contains('='));
     plain.then_some(Format::Native)
@@ -315,5 +320,14 @@ mod tests {
         }
         assert_eq!(Format::of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(Format::of_content(b"PK\x03\x04"), Some(Format::Npz));
+    }
+
+    #[test]
+    fn a_scene_that_is_longer_than_the_look_is_one_wherever_that_ends() {
+        let text = "# \u{e9}\n[camera]\n";
+        assert_eq!(native(text.as_bytes()), Some(Format::Native));
+        let within = format!("{text}# \u{e9}");
+        assert_eq!(native(&within.as_bytes()[..within.len() - 1]), Some(Format::Native));
+        assert_eq!(native(b"[camera]\n\xff\n"), None);
     }
 }
