@@ -5,7 +5,7 @@ mod assembly;
 mod data;
 mod dump;
 mod gro;
-mod guess;
+mod infer;
 mod layout;
 mod masses;
 mod mmcif;
@@ -26,6 +26,7 @@ use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
 use crate::error::{Error, Result};
 use crate::memory::check_spheres;
+use infer::{Inference, Inferred};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -105,6 +106,40 @@ impl Particles {
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
     }
 
+    /// Ends an inference: leaves out virtual sites and returns what there is to report.
+    fn infer(&mut self, inference: Inference) -> Vec<String> {
+        let read = self.elements.len() as u64;
+        let inferred = inference.finish(&mut self.elements);
+        if inferred.sites() > 0 {
+            let stays: Vec<bool> = self.elements.iter().map(|code| !infer::is_site(*code)).collect();
+            self.keep(&stays);
+        }
+        let said = inferred.sentences(read);
+        self.count_unknown_atoms(inferred);
+        said
+    }
+
+    /// Counts unknown atoms by the names that an inference numbered, and gives them atomic number 0.
+    fn count_unknown_atoms(&mut self, inferred: Inferred) {
+        let mut counts = vec![0; inferred.names.len()];
+        for element in &mut self.elements {
+            if let Some(slot) = infer::unknown(*element) {
+                counts[slot] += 1;
+                *element = 0;
+            }
+        }
+        self.unknown = inferred.names.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
+    }
+
+    /// Keeps the particles whose flag is set, of one flag each.
+    fn keep(&mut self, stays: &[bool]) {
+        keep(&mut self.positions, stays);
+        keep(&mut self.radii, stays);
+        keep(&mut self.elements, stays);
+        keep(&mut self.colors, stays);
+        self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
+    }
+
     /// Refuses to grow beyond what the memory has room for. It is asked every few million particles, of which there were
     /// `before` so many: a file that never ends must not fill the memory first.
     ///
@@ -115,6 +150,12 @@ impl Particles {
         let now = self.positions.len();
         if now / EVERY > before / EVERY { check_spheres(now as u64, true) } else { Ok(()) }
     }
+}
+
+/// Keeps the values whose flag is set; a list that is empty stays so.
+fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
+    let mut flags = stays.iter();
+    values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// A file of particles, frame by frame.

@@ -2,7 +2,8 @@
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres there and ångström here: ten
 //! times the numbers of the file. Velocities stay as they are written, nm/ps.
 
-use super::{Cell, Column, Frames, Particles, guess};
+use super::infer::{Inference, Named};
+use super::{Cell, Column, Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
 use crate::scene::lines::{Lines, Words};
@@ -14,7 +15,7 @@ use std::ops::Range;
 pub(super) struct Gro {
     lines: Lines<Box<dyn BufRead + Send>>,
     wanted: Vec<Kind>,
-    /// Whether it was said that elements are guessed.
+    /// Whether it was reported how elements were found.
     told: bool,
 }
 
@@ -102,7 +103,7 @@ impl Gro {
     }
 
     /// Takes the atom of the current line.
-    fn atom(&self, width: usize, particles: &mut Particles) -> Result<()> {
+    fn atom(&self, width: usize, particles: &mut Particles, inference: &mut Inference) -> Result<()> {
         let mut position = [0.0; 3];
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let at = X + k * width;
@@ -116,11 +117,8 @@ impl Gro {
                     self.fail(byte, axis, problem, "write as many columns as the first atom of the frame has")
                 })?;
         }
-        let element = guess::of_name(self.field(NAME).trim_ascii(), self.field(RESIDUE_NAME).trim_ascii());
-        if element == 0 {
-            particles.meet_unknown(String::from_utf8_lossy(self.field(NAME)).trim(), 1);
-        }
-        particles.elements.push(element);
+        let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
+        inference.push(&Named { symbol: b"", name, residue, site }, &mut particles.elements);
         particles.positions.push(position);
         for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
             let columns = match kind {
@@ -157,14 +155,14 @@ impl Frames for Gro {
         let name = |kind: &Kind| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
         particles.columns =
             self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
-        let (mut width, mut moving) = (0, false);
+        let (mut width, mut moving, mut inference) = (0, false, Inference::new(false));
         for n in 0..count {
             self.need("atom")?;
             if n == 0 {
                 width = self.width()?;
                 moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
             }
-            self.atom(width, &mut particles)?;
+            self.atom(width, &mut particles, &mut inference)?;
             particles.check_room(particles.positions.len() - 1)?;
         }
         self.need("box")?;
@@ -172,11 +170,10 @@ impl Frames for Gro {
         let there = |kind: Kind| moving || !matches!(kind, Kind::Velocity(_));
         particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
         particles.columns.retain(|column| particles.has.contains(&column.name));
-        let guessed = particles.elements.iter().filter(|element| **element > 0).count();
-        if guessed > 0 && !std::mem::replace(&mut self.told, true) {
-            let of = format!("the elements of {guessed} of {count} atoms are told by their names");
-            let said = format!("{of}; the file names none for them");
-            particles.skipped.assumed.push(said);
+        let said = particles.infer(inference);
+        // Every frame would say the same.
+        if !std::mem::replace(&mut self.told, true) {
+            particles.skipped.assumed.extend(said);
         }
         Ok(Some(particles))
     }
@@ -214,7 +211,7 @@ MD of 2 waters, t= 0.0
     3
     1WATER  OW1    1   0.126   1.624   1.679  0.1227 -0.0580  0.0434
     1WATER  HW2    2   0.190   1.661   1.747  0.8085  0.3191 -0.7791
-    1WATER  MW3    3-100.177-200.568-300.613 -0.9045 -2.6469  1.3180
+    1WATER  HW3    3-100.177-200.568-300.613 -0.9045 -2.6469  1.3180
    1.82060   1.82060   1.82060
 
  1
@@ -229,10 +226,10 @@ MD of 2 waters, t= 0.0
         // One rounding for the decimal number, one for its tenfold.
         assert!(close(frames[0].positions[0], [1.26, 16.24, 16.79]), "{:?}", frames[0].positions);
         assert!(close(frames[0].positions[2], [-1001.77, -2005.68, -3006.13]), "{:?}", frames[0].positions);
-        assert_eq!((&frames[0].elements[..], frames[0].unknown.get("MW3")), (&[8, 1, 0][..], Some(&1)));
+        assert_eq!(frames[0].elements, [8, 1, 1]);
         assert_eq!(frames[0].columns[0], Column { name: "vx".into(), values: vec![0.1227, 0.8085, -0.9045] });
         assert_eq!(frames[0].columns[1].values[2], 1.318);
-        assert!(frames[0].skipped.assumed[0].starts_with("the elements of 2 of 3 atoms are told"));
+        assert!(frames[0].skipped.assumed[0].starts_with("the file gives no element for 3 of 3 atoms"));
         assert!((frames[0].cell.expect("a box").edges[1][1] - 18.206).abs() < 1e-14);
         assert_eq!(frames.len(), 2);
         assert!(close(frames[1].positions[0], [1.26, 16.24, 16.79]) && frames[1].elements == [20]);
@@ -244,6 +241,21 @@ MD of 2 waters, t= 0.0
         assert!(passed.skip().expect("one"));
         assert_eq!(passed.next().expect("read").expect("the second").elements, [20]);
         assert!(!passed.skip().expect("the end"));
+    }
+
+    #[test]
+    fn virtual_sites_are_left_out_with_their_columns() {
+        let four = TWO.replace("    3\n", "    4\n").replace("  HW2 ", "  MW  ").replace(
+            "    1WATER  HW3",
+            "    1WATER  HW2    4   0.100   0.200   0.300  1.0000  2.0000  3.0000\n    1WATER  HW3",
+        );
+        let four = four.replace("WATER", "SOL  ");
+        let frames = read(&four, &["serial", "vx"]).expect("two frames");
+        assert_eq!(frames[0].elements, [8, 1, 1]);
+        assert_eq!(frames[0].columns[0].values, [1.0, 4.0, 3.0]);
+        assert_eq!(frames[0].columns[1].values, [0.1227, 1.0, -0.9045]);
+        assert_eq!(frames[0].positions.len(), 3);
+        assert!(frames[0].skipped.assumed.contains(&"1 virtual sites are left out (1 `MW`): they are no atoms".into()));
     }
 
     #[test]

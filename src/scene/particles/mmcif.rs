@@ -6,6 +6,7 @@ mod operators;
 mod row;
 mod tokens;
 
+use super::infer::Inference;
 use super::molecule::{Choice, Model, Names, more_models, not_assembled};
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
@@ -287,7 +288,7 @@ impl Frames for Mmcif {
                 self.body(None)?;
                 continue;
             }
-            let mut model = Model::new(&self.choice, &self.layout.has());
+            let mut model = Model::new(&self.choice, &self.layout.has(), Inference::new(false));
             self.body(Some(&mut model))?;
             let more = self.state == State::Row;
             self.know_operators()?;

@@ -1,7 +1,8 @@
 //! What PDB and mmCIF have in common: which atoms of a model are kept, what is kept of them, and what is said about it.
 
 use super::assembly::{self, Assembly};
-use super::{Altloc, Cell, Column, FrameRange, Particles};
+use super::infer::{Inference, Named, is_site};
+use super::{Altloc, Cell, Column, FrameRange, Particles, keep};
 use crate::error::{Error, Place, Result};
 use crate::scene::ReadOptions;
 use crate::scene::source::Format;
@@ -127,28 +128,19 @@ pub(super) struct Model {
     /// For [`Altloc::Highest`]: of every atom that has several places, which one and with what occupancy.
     best: HashMap<Vec<u8>, (usize, f64)>,
     beaten: Vec<usize>,
-    /// Names that are no element's. An atom's stands among the elements as [`STRANGE`] and its place here, until it is
-    /// known which atoms stay.
-    strange: Vec<String>,
+    /// What the file gives no element for.
+    inference: Inference,
     /// Atoms met, and those of them that are alternate locations.
     met: u64,
     alternates: u64,
-    /// Those whose element was told by their name.
-    guessed: u64,
     /// The first alternate location's name, and whether that which was asked for is among them.
     first: String,
     found: bool,
 }
 
-/// Beyond all elements.
-const STRANGE: u8 = 128;
-
-/// Unknown names that are told apart; the rest counts together.
-const NAMES: usize = 16;
-
 impl Model {
-    /// An empty one; `has` are the columns that the file has.
-    pub(super) fn new(choice: &Choice, has: &[Kind]) -> Self {
+    /// An empty one; `has` are the columns that the file has, and `inference` finds elements that it does not give.
+    pub(super) fn new(choice: &Choice, has: &[Kind], inference: Inference) -> Self {
         let copy = choice.assembly.is_some();
         let there = |kind: Kind| has.contains(&kind) || copy && kind == Kind::Copy;
         let names = Kind::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
@@ -159,10 +151,9 @@ impl Model {
             chains: choice.assembly.is_some().then(Vec::new),
             best: HashMap::new(),
             beaten: Vec::new(),
-            strange: Vec::new(),
+            inference,
             met: 0,
             alternates: 0,
-            guessed: 0,
             first: String::new(),
             found: false,
         }
@@ -204,20 +195,18 @@ impl Model {
         }
     }
 
-    /// Takes an atom: its atomic number, or 0 with the name that is no element's; its numbers by kind.
+    /// Takes an atom: what the file calls it, its place, and its numbers by kind.
     ///
     /// # Errors
     /// Those of [`Particles::check_room`].
     pub(super) fn push(
         &mut self,
-        element: u8,
-        name: &[u8],
+        atom: &Named<'_>,
         position: [f64; 3],
         chain: u32,
         value: impl Fn(Kind) -> f64,
     ) -> Result<()> {
-        let element = if element == 0 { self.strange(name) } else { element };
-        self.particles.elements.push(element);
+        self.inference.push(atom, &mut self.particles.elements);
         self.particles.positions.push(position);
         if let Some(chains) = &mut self.chains {
             chains.push(chain);
@@ -228,47 +217,26 @@ impl Model {
         self.particles.check_room(self.particles.positions.len() - 1)
     }
 
-    /// Counts an atom whose element was told by its name.
-    pub(super) fn guessed(&mut self) {
-        self.guessed += 1;
-    }
-
-    fn strange(&mut self, name: &[u8]) -> u8 {
-        let name = String::from_utf8_lossy(name.trim_ascii());
-        let slot = self.strange.iter().position(|known| *known == name).unwrap_or_else(|| {
-            let name = if self.strange.len() < NAMES { &name } else { "others" };
-            if self.strange.last().is_none_or(|last| last != name) {
-                self.strange.push(name.to_owned());
-            }
-            self.strange.len() - 1
-        });
-        STRANGE + slot as u8
-    }
-
     /// The particles, as they stand or in the assembly, whose chains are indices of `names`.
     ///
     /// # Errors
     /// Those of [`assembly::build`].
     pub(super) fn finish(mut self, assembly: Option<&Assembly>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
-        if !self.beaten.is_empty() {
-            self.leave_beaten();
-        }
         let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
         self.particles.columns = columns.collect();
+        let read = self.particles.elements.len() as u64;
+        let inferred = self.inference.finish(&mut self.particles.elements);
+        if !self.beaten.is_empty() || inferred.sites() > 0 {
+            let mut stays: Vec<bool> = self.particles.elements.iter().map(|code| !is_site(*code)).collect();
+            self.beaten.iter().for_each(|n| stays[*n] = false);
+            self.particles.keep(&stays);
+            self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
+        }
         if let (Some(assembly), Some(chains)) = (assembly, &self.chains) {
             self.particles = assembly::build(assembly, self.particles, chains, names, file)?;
         }
-        let mut counts = vec![0; self.strange.len()];
-        for element in self.particles.elements.iter_mut().filter(|element| **element >= STRANGE) {
-            counts[usize::from(*element - STRANGE)] += 1;
-            *element = 0;
-        }
-        let counted = self.strange.into_iter().zip(counts).filter(|(_, count)| *count > 0);
-        self.particles.unknown = counted.collect();
-        if self.guessed > 0 {
-            let of = format!("the elements of {} of {} atoms are told by their names", self.guessed, self.met);
-            self.particles.skipped.assumed.push(format!("{of}; the file names none for them"));
-        }
+        self.particles.skipped.assumed.extend(inferred.sentences(read));
+        self.particles.count_unknown_atoms(inferred);
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
             Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", self.first),
@@ -281,25 +249,6 @@ impl Model {
             self.particles.skipped.assumed.push(said);
         }
         Ok(self.particles)
-    }
-
-    /// Takes out what a place of higher occupancy came after.
-    fn leave_beaten(&mut self) {
-        let mut stays = vec![true; self.particles.positions.len()];
-        for n in &self.beaten {
-            stays[*n] = false;
-        }
-        fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
-            let mut n = 0;
-            values.retain(|_| {
-                n += 1;
-                stays[n - 1]
-            });
-        }
-        keep(&mut self.particles.positions, &stays);
-        keep(&mut self.particles.elements, &stays);
-        self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
-        self.columns.iter_mut().for_each(|(_, values)| keep(values, &stays));
     }
 }
 
@@ -378,20 +327,20 @@ mod tests {
     #[test]
     fn strange_names_are_counted_after_all_is_chosen() {
         let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
-        let mut model = Model::new(&Choice::of(&options), &[]);
-        for (location, occupancy, name) in [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("C", 0.6, "X3"), ("", 1.0, "X1")] {
+        let mut model = Model::new(&Choice::of(&options), &[], Inference::new(false));
+        for (location, occupancy, name) in
+            [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("", 1.0, "MW"), ("C", 0.6, "X3"), ("", 1.0, "X1")]
+        {
             if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")) {
-                model.push(0, name.as_bytes(), [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
+                let atom = Named { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
+                model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
             }
         }
-        for n in 0..40 {
-            assert!(model.admits(b"", 1.0, |_| ()));
-            model.push(0, format!("Y{n}").as_bytes(), [0.0; 3], 0, |_| 0.0).expect("room");
-        }
         let particles = model.finish(None, &[], &Place::default()).expect("particles");
-        assert_eq!(particles.positions[..2], [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");
+        assert_eq!(particles.positions, [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");
         assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
-        assert_eq!(particles.unknown["others"], 40 - (NAMES as u64 - 2));
-        assert!(particles.elements.iter().all(|element| *element == 0));
+        assert_eq!(particles.elements, [0, 0]);
+        let assumed = &particles.skipped.assumed;
+        assert!(assumed.iter().any(|said| said.starts_with("1 virtual sites are left out (1 `MW`)")), "{assumed:?}");
     }
 }

@@ -5,16 +5,17 @@
 mod biomt;
 mod columns;
 
+use super::infer::{Inference, Named};
 use super::molecule::{Choice, Kind, Model, Names, cell, more_models, not_assembled};
-use super::{Altloc, Cell, Frames, Particles, assembly, guess};
+use super::{Altloc, Cell, Frames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
 use crate::scene::source::Source;
 use biomt::Biomt;
 use columns::{
-    BFACTOR, CHAIN, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, Record, SERIAL, SYMBOL, X, coordinate,
-    field, hybrid36, number, record, residue, text,
+    BFACTOR, CHAIN, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, RESIDUE_NAME, Record, SERIAL, SYMBOL,
+    X, coordinate, field, hybrid36, number, record, text,
 };
 use std::io::BufRead;
 use std::ops::Range;
@@ -157,14 +158,13 @@ impl Pdb {
             let at = X + k * COORDINATE;
             position[k] = coordinate(lines, at..at + COORDINATE, axis)?;
         }
-        let symbol = field(line, SYMBOL).trim_ascii();
-        let (mut element, mut name) = (guess::of_symbol(symbol), symbol);
-        // Older files have other things there, or nothing.
-        if !symbol.iter().any(u8::is_ascii_alphabetic) {
-            name = field(line, NAME);
-            element = guess::of_columns(name, residue(line));
-            model.guessed();
-        }
+        let atom = Named {
+            // Older files have digits there, or nothing.
+            symbol: field(line, SYMBOL),
+            name: field(line, NAME),
+            residue: field(line, RESIDUE_NAME).trim_ascii(),
+            site: field(line, RESIDUE_ID),
+        };
         let chain = if choice.assembly.is_some() || choice.wants(Kind::Chain) {
             chains.number(match field(line, CHAIN) {
                 [] => b" ",
@@ -173,7 +173,7 @@ impl Pdb {
         } else {
             0
         };
-        model.push(element, name, position, chain, |kind| match kind {
+        model.push(&atom, position, chain, |kind| match kind {
             Kind::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
             Kind::Occupancy => occupancy(),
             Kind::Residue => hybrid36(field(line, RESIDUE)),
@@ -227,7 +227,7 @@ impl Frames for Pdb {
                 continue;
             }
             self.done = self.choice.model.is_some();
-            let mut model = Model::new(&self.choice, &HAS);
+            let mut model = Model::new(&self.choice, &HAS, Inference::new(true));
             self.body(Some(&mut model))?;
             let file = self.lines.file();
             let assembly = match &self.choice.assembly {

@@ -4,8 +4,9 @@ use super::RowNames;
 use super::tokens::{Token, Tokens, number};
 use crate::error::{Error, Place, Result};
 use crate::scene::lines::Spot;
+use crate::scene::particles::infer::Named;
 use crate::scene::particles::molecule::{Choice, Kind, Model};
-use crate::scene::particles::{Altloc, Cell, guess};
+use crate::scene::particles::{Altloc, Cell};
 
 /// What a column is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +16,8 @@ enum Use {
     Name,
     /// The residue's.
     Residue,
+    /// Part of what tells residues apart.
+    ResidueNumber,
     Location,
     Model,
     Position(usize),
@@ -86,7 +89,12 @@ impl Layout {
         let texts = [
             (symbol, Use::Symbol),
             (column(&["label_atom_id", "auth_atom_id", "label"]), Use::Name),
-            (column(&["label_comp_id", "auth_comp_id"]).filter(|_| symbol.is_none()), Use::Residue),
+            (column(&["label_comp_id", "auth_comp_id"]), Use::Residue),
+            // Only where elements are to be found do residues matter.
+            (column(&["label_asym_id", "auth_asym_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
+            (column(&["label_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
+            (column(&["auth_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
+            (column(&["pdbx_pdb_ins_code"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
             (column(&["label_alt_id"]), Use::Location),
         ];
         let sites =
@@ -136,6 +144,8 @@ pub(super) struct Row {
     symbol: Vec<u8>,
     name: Vec<u8>,
     residue: Vec<u8>,
+    /// What tells the residue apart.
+    number: Vec<u8>,
     location: Vec<u8>,
     site: Vec<u8>,
     position: [f64; 3],
@@ -185,9 +195,8 @@ impl Row {
     }
 
     fn clear(&mut self) {
-        for text in [&mut self.symbol, &mut self.name, &mut self.residue, &mut self.location, &mut self.site] {
-            text.clear();
-        }
+        let names = [&mut self.symbol, &mut self.name, &mut self.residue, &mut self.number];
+        names.into_iter().chain([&mut self.location, &mut self.site]).for_each(Vec::clear);
         (self.model, self.asym) = (1, 0);
         self.numbers = [f64::NAN; Kind::ALL.len()];
     }
@@ -197,6 +206,10 @@ impl Row {
             Use::Symbol => self.symbol.extend(value),
             Use::Name => self.name.extend(value),
             Use::Residue => self.residue.extend(value),
+            Use::ResidueNumber => {
+                self.number.extend(value);
+                self.number.push(0);
+            }
             Use::Location => self.location.extend(value),
             Use::Site => {
                 self.site.extend(value);
@@ -235,17 +248,11 @@ impl Row {
         if !model.admits(&self.location, occupancy, |key| key.extend(&self.site)) {
             return Ok(());
         }
-        let (name, element) = match self.symbol[..] {
-            [] => {
-                model.guessed();
-                (&self.name, guess::of_name(&self.name, &self.residue))
-            }
-            _ => (&self.symbol, guess::of_symbol(&self.symbol)),
-        };
+        let atom = Named { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
         let position = cell.map_or(self.position, |cell| {
             [0, 1, 2].map(|k| cell.origin[k] + (0..3).map(|n| self.position[n] * cell.edges[n][k]).sum::<f64>())
         });
-        model.push(element, name, position, self.asym, |kind| match kind {
+        model.push(&atom, position, self.asym, |kind| match kind {
             Kind::Occupancy => occupancy,
             Kind::Model => self.model as f64,
             Kind::Copy => 0.0,

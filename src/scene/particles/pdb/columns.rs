@@ -18,7 +18,8 @@ pub(super) enum Record {
 pub(super) const SERIAL: Range<usize> = 6..11;
 pub(super) const NAME: Range<usize> = 12..16;
 pub(super) const LOCATION: Range<usize> = 16..17;
-pub(super) const RESIDUE_NAME: Range<usize> = 17..20;
+/// One column more than the format gives it, which CHARMM and NAMD use: `TIP3`, `POPC`.
+pub(super) const RESIDUE_NAME: Range<usize> = 17..21;
 pub(super) const CHAIN: Range<usize> = 21..22;
 pub(super) const RESIDUE: Range<usize> = 22..26;
 /// Chain, number and insertion code.
@@ -42,11 +43,6 @@ pub(super) fn record(line: &[u8]) -> Record {
 /// The bytes of these columns, as far as the line goes.
 pub(super) fn field(line: &[u8], columns: Range<usize>) -> &[u8] {
     line.get(columns.start..columns.end.min(line.len())).unwrap_or_default()
-}
-
-/// The residue, where hydrogens and metals may be meant by the same name; that of a HETATM is none of a polymer's.
-pub(super) fn residue(line: &[u8]) -> &[u8] {
-    if line.starts_with(b"ATOM") { field(line, RESIDUE_NAME) } else { b"" }
 }
 
 pub(super) fn text(field: &[u8]) -> &str {

@@ -48,7 +48,7 @@ fn columns_hold_what_the_format_says() {
     assert_eq!(
         frame.skipped.assumed,
         [
-            "the elements of 1 of 2 atoms are told by their names; the file names none for them",
+            "the file gives no element for 1 of 2 atoms; inferred: 1 as single ions",
             "1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one",
         ]
     );
@@ -80,7 +80,7 @@ fn elements_are_told_by_names_where_no_columns_name_them() {
         .map(|name| format!("HETATM    1 {name} A   1       0.000   0.000   0.000\n"));
     let frame = read(&text.concat(), &options(&[])).expect("atoms").remove(0);
     assert_eq!((&frame.elements[..], frame.unknown.get("QX")), (&[6, 20, 0][..], Some(&1)));
-    assert!(frame.skipped.assumed[0].starts_with("the elements of 3 of 3 atoms are told by their names"));
+    assert!(frame.skipped.assumed[0].starts_with("the file gives no element for 3 of 3 atoms"));
     // An entry's code and the line's number stood there once.
     let old = atom(" CA", "", "A", 0.0, 1.0, "").replace("          ", "      1TII 206");
     assert_eq!(read(&old, &options(&[])).expect("an atom")[0].elements, [6]);

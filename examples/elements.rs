@@ -1,0 +1,40 @@
+//! The elements of particle files, for comparison with other programs: a line of JSON for each file, with the symbol and the
+//! place of every atom that would be drawn, and the warnings. `tests/independent/elements.py` reads it.
+//!
+//! ```sh
+//! cargo run --release --example elements -- FILE...
+//! ```
+
+use halfline::scene::Style;
+use halfline::scene::style::{Coloring, elements::element};
+use halfline::{ReadOptions, Scene};
+use serde_json::json;
+use std::collections::HashMap;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Elements have colours of their own, as far as anybody has seen them; what is none is deep pink.
+    let linear = |n: u8| {
+        let color = element(n).map_or(0xff1493, |element| element.color);
+        halfline::scene::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))
+    };
+    let mut symbols = HashMap::new();
+    for n in (0..=109).rev() {
+        let known = symbols.insert(linear(n)?, element(n).map_or("X", |element| element.symbol));
+        assert!(known.is_none(), "two elements of one colour");
+    }
+    let style = Style { coloring: Coloring::Element, radius: Some(1.0), ..Style::default() };
+    let options = ReadOptions { style, ..ReadOptions::default() };
+    for file in std::env::args().skip(1) {
+        let line = match Scene::read(file.as_ref(), &options) {
+            Ok(scene) => {
+                let colors = scene.spheres.colors.unwrap_or_default();
+                let found: Vec<_> = colors.iter().map(|color| symbols.get(&color.map(f32::to_bits))).collect();
+                let warnings = scene.skipped.warnings();
+                json!({ "file": file, "symbols": found, "positions": scene.spheres.centers, "warnings": warnings })
+            }
+            Err(error) => json!({ "file": file, "error": error.to_string() }),
+        };
+        println!("{line}");
+    }
+    Ok(())
+}

@@ -1,0 +1,255 @@
+//! What a single atom's name says, given what is known of its residue and of the file's columns.
+
+use super::residues::Class;
+use crate::scene::style::elements::atomic_number;
+
+/// What stands at an atom's place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Site {
+    /// An atom, by its number.
+    Element(u8),
+    /// A massless site of a force field: no atom.
+    Virtual,
+    /// Several atoms in one particle of a coarse-grained model.
+    Bead,
+    Unknown,
+}
+
+/// Which rule found an element, the surest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum How {
+    /// The residue is known, and what its atoms are.
+    Residue,
+    /// An ion, alone in its residue.
+    Ion,
+    /// The columns that the name stands in.
+    Columns,
+    /// The name and nothing else.
+    Name,
+}
+
+/// Symbols of two letters that a name begins with more often than it means its first letter alone.
+const PAIRS: [&[u8]; 11] = [b"CL", b"BR", b"FE", b"ZN", b"MG", b"MN", b"CU", b"SI", b"SE", b"LI", b"PT"];
+
+/// Names of ions in CHARMM and AMBER that are no symbols.
+const IONS: [(&[u8], &str); 14] = [
+    (b"SOD", "Na"),
+    (b"POT", "K"),
+    (b"CLA", "Cl"),
+    (b"CAL", "Ca"),
+    (b"CES", "Cs"),
+    (b"LIT", "Li"),
+    (b"RUB", "Rb"),
+    (b"BAR", "Ba"),
+    (b"CAD", "Cd"),
+    (b"MAG", "Mg"),
+    (b"CIO", "Cs"),
+    (b"IOD", "I"),
+    (b"FLU", "F"),
+    (b"BRO", "Br"),
+];
+
+/// The atomic number of a symbol, perhaps with a charge or a number behind it (`Cu2+`); 0 for none.
+pub(crate) fn of_symbol(symbol: &[u8]) -> u8 {
+    let symbol = symbol.trim_ascii();
+    let letters = symbol.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    match symbol {
+        // What molecules are made of, without a search.
+        b"C" => 6,
+        b"O" => 8,
+        b"N" => 7,
+        b"H" => 1,
+        _ => std::str::from_utf8(&symbol[..letters]).map_or(0, atomic_number),
+    }
+}
+
+/// The letters that a name begins with, behind the number of an old hydrogen's name: `HB` of `1HB2`.
+pub(super) fn letters(name: &[u8]) -> &[u8] {
+    let start = name.iter().position(u8::is_ascii_alphabetic).unwrap_or(name.len());
+    let rest = &name[start..];
+    &rest[..rest.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(rest.len())]
+}
+
+/// The element of an atom that is alone in its residue, if it is an ion. A trace of a chain has one atom a residue too: there
+/// `CA` is calcium only where the residue is called so.
+pub(super) fn ion(name: &[u8], residue: &[u8], class: Option<Class>) -> Option<u8> {
+    if class.is_some() && letters(name) != letters(residue) {
+        return None;
+    }
+    let name = letters(name);
+    let listed = |name: &[u8]| IONS.iter().find(|(ion, _)| name.eq_ignore_ascii_case(ion)).map(|(_, symbol)| *symbol);
+    if let Some(symbol) = listed(name) {
+        return Some(atomic_number(symbol));
+    }
+    let element = of_symbol(name);
+    let named =
+        name.eq_ignore_ascii_case(letters(residue)) || listed(letters(residue)).map(atomic_number) == Some(element);
+    let trace = name.eq_ignore_ascii_case(b"CA") || name.len() == 1;
+    (element > 0 && (named || !trace)).then_some(element)
+}
+
+/// The element of an atom in a known residue: its name begins with the symbol. `None` for what does not stand there.
+pub(super) fn in_residue(name: &[u8], residue: &[u8]) -> Option<u8> {
+    let letters = letters(name);
+    if letters.eq_ignore_ascii_case(b"SE") && matches!(residue, b"MSE" | b"SEC" | b"CSE") {
+        return Some(atomic_number("Se"));
+    }
+    match letters.first()?.to_ascii_uppercase() {
+        b'D' => Some(1),
+        letter @ (b'H' | b'C' | b'N' | b'O' | b'P' | b'S') => Some(of_symbol(&[letter])),
+        _ => None,
+    }
+}
+
+/// The element by the four columns of a PDB name: a symbol of one letter stands in the second, one of two begins in the
+/// first, and so does a name of four letters (wwPDB format 3.3, ATOM). `None` where the columns say nothing.
+pub(super) fn of_columns(name: &[u8]) -> Option<u8> {
+    let &[first, second, _, last] = name else { return None };
+    let full = !last.is_ascii_whitespace();
+    let one = |letter: u8| Some(of_symbol(&[letter])).filter(|element| *element > 0 && letter != b'T');
+    match (first.is_ascii_alphabetic(), second.is_ascii_alphabetic()) {
+        // Programs that begin every name here write chlorine and bromine so; no carbon and no boron is called that.
+        (false, true) if matches!(&name[1..3], b"CL" | b"BR") => Some(of_symbol(&name[1..3])),
+        // Hydrogens mostly, `1HB `, and what some programs write, `1C4A`.
+        (false, true) => one(second),
+        (true, true) if full && PAIRS.iter().all(|pair| !name[..2].eq_ignore_ascii_case(pair)) => {
+            one(first).or_else(|| Some(of_symbol(&name[..2])).filter(|element| *element > 0))
+        }
+        (true, true) => Some(of_symbol(&name[..2])).filter(|element| *element > 0),
+        _ => None,
+    }
+}
+
+/// The element by a name of a residue that is not known, in columns that say nothing: its first letter, but for symbols of
+/// two letters that begin with no element's letter, that are written as in the periodic table, or that are far more common
+/// ([`PAIRS`]). 0 for none.
+pub(super) fn of_name(name: &[u8]) -> u8 {
+    let letters = letters(name);
+    let &[first, ref rest @ ..] = letters else { return 0 };
+    let Some(second) = rest.first() else {
+        // Tritium is less common than types that are numbered `T1`.
+        return if first.eq_ignore_ascii_case(&b'T') { 0 } else { of_symbol(&[first]) };
+    };
+    // Letters behind a first one tell atoms of organic molecules apart: `UNK` is no uranium.
+    let one = if b"HCNOPSFB".contains(&first.to_ascii_uppercase()) { of_symbol(&[first]) } else { 0 };
+    let two = of_symbol(&letters[..2]);
+    let pair = PAIRS.iter().any(|pair| letters[..2].eq_ignore_ascii_case(pair));
+    // `Cl1`, `Fe`; a hydrogen's second letter says where it is bound.
+    let written = first.is_ascii_uppercase() && second.is_ascii_lowercase() && first != b'H' && rest.len() == 1;
+    if two > 0 && (pair || written || one == 0) { two } else { one }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::style::elements::element;
+
+    fn symbol(number: impl Into<Option<u8>>) -> &'static str {
+        number.into().and_then(element).map_or("none", |element| element.symbol)
+    }
+
+    #[test]
+    fn columns_tell_calcium_from_the_alpha_carbon() {
+        for (name, expected) in [
+            (" CA ", "C"),
+            ("CA  ", "Ca"),
+            ("HG11", "H"),
+            ("HG  ", "Hg"),
+            ("1HB ", "H"),
+            ("2HG1", "H"),
+            (" OXT", "O"),
+            ("FE  ", "Fe"),
+            ("CL12", "Cl"),
+            ("CA12", "C"),
+            ("ZN12", "Zn"),
+            (" D  ", "H"),
+            (" CL1", "Cl"),
+            (" CB ", "C"),
+            ("1234", "none"),
+            ("    ", "none"),
+            ("C1  ", "none"),
+            (" X  ", "none"),
+            ("N", "none"),
+        ] {
+            assert_eq!(symbol(of_columns(name.as_bytes())), expected, "{name:?}");
+        }
+    }
+
+    #[test]
+    fn names_alone_tell_the_likelier_element() {
+        for (name, expected) in [
+            ("CA", "C"),
+            ("CD1", "C"),
+            ("NA", "N"),
+            ("HG1", "H"),
+            ("1HB2", "H"),
+            ("OXT", "O"),
+            ("CL2", "Cl"),
+            ("CLA", "Cl"),
+            ("Cl1", "Cl"),
+            ("BR", "Br"),
+            ("B1", "B"),
+            ("F3", "F"),
+            ("FE", "Fe"),
+            ("ZN1", "Zn"),
+            ("Cu1", "Cu"),
+            ("AU3", "Au"),
+            ("RU", "Ru"),
+            ("K", "K"),
+            ("PB", "P"),
+            ("Ho", "H"),
+            ("UNK", "none"),
+            ("U1", "U"),
+            ("T1", "none"),
+            ("MW", "none"),
+            ("BB", "B"),
+            ("X1", "none"),
+            ("", "none"),
+        ] {
+            assert_eq!(symbol(of_name(name.as_bytes())), expected, "{name:?}");
+        }
+        assert_eq!([of_symbol(b"Cu2+"), of_symbol(b" zn"), of_symbol(b"\xff"), of_symbol(b"2")], [29, 30, 0, 0]);
+    }
+
+    #[test]
+    fn ions_are_alone_and_called_so() {
+        for (name, residue, class, expected) in [
+            ("CA", "CA", None, "Ca"),
+            ("CA", "CA2", None, "Ca"),
+            ("CAL", "CAL", None, "Ca"),
+            ("CA", "CAL", None, "Ca"),
+            ("CA", "LIG", None, "none"),
+            ("CA", "ALA", Some(Class::Protein), "none"),
+            ("ZN", "ION", None, "Zn"),
+            ("NA+", "ION", None, "Na"),
+            ("CL-", "CL-", None, "Cl"),
+            ("CD", "CD", None, "Cd"),
+            ("HG", "HG", None, "Hg"),
+            ("K", "K", None, "K"),
+            ("I", "IOD", None, "I"),
+            ("N", "XXX", None, "none"),
+            ("W", "W", Some(Class::Bead), "W"),
+        ] {
+            assert_eq!(symbol(ion(name.as_bytes(), residue.as_bytes(), class)), expected, "{name} of {residue}");
+        }
+    }
+
+    #[test]
+    fn known_residues_hold_what_life_is_made_of() {
+        for (name, residue, expected) in [
+            ("CA", "HSD", "C"),
+            ("ND1", "HSD", "N"),
+            ("CE1", "HSD", "C"),
+            ("CD2", "HSD", "C"),
+            ("HG", "SER", "H"),
+            ("DD21", "ASN", "H"),
+            ("1HB", "ALA", "H"),
+            ("SE", "MSE", "Se"),
+            ("SD", "MET", "S"),
+            ("SE", "MET", "S"),
+            ("ZN", "CYS", "none"),
+        ] {
+            assert_eq!(symbol(in_residue(name.as_bytes(), residue.as_bytes())), expected, "{name} of {residue}");
+        }
+    }
+}
