@@ -341,19 +341,22 @@ impl Residue {
         if let Some(element) = self.class.and_then(|_| rules::in_residue(name, &self.name)) {
             return (Site::Element(element), How::Residue);
         }
-        if self.chain && name == b"CA" {
-            return (Site::Element(6), How::Residue);
+        // In a chain, or in a trace of one: a residue of calcium alone is called so.
+        if name == b"CA" && (self.chain || self.alone) {
+            return (Site::Element(6), How::Name);
         }
         (Site::Unknown, How::Name)
     }
 }
 
 /// Massless sites of force fields: charges of water models beside the oxygen (`MW` of GROMACS, `OM` of CHARMM, `EPW` of AMBER,
-/// `LP1`), lone pairs of halogens (`LP`), masses of rigid groups in GROMACS (`MCB1`), pseudo-atoms of NMR (`QB`).
+/// `LP1`), lone pairs of halogens (`LP`), dummies around metals (`DM1`), masses of rigid groups in GROMACS (`MCB1`),
+/// pseudo-atoms of NMR (`QB`).
 fn is_virtual(name: &[u8], class: Option<Class>) -> bool {
     let letters = rules::letters(name).to_ascii_uppercase();
     match &letters[..] {
         b"MW" | b"EP" | b"EPW" | [b'L', b'P', ..] => true,
+        b"DM" | b"DU" | b"DUM" => class.is_none(),
         b"M" | b"OM" | b"IW" | b"L" => class == Some(Class::Water),
         [b'M' | b'Q', ..] => class == Some(Class::Protein),
         _ => false,

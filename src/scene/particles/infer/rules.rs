@@ -134,8 +134,8 @@ pub(super) fn of_name(name: &[u8]) -> u8 {
     let one = if b"HCNOPSFB".contains(&first.to_ascii_uppercase()) { of_symbol(&[first]) } else { 0 };
     let two = of_symbol(&letters[..2]);
     let pair = PAIRS.iter().any(|pair| letters[..2].eq_ignore_ascii_case(pair));
-    // `Cl1`, `Fe`; a hydrogen's second letter says where it is bound.
-    let written = first.is_ascii_uppercase() && second.is_ascii_lowercase() && first != b'H' && rest.len() == 1;
+    // `Fe`, `Ca`, as in the periodic table; with a number behind them, small letters only tell atoms apart.
+    let written = first.is_ascii_uppercase() && second.is_ascii_lowercase() && first != b'H' && name.len() == 2;
     if two > 0 && (pair || written || one == 0) { two } else { one }
 }
 
@@ -198,6 +198,8 @@ mod tests {
             ("K", "K"),
             ("PB", "P"),
             ("Ho", "H"),
+            ("Ca", "Ca"),
+            ("Ca13", "C"),
             ("UNK", "none"),
             ("U1", "U"),
             ("T1", "none"),

@@ -57,6 +57,7 @@ fn ions_are_residues_of_one_atom() {
     }
     let (found, _) = symbols(true, "CA  .ALA,CA  .HSD,CA  .GLY,CA  .ARG");
     assert_eq!(found, "C C C C", "a trace of a chain");
+    assert_eq!(symbols(true, "CA  .ABC,CA  .XYZ").0, "C C");
 }
 
 #[test]
@@ -74,6 +75,7 @@ fn virtual_sites_are_told_from_atoms() {
         ("MN.MN", "Mn"),
         ("N.LYSH,NZ.LYSH,MNZ1.LYSH,MNZ2.LYSH", "N N - -"),
         ("C1.LIG,M.LIG,O.LIG", "C ? O"),
+        ("ZND.ZNM,DM1.ZNM,DM2.ZNM", "Zn - -"),
     ] {
         let (found, report) = symbols(false, words);
         assert_eq!((&found[..], report.sites()), (expected, expected.matches('-').count() as u64), "{words}");

@@ -1,0 +1,301 @@
+"""The elements that halfline finds, against those of gemmi, MDAnalysis and ParmEd, atom by atom.
+
+    pip install gemmi MDAnalysis MDAnalysisTests parmed
+    cargo build --release --example elements
+    python tests/independent/elements.py target/release/examples/elements [FOLDER...]
+
+Files: every PDB, GRO and mmCIF file of MDAnalysisTests and of the folders that are named. An atom is the same atom in two
+programs where its place is the same and it is the n-th of that place.
+
+Topologies: every PSF, AMBER and GROMACS topology there. They give elements as masses or atomic numbers; their names are
+written to files that give none (PDB with names that begin in the first column, in the second, and as the format says; GRO),
+which halfline reads.
+
+Prints tables in markdown. Every difference is listed; those that EXPLAINED names are explained there. Exits with 1 if
+another one is left.
+"""
+import bz2, collections, gzip, json, logging, os, re, shutil, subprocess, sys, tempfile, warnings
+
+import gemmi, MDAnalysis, numpy as np, parmed
+from MDAnalysis.guesser.default_guesser import DefaultGuesser
+import MDAnalysisTests
+
+warnings.filterwarnings("ignore")
+logging.disable(logging.CRITICAL)
+
+STRUCTURES = (".pdb", ".ent", ".gro", ".cif", ".pdbx")
+TOPOLOGIES = (".psf", ".xplor", ".parm7", ".prmtop", ".tpr")
+
+# Differences that are explained: program, file, residue, atom, halfline's element, theirs ("" where they have none).
+# Each a regular expression, and why.
+EXPLAINED = []
+
+
+def plain(path):
+    """The name without what it is compressed by."""
+    return re.sub(r"\.(gz|bz2)$", "", path)
+
+
+def unpacked(path, folder):
+    """The file, decompressed into a folder where need be."""
+    if plain(path) == path:
+        return path
+    out = os.path.join(folder, os.path.basename(plain(path)))
+    with (gzip.open if path.endswith("gz") else bz2.open)(path) as source, open(out, "wb") as target:
+        shutil.copyfileobj(source, target)
+    return out
+
+
+def normal(symbol):
+    symbol = (symbol or "").strip().capitalize()
+    return {"D": "H", "T": "H", "X": "", "Ep": "", "Lp": "", "Du": "", "M": "", "Mw": ""}.get(symbol, symbol)
+
+
+def of_gemmi(path):
+    if path.endswith(".gro"):
+        return None
+    model = gemmi.read_structure(path, format=gemmi.CoorFormat.Detect)[0]
+    for chain in model:
+        for residue in chain:
+            for atom in residue:
+                yield atom.pos.tolist(), residue.name, atom.name, normal(atom.element.name)
+
+
+def of_mdanalysis(path):
+    if path.endswith((".cif", ".pdbx")):
+        return None
+    format = "PDB" if path.endswith(".ent") else None
+    universe = MDAnalysis.Universe(path, format=format, topology_format=format, to_guess=())
+    atoms = universe.atoms
+    given = getattr(atoms, "elements", [""] * len(atoms))
+    guessed = DefaultGuesser(None).guess_types(atoms.names)
+    for atom, given, guessed in zip(atoms, given, guessed):
+        yield atom.position.tolist(), getattr(atom, "resname", ""), atom.name, normal(given) or normal(guessed)
+
+
+def of_parmed(path):
+    structure = parmed.load_file(path, structure=True) if not path.endswith(".gro") else parmed.load_file(path)
+    for atom in structure.atoms:
+        number = max(atom.atomic_number, 0)
+        yield [atom.xx, atom.xy, atom.xz], atom.residue.name, atom.name, normal(parmed.periodic_table.Element[number] if number else "")
+
+
+PROGRAMS = {"gemmi": of_gemmi, "MDAnalysis": of_mdanalysis, "ParmEd": of_parmed}
+
+
+def halfline(binary, paths):
+    run = subprocess.run([binary, *paths], stdout=subprocess.PIPE, check=True, text=True)
+    return [json.loads(line) for line in run.stdout.splitlines()]
+
+
+def place(position):
+    # Files write three decimals, which single precision keeps below 10^4.
+    return tuple(round(float(x), 3) + 0.0 for x in position)
+
+
+class Differences:
+    def __init__(self):
+        self.counts = collections.Counter()
+
+    def add(self, program, file, residue, name, ours, theirs, count=1):
+        self.counts[program, file, residue, name, ours, theirs] += count
+
+    def why(self, key):
+        for *patterns, reason in EXPLAINED:
+            if all(re.fullmatch(pattern, part) for pattern, part in zip(patterns, key)):
+                return reason
+        return None
+
+
+def compare(found, truth, program, file, differences):
+    """Atoms compared, and those that differ."""
+    theirs = collections.defaultdict(collections.deque)
+    for position, residue, name, symbol in truth:
+        theirs[place(position)].append((residue, name, symbol))
+    compared = differing = 0
+    for position, ours in zip(found["positions"], found["symbols"]):
+        queue = theirs.get(place(position))
+        if not queue:
+            continue
+        residue, name, symbol = queue.popleft()
+        compared += 1
+        ours = normal(ours)
+        if ours != symbol:
+            differing += 1
+            differences.add(program, file, residue, name, ours, symbol)
+    left = [atom for queue in theirs.values() for atom in queue]
+    return compared, differing, left
+
+
+def files(folders, endings):
+    for folder in folders:
+        for parent, _, names in sorted(os.walk(folder)):
+            for name in sorted(names):
+                if plain(name).lower().endswith(endings):
+                    yield os.path.join(parent, name)
+
+
+def structures(binary, folders, differences):
+    rows = collections.defaultdict(lambda: [0, 0, 0, 0])
+    sites, refused = collections.Counter(), []
+    with tempfile.TemporaryDirectory() as folder:
+        for path in files(folders, STRUCTURES):
+            try:
+                there = unpacked(path, folder)
+            except OSError as error:
+                refused.append((path, "everybody", f"not what its name says: {error}"))
+                continue
+            found = halfline(binary, [path])[0]
+            if "error" in found:
+                refused.append((path, "halfline", found["error"]))
+                continue
+            given = not any("gives no element" in said for said in found["warnings"])
+            kind = plain(path).rsplit(".", 1)[1].lower().replace("ent", "pdb").replace("pdbx", "cif")
+            for program, read in PROGRAMS.items():
+                try:
+                    truth = read(there)
+                    truth = None if truth is None else list(truth)
+                except Exception as error:  # Each has files that it does not read.
+                    refused.append((path, program, f"{type(error).__name__}: {error}"))
+                    continue
+                if not truth:
+                    continue
+                compared, differing, left = compare(found, truth, program, os.path.basename(path), differences)
+                row = rows[kind, "given" if given else "inferred", program]
+                row[0] += 1
+                row[1] += compared
+                row[2] += differing
+                for residue, name, _ in left:
+                    sites[program, os.path.basename(path), name] += 1
+    return rows, sites, refused
+
+
+WEIGHTS = [(symbol, mass) for symbol, mass in parmed.periodic_table.Mass.items() if mass > 0]
+
+
+def of_mass(mass):
+    """The element, "" for sites without mass and Drude particles, None for what no element weighs."""
+    if mass < 0.9:
+        return "" if mass <= 0 or mass > 0.2 else None
+    symbol, weight = min(WEIGHTS, key=lambda known: abs(known[1] - mass))
+    return normal(symbol) if abs(weight - mass) < 0.15 else None
+
+
+def topology(path):
+    """Name, residue, residue's number and element of every atom."""
+    if path.endswith(".tpr"):
+        for atom in MDAnalysis.Universe(path, topology_format="TPR", to_guess=()).atoms:
+            yield atom.name, atom.resname, atom.resindex, of_mass(atom.mass)
+        return
+    numbers = not path.endswith((".psf", ".xplor"))
+    for atom in parmed.load_file(path).atoms:
+        number = atom.atomic_number
+        element = (normal(parmed.periodic_table.Element[number]) if number > 0 else "") if numbers else of_mass(atom.mass)
+        yield atom.name, atom.residue.name, atom.residue.idx, element
+
+
+def pdb(align):
+    def write(atoms, out):
+        for n, (name, residue, number, element) in enumerate(atoms):
+            columns = align(name, element or "").ljust(4)[:4]
+            x, y, z = n % 100, n // 100 % 100, n // 10000
+            out.write(
+                f"ATOM  {(n + 1) % 100000:5} {columns} {residue[:4]:<4} {number % 10000:4}    {x:8.3f}{y:8.3f}{z:8.3f}  1.00  0.00\n"
+            )
+
+    return write
+
+
+def gro(atoms, out):
+    out.write(f"names\n{len(atoms)}\n")
+    for n, (name, residue, number, _) in enumerate(atoms):
+        x, y, z = n % 100 / 10, n // 100 % 100 / 10, n // 10000 / 10
+        out.write(f"{number % 100000:5}{residue[:5]:<5}{name[:5]:>5}{(n + 1) % 100000:5}{x:8.3f}{y:8.3f}{z:8.3f}\n")
+    out.write("   0.00000   0.00000   0.00000\n")
+
+
+def standard(name, element):
+    two = len(element) == 2 and name.upper().startswith(element.upper())
+    return name if len(name) >= 4 or two else " " + name
+
+
+LAYOUTS = {
+    "PDB, all names from the first column": pdb(lambda name, _: name),
+    "PDB, all names from the second column": pdb(lambda name, _: name if len(name) >= 4 else " " + name),
+    "PDB, as the format says": pdb(standard),
+    "GRO": gro,
+}
+
+
+def topologies(binary, folders, differences):
+    rows, refused, read = {}, [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        for path in files(folders, TOPOLOGIES):
+            try:
+                read[path] = [atom for atom in topology(unpacked(path, folder)) if atom[0]]
+            except BaseException as error:  # Some of these files are broken on purpose.
+                refused.append((path, "the reader of topologies", f"{type(error).__name__}: {error}"))
+        for layout, write in LAYOUTS.items():
+            row = rows.setdefault(layout, [0, 0, 0, 0])
+            ending = ".gro" if write is gro else ".pdb"
+            for n, (path, atoms) in enumerate(read.items()):
+                there = os.path.join(folder, f"{n}{ending}")
+                with open(there, "w") as out:
+                    write(atoms, out)
+                found = halfline(binary, [there])[0]
+                row[0] += 1
+                if "error" in found:
+                    refused.append((path, f"halfline, {layout}", found["error"]))
+                    continue
+                drawn = {}
+                for (x, y, z), symbol in zip(found["positions"], found["symbols"]):
+                    drawn[round(x) + 100 * round(y) + 10000 * round(z)] = normal(symbol)
+                for index, (name, residue, _, element) in enumerate(atoms):
+                    if element is None:
+                        row[3] += 1
+                        continue
+                    row[1] += 1
+                    # A site that is left out, and one of no known element, are both no atom.
+                    ours = drawn.get(index, "")
+                    if ours != element:
+                        row[2] += 1
+                        differences.add(layout, os.path.basename(path), residue, name, ours, element)
+                os.remove(there)
+    return rows, refused
+
+
+def main():
+    binary, *folders = sys.argv[1:]
+    folders.insert(0, os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data"))
+    versions = f"gemmi {gemmi.__version__}, MDAnalysis {MDAnalysis.__version__}, ParmEd {parmed.__version__}"
+    print(f"{versions}; {', '.join(os.path.basename(os.path.dirname(f + '/')) for f in folders)}\n")
+    differences = Differences()
+    rows, sites, refused = structures(binary, folders, differences)
+    print("| files | elements | against | files | atoms | different | of them explained |")
+    print("|---|---|---|---|---|---|---|")
+    for (kind, given, program), (count, atoms, differing, _) in sorted(rows.items()):
+        # Which differences belong to this row is told by the file's name.
+        print(f"| {kind} | {given} | {program} | {count} | {atoms:,} | {differing:,} | |")
+    made, more = topologies(binary, folders, differences)
+    print("\n| names of topologies, written as | topologies | atoms | different | of unknown mass |")
+    print("|---|---|---|---|---|")
+    for layout, (count, atoms, differing, unknown) in made.items():
+        print(f"| {layout} | {count} | {atoms:,} | {differing:,} | {unknown:,} |")
+    print("\nDifferences, all of them: times, program or layout, file, residue, atom, halfline, the other; why.\n")
+    unexplained = 0
+    for key, count in differences.counts.most_common():
+        why = differences.why(key)
+        unexplained += count * (why is None)
+        print(f"{count:6} {' '.join(part or '-' for part in key)}: {why or 'UNEXPLAINED'}")
+    print("\nNot drawn by halfline: times, program, file, name.\n")
+    for (program, file, name), count in sites.most_common():
+        print(f"{count:6} {program} {file} {name}")
+    print("\nNot read:\n")
+    for path, program, why in refused + more:
+        print(f"{os.path.basename(path)} by {program}: {' '.join(why.split())[:160]}")
+    print(f"\n{sum(differences.counts.values())} differences, {unexplained} of them unexplained")
+    return 1 if unexplained else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
