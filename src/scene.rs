@@ -4,6 +4,7 @@
 pub mod arrange;
 mod csv;
 mod fit;
+mod foreign;
 mod lines;
 mod native;
 mod nff;

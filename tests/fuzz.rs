@@ -158,6 +158,17 @@ const NFF: &str = "b 0.5 0.25 1\nv\nfrom 0 0 5.5\nat 0 0 0\nup 0 1 0\nangle 20\n
     l 4 3 2\ns 0 1 -1e-3 1\nf 1 0.5 0 0.8 0 100 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\nc\n0 0 0 1\n1 1 1 0\ns 0.1 16 9 2.5\n";
 const XYZ: &str = "2\nwater\nO 0 0 0\nH1 1 0 -1e-1\n1\nLattice=\"1 0 0 0 2 0 0 0 3\" \
     Properties=species:S:1:pos:R:3:vel:R:3:radius:R:1 pbc=\"T T F\"\nFe 1 2 3 4 5 6 0.5\n";
+const PQR: &str = "REMARK   1 PQR\n\
+    ATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n\
+    ATOM      2  CA  MET A   1     -11.500  26.000  10.000  0.2000 2.0000\n\
+    HETATM99999  H1  WAT B  -7A   -100.123-200.456-300.789  0.4170 0.0000\nTER\nEND\n";
+
+const PDBQT: &str = "REMARK  Name = ligand\nROOT\n\
+    ATOM      1  C1  UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n\
+    ENDROOT\nBRANCH   1   2\n\
+    ATOM      2  O1  UNL A   1      32.630  34.390  30.940  0.00  0.00    -0.507 OA\n\
+    ENDBRANCH   1   2\nTORSDOF 1\n";
+
 const PDB: &str = "HEADER    SMALL\n\
     REMARK 350 BIOMOLECULE: 1\n\
     REMARK 350 APPLY THE FOLLOWING TO CHAINS: A, B\n\
@@ -217,6 +228,8 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
         Format::Nff => text(&[NFF]),
         Format::Xyz => text(&[XYZ]),
         Format::Pdb => text(&[PDB]),
+        Format::Pqr => text(&[PQR]),
+        Format::Pdbqt => text(&[PDBQT]),
         Format::Mmcif => text(&[CIF]),
         Format::Gro => text(&[GRO]),
         Format::Dump => text(&[DUMP]),

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Reading and looks")]
 pub(super) struct ReadArgs {
-    /// The file's format, where neither content nor name tell: toml, nff, xyz, pdb, cif, gro, dump, data, ply, csv, npy, npz.
+    /// The file's format, where neither content nor name tell: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv, npy, npz.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
     /// Which frames of a sequence, from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last.

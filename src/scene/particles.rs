@@ -36,7 +36,7 @@ use std::str::FromStr;
 pub(crate) struct Particles {
     /// Places, in the file's unit; nanometres of GROMACS are ångström here.
     pub(crate) positions: Vec<[f64; 3]>,
-    /// Radii in the same unit, where the file gives them; else empty.
+    /// Radii in the same unit, where the file gives them; else empty. NaN for a particle without one.
     pub(crate) radii: Vec<f64>,
     /// Atomic numbers, 0 where an element is not known; empty where the format knows no elements.
     pub(crate) elements: Vec<u8>,
@@ -181,7 +181,7 @@ pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<d
     let frames: Box<dyn Frames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
         Format::Gro => Box::new(gro::Gro::new(source, options)),
-        Format::Pdb => Box::new(pdb::Pdb::new(source, options)),
+        Format::Pdb | Format::Pqr | Format::Pdbqt => Box::new(pdb::Pdb::new(source, options)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, options)?),
         Format::Dump => Box::new(dump::Dump::new(source, options)?),
         Format::Data => Box::new(data::Data::new(source, options)?),

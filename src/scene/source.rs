@@ -1,7 +1,7 @@
 //! Where a scene comes from: a file or standard input, compressed or not, in a format that its content tells.
 
 use super::particles::axes;
-use super::{ending, nff};
+use super::{ending, foreign, nff};
 use crate::error::{Error, Place, Result};
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
@@ -22,6 +22,10 @@ pub enum Format {
     Xyz,
     /// Protein Data Bank.
     Pdb,
+    /// PDB with charges and radii, as PDB2PQR writes it.
+    Pqr,
+    /// PDB with charges and AutoDock's types.
+    Pdbqt,
     /// Macromolecular CIF.
     Mmcif,
     /// GROMACS coordinates.
@@ -47,6 +51,8 @@ impl Format {
         Self::Nff,
         Self::Xyz,
         Self::Pdb,
+        Self::Pqr,
+        Self::Pdbqt,
         Self::Mmcif,
         Self::Gro,
         Self::Dump,
@@ -70,6 +76,8 @@ impl Format {
             Self::Nff => &["nff"],
             Self::Xyz => &["xyz", "extxyz"],
             Self::Pdb => &["pdb", "ent"],
+            Self::Pqr => &["pqr"],
+            Self::Pdbqt => &["pdbqt"],
             Self::Mmcif => &["cif", "mmcif"],
             Self::Gro => &["gro"],
             Self::Dump => &["dump", "lammpstrj"],
@@ -97,10 +105,12 @@ impl Format {
         }
         let text = String::from_utf8_lossy(start);
         let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-        let signs: [(Self, Sign); 9] = [
+        let signs: [(Self, Sign); 11] = [
             (Self::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
             (Self::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
             (Self::Mmcif, is_mmcif),
+            (Self::Pdbqt, is_pdbqt),
+            (Self::Pqr, is_pqr),
             (Self::Pdb, is_pdb),
             (Self::Gro, is_gro),
             (Self::Xyz, is_xyz),
@@ -141,12 +151,45 @@ fn is_mmcif(lines: &[&str]) -> bool {
 }
 
 /// The records that a PDB file may begin with.
-const RECORDS: [&str; 12] =
-    ["HEADER", "OBSLTE", "TITLE", "SPLIT", "CAVEAT", "COMPND", "REMARK", "CRYST1", "MODEL", "ATOM", "HETATM", "AUTHOR"];
+const RECORDS: [&str; 20] = [
+    "HEADER", "OBSLTE", "TITLE", "SPLIT", "CAVEAT", "COMPND", "REMARK", "CRYST1", "MODEL", "ATOM", "HETATM", "AUTHOR",
+    "USER", "NUMMDL", "SEQRES", "HELIX", "SHEET", "SSBOND", "ORIGX1", "SCALE1",
+];
 
 fn is_pdb(lines: &[&str]) -> bool {
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end());
-    lines.iter().find(|line| !line.trim().is_empty()).is_some_and(|line| record(line))
+    // GROMOS has the word alone.
+    lines.iter().find(|line| !line.trim().is_empty()).is_some_and(|line| record(line) && line.trim_end() != "TITLE")
+}
+
+/// The first atom of a file of PDB records.
+fn first_atom<'a>(lines: &'a [&'a str]) -> Option<&'a str> {
+    lines.iter().copied().find(|line| line.starts_with("ATOM") || line.starts_with("HETATM"))
+}
+
+/// PDB records whose atoms end in a charge, columns 71 to 76, and AutoDock's type of atom, or that make a tree of branches.
+fn is_pdbqt(lines: &[&str]) -> bool {
+    let charged = |line: &str| {
+        let point = line.as_bytes().get(72) == Some(&b'.') && line.as_bytes().get(76) == Some(&b' ');
+        point
+            && numbers(line.get(70..76).unwrap_or_default()) == 1
+            && line.get(77..).is_some_and(|kind| !kind.trim().is_empty())
+    };
+    first_atom(lines)
+        .is_some_and(|atom| charged(atom) || is_pdb(lines) && lines.iter().any(|line| line.trim_end() == "ROOT"))
+}
+
+/// PDB records whose atoms have two numbers behind their places that do not stand where occupancy and B factor do.
+fn is_pqr(lines: &[&str]) -> bool {
+    first_atom(lines).is_some_and(|atom| {
+        let columns = atom.as_bytes();
+        let decimals = [57, 63]
+            .map(|at| columns.get(at) == Some(&b'.') && columns.get(at + 3).is_none_or(|c| !c.is_ascii_digit()));
+        let words: Vec<&str> = atom.split_whitespace().collect();
+        let is_number = |word: &&str| word.contains('.') && word.parse::<f64>().is_ok();
+        let run = words.iter().skip_while(|word| !is_number(word)).take_while(|word| is_number(word)).count();
+        is_pdb(lines) && decimals != [true; 2] && run == 5
+    })
 }
 
 /// A title, a count, and atoms whose number stands in columns 16 to 20, before coordinates with a point.
@@ -248,16 +291,44 @@ impl Source {
         }
         let mut start = Vec::new();
         reader.by_ref().take(LOOK).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
-        let told = || Format::of_content(&start).or_else(|| Format::of_name(&name)).or_else(|| native(&start));
-        let Some(format) = format.or_else(told) else {
-            let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
-            let place = Place::file(path.display().to_string());
-            let mend = format!("name it with --format: {}", names.join(", "));
-            return Err(Error::scene(place, "neither content nor name tell what format this is", mend));
+        let format = match format {
+            Some(format) => format,
+            None => recognise(&start, &name)
+                .map_err(|(problem, mend)| Error::scene(Place::file(path.display().to_string()), problem, mend))?,
         };
         let reader = Box::new(Cursor::new(start).chain(reader));
         Ok(Self { reader, path: path.to_path_buf(), format, bytes })
     }
+}
+
+/// The format of a file that begins so and has this name, or what is wrong with it and how to mend it.
+fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, String)> {
+    let text = String::from_utf8_lossy(start);
+    let lines: Vec<&str> = text.lines().take(64).collect();
+    let foreign =
+        |foreign: &foreign::Foreign| (format!("this is {}, which is not read", foreign.what), foreign.mend.to_owned());
+    // Tinker's files are named as XYZ, and begin as it does.
+    match (Format::of_content(start), foreign::of_content(start, &lines)) {
+        (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
+        // What stands behind a long header is told by the name.
+        (Some(Format::Pdb), _) => {
+            let dialect = Format::of_name(name).filter(|format| matches!(format, Format::Pqr | Format::Pdbqt));
+            return Ok(dialect.unwrap_or(Format::Pdb));
+        }
+        (Some(format), _) => return Ok(format),
+        (None, None) => {}
+    }
+    if let Some(format) = Format::of_name(name) {
+        return Ok(format);
+    }
+    if let Some(found) = foreign::of_name(name) {
+        return Err(foreign(found));
+    }
+    native(start).ok_or_else(|| {
+        let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
+        let mend = format!("name it with --format: {}", names.join(", "));
+        ("neither content nor name tell what format this is".to_owned(), mend)
+    })
 }
 
 #[cfg(test)]
@@ -283,8 +354,12 @@ fn native(start: &[u8]) -> Option<Format> {
         Err(_) => return None,
     };
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
-    let plain = said(&lines).next().is_none_or(|line| line.starts_with('[') || line.contains('='));
-    plain.then_some(Format::Native)
+    // `[table]`, or a key, perhaps of several words with points between them, and its value.
+    let key = |text: &str| {
+        !text.trim().is_empty() && text.trim().chars().all(|c| c.is_alphanumeric() || "_-.\"'".contains(c))
+    };
+    let plain = |line: &str| line.starts_with('[') || line.split_once('=').is_some_and(|(name, _)| key(name));
+    said(&lines).next().is_none_or(plain).then_some(Format::Native)
 }
 
 #[cfg(test)]
@@ -294,12 +369,19 @@ mod tests {
     #[test]
     fn formats_are_told_by_content() {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
-        let cases: [(&str, Option<Format>); 19] = [
+        let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
+        let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
+        let cases: [(&str, Option<Format>); 24] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
             ("HEADER    VIRUS\n", Some(Format::Pdb)),
             ("ATOM      1  N   MET A   1      27.340  24.430   2.614\n", Some(Format::Pdb)),
+            ("ATOM      1  CA AGLY B  -3A   -100.123-200.456-300.789  0.50-10.00           C1-\n", Some(Format::Pdb)),
+            (qt, Some(Format::Pdbqt)),
+            ("REMARK  Name = x\nROOT\nATOM      1  C   UNL A   1      31.770  31.020  29.720\n", Some(Format::Pdbqt)),
+            (pqr, Some(Format::Pqr)),
+            ("ATOM      1  O1G gtp     1      -5.019  -2.528  14.700 -0.9526  1.5000       O\n", Some(Format::Pqr)),
             (gro, Some(Format::Gro)),
             ("2\n\nO 0 0 0\nH 1 0 0\n", Some(Format::Xyz)),
             ("0\nempty\n", Some(Format::Xyz)),
@@ -320,6 +402,28 @@ mod tests {
         }
         assert_eq!(Format::of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(Format::of_content(b"PK\x03\x04"), Some(Format::Npz));
+    }
+
+    #[test]
+    fn names_decide_where_content_does_not_and_what_is_not_read_is_named() {
+        let header = "REMARK   1\n".repeat(80);
+        let of = |text: &str, name: &str| recognise(text.as_bytes(), Path::new(name)).map_err(|(problem, _)| problem);
+        assert_eq!(of(&header, "a.pqr"), Ok(Format::Pqr));
+        assert_eq!(of(&header, "a.pdbqt"), Ok(Format::Pdbqt));
+        assert_eq!(of(&header, "a.gro"), Ok(Format::Pdb));
+        assert_eq!(of("# nothing\n", "a.xyz"), Ok(Format::Xyz));
+        assert_eq!(of("[camera]\n", "a"), Ok(Format::Native));
+        for (text, name, what) in [
+            ("TITLE\n  a run\nEND\n", "a.pdb", "GROMOS"),
+            ("2 water\n 1 O 0.0 0.0 0.0 1 2\n 2 H 1.0 0.0 0.0 2 1\n", "a.xyz", "Tinker"),
+            ("\u{1}", "a.xtc", "XTC"),
+            ("[ moleculetype ]\n", "a.itp", "topology"),
+            ("<?xml version=\"1.0\"?>\n", "a", "XML"),
+            ("not x = 1 and more\n", "a", "neither content nor name"),
+        ] {
+            let problem = of(text, name).expect_err(name);
+            assert!(problem.contains(what), "{problem}");
+        }
     }
 
     #[test]

@@ -204,7 +204,18 @@ impl Style {
             return Ok(vec![radius * scale; n]);
         }
         if !particles.radii.is_empty() {
-            return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+            let missing = particles.radii.par_iter().filter(|radius| radius.is_nan()).count();
+            if missing == 0 {
+                return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+            }
+            skipped.assumed.push(format!(
+                "{missing} of {n} particles have no radius in the file: that of their element is taken, or {UNKNOWN_RADIUS}"
+            ));
+            let own = |n: usize| element(*particles.elements.get(n)?).and_then(|element| self.radii.of(element));
+            let radius = |(n, radius): (usize, &f64)| {
+                if radius.is_nan() { own(n).unwrap_or(UNKNOWN_RADIUS) } else { *radius }
+            };
+            return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
         }
         if particles.elements.iter().all(|number| *number == 0) {
             let radius = spacing(&particles.positions) / 2.0;
@@ -345,6 +356,9 @@ mod tests {
         assert_eq!(radii(&covalent, &p).0[..2], [1.52, 0.62]);
         p.radii = vec![3.0; 5];
         assert_eq!(radii(&style, &p), (vec![3.0; 5], 0));
+        p.radii[1..3].fill(f64::NAN);
+        assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
+        p.radii = vec![3.0; 5];
         assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
     }
 

@@ -133,8 +133,13 @@ impl Gro {
 
     /// The box of the current line: three edges along the axes, or three vectors whose diagonal comes first.
     fn cell(&self) -> Result<Option<Cell>> {
-        let numbers =
-            Words::of(&self.lines).map(|word| Ok(word.finite("box")? * NANOMETRE)).collect::<Result<Vec<f64>>>()?;
+        let mut numbers = Vec::new();
+        for word in Words::of(&self.lines) {
+            let ends = fields(word.text);
+            for (start, end) in ends.iter().zip(&ends[1..]) {
+                numbers.push(self.lines.word(word.at + start, word.at + end).finite("box")? * NANOMETRE);
+            }
+        }
         let edges = match numbers[..] {
             [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
             [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
@@ -146,6 +151,19 @@ impl Gro {
         let some = numbers.iter().any(|x| *x != 0.0);
         Ok(some.then_some(Cell { origin: [0.0; 3], edges }))
     }
+}
+
+/// Where the numbers of a word begin, and its end. Numbers too long for their columns have no blank between them: each ends
+/// as many digits behind its point as the last does.
+fn fields(word: &str) -> Vec<usize> {
+    let mut ends = vec![0];
+    if let Some(last) = word.rfind('.') {
+        let behind = word.len() - last;
+        let points = word.match_indices('.').map(|(at, _)| at + behind).filter(|end| *end < word.len());
+        ends.extend(points.filter(|end| word.is_char_boundary(*end)));
+    }
+    ends.push(word.len());
+    ends
 }
 
 impl Frames for Gro {
@@ -241,6 +259,23 @@ MD of 2 waters, t= 0.0
         assert!(passed.skip().expect("one"));
         assert_eq!(passed.next().expect("read").expect("the second").elements, [20]);
         assert!(!passed.skip().expect("the end"));
+    }
+
+    #[test]
+    fn a_box_needs_no_blanks_between_its_numbers() {
+        let edges = |line: &str| {
+            let text = TWO.replacen("   1.82060   1.82060   1.82060", line, 1);
+            read(&text, &[]).map(|frames| frames[0].cell.expect("a box").edges)
+        };
+        let cube = |a, b, c| [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]];
+        assert_eq!(edges("40000.0000040000.0000050000.00000").expect("a box"), cube(4e5, 4e5, 5e5));
+        assert_eq!(edges(" 4.0 50000.0000060000.00000").expect("a box"), cube(40.0, 5e5, 6e5));
+        assert_eq!(edges("1.252.503.75").expect("a box"), cube(12.5, 25.0, 37.5));
+        let tilted =
+            edges("1.00000 20000.0000030000.00000 0.0 0.0 1.0 0.00000-10000.00000-20000.00000").expect("a box");
+        assert_eq!(tilted[2], [-1e5, -2e5, 3e5]);
+        let error = edges("40000.0000040000.0000x50000.00000").expect_err("no number").to_string();
+        assert!(error.contains("text:6:12: box: `40000.0000x` is no number"), "{error}");
     }
 
     #[test]

@@ -24,11 +24,13 @@ pub(super) enum Kind {
     Entity,
     /// In an assembly, its operator's number from 0.
     Copy,
+    /// Partial charge, elementary charges.
+    Charge,
 }
 
 impl Kind {
     /// All of them, by the names that colours are asked by.
-    pub(super) const ALL: [(&'static str, Self); 9] = [
+    pub(super) const ALL: [(&'static str, Self); 10] = [
         ("bfactor", Self::Bfactor),
         ("occupancy", Self::Occupancy),
         ("residue", Self::Residue),
@@ -38,6 +40,7 @@ impl Kind {
         ("asym", Self::Asym),
         ("entity", Self::Entity),
         ("copy", Self::Copy),
+        ("charge", Self::Charge),
     ];
 
     pub(super) fn name(self) -> &'static str {
@@ -83,14 +86,15 @@ impl Choice {
 /// # Errors
 /// [`Error::Settings`] that says which option to leave out.
 pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
+    let entry = matches!(format, Format::Pdb | Format::Mmcif);
+    let columns = entry || format == Format::Pdbqt;
     let asked = [
-        (options.assembly.is_some(), "biological assemblies", "leave --assembly out"),
-        (options.model.is_some(), "numbered models", "leave --model out; --frames counts from 1"),
-        (options.altloc != Altloc::All, "alternate locations", "leave --altloc out"),
+        (options.assembly.is_some(), entry, "biological assemblies", "leave --assembly out"),
+        (options.model.is_some(), columns, "numbered models", "leave --model out; --frames counts from 1"),
+        (options.altloc != Altloc::All, columns, "alternate locations", "leave --altloc out"),
     ];
-    let molecules = matches!(format, Format::Pdb | Format::Mmcif);
-    match asked.iter().find(|(asked, ..)| *asked && !molecules) {
-        Some((_, what, mend)) => Err(Error::settings(format!("{} files know no {what}", format.name()), *mend)),
+    match asked.iter().find(|(asked, known, ..)| *asked && !known) {
+        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files know no {what}", format.name()), *mend)),
         None => Ok(()),
     }
 }
@@ -217,6 +221,11 @@ impl Model {
         self.particles.check_room(self.particles.positions.len() - 1)
     }
 
+    /// Takes the radius of the last atom; NaN where the file gives none. Of a model all atoms have one or none has.
+    pub(super) fn radius(&mut self, radius: f64) {
+        self.particles.radii.push(radius);
+    }
+
     /// The particles, as they stand or in the assembly, whose chains are indices of `names`.
     ///
     /// # Errors
@@ -315,9 +324,10 @@ mod tests {
             (ReadOptions { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
         ] {
             for format in Format::ALL {
-                let molecules = matches!(format, Format::Pdb | Format::Mmcif);
+                let known =
+                    matches!(format, Format::Pdb | Format::Mmcif) || *format == Format::Pdbqt && word != "--assembly";
                 let found = check(*format, &options);
-                assert_eq!(found.is_ok(), molecules, "{format:?} {word}");
+                assert_eq!(found.is_ok(), known, "{format:?} {word}");
                 assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
                 check(*format, &plain).expect("nothing was asked");
             }

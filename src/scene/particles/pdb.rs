@@ -1,9 +1,11 @@
 //! Protein Data Bank files: fixed columns, one record a line (wwPDB format 3.3,
 //! wwpdb.org/documentation/file-format-content/format33/v3.3.html), and what older and other programs write: short lines,
-//! no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that END alone divides.
+//! no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that END alone divides. So are PDBQT and PQR
+//! files, whose atoms have other columns at their end.
 
 mod biomt;
 mod columns;
+mod dialects;
 
 use super::infer::{Inference, Named};
 use super::molecule::{Choice, Kind, Model, Names, cell, more_models, not_assembled};
@@ -11,11 +13,11 @@ use super::{Altloc, Cell, Frames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
-use crate::scene::source::Source;
+use crate::scene::source::{Format, Source};
 use biomt::Biomt;
 use columns::{
-    BFACTOR, CHAIN, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, RESIDUE_NAME, Record, SERIAL, SYMBOL,
-    X, coordinate, field, hybrid36, number, record, text,
+    BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, RESIDUE_NAME, Record, SERIAL,
+    SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
 };
 use std::io::BufRead;
 use std::ops::Range;
@@ -23,6 +25,7 @@ use std::ops::Range;
 /// The reader.
 pub(super) struct Pdb {
     lines: Lines<Box<dyn BufRead + Send>>,
+    dialect: Format,
     choice: Choice,
     /// Whether the current line is still to be looked at.
     held: bool,
@@ -42,7 +45,19 @@ pub(super) struct Pdb {
     told: bool,
 }
 
-const HAS: [Kind; 6] = [Kind::Bfactor, Kind::Occupancy, Kind::Residue, Kind::Chain, Kind::Model, Kind::Serial];
+/// The columns of an atom by format: those of PDB, and in PDBQT a charge behind them.
+const HAS: [Kind; 7] =
+    [Kind::Bfactor, Kind::Occupancy, Kind::Residue, Kind::Chain, Kind::Model, Kind::Serial, Kind::Charge];
+const HAS_PQR: [Kind; 4] = [Kind::Charge, Kind::Residue, Kind::Chain, Kind::Serial];
+
+/// The columns of a file in this format.
+fn has(dialect: Format) -> &'static [Kind] {
+    match dialect {
+        Format::Pqr => &HAS_PQR,
+        Format::Pdbqt => &HAS,
+        _ => &HAS[..6],
+    }
+}
 
 /// Models that an error lists.
 const LISTED: usize = 16;
@@ -51,6 +66,7 @@ impl Pdb {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
         Self {
             lines: Lines::new(source.reader, &source.path).of_any_bytes(),
+            dialect: source.format,
             choice: Choice::of(options),
             held: false,
             number: 0,
@@ -93,7 +109,12 @@ impl Pdb {
         while self.advance()? {
             match (record(self.line()), &mut model) {
                 (Record::Atom, Some(model)) => {
-                    Self::atom(&self.lines, &self.choice, &mut self.chains, self.number, model)?;
+                    let names = self.choice.assembly.is_some() || self.choice.wants(Kind::Chain);
+                    let chains = names.then_some(&mut self.chains);
+                    match self.dialect {
+                        Format::Pqr => dialects::pqr(&self.lines, chains, model)?,
+                        dialect => Self::atom(&self.lines, &self.choice, dialect, chains, self.number, model)?,
+                    }
                 }
                 (Record::Atom, None) => {}
                 (Record::End, _) => break,
@@ -138,7 +159,8 @@ impl Pdb {
     fn atom(
         lines: &Lines<Box<dyn BufRead + Send>>,
         choice: &Choice,
-        chains: &mut Names,
+        dialect: Format,
+        chains: Option<&mut Names>,
         model_number: i64,
         model: &mut Model,
     ) -> Result<()> {
@@ -160,19 +182,18 @@ impl Pdb {
         }
         let atom = Named {
             // Older files have digits there, or nothing.
-            symbol: field(line, SYMBOL),
+            symbol: match dialect {
+                Format::Pdbqt => dialects::symbol(field(line, TYPE)),
+                _ => field(line, SYMBOL),
+            },
             name: field(line, NAME),
             residue: field(line, RESIDUE_NAME).trim_ascii(),
             site: field(line, RESIDUE_ID),
         };
-        let chain = if choice.assembly.is_some() || choice.wants(Kind::Chain) {
-            chains.number(match field(line, CHAIN) {
-                [] => b" ",
-                name => name,
-            })
-        } else {
-            0
-        };
+        let chain = chains.map_or(0, |chains| match field(line, CHAIN) {
+            [] => chains.number(b" "),
+            name => chains.number(name),
+        });
         model.push(&atom, position, chain, |kind| match kind {
             Kind::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
             Kind::Occupancy => occupancy(),
@@ -180,6 +201,7 @@ impl Pdb {
             Kind::Serial => hybrid36(field(line, SERIAL)),
             Kind::Chain => f64::from(chain),
             Kind::Model => model_number as f64,
+            Kind::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
             Kind::Asym | Kind::Entity | Kind::Copy => 0.0,
         })
     }
@@ -227,7 +249,7 @@ impl Frames for Pdb {
                 continue;
             }
             self.done = self.choice.model.is_some();
-            let mut model = Model::new(&self.choice, &HAS, Inference::new(true));
+            let mut model = Model::new(&self.choice, has(self.dialect), Inference::new(self.dialect != Format::Pqr));
             self.body(Some(&mut model))?;
             let file = self.lines.file();
             let assembly = match &self.choice.assembly {

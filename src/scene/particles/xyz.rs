@@ -88,7 +88,9 @@ impl Xyz {
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
-        let numbers: Vec<f64> = text.split_whitespace().take(10).map_while(|word| word.parse().ok()).collect();
+        // ASE writes blanks, others commas, brackets as JSON does, or both.
+        let words = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|word| !word.is_empty());
+        let numbers: Vec<f64> = words.take(10).map_while(|word| word.parse().ok()).collect();
         match numbers[..] {
             [a, b, c, d, e, f, g, h, i] if numbers.iter().all(|x| x.is_finite()) => {
                 Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
@@ -127,10 +129,20 @@ fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
             Some('"') => ('"', 1),
             Some('\'') => ('\'', 1),
             Some('{') => ('}', 1),
+            Some('[') => (']', 1),
             _ => (' ', 0),
         };
         let start = value + open;
-        let ends = |c: char| if close == ' ' { c.is_whitespace() } else { c == close };
+        // Arrays hold arrays.
+        let mut depth = 1;
+        let ends = |c: char| match close {
+            ' ' => c.is_whitespace(),
+            ']' => {
+                depth += i32::from(c == '[') - i32::from(c == ']');
+                depth == 0
+            }
+            _ => c == close,
+        };
         let end = text[start..].find(ends).map_or(text.len(), |k| start + k);
         found.push((start, key.trim_matches('"'), &text[start..end]));
         at = (end + open).min(text.len());
@@ -184,6 +196,25 @@ mod tests {
         assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
         assert_eq!(frame.unknown.get("Xx"), Some(&1));
         assert_eq!(frame.has[3..], ["v_x", "v_y", "radius"]);
+    }
+
+    #[test]
+    fn a_cell_is_read_however_its_numbers_are_separated() {
+        for lattice in [
+            "\"1 2 3 4 5 6 7 8 9\"",
+            "\"1, 2, 3 4, 5, 6 7, 8, 9\"",
+            "[[1,2,3],[4, 5, 6],[7,8,9]]",
+            "{1 2 3 4 5 6 7 8 9}",
+        ] {
+            let text = format!("1\nLattice={lattice} Properties=pos:R:3:species:S:1\n1 2 3 O\n");
+            let frame = read(&text, &[]).expect("a frame").remove(0);
+            assert_eq!(
+                frame.cell.expect("a cell").edges,
+                [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
+                "{lattice}"
+            );
+            assert_eq!((frame.positions[0], frame.elements[0]), ([1.0, 2.0, 3.0], 8));
+        }
     }
 
     #[test]

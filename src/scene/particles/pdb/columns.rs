@@ -29,6 +29,9 @@ pub(super) const COORDINATE: usize = 8;
 pub(super) const OCCUPANCY: Range<usize> = 54..60;
 pub(super) const BFACTOR: Range<usize> = 60..66;
 pub(super) const SYMBOL: Range<usize> = 76..78;
+/// Of PDBQT: the partial charge and AutoDock's type.
+pub(super) const CHARGE: Range<usize> = 70..76;
+pub(super) const TYPE: Range<usize> = 77..79;
 
 pub(super) fn record(line: &[u8]) -> Record {
     match line {

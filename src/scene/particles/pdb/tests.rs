@@ -237,3 +237,62 @@ fn latin_1_and_any_other_bytes_do_no_harm() {
         bytes[at] = if seed & 7 == 0 { bytes[at] } else { old };
     }
 }
+
+fn read_as(format: Format, text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
+    let mut pdb = Pdb::new(Source { format, ..Source::of_text(text) }, options);
+    std::iter::from_fn(|| pdb.next().transpose()).collect()
+}
+
+#[test]
+fn types_of_autodock_are_elements() {
+    let row = |name: &str, charge: &str, kind: &str| {
+        format!("ATOM      1 {name:<4} UNL A   1      31.770  31.020  29.720  0.00  0.00    {charge}{kind}\n")
+    };
+    let text = [
+        row(" C1", "+0.007", " A "),
+        row(" H9", " 0.292", " HD"),
+        row(" O1", "-0.507", " OA"),
+        row(" N1", "-0.507", " NA"),
+        row("NA", " 1.000", " Na"),
+        row("CL1", "-0.507", " Cl"),
+        row("ZN", " 2.000", " Zn"),
+        row(" S", "-0.100", " SA"),
+        row(" C2", "-0.100", " C"),
+    ];
+    let frame = read_as(Format::Pdbqt, &text.concat(), &options(&["charge", "serial"])).expect("atoms").remove(0);
+    assert_eq!(frame.elements, [6, 1, 8, 7, 11, 17, 30, 16, 6]);
+    assert_eq!(frame.columns[0].values[..3], [0.007, 0.292, -0.507]);
+    assert!(frame.skipped.assumed.is_empty(), "{:?}", frame.skipped);
+}
+
+#[test]
+fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
+    let text = "REMARK   1 PQR\n\
+        ATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n\
+        ATOM   2  CA  MET A   1     -11.5   26.0   10.0  0.2  2.0\n\
+        HETATM99999  H1  WAT B  -7A   -100.123-200.456-300.789  0.4170 0.0000\n\
+        HETATM100000 CL   CL     9       1.0 2.0 3.0 -1.0 1.9 CL\nTER\nEND\n";
+    let frame =
+        read_as(Format::Pqr, text, &options(&["charge", "serial", "residue", "chain"])).expect("atoms").remove(0);
+    assert_eq!(frame.elements, [7, 6, 1, 17]);
+    assert_eq!(frame.positions[0], [-11.921, 26.307, 10.41]);
+    assert_eq!(frame.positions[2], [-100.123, -200.456, -300.789]);
+    assert!(frame.radii[2].is_nan());
+    assert_eq!([frame.radii[0], frame.radii[1], frame.radii[3]], [1.85, 2.0, 1.9]);
+    let column = |name: &str| &frame.columns.iter().find(|column| column.name == name).expect(name).values[..];
+    assert_eq!(column("charge"), [-0.3, 0.2, 0.417, -1.0]);
+    assert_eq!(column("serial"), [1.0, 2.0, 99999.0, 100000.0]);
+    assert_eq!((column("residue"), column("chain")), (&[1.0, 1.0, -7.0, 9.0][..], &[0.0, 1.0, 2.0, 0.0][..]));
+    for (line, told) in [
+        ("ATOM      1  N    MET     1     -11.921   26.307   10.410\n", "text:1:58: radius: no charge and radius"),
+        (
+            "ATOM      1  N    MET     1     -11.921   26.307   10.410 1.0 -2.0\n",
+            "text:1:63: radius: `-2.0` is negative",
+        ),
+        ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "no finite number"),
+        ("ATOM\n", "x: columns 31 to 38 are empty"),
+    ] {
+        let error = read_as(Format::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();
+        assert!(error.contains(told), "{error}");
+    }
+}
