@@ -237,6 +237,34 @@ fn what_cannot_be_read_is_io() {
 }
 
 #[test]
+fn lights_and_materials_are_counted_or_refused() {
+    let scene =
+        |lines: &str| format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\n{lines}\ns 0 0 0 1\n");
+    for (lines, warnings, refused) in [
+        ("f 1 0.5 0", vec![], None),
+        ("f 1 0.5 0 1 0 30 0 1.5", vec![], None),
+        ("l 1 2 3", vec!["1 light left out"], Some(":7:1: light: a light is not modelled")),
+        ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec!["2 lights left out"], Some(":8:1: light: ")),
+        ("f 1 0.5 0 0.8 0 0 0 0", vec!["1 material reduced to the colour"], Some(":7:1: fill: a material")),
+        ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),
+        ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["1 light ", "2 materials "], Some(":7:1: fill: ")),
+    ] {
+        let found = read("s.nff", &scene(lines)).expect("lenient").skipped;
+        assert_eq!(found.total(), 0, "lights and materials are no things");
+        let said = found.warnings();
+        assert!(
+            said.len() == warnings.len() && said.iter().zip(&warnings).all(|(said, start)| said.starts_with(start)),
+            "{said:?}"
+        );
+        match (read_with("s.nff", scene(lines).as_bytes(), &strict()), refused) {
+            (Ok(_), None) => {}
+            (Err(error), Some(place)) => assert!(error.to_string().contains(&format!("s.nff{place}")), "{error}"),
+            (found, _) => panic!("{lines}: {found:?}"),
+        }
+    }
+}
+
+#[test]
 fn strict_refuses_what_lenient_counts() {
     for (line, place, kind) in [("p 3\n0 0 0 1 0 0 0 1 0", ":9:1", "polygon"), ("c 0 0 0 1 0 0 1 1", ":9:1", "cone")] {
         let scene = format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\ns 0 0 0 1\n\n{line}\n");
@@ -579,7 +607,16 @@ fn real_nff_files_give_the_spheres_of_their_readme() {
         assert_eq!(count("s "), spheres as u64, "{name}");
         assert_eq!(scene.skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
         assert!(scene.skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {:?}", scene.skipped);
-        assert_eq!(Scene::read(&path, &strict()).is_err(), !kind.is_empty(), "{name}");
+        // Each has lights, and fills that reflect.
+        Scene::read(&path, &strict()).expect_err(name);
+        let said = scene.skipped.warnings().join("; ");
+        let (lights, fills) = (count("l "), count("f "));
+        let plural = |n: u64| if n == 1 { "" } else { "s" };
+        for told in
+            [format!("{lights} light{} left out", plural(lights)), format!("{fills} material{} reduced", plural(fills))]
+        {
+            assert!(said.contains(&told), "{name}: {said}");
+        }
         scene.check().expect("what is read can be rendered");
     }
     let csv = std::fs::read(data.join("solar_system.csv")).expect("the planets");

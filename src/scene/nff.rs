@@ -1,5 +1,6 @@
 //! Haines' Neutral File Format, as the Standard Procedural Databases write it. Spheres are kept; cones, polygons and
-//! polygonal patches are counted and left out; lights and what a fill says beyond its colour are checked and dropped.
+//! polygonal patches are counted and left out. Lights and what a fill says beyond its colour are checked and counted: no
+//! shading uses them yet.
 //!
 //! Every statement begins a line; its numbers may run on to the next lines.
 
@@ -25,6 +26,14 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
     let mut background: Option<[f32; 3]> = None;
     let mut fill = None;
     let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
+    let (mut lights, mut materials) = (0_u64, 0_u64);
+    let ignored = |what: &str, place: Place| match options.strict {
+        true => {
+            let mend = "take it out, or read without strict to leave it out";
+            Err(Error::scene(place, format!("a {what} is not modelled"), mend))
+        }
+        false => Ok(()),
+    };
     while let Some(word) = nff.peek()? {
         let spot = nff.spot(word);
         let unknown = |problem: String| {
@@ -49,8 +58,22 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
             "v" => camera = Some(nff.view(&at("camera", None))?),
             "b" if background.is_some() => return unknown("a second background".into()),
             "b" => background = Some(nff.color(&at("background", None), 3)?),
-            "f" => fill = Some(nff.color(&at("fill", None), 8)?),
-            "l" => nff.light(&at("light", None))?,
+            "f" => {
+                let (color, plain) = nff.fill(&at("fill", None))?;
+                fill = Some(color);
+                if !plain {
+                    ignored(
+                        "material of Kd, Ks, Shine, T and index of refraction",
+                        spot.of(nff.lines.file()).named("fill"),
+                    )?;
+                    materials += 1;
+                }
+            }
+            "l" => {
+                nff.light(&at("light", None))?;
+                ignored("light", spot.of(nff.lines.file()).named("light"))?;
+                lights += 1;
+            }
             "s" => {
                 let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
                 spheres.push(center, radius, fill);
@@ -66,6 +89,15 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
         return Err(Error::scene(nff.lines.file().named("camera"), "a v block is missing", mend));
     };
     image.background = background.unwrap_or(image.background);
+    let plural = |n: u64| if n == 1 { "" } else { "s" };
+    if lights > 0 {
+        let place = "the picture is lit from the eye";
+        skipped.assumed.push(format!("{lights} light{} left out: {place}, see --shade", plural(lights)));
+    }
+    if materials > 0 {
+        let what = "Kd, Ks, Shine, T and index of refraction are left out";
+        skipped.assumed.push(format!("{materials} material{} reduced to the colour: {what}", plural(materials)));
+    }
     Ok(Scene { camera, image, spheres, skipped })
 }
 
@@ -203,13 +235,23 @@ impl<R: BufRead> Reader<R> {
         self.check_color(at, &numbers, 0)
     }
 
+    /// r g b [Kd Ks Shine T ior]: the colour, and whether the rest says no more than that it is seen: all of it scattered, none
+    /// mirrored or let through.
+    fn fill(&mut self, at: &Statement) -> Result<([f32; 3], bool)> {
+        let numbers = self.numbers(at, 3, 8)?;
+        let [.., diffuse, specular, _, through, _] = numbers.values;
+        let given = |n: usize| numbers.count > n;
+        let plain = !(given(3) && diffuse != 1.0 || given(4) && specular != 0.0 || given(6) && through != 0.0);
+        Ok((self.check_color(at, &numbers, 0)?, plain))
+    }
+
     fn check_color(&self, at: &Statement, numbers: &Numbers, first: usize) -> Result<[f32; 3]> {
         let color = std::array::from_fn(|k| numbers.values[first + k] as f32);
         check_color(color, || numbers.spots[first].of(self.lines.file()).named(at.to_string()))?;
         Ok(color)
     }
 
-    /// x y z [r g b]: checked, not kept.
+    /// x y z [r g b]: checked and not kept.
     fn light(&mut self, at: &Statement) -> Result<()> {
         let numbers = self.numbers(at, 3, 6)?;
         match numbers.count {
