@@ -8,8 +8,8 @@ use desk::Desk;
 use halfline::scene::style::ColorMap;
 
 /// Two atoms apart, with columns; one number is missing, one has no logarithm.
-const ATOMS: &str = "3\nProperties=species:S:1:pos:R:3:vx:R:1:vy:R:1:q:R:1:kind:I:1
-C 0 0 0 3 4 1 0\nO 9 0 0 0 0 -2 1\nH 18 0 0 6 8 nan 2\n";
+const ATOMS: &str = "3\nProperties=species:S:1:pos:R:3:vx:R:1:vy:R:1:q:R:1:kind:I:1:type:I:1
+C 0 0 0 3 4 1 0 0\nO 9 0 0 0 0 -2 1 1\nH 18 0 0 6 8 nan 2 2\n";
 
 const NATIVE: &str = "[camera]\neye = [0, 0, 9]\nview = [0, 0, -1]\nup = [0, 1, 0]\nvfov = 40\n[image]\nsize = [30, 20]
 background = [0.25, 0.5, 0.75]\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\ncolor = [0.5, 0.25, 1]\n";
@@ -44,7 +44,11 @@ fn colours_are_those_that_are_asked_for() {
     assert_eq!(colors(&desk, "--color-by vx --range 0,12 --map grays"), ends(ColorMap::Grays, [0.25, 0.0, 0.5]));
     assert_eq!(colors(&desk, "--color-by vx --range 6,0"), ends(ColorMap::Viridis, [0.5, 1.0, 0.0]));
     assert_eq!(colors(&desk, "--color-by vx --range 4,5"), ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "beyond the ends");
-    assert_eq!(colors(&desk, "--color-by kind --map category"), [0.0, 1.0, 2.0].map(|k| ColorMap::Category.color(k)));
+    let categories = [0.0, 1.0, 2.0].map(|k| ColorMap::Category.color(k));
+    assert_eq!(colors(&desk, "--color-by kind --map category"), categories);
+    assert_eq!(colors(&desk, "--color-by kind"), ends(ColorMap::Viridis, [0.0, 0.5, 1.0]), "a number like others");
+    assert_eq!(colors(&desk, "--color-by type"), categories, "types are names");
+    assert_eq!(colors(&desk, "--color-by type --map viridis"), ends(ColorMap::Viridis, [0.0, 0.5, 1.0]));
     let log = colors(&desk, "--color-by vx --log");
     assert_eq!([log[0], log[1], log[2]], ends(ColorMap::Viridis, [0.0, 0.0, 1.0]), "3 and 6 are the ends");
 }
@@ -66,7 +70,7 @@ fn what_has_no_place_on_the_map_is_counted() {
 #[test]
 fn what_cannot_colour_is_refused_with_what_can() {
     let desk = desk();
-    desk.refused(2, "atoms.xyz -o a.png --color-by mass", &["`mass`", "x, y, z, vx, vy, q, kind"]);
+    desk.refused(2, "atoms.xyz -o a.png --color-by mass", &["`mass`", "x, y, z, vx, vy, q, kind, type"]);
     desk.refused(2, "atoms.xyz -o a.png --color-by vx,mass", &["`mass`"]);
     desk.refused(2, "native.toml -o a.png --color-by vx", &["no columns"]);
     desk.refused(2, "native.toml -o a.png --color-by element", &["no elements"]);
@@ -105,7 +109,9 @@ fn legends_tell_the_ends_and_are_checked_before_any_work() {
         ("--color-by vx --legend new", 2, ".svg or .png"),
         ("--color-by vx --legend no/l.svg", 8, "no folder"),
         ("--color-by vx --legend ./new.png", 2, "twice"),
-        ("--color-by element --legend l.svg", 2, "elements have no legend"),
+        ("--color-by type --range 0,5 --map category --legend l.svg", 2, "no range"),
+        ("--color-by type --log --map category", 2, "no logarithm"),
+        ("--color-by type,kind --map category", 2, "no length"),
         // Nothing of a picture that is refused is left behind, its legend neither.
         ("--color-by vx --legend new.svg --crop 0,0,99999,1", 2, "99999"),
     ] {
@@ -119,6 +125,35 @@ fn legends_tell_the_ends_and_are_checked_before_any_work() {
     assert!(desk.get("l1.svg") == desk.get("l2.svg"));
     desk.render(&format!("{frames} all.svg --range 0,9"));
     assert!(String::from_utf8_lossy(&desk.get("all.svg")).contains(">9<"));
+}
+
+#[test]
+fn legends_of_categories_have_names_and_no_ticks() {
+    let desk = desk();
+    let atom = |chain: &str, x: f64| {
+        format!("ATOM      1  CA  ALA {chain}   1    {x:8.3}   0.000   0.000  1.00  0.00           C\n")
+    };
+    desk.put("chains.pdb", [atom("A", 0.0), atom("L", 9.0), atom(" ", 18.0), atom("L", 27.0)].concat());
+    let legend = |words: &str| {
+        desk.render(&format!("{words} --size 60x20 -o a.png --legend l.svg"));
+        String::from_utf8(desk.get("l.svg")).expect("UTF-8")
+    };
+    let chains = legend("chains.pdb --color-by chain");
+    assert!([">chain<", ">A<", ">L<", ">(blank)<"].iter().all(|label| chains.contains(label)), "{chains}");
+    assert!(chains.matches("<rect").count() == 4 && !chains.contains("<path"), "three swatches on white: {chains}");
+    let elements = legend("atoms.xyz --color-by element");
+    assert!([">H<", ">C<", ">O<"].iter().all(|label| elements.contains(label)), "{elements}");
+    let types = legend("atoms.xyz --color-by kind --map category");
+    assert!([">0<", ">1<", ">2<"].iter().all(|label| types.contains(label)) && !types.contains("0.5"), "{types}");
+    // What the picture shows is what the legend says.
+    desk.render("chains.pdb --size 160x40 --shade flat --aov id=id.npy -o c.png --color-by chain --background #000000");
+    let ((ids, _), (pixels, _)) = (desk.array("id.npy"), desk.array("c.png"));
+    for (id, label) in [(0.0, "A"), (1.0, "L"), (2.0, "(blank)"), (3.0, "L")] {
+        let at = ids.iter().position(|found| *found == id).expect("an atom in view");
+        let hex: String = pixels[3 * at..3 * at + 3].iter().map(|level| format!("{:02x}", *level as u8)).collect();
+        let swatch = chains.split("<rect").find(|part| part.contains(&format!(">{label}<"))).expect("a swatch");
+        assert!(swatch.contains(&format!("#{hex}")), "{label} is #{hex}: {swatch}");
+    }
 }
 
 #[test]

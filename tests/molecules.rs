@@ -2,7 +2,7 @@
 //! those that gemmi 0.7.5 (github.com/project-gemmi/gemmi) reads, and an assembly is the one that it makes.
 
 use halfline::error::Error;
-use halfline::scene::style::{ColorMap, Coloring, Scale, Style, elements};
+use halfline::scene::style::{Coloring, Scale, Style, elements};
 use halfline::scene::{Altloc, ReadOptions, Scene, Sequence};
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,7 @@ fn the_capsid_is_sixty_copies_of_its_chains() {
     let unit = read(&path, &ReadOptions::default());
     assert!(unit.skipped.warnings().iter().any(|said| said.contains("60 copies; --assembly 1")), "{:?}", unit.skipped);
     let columns = vec!["copy".to_owned()];
-    let scale = Scale { columns, map: ColorMap::default(), range: None, log: false };
+    let scale = Scale { columns, map: None, range: None, log: false };
     let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     let options = ReadOptions { assembly: Some("1".into()), style, ..ReadOptions::default() };
     let mut sequence = Sequence::open(&path, &options).expect("the file");

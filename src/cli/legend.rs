@@ -10,9 +10,6 @@ use std::path::{Path, PathBuf};
 /// The file of legends that is asked for, if it can be one; told before any work.
 pub(super) fn check(asked: &SceneArgs) -> Result<()> {
     let Some(path) = &asked.read.legend else { return Ok(()) };
-    if !asked.read.has_legend() {
-        return Err(Error::settings("elements have no legend", "colour by a column, or leave --legend out"));
-    }
     if !is_png(path) && !ends_in(path, "svg") {
         return Err(Error::settings(format!("{} is no legend", path.display()), "end the name in .svg or .png"));
     }

@@ -41,19 +41,20 @@ pub(super) struct ReadArgs {
     /// One colour for all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
     color: Option<[f32; 3]>,
-    /// Colours by: element, or a column of numbers that the file has; of several (vx,vy,vz) by their length.
+    /// Colours by: element, chain, or any column of numbers that the file has; of several (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     color_by: Option<String>,
     /// Which colours a column becomes: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category.
-    #[arg(long, value_name = "M", default_value = "viridis")]
-    map: ColorMap,
+    /// Default: category for names (chain, type), else viridis.
+    #[arg(long, value_name = "M")]
+    map: Option<ColorMap>,
     /// The numbers at the ends of the map; else the least and the largest there are.
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by", allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// Makes the logarithm of the numbers even along the map.
     #[arg(long, requires = "color_by")]
     log: bool,
-    /// Where the legend of the map is written: .svg or .png; of several frames without --range with %d, as -o.
+    /// Where the legend of the colours is written: .svg or .png; of several frames without --range with %d, as -o.
     #[arg(long, value_name = "FILE", requires = "color_by")]
     pub(super) legend: Option<PathBuf>,
     /// Periodic copies along the edges of the file's cell, the spheres themselves included.
@@ -95,11 +96,6 @@ impl ReadArgs {
     /// The frames of a sequence that are named.
     pub(super) fn frames(&self) -> Option<&FrameRange> {
         self.frames.as_ref()
-    }
-
-    /// Whether colours come from numbers, which have a legend.
-    pub(super) fn has_legend(&self) -> bool {
-        matches!(self.options().style.coloring, Coloring::Column(_))
     }
 
     /// Whether several frames each have a legend of their own.

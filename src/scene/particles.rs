@@ -47,6 +47,8 @@ pub(crate) struct Particles {
     pub(crate) columns: Vec<Column>,
     /// The names of all columns of numbers that the file has, for people.
     pub(crate) has: Vec<String>,
+    /// For columns of names, by the column's name: what its whole numbers, from 0, stand for.
+    pub(crate) labels: BTreeMap<String, Vec<String>>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
     /// Names of elements that are none, and how many particles bear each.

@@ -1,11 +1,15 @@
 //! How particles look: what their radii and colours are when they become spheres.
 
+mod categories;
 mod colormap;
 pub mod elements;
+mod scale;
 
+pub use categories::Category;
 pub use colormap::ColorMap;
+pub use scale::{Legend, Scale};
 
-use super::particles::{Column, Particles};
+use super::particles::Particles;
 use super::{Skipped, Spheres, check_sphere};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
@@ -83,32 +87,6 @@ pub enum Coloring {
     One([f32; 3]),
     /// A column of numbers through a colour map.
     Column(Scale),
-}
-
-/// How numbers become colours.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scale {
-    /// The column; the length of the vector where several are named.
-    pub columns: Vec<String>,
-    /// Which colours.
-    pub map: ColorMap,
-    /// The numbers at the map's ends; `None` takes the least and the largest there are.
-    pub range: Option<[f64; 2]>,
-    /// Whether the logarithm is even along the map.
-    pub log: bool,
-}
-
-/// What a scale came to: what its ends stand for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Legend {
-    /// What is coloured: `speed`, or `|vx, vy, vz|`.
-    pub name: String,
-    /// Which colours.
-    pub map: ColorMap,
-    /// The numbers at the map's ends.
-    pub range: [f64; 2],
-    /// Whether the logarithm is even along the map.
-    pub log: bool,
 }
 
 /// Linear RGB of each particle.
@@ -244,7 +222,7 @@ impl Style {
     fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
             // The table once, not a power for every atom.
-            let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(element(n).map_or(0xff1493, |e| e.color))).collect();
+            let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(categories::of_element(n))).collect();
             let of = |number: &u8| table[usize::from(*number).min(118)];
             (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
         };
@@ -252,68 +230,18 @@ impl Style {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
             Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
             Coloring::File => elements(),
-            Coloring::Element => Some(elements().ok_or_else(|| {
-                Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")
-            })?),
+            Coloring::Element => {
+                let colors = elements().ok_or_else(|| {
+                    Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")
+                })?;
+                return Ok((Some(colors), Some(categories::elements(&particles.elements))));
+            }
             Coloring::Column(scale) => {
                 let (colors, legend) = scale.apply(particles, skipped)?;
                 return Ok((Some(colors), legend));
             }
         };
         Ok((colors, None))
-    }
-}
-
-impl Scale {
-    /// The colours, and the legend unless there is no number to be shown and no range.
-    fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<(Colors, Option<Legend>)> {
-        if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
-            let problem = format!("the range {a},{b} has an end without a logarithm");
-            return Err(Error::settings(problem, "give two positive numbers, or leave the logarithm out"));
-        }
-        let column = |name: &String| {
-            particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
-                let mend = match &particles.has[..] {
-                    [] => "this file has no columns of numbers".to_owned(),
-                    has => format!("the file has {}", has.join(", ")),
-                };
-                Error::settings(format!("there is no column `{name}` to colour by"), mend)
-            })
-        };
-        let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;
-        let n = particles.positions.len();
-        let value = |i: usize| match columns[..] {
-            [one] => one.values[i],
-            _ => columns.iter().map(|column| column.values[i].powi(2)).sum::<f64>().sqrt(),
-        };
-        let values: Vec<f64> = (0..n).into_par_iter().map(value).collect();
-        let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
-        let ends =
-            || values.iter().filter(shown).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
-        let [low, high] = self.range.unwrap_or_else(ends);
-        let scaled = |x: f64| if self.log { x.ln() } else { x };
-        let (from, width) = (scaled(low), scaled(high) - scaled(low));
-        let color = |x: &f64| {
-            if self.map == ColorMap::Category {
-                return self.map.color(*x);
-            }
-            let part = (scaled(*x) - from) / width;
-            // All alike, or no number at all: the map's beginning.
-            self.map.color(if part.is_nan() { 0.0 } else { part })
-        };
-        let name = match &self.columns[..] {
-            [one] => one.clone(),
-            several => format!("|{}|", several.join(", ")),
-        };
-        let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
-        if lost > 0 {
-            let why = if self.log { "are not positive or no numbers" } else { "are no numbers" };
-            skipped
-                .assumed
-                .push(format!("{lost} of {n} values of {name} {why}: they have the colour of the map's beginning"));
-        }
-        let legend = Legend { name, map: self.map, range: [low, high], log: self.log };
-        Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
     }
 }
 
@@ -360,36 +288,6 @@ mod tests {
         assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
         p.radii = vec![3.0; 5];
         assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
-    }
-
-    #[test]
-    fn columns_are_coloured_between_the_ends_of_their_range() {
-        let mut p = particles(3);
-        p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
-        let scale = |range, log| Scale { columns: vec!["V".into()], map: ColorMap::Viridis, range, log };
-        let middle = ColorMap::Viridis.color(0.5);
-        let apply = |scale: Scale, p: &Particles| {
-            let mut skipped = Skipped::default();
-            let (colors, legend) = scale.apply(p, &mut skipped)?;
-            Ok::<_, Error>((colors, legend, skipped.assumed))
-        };
-        let (colors, legend, _) = apply(scale(None, true), &p).expect("colours");
-        let legend = legend.expect("a legend");
-        assert_eq!(
-            (legend.range, colors[0], colors[2]),
-            ([1.0, 100.0], ColorMap::Viridis.color(0.0), ColorMap::Viridis.color(1.0))
-        );
-        assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
-        assert_eq!(apply(scale(Some([0.0, 20.0]), false), &p).expect("colours").0[1], middle);
-        let missing = Scale { columns: vec!["w".into()], ..scale(None, false) };
-        assert!(apply(missing, &p).expect_err("no such column").to_string().contains("`w`"));
-        apply(scale(Some([0.0, 20.0]), true), &p).expect_err("0 has no logarithm");
-        p.columns[0].values = vec![f64::NAN, -1.0, 5.0];
-        let (colors, legend, warnings) = apply(scale(None, true), &p).expect("colours");
-        assert_eq!((legend.map(|legend| legend.range), colors[0]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
-        assert!(warnings[0].starts_with("2 of 3 values of V "), "{warnings:?}");
-        p.columns[0].values = vec![f64::NAN; 3];
-        assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "nothing to tell");
     }
 
     #[test]

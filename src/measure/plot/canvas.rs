@@ -42,9 +42,9 @@ fn size(width: i32, height: i32) -> String {
     format!("<svg width=\"{width}\" height=\"{height}\" ")
 }
 
-/// Text that XML can hold: it knows no control characters.
+/// Text that XML can hold: it knows no control characters and no noncharacters.
 pub(super) fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
 }
 
 /// Writes text; see [`plain`].

@@ -209,11 +209,11 @@ impl Frames for Gro {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::style::{ColorMap, Coloring, Scale, Style};
+    use crate::scene::style::{Coloring, Scale, Style};
 
     fn gro(text: &str, columns: &[&str]) -> Gro {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: ColorMap::default(), range: None, log: false };
+        let scale = Scale { columns, map: None, range: None, log: false };
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         Gro::new(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
     }

@@ -7,7 +7,7 @@ mod row;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{Choice, Model, Names, more_models, not_assembled};
+use super::molecule::{Choice, Kind, Model, Names, more_models, not_assembled};
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
@@ -300,6 +300,11 @@ impl Frames for Mmcif {
             let mut particles = model.finish(assembly.as_ref(), &self.names.asyms.list, &file)?;
             // An assembly is not what the crystal repeats.
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
+            let names = &self.names;
+            let named = [(Kind::Chain, &names.chains), (Kind::Asym, &names.asyms), (Kind::Entity, &names.entities)];
+            for (kind, names) in named.into_iter().filter(|(kind, _)| self.choice.wants(*kind)) {
+                particles.labels.insert(kind.name().into(), names.labels());
+            }
             let said = &mut particles.skipped.assumed;
             if self.layout.is_fractional() {
                 said.push("the atoms are shown as the file lists them; what symmetry repeats is not".into());

@@ -108,6 +108,11 @@ pub(super) struct Names {
 }
 
 impl Names {
+    /// The names as text, for a column of these numbers.
+    pub(super) fn labels(&self) -> Vec<String> {
+        self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
+    }
+
     pub(super) fn number(&mut self, name: &[u8]) -> u32 {
         // Atoms of a chain follow each other.
         if self.list.get(self.last as usize).is_none_or(|last| last != name) {

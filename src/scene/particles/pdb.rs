@@ -259,6 +259,9 @@ impl Frames for Pdb {
             let mut particles = model.finish(assembly, &self.chains.list, &file)?;
             // An assembly is not what the crystal repeats.
             particles.cell = self.cell.filter(|_| assembly.is_none());
+            if self.choice.wants(Kind::Chain) {
+                particles.labels.insert(Kind::Chain.name().into(), self.chains.labels());
+            }
             self.say(&mut particles)?;
             return Ok(Some(particles));
         }

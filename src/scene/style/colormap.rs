@@ -29,7 +29,7 @@ pub enum ColorMap {
     BlueWhiteRed,
     /// Black to white.
     Grays,
-    /// Ten plain colours in turn, by the whole part of the number: what has no order.
+    /// Ten plain colours, then ten darker and ten lighter ones, by the whole part of the number: what has no order.
     Category,
 }
 
@@ -48,6 +48,9 @@ impl ColorMap {
         Self::Grays,
         Self::Category,
     ];
+
+    /// How many categories have colours of their own.
+    pub const CATEGORIES: u64 = 30;
 
     /// The name on the command line.
     #[must_use]
@@ -85,8 +88,15 @@ impl ColorMap {
             Self::BlueWhiteRed => RED_BLUE,
             Self::Grays => GREYS,
             Self::Category => {
-                let place = x.rem_euclid(TABLEAU10.len() as f64) as usize;
-                return TABLEAU10[place.min(TABLEAU10.len() - 1)].as_array();
+                let last = Self::CATEGORIES - 1;
+                let place = (x.rem_euclid(Self::CATEGORIES as f64) as u64).min(last) as usize;
+                let plain = TABLEAU10[place % TABLEAU10.len()].as_array();
+                // Towards black, then towards white; half the way keeps each near its plain colour and apart from the others.
+                return match place / TABLEAU10.len() {
+                    0 => plain,
+                    1 => plain.map(|level| level / 2),
+                    _ => plain.map(|level| level / 2 + 128),
+                };
             }
         };
         // Some scales of d3 run the other way.
@@ -122,8 +132,11 @@ mod tests {
             assert!(steps.is_sorted(), "{} {steps:?}", map.name());
         }
         assert_eq!(Viridis.srgb(0.0), [68, 1, 84], "matplotlib's first");
-        assert_eq!(ColorMap::Category.srgb(10.0), ColorMap::Category.srgb(0.0));
-        assert_ne!(ColorMap::Category.srgb(1.0), ColorMap::Category.srgb(0.0));
+        let mut categories: Vec<[u8; 3]> = (0..30).map(|n| ColorMap::Category.srgb(f64::from(n))).collect();
+        assert_eq!(ColorMap::Category.srgb(30.0), categories[0]);
+        categories.sort_unstable();
+        categories.dedup();
+        assert_eq!(categories.len() as u64, ColorMap::CATEGORIES, "each is of its own colour");
         assert!(ColorMap::BlueWhiteRed.srgb(0.0)[2] > ColorMap::BlueWhiteRed.srgb(0.0)[0], "blue first");
         assert_eq!(Viridis.srgb(f64::NAN.clamp(0.0, 1.0)).len(), 3);
     }

@@ -1,10 +1,10 @@
 use super::*;
 use crate::scene::Altloc;
-use crate::scene::style::{ColorMap, Coloring, Scale, Style};
+use crate::scene::style::{Coloring, Scale, Style};
 
 fn options(columns: &[&str]) -> ReadOptions {
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale { columns, map: ColorMap::default(), range: None, log: false };
+    let scale = Scale { columns, map: None, range: None, log: false };
     ReadOptions { style: Style { coloring: Coloring::Column(scale), ..Style::default() }, ..ReadOptions::default() }
 }
 
