@@ -249,7 +249,7 @@ fn lights_and_materials_are_counted_or_refused() {
         ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),
         ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["1 light ", "2 materials "], Some(":7:1: fill: ")),
     ] {
-        let found = read("s.nff", &scene(lines)).expect("lenient").skipped;
+        let found = read("s.nff", scene(lines)).expect("lenient").skipped;
         assert_eq!(found.total(), 0, "lights and materials are no things");
         let said = found.warnings();
         assert!(
