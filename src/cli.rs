@@ -18,7 +18,10 @@ mod shell;
 mod shots;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use config::Config;
 use halfline::error::{Error, Result};
+use halfline::progress::Watch;
+use halfline::quote::printable;
 use std::fmt;
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -50,8 +53,16 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
 /// clap refuses, it says itself, and exits with 2.
 pub(crate) fn arguments() -> Result<Arguments> {
-    let command = config::Config::load()?.apply(Arguments::command())?;
+    let configured = Config::load().and_then(|config| config.apply(Arguments::command()));
+    let (command, fault) = match configured {
+        Ok(command) => (command, None),
+        Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
+    };
     let mut matches = command.clone().get_matches();
+    // A file that cannot be read is a fault of the commands that take options from it: help needs none, nor do the others.
+    if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
+        return Err(fault);
+    }
     Arguments::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command.clone()).exit())
 }
 
@@ -84,9 +95,14 @@ fn go_on() -> bool {
     !INTERRUPTED.load(Ordering::SeqCst)
 }
 
+/// Ends work when somebody pressed ctrl-C or asked the process to end.
+fn watch() -> Watch {
+    Watch::default().while_true(go_on)
+}
+
 /// Talk for people: one line on stderr.
 fn say(message: fmt::Arguments<'_>) {
-    eprintln!("halfline: {message}");
+    eprintln!("halfline: {}", printable(&message.to_string()));
 }
 
 /// What a shell script may rely on. 0 is success, 1 a difference found by `compare`, 2 also what clap uses.

@@ -1,5 +1,6 @@
 //! What can go wrong, sorted by who can mend it.
 
+use crate::quote::{printable, shortened};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +15,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// The scene cannot be rendered as it stands: malformed text, a negative radius, a degenerate camera.
-    #[error("{place}: {problem}; {mend}")]
+    #[error("{place}: {}; {}", printable(problem), printable(mend))]
     Scene {
         /// Where in the scene: file, line, column, field.
         place: Box<Place>,
@@ -27,7 +28,7 @@ pub enum Error {
         source: Option<Source>,
     },
     /// The caller asked for something that does not exist or does not go together.
-    #[error("{problem}; {mend}")]
+    #[error("{}; {}", printable(problem), printable(mend))]
     Settings {
         /// What does not go together.
         problem: String,
@@ -35,7 +36,7 @@ pub enum Error {
         mend: String,
     },
     /// No adapter fits the request.
-    #[error("{problem}; {mend}")]
+    #[error("{}; {}", printable(problem), printable(mend))]
     Adapter {
         /// What was looked for and what was found.
         problem: String,
@@ -43,7 +44,7 @@ pub enum Error {
         mend: String,
     },
     /// The work does not fit the adapter or the memory.
-    #[error("{problem}; {mend}")]
+    #[error("{}; {}", printable(problem), printable(mend))]
     Limits {
         /// What is too large, with the numbers.
         problem: String,
@@ -51,10 +52,10 @@ pub enum Error {
         mend: String,
     },
     /// The device went away in the middle of the work.
-    #[error("the device was lost: {0}; try again, with a smaller --size or another --adapter")]
+    #[error("the device was lost: {}; try again, with a smaller --size or another --adapter", printable(.0))]
     DeviceLost(String),
     /// The promised accuracy cannot be had here.
-    #[error("{problem}; {mend}")]
+    #[error("{}; {}", printable(problem), printable(mend))]
     Accuracy {
         /// Which promise failed and why.
         problem: String,
@@ -62,7 +63,7 @@ pub enum Error {
         mend: String,
     },
     /// A file could not be read or written.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {source}", printable(&path.display().to_string()))]
     Io {
         /// `read` or `write`.
         action: &'static str,
@@ -88,9 +89,12 @@ impl Error {
         Self::Settings { problem: problem.into(), mend: mend.into() }
     }
 
-    /// A file that cannot be read.
+    /// A file that cannot be read; an error of ours that a reader passed on as the system's stays what it is.
     pub fn read(path: impl AsRef<Path>, source: std::io::Error) -> Self {
-        Self::Io { action: "read", path: path.as_ref().to_path_buf(), source }
+        match source.downcast::<Self>() {
+            Ok(ours) => ours,
+            Err(source) => Self::Io { action: "read", path: path.as_ref().to_path_buf(), source },
+        }
     }
 
     /// A file that cannot be written.
@@ -150,14 +154,17 @@ impl From<&str> for Place {
     }
 }
 
+/// Characters of a field's name in a message; a file may give a column any name.
+const FIELD: usize = 80;
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.as_deref().unwrap_or("scene"))?;
+        f.write_str(&printable(self.file.as_deref().unwrap_or("scene")))?;
         for number in [self.line, self.column].into_iter().flatten() {
             write!(f, ":{number}")?;
         }
         match &self.field {
-            Some(field) => write!(f, ": {field}"),
+            Some(field) => write!(f, ": {}", shortened(field, FIELD)),
             None => Ok(()),
         }
     }

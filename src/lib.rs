@@ -17,6 +17,7 @@
 //! - [`render`](mod@render): one frame the whole way; a [`Renderer`] keeps device and kernels for many.
 //! - [`trace`](mod@trace): the same for given rays.
 //! - [`plan`]: the one place that decides what a scene requires.
+//! - [`quote`]: foreign text in messages.
 //! - [`progress`]: who is told how far the work is, and who may end it.
 //! - [`measure`]: how far apart two frames are; speed against error of every form, held against exact arithmetic.
 //!
@@ -54,6 +55,7 @@ pub mod plan;
 pub mod predict;
 mod prepare;
 pub mod progress;
+pub mod quote;
 mod raster;
 pub mod ray;
 pub mod real;

@@ -8,7 +8,7 @@ fn main() -> ExitCode {
     match cli::arguments().and_then(|arguments| cli::run(&arguments)) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("halfline: {error}");
+            eprintln!("halfline: {}", halfline::quote::printable(&error.to_string()));
             ExitCode::from(cli::exit_code(&error))
         }
     }

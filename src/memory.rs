@@ -2,8 +2,10 @@
 //! and what was had is kept from frame to frame.
 
 mod need;
+mod room;
 
 pub(crate) use need::{Need, check_spheres, free};
+pub(crate) use room::{Ledger, check, check_ids, entries, extend_to, reserve};
 
 use crate::error::{Error, Result};
 use std::any::Any;

@@ -4,6 +4,8 @@ use crate::error::{Error, Result};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
 
 /// A part of the work on a frame that may take long, in the order of their turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -73,6 +75,9 @@ impl Cancel {
         self.0.load(Ordering::Relaxed)
     }
 }
+
+/// How long work on another thread is waited for before anybody is asked again whether it is wanted.
+const PATIENCE: Duration = Duration::from_millis(20);
 
 type GoOn = dyn Fn() -> bool + Send + Sync;
 type Hear = dyn FnMut(Progress) + Send;
@@ -147,6 +152,23 @@ impl Watch {
     /// Whether the work shall go on, as an error if not.
     pub(crate) fn check(&self) -> Result<()> {
         if self.goes_on() { Ok(()) } else { Err(Error::Interrupted) }
+    }
+
+    /// Does work that cannot be interrupted on a thread of its own, and waits for it no longer than it is wanted; then the
+    /// thread ends with the work, or with the process.
+    ///
+    /// # Errors
+    /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where there is no thread.
+    pub(crate) fn wait_for<T: Send + 'static>(&self, work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
+        let worker = thread::Builder::new().name("halfline work".into()).spawn(work).map_err(|e| Error::Limits {
+            problem: format!("no thread could be started: {e}"),
+            mend: "allow the process more threads".into(),
+        })?;
+        while !worker.is_finished() {
+            self.check()?;
+            thread::park_timeout(PATIENCE);
+        }
+        worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 
     /// A step of `total` begins.

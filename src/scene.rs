@@ -5,6 +5,7 @@ pub mod arrange;
 mod csv;
 mod fit;
 mod foreign;
+mod input;
 mod lines;
 mod native;
 mod nff;
@@ -16,9 +17,9 @@ pub mod style;
 
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
+use crate::memory::{entries, extend_to};
+use crate::progress::Watch;
 use glam::DVec3;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 pub use fit::Framing;
@@ -100,13 +101,39 @@ impl Spheres {
         format!("the spheres lie between {} and {}", point(low), point(high))
     }
 
-    /// Makes room for so many more, with or without colours of their own; where there is none, adding them will say so.
-    pub(crate) fn reserve(&mut self, more: usize, colored: bool) {
-        let _ = self.centers.try_reserve(more);
-        let _ = self.radii.try_reserve(more);
-        if let Some(colors) = self.colors.as_mut().filter(|_| colored) {
-            let _ = colors.try_reserve(more);
+    /// Makes room for so many more, with or without colours of their own.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has none.
+    pub(crate) fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
+        let n = self.len();
+        let room = |capacity: usize| capacity - n >= more;
+        let colored = colored || self.colors.is_some();
+        let colors = self.colors.as_ref().map_or(0, Vec::capacity);
+        if room(self.centers.capacity()) && room(self.radii.capacity()) && (!colored || colors >= n + more) {
+            return Ok(());
         }
+        let each = size_of::<[f64; 3]>() + size_of::<f64>() + if colored { size_of::<[f32; 3]>() } else { 0 };
+        let entries = entries(n, more, each, "spheres")?;
+        extend_to(&mut self.centers, entries)?;
+        extend_to(&mut self.radii, entries)?;
+        // Where the first sphere names a colour, adding it makes the list.
+        if self.colors.is_some() || colored && n > 0 {
+            let colors = self.colors.get_or_insert_default();
+            extend_to(colors, entries)?;
+            colors.resize(n, DEFAULT_COLOR);
+        }
+        Ok(())
+    }
+
+    /// As [`Spheres::push`], where the memory has room for it.
+    ///
+    /// # Errors
+    /// [`Error::Limits`].
+    pub(crate) fn add(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) -> Result<()> {
+        self.grow(1, color.is_some())?;
+        self.push(center, radius, color);
+        Ok(())
     }
 
     /// Adds one sphere. The first colour given makes a colour list; spheres without one get [`DEFAULT_COLOR`] in it.
@@ -180,7 +207,7 @@ impl Skipped {
 }
 
 /// How a scene is read.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
     /// Whether an item that is no sphere is an error; otherwise it is counted in [`Skipped`].
     pub strict: bool,
@@ -196,6 +223,8 @@ pub struct ReadOptions {
     pub assembly: Option<String>,
     /// How particles look.
     pub style: Style,
+    /// Who may end the reading.
+    pub watch: Watch,
 }
 
 impl Scene {
@@ -316,11 +345,6 @@ fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
         }
         other => other,
     }
-}
-
-fn open(path: &Path) -> Result<BufReader<File>> {
-    let file = File::open(path).map_err(|e| Error::read(path, e))?;
-    Ok(BufReader::with_capacity(1 << 16, file))
 }
 
 /// The ending in lower case, empty if there is none.

@@ -6,8 +6,11 @@
 use clap::builder::BoolishValueParser;
 use clap::{Arg, ArgAction, Command};
 use halfline::error::{Error, Place, Result};
+use halfline::quote::shortened;
 use std::collections::BTreeMap;
 use std::env;
+use std::fs::File;
+use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set so: what a user or a machine always wants, not what one picture shows.
@@ -38,6 +41,14 @@ const NAMES: [&str; 20] = [
 /// soften.
 const COMMANDS: [&str; 3] = ["render", "plan", "measure"];
 
+/// Bytes of a configuration file, many times as many as all options take.
+const LONGEST: u64 = 1 << 16;
+
+/// Whether a command takes options from the file.
+pub(super) fn is_configured(command: &str) -> bool {
+    COMMANDS.contains(&command)
+}
+
 /// The configuration file's words by the options' names.
 #[derive(Debug, Default)]
 pub(super) struct Config(BTreeMap<String, Word>);
@@ -61,7 +72,16 @@ impl Config {
         let folder = || env::var_os("XDG_CONFIG_HOME").filter(|name| !name.is_empty()).map(PathBuf::from).or_else(home);
         let usual = || folder().map(|folder| folder.join("halfline/config.toml")).filter(|path| path.is_file());
         let Some(path) = named.or_else(usual) else { return Ok(Self::default()) };
-        let text = std::fs::read_to_string(&path).map_err(|e| Error::read(&path, e))?;
+        let mut text = Vec::new();
+        let opened = File::open(&path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut text));
+        opened.map_err(|e| Error::read(&path, e))?;
+        if text.len() as u64 > LONGEST {
+            let problem = format!("{}: a configuration file of more than {LONGEST} bytes", path.display());
+            return Err(Error::Limits { problem, mend: "name a smaller one in HALFLINE_CONFIG".into() });
+        }
+        let text = String::from_utf8(text).map_err(|_| {
+            Error::settings(format!("{}: the file is no UTF-8 text", path.display()), "save it as UTF-8")
+        })?;
         Self::parse(&text, &path.display().to_string())
     }
 
@@ -76,7 +96,7 @@ impl Config {
         for (key, value) in table.into_inner() {
             let name = key.get_ref().replace('_', "-");
             if !NAMES.contains(&name.as_str()) {
-                let problem = format!("`{}` is no option that a file may set", key.get_ref());
+                let problem = format!("`{}` is no option that a file may set", shortened(key.get_ref(), 40));
                 return Err(fail(key.span().start, &problem, format!("the options are {}", NAMES.join(", "))));
             }
             let start = value.span().start;
@@ -144,7 +164,7 @@ impl Word {
         let taken = Command::new("config").no_binary_name(true).arg(alone).try_get_matches_from([&self.text]);
         taken.map(drop).map_err(|error| {
             let why = std::error::Error::source(&error).map_or_else(String::new, |why| format!(": {why}"));
-            let problem = format!("`{}` is no value of {name}{why}", self.text);
+            let problem = format!("`{}` is no value of {name}{why}", shortened(&self.text, 40));
             wrong(&self.place, &problem, format!("write what --{name} takes on the command line"))
         })
     }

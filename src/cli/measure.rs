@@ -4,7 +4,7 @@ mod table;
 
 use super::bar::Bar;
 use super::scene_args::{scene_size, tolerance};
-use super::{go_on, say};
+use super::{go_on, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::frame::file::check_writable;
@@ -131,7 +131,7 @@ impl Measure {
             }
             (Some(Suite::Ladder), _) => Subject::ladder()?,
             (None, Some(path)) => {
-                let scene = Scene::read(path, &ReadOptions::default())?;
+                let scene = Scene::read(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 Subject::scene(name.to_string_lossy(), scene)
             }

@@ -1,5 +1,6 @@
 //! How a scene is read and what its particles look like, as options.
 
+use super::watch;
 use clap::Args;
 use halfline::error::Result;
 use halfline::scene::arrange::{Arrangement, Bead};
@@ -90,6 +91,7 @@ impl ReadArgs {
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
             style: Style { radii: self.radii, radius: self.radius, radius_scale: self.radius_scale, coloring },
+            watch: watch(),
         }
     }
 

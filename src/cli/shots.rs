@@ -1,6 +1,7 @@
 //! The scenes of one command: one, the frames of a sequence, or the turns of a spin, each as the options change it.
 
 use super::scene_args::SceneArgs;
+use super::watch;
 use glam::{DQuat, DVec3};
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
@@ -44,7 +45,8 @@ impl<'a> Shots<'a> {
                 if self.standing.is_none() {
                     self.standing = self.sequence.next_scene()?;
                 }
-                self.standing.clone().map(|shot| Shot { number: u64::from(count) + 1, ..shot })
+                let standing = self.standing.as_ref().map(Shot::copy).transpose()?;
+                standing.map(|shot| Shot { number: u64::from(count) + 1, ..shot })
             }
             None => self.sequence.next_scene()?,
         };
@@ -53,7 +55,7 @@ impl<'a> Shots<'a> {
         };
         let scene = &mut shot.scene;
         let read = scene.spheres.len();
-        self.asked.read.arrangement().apply(&mut scene.spheres, shot.cell.as_ref())?;
+        self.asked.read.arrangement().apply(&mut scene.spheres, shot.cell.as_ref(), &watch())?;
         if read > 0 && scene.spheres.is_empty() {
             scene.skipped.assumed.push(format!("--clip leaves out every one of the {read} spheres that the file has"));
         }

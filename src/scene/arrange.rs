@@ -2,7 +2,8 @@
 
 use super::{Cell, Spheres};
 use crate::error::{Error, Result};
-use crate::memory::check_spheres;
+use crate::memory::{check, check_spheres, extend_to};
+use crate::progress::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -45,8 +46,8 @@ impl Arrangement {
     ///
     /// # Errors
     /// [`Error::Settings`] where copies or an outline need a cell and there is none, or a bead has no radius;
-    /// [`Error::Limits`] where the copies do not fit the memory.
-    pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>) -> Result<()> {
+    /// [`Error::Limits`] where the copies do not fit the memory; [`Error::Interrupted`].
+    pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<()> {
         let need = |what: &str| {
             cell.ok_or_else(|| {
                 Error::settings(
@@ -57,10 +58,15 @@ impl Arrangement {
         };
         let edges = |cell: &Cell| cell.edges.map(DVec3::from_array);
         if self.copies != [1; 3] {
-            repeat(spheres, self.copies, edges(need("copies")?))?;
+            let edges = edges(need("copies")?);
+            // Nothing, however often, is nothing.
+            if !spheres.is_empty() {
+                repeat(spheres, self.copies, edges, watch)?;
+            }
         }
         for plane in &self.clip {
-            clip(spheres, *plane);
+            watch.check()?;
+            clip(spheres, *plane)?;
         }
         if let Some(bead) = self.outline {
             let cell = need("an outline")?;
@@ -72,26 +78,44 @@ impl Arrangement {
     }
 }
 
-fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3]) -> Result<()> {
+/// Spheres that are copied between two looks at the watch.
+const BATCH: usize = 1 << 22;
+
+fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch: &Watch) -> Result<()> {
     let total = copies.iter().fold(spheres.len() as u64, |n, k| n.saturating_mul(u64::from(*k)));
     check_spheres(total, spheres.colors.is_some())?;
-    let [na, nb, nc] = copies;
-    let shifts = (0..nc).flat_map(|k| (0..nb).flat_map(move |j| (0..na).map(move |i| [i, j, k].map(f64::from))));
-    let own = std::mem::take(spheres);
-    spheres.reserve(total as usize, false);
-    for [i, j, k] in shifts {
-        let shift = i * a + j * b + k * c;
-        spheres
-            .centers
-            .par_extend(own.centers.par_iter().map(|center| (DVec3::from_array(*center) + shift).to_array()));
+    let (own, total) = (std::mem::take(spheres), total as usize);
+    let [na, nb, _] = copies.map(|n| n as usize);
+    let copy = |at: usize| {
+        let (sphere, cell) = (at % own.len(), at / own.len());
+        let [i, j, k] = [cell % na, cell / na % nb, cell / na / nb].map(|n| n as f64);
+        (DVec3::from_array(own.centers[sphere]) + (i * a + j * b + k * c)).to_array()
+    };
+    extend_to(&mut spheres.centers, total)?;
+    for start in (0..total).step_by(BATCH) {
+        watch.check()?;
+        spheres.centers.par_extend((start..total.min(start + BATCH)).into_par_iter().map(copy));
     }
-    let times = copies.iter().map(|n| *n as usize).product();
-    spheres.radii = own.radii.repeat(times);
-    spheres.colors = own.colors.map(|colors| colors.repeat(times));
+    spheres.radii = repeated(own.radii, total, watch)?;
+    spheres.colors = own.colors.map(|colors| repeated(colors, total, watch)).transpose()?;
     Ok(())
 }
 
-fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) {
+/// Values again and again, so many in all.
+fn repeated<T: Copy>(mut values: Vec<T>, total: usize, watch: &Watch) -> Result<Vec<T>> {
+    extend_to(&mut values, total)?;
+    let once = values.len();
+    while values.len() < total {
+        watch.check()?;
+        // Whole copies of all values, so that what follows begins with the first.
+        let more = values.len().min((BATCH / once).max(1) * once).min(total - values.len());
+        values.extend_from_within(..more);
+    }
+    Ok(values)
+}
+
+fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
+    check(spheres.len() as u64, || format!("a clip plane of {} spheres", spheres.len()))?;
     let normal = DVec3::new(x, y, z);
     let kept: Vec<bool> = spheres.centers.par_iter().map(|c| normal.dot(DVec3::from_array(*c)) <= d).collect();
     let keep = |n: &mut usize| {
@@ -104,6 +128,7 @@ fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) {
     if let Some(colors) = &mut spheres.colors {
         colors.retain(|_| keep(&mut c));
     }
+    Ok(())
 }
 
 fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) -> Result<()> {
@@ -123,7 +148,7 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
             // An edge leaves its last bead to the corner of the next: every corner begins three edges or ends them.
             for n in 0..=steps {
                 let at = origin + corner + along * (f64::from(n) / f64::from(steps));
-                spheres.push(at.to_array(), radius, Some(OUTLINE));
+                spheres.add(at.to_array(), radius, Some(OUTLINE))?;
             }
         }
     }
@@ -147,20 +172,37 @@ mod tests {
     fn copies_follow_the_edges_of_the_cell() {
         let mut spheres = two();
         let copies = Arrangement { copies: [2, 1, 3], ..Arrangement::default() };
-        copies.apply(&mut spheres, Some(&CELL)).expect("copies");
+        copies.apply(&mut spheres, Some(&CELL), &Watch::default()).expect("copies");
         assert_eq!((spheres.len(), spheres.radii.len()), (12, 12));
         assert_eq!((spheres.centers[2], spheres.centers[5]), ([2.0, 0.0, 0.0], [1.0, 1.0, 5.0]));
         assert_eq!(spheres.colors.expect("colours")[11], [1.0, 0.0, 0.0]);
-        copies.apply(&mut two(), None).expect_err("no cell");
+        copies.apply(&mut two(), None, &Watch::default()).expect_err("no cell");
         let many = Arrangement { copies: [1 << 20, 1 << 20, 1 << 20], ..copies };
-        assert!(matches!(many.apply(&mut two(), Some(&CELL)), Err(Error::Limits { .. })));
+        assert!(matches!(many.apply(&mut two(), Some(&CELL), &Watch::default()), Err(Error::Limits { .. })));
+    }
+
+    #[test]
+    fn copies_of_nothing_are_nothing_and_copying_can_be_ended() {
+        let cancelled = Watch::default().while_true(|| false);
+        let many = Arrangement { copies: [100_000; 3], ..Arrangement::default() };
+        many.apply(&mut Spheres::default(), Some(&CELL), &cancelled).expect("nothing to do");
+        let some = Arrangement { copies: [2; 3], ..Arrangement::default() };
+        assert!(matches!(some.apply(&mut two(), Some(&CELL), &cancelled), Err(Error::Interrupted)));
+    }
+
+    #[test]
+    fn copies_of_more_than_a_batch_are_those_of_less() {
+        // Three numbers a batch's end falls among, and a list whose doubling would not end with a whole copy.
+        let values: Vec<usize> = (0..3).collect();
+        let all = repeated(values, 3 * (BATCH - 1), &Watch::default()).expect("room");
+        assert!(all.len() == 3 * (BATCH - 1) && all.iter().enumerate().all(|(k, n)| *n == k % 3));
     }
 
     #[test]
     fn planes_keep_centres_on_their_side() {
         let mut spheres = two();
         let clip = Arrangement { clip: vec![[1.0, 0.0, 0.0, 0.5]], ..Arrangement::default() };
-        clip.apply(&mut spheres, None).expect("no cell is needed");
+        clip.apply(&mut spheres, None, &Watch::default()).expect("no cell is needed");
         assert_eq!((spheres.len(), spheres.radii[0], spheres.colors.map(|c| c.len())), (1, 0.5, Some(1)));
     }
 
@@ -168,11 +210,11 @@ mod tests {
     fn an_outline_reaches_every_corner() {
         let mut spheres = two();
         let outline = Arrangement { outline: Some(Bead::Radius(0.1)), copies: [1, 2, 1], ..Arrangement::default() };
-        outline.apply(&mut spheres, Some(&CELL)).expect("a cell");
+        outline.apply(&mut spheres, Some(&CELL), &Watch::default()).expect("a cell");
         for corner in [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 6.0, 0.0], [5.0, 6.0, 4.0]] {
             assert!(spheres.centers[4..].contains(&corner), "{corner:?}");
         }
         let none = Arrangement { outline: Some(Bead::Radius(0.0)), ..Arrangement::default() };
-        none.apply(&mut spheres, Some(&CELL)).expect_err("no bead");
+        none.apply(&mut spheres, Some(&CELL), &Watch::default()).expect_err("no bead");
     }
 }

@@ -2,9 +2,11 @@
 //! sphere per line. Blank lines and lines that begin with `#` say nothing; fields may be quoted and padded.
 
 use super::Spheres;
+use super::input::Input;
 use super::lines::Lines;
 use super::particles::{Particles, Role, Table};
 use crate::error::{Error, Result};
+use crate::progress::Watch;
 use std::path::Path;
 
 /// The columns, in the order of a sphere's numbers.
@@ -23,9 +25,9 @@ const ROLES: [Role; 7] = [
 const ALLOWED: &str = "the columns are x, y, z, radius and, all or none, r, g, b";
 
 /// Appends the spheres of the file. Errors name line, column in characters, and field.
-pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
+pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
     let role = |name: &str| COLUMNS.iter().position(|column| *column == name).map(|column| ROLES[column]);
-    let mut table = Table::strict(Lines::new(super::open(path)?, path), ALLOWED, role)?;
+    let mut table = Table::strict(Lines::new(Input::open(path, watch)?, path), ALLOWED, role)?;
     let colored = ROLES[4..].iter().any(|role| table.layout().contains(*role));
     let wanted = if colored { &ROLES[..] } else { &ROLES[..4] };
     if let Some(missing) = wanted.iter().position(|role| !table.layout().contains(*role)) {
@@ -35,7 +37,8 @@ pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
     let mut row = Particles::default();
     while table.row(&mut row)? {
         if let (Some(center), Some(radius)) = (row.positions.pop(), row.radii.pop()) {
-            spheres.push(center, radius, row.colors.pop());
+            spheres.add(center, radius, row.colors.pop())?;
+            table.lines().found();
         }
     }
     Ok(())

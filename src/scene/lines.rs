@@ -1,7 +1,9 @@
 //! Text line by line, with the place of every byte. The line formats share it, so that byte order marks, CRLF and
 //! bytes that are no UTF-8 are met in one place.
 
+use super::input::Input;
 use crate::error::{Error, Place, Result};
+use crate::quote::quote;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
@@ -130,6 +132,28 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
+impl Lines<Input> {
+    /// The current line holds something of the scene.
+    pub(super) fn found(&self) {
+        self.reader.found();
+    }
+
+    /// Passes over so many lines of particles without looking at them; how many there were.
+    pub(super) fn pass_particles(&mut self, count: u64) -> Result<u64> {
+        let mut passed = 0;
+        while passed < count {
+            self.found();
+            let more = (count - passed).min(1 << 10);
+            let found = self.pass(more)?;
+            passed += found;
+            if found < more {
+                break;
+            }
+        }
+        Ok(passed)
+    }
+}
+
 /// Lines that were read at once, for all cores to look at.
 #[derive(Default)]
 pub(super) struct Block {
@@ -186,7 +210,7 @@ impl<R: BufRead> Word<'_, R> {
     }
 
     fn wrong(&self, field: &str, what: &str) -> Error {
-        let problem = format!("`{}` {what}", short(self.text));
+        let problem = format!("{} {what}", quote(self.text));
         Error::scene(self.lines.place(self.at).named(field), problem, "give a finite number such as 0.5")
     }
 }
@@ -215,11 +239,6 @@ impl<'a, R: BufRead> Iterator for Words<'a, R> {
         self.at = end;
         Some(self.lines.word(at, end))
     }
-}
-
-/// The beginning of a text that may be long, for an error.
-pub(super) fn short(text: &str) -> &str {
-    text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
 }
 
 /// Line and column, from 1, kept for an error that may come later.

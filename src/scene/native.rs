@@ -1,31 +1,68 @@
 //! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]` and `[[spheres]]`. Every fault is told with
 //! the line, column and key of what is wrong.
 
+mod room;
+
+use super::input::Input;
 use super::lines::not_utf8;
 use super::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere, csv, ending, npy, relocate};
 use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
+use crate::memory::{check, reserve};
+use crate::progress::Watch;
+use crate::quote::quote;
 use glam::DVec3;
-use std::io::Read;
+use std::io::BufRead;
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
+/// Bytes of a scene file: its spheres belong into a file of numbers long before there are so many.
+const LONGEST: usize = 1 << 30;
+
+/// Bytes that are parsed within the second that an interrupt may take; the parser manages 8 MB in that time.
+const QUICK: usize = 2 << 20;
+
 /// Reads a scene from the stream; `path` is for errors, and its folder holds the files that `[[spheres]]` name.
-pub(super) fn read(mut reader: impl Read, path: &Path) -> Result<Scene> {
-    let mut bytes = Vec::new();
-    reader.read_to_end(&mut bytes).map_err(|e| Error::read(path, e))?;
+pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Scene> {
     let file = Place::file(path.display().to_string());
-    let text = String::from_utf8(bytes).map_err(|e| not_utf8(file.clone(), 0, e))?;
-    // The byte order mark is no character of the first line.
-    let text = text.trim_start_matches('\u{feff}');
-    Document { file, text, path }.scene()
+    let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
+    let length = text.len();
+    check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
+    let (path, within) = (path.to_path_buf(), watch.clone());
+    let parse = move || {
+        // The byte order mark is no character of the first line.
+        let text = text.trim_start_matches('\u{feff}');
+        Document { file, text, path: &path, watch: &within }.scene()
+    };
+    if length <= QUICK { parse() } else { watch.wait_for(parse) }
+}
+
+/// All bytes of a scene file.
+fn bytes(mut reader: Input, path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    loop {
+        let block = reader.fill_buf().map_err(|e| Error::read(path, e))?;
+        if block.is_empty() {
+            return Ok(bytes);
+        }
+        if bytes.len() + block.len() > LONGEST {
+            let problem = format!("{}: a scene file of more than {LONGEST} bytes", path.display());
+            let mend = "put its spheres into a .csv or .npy file, and name that in [[spheres]]".into();
+            return Err(Error::Limits { problem, mend });
+        }
+        reserve(&mut bytes, block.len())?;
+        bytes.extend_from_slice(block);
+        let read = block.len();
+        reader.consume(read);
+    }
 }
 
 struct Document<'a> {
     file: Place,
     text: &'a str,
     path: &'a Path,
+    watch: &'a Watch,
 }
 
 impl Document<'_> {
@@ -123,8 +160,7 @@ impl Document<'_> {
         let length = radius.number()?;
         check_sphere(center, length, || radius.place().named(format!("sphere {}", spheres.len())))?;
         let color = table.get("color").map(|color| color.color()).transpose()?;
-        spheres.push(center, length, color);
-        Ok(())
+        spheres.add(center, length, color)
     }
 
     fn spheres(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<()> {
@@ -133,10 +169,10 @@ impl Document<'_> {
         let name = file.string()?;
         let path = self.path.parent().unwrap_or(Path::new("")).join(name);
         match ending(&path).as_str() {
-            "csv" => csv::read(&path, spheres),
-            "npy" => npy::read(&path, spheres),
+            "csv" => csv::read(&path, spheres, self.watch),
+            "npy" => npy::read(&path, spheres, self.watch),
             _ => {
-                let problem = format!("`{name}` is no kind of file that holds spheres");
+                let problem = format!("{} is no kind of file that holds spheres", quote(name));
                 Err(Error::scene(file.place(), problem, "name a .csv or a .npy file"))
             }
         }

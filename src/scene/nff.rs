@@ -4,13 +4,14 @@
 //!
 //! Every statement begins a line; its numbers may run on to the next lines.
 
+use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::{ImagePlane, ReadOptions, Scene, Skipped, Spheres, check_color, check_size, check_sphere, relocate};
 use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
+use crate::quote::quote;
 use glam::DVec3;
 use std::fmt;
-use std::io::BufRead;
 use std::path::Path;
 
 /// The words that begin a statement.
@@ -20,7 +21,7 @@ pub(super) const DIRECTIVES: [&str; 8] = ["v", "b", "l", "f", "s", "c", "p", "pp
 const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
 
 /// Reads a scene from the stream; `path` is for errors.
-pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> Result<Scene> {
+pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<Scene> {
     let mut nff = Reader { lines: Lines::new(reader, path), next: 0 };
     let mut camera = None;
     let mut background: Option<[f32; 3]> = None;
@@ -43,13 +44,13 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
         let text = nff.text(word);
         let Some(directive) = DIRECTIVES.into_iter().find(|d| *d == text) else {
             return match VIEW.contains(&text) {
-                true => unknown(format!("`{text}` stands outside of a v block")),
-                false if text.parse::<f64>().is_ok() => unknown(format!("`{text}` is a number too many")),
-                false => unknown(format!("`{text}` begins no statement")),
+                true => unknown(format!("{} stands outside of a v block", quote(text))),
+                false if text.parse::<f64>().is_ok() => unknown(format!("{} is a number too many", quote(text))),
+                false => unknown(format!("{} begins no statement", quote(text))),
             };
         };
         if !nff.begins_line(word) {
-            return unknown(format!("`{text}` stands where the line should end"));
+            return unknown(format!("{} stands where the line should end", quote(text)));
         }
         nff.take(word);
         let at = |name, id| Statement { spot, name, id };
@@ -76,7 +77,8 @@ pub(super) fn read(reader: impl BufRead, path: &Path, options: &ReadOptions) -> 
             }
             "s" => {
                 let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
-                spheres.push(center, radius, fill);
+                spheres.add(center, radius, fill)?;
+                nff.lines.found();
             }
             _ => {
                 let kind = nff.other(directive, &at)?;
@@ -132,12 +134,12 @@ struct Numbers {
     count: usize,
 }
 
-struct Reader<R> {
-    lines: Lines<R>,
+struct Reader {
+    lines: Lines<Input>,
     next: usize,
 }
 
-impl<R: BufRead> Reader<R> {
+impl Reader {
     /// The next word, on whichever line it stands; it stays to be taken.
     fn peek(&mut self) -> Result<Option<Word>> {
         loop {
@@ -191,11 +193,11 @@ impl<R: BufRead> Reader<R> {
                     return Err(self.short(at, "the statement ends", numbers.count, least));
                 }
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
-                return Err(Error::scene(place, format!("`{text}` is no number"), wanted(least)));
+                return Err(Error::scene(place, format!("{} is no number", quote(text)), wanted(least)));
             };
             if !value.is_finite() {
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
-                return Err(Error::scene(place, format!("`{text}` is not finite"), wanted(least)));
+                return Err(Error::scene(place, format!("{} is not finite", quote(text)), wanted(least)));
             }
             numbers.spots[numbers.count] = self.spot(word);
             numbers.values[numbers.count] = value;

@@ -4,25 +4,28 @@
 
 mod records;
 
+use super::input::{Counts, Input};
 use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
 use crate::error::{Error, Place, Result};
 use crate::frame::provenance::Provenance;
-use crate::memory::check_spheres;
+use crate::memory::{check_spheres, reserve};
+use crate::progress::Watch;
 use npyz::{NpyFile, NpyHeader, Order};
 use rayon::prelude::*;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 pub(super) use records::Array;
 
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
 
 /// Appends the spheres of the file. Memory grows with what the file holds, never with what its header claims.
-pub(super) fn read(path: &Path, spheres: &mut Spheres) -> Result<()> {
-    let reader = super::open(path)?;
-    // What has no length, a pipe say, holds nothing that could be counted on.
-    let bytes = reader.get_ref().metadata().map_or(0, |file| file.len());
-    let mut npy = Npy { path, reader, bytes };
+pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
+    let reader = Input::open(path, watch)?;
+    let bytes = reader.length();
+    let counts = reader.counts();
+    let mut npy = Npy { path, reader, bytes, counts };
     let header = npy.header()?;
     npy.read(header, &[4, 7], spheres).map(drop)
 }
@@ -33,6 +36,8 @@ pub(super) struct Npy<'p, R> {
     pub(super) reader: R,
     /// The file's length, or less.
     pub(super) bytes: u64,
+    /// Of the input.
+    pub(super) counts: Arc<Counts>,
 }
 
 impl<R: BufRead> Npy<'_, R> {
@@ -49,23 +54,26 @@ impl<R: BufRead> Npy<'_, R> {
         let size = header.dtype().num_bytes().unwrap_or(1).max(1) as u64;
         let there = rows.min(self.bytes / (size * width as u64));
         check_spheres(spheres.len() as u64 + there, width == COLUMNS.len())?;
-        spheres.reserve(there as usize, width == COLUMNS.len());
+        spheres.grow(there as usize, width == COLUMNS.len())?;
         let order = header.order();
         let plain = PLAIN.into_iter().find(|plain| plain.0 == header.dtype().descr() && order == Order::C);
         if let Some((_, bytes, decode)) = plain {
-            let outcome = fill_blocks(&mut self.reader, rows, width, bytes, decode, spheres);
+            let form = Form { rows, width, order, counts: &self.counts };
+            let outcome = fill_blocks(&mut self.reader, &form, bytes, decode, spheres);
             return self.finish(outcome, rows).map(|()| width);
         }
+        let counts = Arc::clone(&self.counts);
+        let form = Form { rows, width, order, counts: &counts };
         let file = match NpyFile::with_header(header, &mut self.reader).try_data::<f64>() {
             Ok(numbers) => {
-                let row = fill(numbers, order, rows, width, spheres);
+                let row = fill(numbers, &form, spheres);
                 return self.finish(row, rows).map(|()| width);
             }
             Err(file) => file,
         };
         let found = file.header().dtype().descr();
         let row = match file.try_data::<f32>() {
-            Ok(numbers) => fill(numbers.map(|x| x.map(f64::from)), order, rows, width, spheres),
+            Ok(numbers) => fill(numbers.map(|x| x.map(f64::from)), &form, spheres),
             Err(_) => return Err(self.fail("dtype", format!("found {found}, wanted float64 or float32"))),
         };
         self.finish(row, rows).map(|()| width)
@@ -188,11 +196,18 @@ const PLAIN: [(&str, usize, Decode); 2] = [
 /// Rows that are read at once, and then taken apart on all cores.
 const BLOCK: usize = 1 << 16;
 
+/// How an array lies in its file.
+struct Form<'a> {
+    rows: u64,
+    width: usize,
+    order: Order,
+    counts: &'a Counts,
+}
+
 /// As [`fill`], of rows that lie one after the other.
 fn fill_blocks(
     reader: &mut impl BufRead,
-    rows: u64,
-    width: usize,
+    &Form { rows, width, counts, .. }: &Form<'_>,
     size: usize,
     decode: Decode,
     spheres: &mut Spheres,
@@ -211,6 +226,8 @@ fn fill_blocks(
         reader.take(wanted).read_to_end(&mut bytes).map_err(|e| Fault::Numbers(done, e))?;
         let block = bytes.par_chunks_exact(row_bytes);
         let found = block.len() as u64;
+        counts.found();
+        spheres.grow(block.len(), false).map_err(|e| Fault::Row(done, e))?;
         let sphere = |[x, y, z, radius, ..]: [f64; 7]| ([x, y, z], if width == 3 { 1.0 } else { radius });
         let is_sphere = |row: &[u8]| {
             let (center, radius) = sphere(values(row));
@@ -235,9 +252,7 @@ fn fill_blocks(
 
 fn fill(
     mut numbers: impl Iterator<Item = io::Result<f64>>,
-    order: Order,
-    rows: u64,
-    width: usize,
+    &Form { rows, width, order, counts }: &Form<'_>,
     spheres: &mut Spheres,
 ) -> Result<(), Fault> {
     let mut next = |row| match numbers.next() {
@@ -251,6 +266,7 @@ fn fill(
             for value in &mut values[..width] {
                 *value = next(row)?;
             }
+            counts.found();
             push(values, width, spheres).map_err(|e| Fault::Row(row, e))?;
         }
         return Ok(());
@@ -259,7 +275,9 @@ fn fill(
     let mut columns = Vec::new();
     for column in 0..width {
         for row in 0..rows {
+            reserve(&mut columns, 1).map_err(|e| Fault::Row(row, e))?;
             columns.push(next(if column + 1 == width { row } else { 0 })?);
+            counts.found();
         }
     }
     let rows = columns.len() / width;
@@ -279,6 +297,5 @@ fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Sphere
     if let Some(color) = color {
         check_color(color, || Place::field("color"))?;
     }
-    spheres.push([x, y, z], radius, color);
-    Ok(())
+    spheres.add([x, y, z], radius, color)
 }

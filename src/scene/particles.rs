@@ -25,7 +25,7 @@ pub(super) use table::{Table, axes};
 use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
 use crate::error::{Error, Result};
-use crate::memory::check_spheres;
+use crate::memory::{entries, extend_to};
 use infer::{Inference, Inferred};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -55,6 +55,8 @@ pub(crate) struct Particles {
     pub(crate) unknown: BTreeMap<String, u64>,
     /// What is no particle, and what was assumed.
     pub(crate) skipped: Skipped,
+    /// Particles that all lists have room for.
+    pub(super) room: usize,
 }
 
 /// Numbers that belong to particles.
@@ -97,7 +99,11 @@ impl Particles {
     }
 
     /// Appends the particles of a part, which has the same columns.
-    fn append(&mut self, mut more: Self) {
+    ///
+    /// # Errors
+    /// Those of [`Particles::grow`].
+    fn append(&mut self, mut more: Self) -> Result<()> {
+        self.grow(more.positions.len(), 0)?;
         self.positions.append(&mut more.positions);
         self.radii.append(&mut more.radii);
         self.elements.append(&mut more.elements);
@@ -106,6 +112,7 @@ impl Particles {
             column.values.append(&mut more.values);
         }
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
+        Ok(())
     }
 
     /// Ends an inference: leaves out virtual sites and returns what there is to report.
@@ -142,15 +149,37 @@ impl Particles {
         self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
     }
 
-    /// Refuses to grow beyond what the memory has room for. It is asked every few million particles, of which there were
-    /// `before` so many: a file that never ends must not fill the memory first.
+    /// Makes room for `more` particles in every list, and knows of `beside` bytes that the reader keeps of each: a file
+    /// that never ends must not fill the memory.
     ///
     /// # Errors
     /// [`Error::Limits`].
-    pub(crate) fn check_room(&self, before: usize) -> Result<()> {
-        const EVERY: usize = 1 << 22;
-        let now = self.positions.len();
-        if now / EVERY > before / EVERY { check_spheres(now as u64, true) } else { Ok(()) }
+    pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
+        let n = self.positions.len();
+        if n + more <= self.room {
+            return Ok(());
+        }
+        let columns = self.columns.len() * size_of::<f64>();
+        // What a list does not have at the first particle it has at none.
+        let of = |is_empty: bool, bytes: usize| if is_empty { 0 } else { bytes };
+        let [radius, element, color] =
+            [of(self.radii.is_empty(), 8), of(self.elements.is_empty(), 1), of(self.colors.is_empty(), 12)];
+        let room = entries(n, more, size_of::<[f64; 3]>() + radius + element + color + columns + beside, "spheres")?;
+        extend_to(&mut self.positions, room)?;
+        if radius > 0 {
+            extend_to(&mut self.radii, room)?;
+        }
+        if element > 0 {
+            extend_to(&mut self.elements, room)?;
+        }
+        if color > 0 {
+            extend_to(&mut self.colors, room)?;
+        }
+        for column in &mut self.columns {
+            extend_to(&mut column.values, room)?;
+        }
+        self.room = room;
+        Ok(())
     }
 }
 

@@ -1,12 +1,15 @@
 //! Scenes one after the other: the frames of a trajectory, or the one scene of a file.
 
 use super::fit::Framing;
+use super::input::Input;
 use super::particles::{self, Frames};
 use super::source::{Format, Source};
 use super::style::Legend;
 use super::{Cell, ImagePlane, ReadOptions, Scene, native, nff};
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// An opened file of scenes.
@@ -39,19 +42,43 @@ pub struct Shot {
     pub cell: Option<Cell>,
 }
 
+impl Shot {
+    /// A copy.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has no room for it.
+    pub fn copy(&self) -> Result<Self> {
+        check_spheres(self.scene.spheres.len() as u64, self.scene.spheres.colors.is_some())?;
+        Ok(self.clone())
+    }
+}
+
 impl Sequence {
     /// Opens `path`; `-` is standard input.
     ///
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        let source = Source::open(path, options.format)?;
+        Self::begin(Source::open(path, options.format, &options.watch)?, path, options)
+    }
+
+    /// Opens what `reader` delivers, compressed or not; `path` names it in errors, its ending may tell the format, and its
+    /// folder holds the files that a scene names.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
+        let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
+        Self::begin(Source::of(input, path, options.format)?, path, options)
+    }
+
+    fn begin(source: Source, path: &Path, options: &ReadOptions) -> Result<Self> {
         let state = match particles::open(source, options)? {
             Ok(frames) => State::Many(frames),
             Err(source) => {
                 let mut scene = match source.format {
                     Format::Nff => nff::read(source.reader, path, options)?,
-                    _ => native::read(source.reader, path)?,
+                    _ => native::read(source.reader, path, &options.watch)?,
                 };
                 options.style.restyle(&mut scene.spheres)?;
                 State::One(Some(Box::new(scene)))
@@ -66,6 +93,7 @@ impl Sequence {
     /// Those of [`Scene::read`].
     pub fn next_scene(&mut self) -> Result<Option<Shot>> {
         while self.passed < self.options.frames.last() {
+            self.options.watch.check()?;
             let number = self.passed + 1;
             let wanted = self.options.frames.contains(number);
             let file = Place::file(self.path.display().to_string());
@@ -80,7 +108,9 @@ impl Sequence {
                 State::Many(frames) if wanted => {
                     let Some(particles) = frames.next()? else { return Ok(None) };
                     let cell = particles.cell;
+                    self.options.watch.check()?;
                     let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
+                    self.options.watch.check()?;
                     let mut scene = Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, skipped };
                     scene.frame_all(&Framing::default())?;
                     return Ok(Some(Shot { number, scene, has_camera: false, legend, cell }));

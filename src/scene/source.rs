@@ -1,12 +1,10 @@
 //! Where a scene comes from: a file or standard input, compressed or not, in a format that its content tells.
 
+use super::input::Input;
 use super::particles::axes;
 use super::{ending, foreign, nff};
 use crate::error::{Error, Place, Result};
-use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::MultiGzDecoder;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use crate::progress::Watch;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -241,63 +239,44 @@ fn is_csv(lines: &[&str]) -> bool {
     })
 }
 
-/// Bytes, decompressed.
-pub(super) type Stream = Box<dyn BufRead + Send>;
-
 /// An opened scene file.
 pub(super) struct Source {
-    /// The bytes, decompressed.
-    pub(super) reader: Stream,
+    /// Its bytes.
+    pub(super) reader: Input,
     /// As the user named it; `-` is standard input.
     pub(super) path: PathBuf,
     /// In this format.
     pub(super) format: Format,
-    /// Length of a file that is not compressed, else 0: nothing is known.
-    pub(super) bytes: u64,
 }
 
 /// Bytes that are looked at to tell the format.
 const LOOK: u64 = 1 << 16;
 
 impl Source {
-    /// Opens `path`. gzip and bzip2 are known by their first bytes; the format is `format`, or told by the content, or by
-    /// the name.
+    /// Opens `path`; the format is `format`, or told by the content, or by the name.
     ///
     /// # Errors
-    /// [`Error::Io`], and [`Error::Scene`] for a file whose format nothing tells.
-    pub(super) fn open(path: &Path, format: Option<Format>) -> Result<Self> {
-        let stdin = path == Path::new("-");
-        let mut bytes = 0;
-        let raw: Box<dyn Read + Send> = if stdin {
-            Box::new(io::stdin())
-        } else {
-            let file = File::open(path).map_err(|e| Error::read(path, e))?;
-            bytes = file.metadata().map_or(0, |found| found.len());
-            Box::new(file)
-        };
-        let mut raw = BufReader::with_capacity(1 << 16, raw);
-        let mut magic = Vec::new();
-        (&mut raw).take(3).read_to_end(&mut magic).map_err(|e| Error::read(path, e))?;
-        let packed = Cursor::new(magic.clone()).chain(raw);
+    /// Those of [`Input::open`], and [`Error::Scene`] for a file whose format nothing tells.
+    pub(super) fn open(path: &Path, format: Option<Format>, watch: &Watch) -> Result<Self> {
+        Self::of(Input::open(path, watch)?, path, format)
+    }
+
+    /// The same of bytes that `path` names in errors.
+    ///
+    /// # Errors
+    /// As [`Source::open`].
+    pub(super) fn of(mut reader: Input, path: &Path, format: Option<Format>) -> Result<Self> {
         let mut name = path.to_path_buf();
-        let mut reader: Stream = match magic[..] {
-            [0x1f, 0x8b, _] => Box::new(BufReader::with_capacity(1 << 16, MultiGzDecoder::new(packed))),
-            [b'B', b'Z', b'h'] => Box::new(BufReader::with_capacity(1 << 16, MultiBzDecoder::new(packed))),
-            _ => Box::new(packed),
-        };
-        if matches!(magic[..], [0x1f, 0x8b, _] | [b'B', b'Z', b'h']) {
-            bytes = 0;
+        if reader.is_packed() {
             name.set_extension("");
         }
-        let mut start = Vec::new();
-        reader.by_ref().take(LOOK).read_to_end(&mut start).map_err(|e| Error::read(path, e))?;
+        let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
         let format = match format {
             Some(format) => format,
             None => recognise(&start, &name)
                 .map_err(|(problem, mend)| Error::scene(Place::file(path.display().to_string()), problem, mend))?,
         };
-        let reader = Box::new(Cursor::new(start).chain(reader));
-        Ok(Self { reader, path: path.to_path_buf(), format, bytes })
+        Ok(Self { reader, path: path.to_path_buf(), format })
     }
 }
 
@@ -340,8 +319,7 @@ impl Source {
 
     /// As [`Source::of_text`].
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
-        let reader = Box::new(Cursor::new(bytes.to_vec()));
-        Self { reader, path: "text".into(), format: Format::Native, bytes: bytes.len() as u64 }
+        Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native }
     }
 }
 

@@ -13,6 +13,7 @@ use super::particles::Particles;
 use super::{Skipped, Spheres, check_sphere};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
+use crate::quote::quote;
 use elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -208,7 +209,7 @@ impl Style {
         let known = |number: &u8| element(*number).and_then(|element| self.radii.of(element));
         let missing = particles.elements.par_iter().filter(|number| known(number).is_none()).count();
         if missing > 0 {
-            let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} `{name}`")).collect();
+            let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
             let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
             skipped.assumed.push(format!(
                 "{missing} of {n} atoms have no {} radius{names}: {UNKNOWN_RADIUS} is taken; --radius sets one for all",

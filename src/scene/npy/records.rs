@@ -2,9 +2,10 @@
 
 use super::Npy;
 use crate::error::{Error, Result};
-use crate::memory::check_spheres;
+use crate::memory::{check, reserve};
+use crate::scene::input::Input;
 use crate::scene::particles::{Frames, Layout, Particles, Role, Scalar, wanted};
-use crate::scene::source::{Source, Stream};
+use crate::scene::source::Source;
 use crate::scene::{ReadOptions, Spheres, relocate};
 use npyz::{DType, Field, NpyHeader, Order};
 use std::io::{self, BufRead, Read};
@@ -23,8 +24,9 @@ impl Array {
 
 impl Frames for Array {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(Source { reader, path, bytes, .. }) = self.source.take() else { return Ok(None) };
-        let mut npy = Npy { path: &path, reader, bytes };
+        let Some(Source { reader, path, .. }) = self.source.take() else { return Ok(None) };
+        let (bytes, counts) = (reader.length(), reader.counts());
+        let mut npy = Npy { path: &path, reader, bytes, counts };
         let header = npy.header()?;
         if let DType::Record(fields) = header.dtype() {
             return npy.records(&header, &fields, &self.wanted).map(Some);
@@ -43,7 +45,7 @@ const MOST: usize = 1 << 16;
 /// Numbers that are read at once.
 const BLOCK: usize = 1 << 16;
 
-impl Npy<'_, Stream> {
+impl Npy<'_, Input> {
     fn records(&mut self, header: &NpyHeader, fields: &[Field], wanted: &[String]) -> Result<Particles> {
         let rows = match *header.shape() {
             [n] => n,
@@ -76,7 +78,9 @@ impl Npy<'_, Stream> {
             }
             let located = |e| relocate(e, |field| self.place(format!("row {row} {field}")));
             layout.numbers(&numbers, &mut particles).map_err(located)?;
+            self.counts.found();
         }
+        self.finish(Ok(()), rows)?;
         Ok(particles)
     }
 }
@@ -97,9 +101,10 @@ impl<R: BufRead> Npy<'_, R> {
         let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
         while (numbers.len() as u64) < total {
             let wanted = (total - numbers.len() as u64).min(BLOCK as u64) * scalar.size() as u64;
-            check_spheres(numbers.len() as u64 / width, false)?;
             bytes.clear();
+            self.counts.found();
             (&mut self.reader).take(wanted).read_to_end(&mut bytes).map_err(|e| Error::read(self.path, e))?;
+            reserve(&mut numbers, bytes.len() / scalar.size())?;
             numbers.extend(bytes.chunks_exact(scalar.size()).map(|number| scalar.number(number)));
             if (bytes.len() as u64) < wanted {
                 let found = numbers.len() as u64 / width;
@@ -108,6 +113,7 @@ impl<R: BufRead> Npy<'_, R> {
         }
         if header.order() == Order::Fortran && width > 1 {
             let (rows, width) = (rows as usize, width as usize);
+            check(8 * total, || "the array in the order of its rows".into())?;
             numbers = (0..rows * width).map(|at| numbers[at % width * rows + at / width]).collect();
         }
         Ok(numbers)

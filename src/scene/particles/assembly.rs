@@ -2,8 +2,10 @@
 
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
-use crate::memory::check_spheres;
-use std::collections::{HashMap, HashSet};
+use crate::memory::{check, check_spheres, extend_to};
+use crate::progress::Watch;
+use crate::quote::{list, quote};
+use std::collections::HashMap;
 
 /// A rotation and a shift: three rows of a matrix, each with the shift behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,19 +60,13 @@ pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Re
 
 /// The error for an assembly that a file does not have, among those it has.
 pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
-    let mut ids: Vec<&str> = ids.map(String::as_str).collect();
-    let left_out = ids.len().saturating_sub(LISTED);
-    ids.truncate(LISTED);
-    let mend = match ids[..] {
-        [] => "the file tells of none: leave --assembly out".to_owned(),
-        _ if left_out > 0 => format!("the file has {} and {left_out} more", ids.join(", ")),
-        _ => format!("the file has {}", ids.join(", ")),
+    let ids = list(ids);
+    let mend = match &ids[..] {
+        "" => "the file has none: leave --assembly out".to_owned(),
+        ids => format!("the file has {ids}"),
     };
-    Error::settings(format!("{file}: there is no assembly `{id}`"), mend)
+    Error::settings(format!("{file}: there is no assembly {}", quote(id)), mend)
 }
-
-/// Names that an error lists.
-const LISTED: usize = 16;
 
 /// The assembly of these atoms: part by part, all atoms of the first operator, then of the second, each in the file's
 /// order. `chains` holds every atom's chain, an index of `names`. The cell goes: an assembly does not repeat by it.
@@ -84,19 +80,18 @@ pub(super) fn build(
     chains: &[u32],
     names: &[Vec<u8>],
     file: &Place,
+    watch: &Watch,
 ) -> Result<Particles> {
-    let members: Vec<Vec<usize>> = assembly.parts.iter().map(|part| members(part, chains, names)).collect();
-    let copies = assembly
-        .parts
-        .iter()
-        .zip(&members)
-        .map(|(part, atoms)| (part.operators.len() as u64).saturating_mul(atoms.len() as u64));
-    let total = copies.fold(0, u64::saturating_add);
+    let atoms = Members::of(chains, names)?;
+    let copies = |part: &Part| (part.operators.len() as u64).saturating_mul(atoms.count(part));
+    let total = assembly.parts.iter().map(copies).fold(0, u64::saturating_add);
     if total == 0 {
-        let problem = format!("assembly `{}` has no atoms: the file has none of its chains", assembly.id);
+        let problem = format!("assembly {} has no atoms: the file has none of its chains", quote(&assembly.id));
         return Err(Error::scene(file.clone(), problem, "leave --assembly out, or ask for another"));
     }
     check_spheres(total, true)?;
+    let each = size_of::<[f64; 3]>() + size_of::<u8>() + unit.columns.len() * size_of::<f64>();
+    check(total.saturating_mul(each as u64), || format!("the {total} atoms of the assembly"))?;
     let mut whole = Particles { has: unit.has, skipped: unit.skipped, ..Particles::default() };
     whole.positions = room(total)?;
     whole.elements = room(total)?;
@@ -104,8 +99,10 @@ pub(super) fn build(
         whole.columns.push(Column { name: column.name.clone(), values: room(total)? });
     }
     let mut known: HashMap<&str, usize> = HashMap::new();
-    for (part, atoms) in assembly.parts.iter().zip(&members) {
+    for part in &assembly.parts {
+        let atoms = atoms.of_part(part)?;
         for (name, operator) in &part.operators {
+            watch.check()?;
             let next = known.len();
             let copy = *known.entry(name).or_insert(next);
             whole.positions.extend(atoms.iter().map(|n| operator.apply(unit.positions[*n])));
@@ -121,20 +118,67 @@ pub(super) fn build(
     Ok(whole)
 }
 
-/// The atoms of a part's chains.
-fn members(part: &Part, chains: &[u32], names: &[Vec<u8>]) -> Vec<usize> {
-    let listed: HashSet<&[u8]> = part.chains.iter().map(Vec::as_slice).collect();
-    let inside: Vec<bool> = names.iter().map(|name| listed.contains(&name[..])).collect();
-    (0..chains.len()).filter(|n| inside.get(chains[*n] as usize).copied().unwrap_or(false)).collect()
+/// The atoms by their chains, so that parts of many operators and files of many chains cost no more than they hold.
+struct Members<'a> {
+    /// The chain of a name.
+    chains: HashMap<&'a [u8], usize>,
+    /// The atoms, chain by chain, each in the file's order; and where each chain begins.
+    atoms: Vec<usize>,
+    starts: Vec<usize>,
+}
+
+impl<'a> Members<'a> {
+    /// Of atoms whose chains are indices of `names`.
+    fn of(chains: &[u32], names: &'a [Vec<u8>]) -> Result<Self> {
+        let need = 8 * chains.len() + 64 * names.len();
+        check(need as u64, || format!("the {} chains of the file", names.len()))?;
+        let mut starts = vec![0; names.len() + 1];
+        let known = |chain: &u32| Some(*chain as usize).filter(|chain| *chain < names.len());
+        chains.iter().filter_map(known).for_each(|chain| starts[chain + 1] += 1);
+        (0..names.len()).for_each(|chain| starts[chain + 1] += starts[chain]);
+        let mut next = starts.clone();
+        let mut atoms = vec![0; starts[names.len()]];
+        for (atom, chain) in chains.iter().enumerate() {
+            if let Some(chain) = known(chain) {
+                atoms[next[chain]] = atom;
+                next[chain] += 1;
+            }
+        }
+        let chains = names.iter().enumerate().map(|(chain, name)| (&name[..], chain)).collect();
+        Ok(Self { chains, atoms, starts })
+    }
+
+    /// The chains of a part, each once.
+    fn chains_of(&self, part: &Part) -> Vec<usize> {
+        let mut chains: Vec<usize> =
+            part.chains.iter().filter_map(|name| self.chains.get(&name[..]).copied()).collect();
+        chains.sort_unstable();
+        chains.dedup();
+        chains
+    }
+
+    fn atoms_of(&self, chain: usize) -> &[usize] {
+        &self.atoms[self.starts[chain]..self.starts[chain + 1]]
+    }
+
+    /// How many atoms a part has.
+    fn count(&self, part: &Part) -> u64 {
+        self.chains_of(part).into_iter().map(|chain| self.atoms_of(chain).len() as u64).sum()
+    }
+
+    /// The atoms of a part, in the file's order.
+    fn of_part(&self, part: &Part) -> Result<Vec<usize>> {
+        let mut atoms = room(self.count(part))?;
+        self.chains_of(part).into_iter().for_each(|chain| atoms.extend(self.atoms_of(chain)));
+        atoms.sort_unstable();
+        Ok(atoms)
+    }
 }
 
 fn room<T>(n: u64) -> Result<Vec<T>> {
-    let mut vector = Vec::new();
-    vector.try_reserve_exact(n as usize).map_err(|_| Error::Limits {
-        problem: format!("memory for the {n} atoms of the assembly cannot be had"),
-        mend: "ask for a smaller assembly".into(),
-    })?;
-    Ok(vector)
+    let mut list = Vec::new();
+    extend_to(&mut list, n as usize)?;
+    Ok(list)
 }
 
 #[cfg(test)]
@@ -170,13 +214,16 @@ mod tests {
         let parts = vec![part(&[b"B", b"A"], &[("1", TURN), ("2", STEP)]), part(&[b"B"], &[("2", STEP)])];
         let assembly = Assembly { id: "1".into(), parts };
         let file = Place::file("text");
-        let whole = build(&assembly, unit.clone(), &[0, 1, 0], &names, &file).expect("an assembly");
+        let whole = build(&assembly, unit.clone(), &[0, 1, 0], &names, &file, &Watch::default()).expect("an assembly");
         assert_eq!(whole.elements, [6, 7, 8, 6, 7, 8, 7]);
         assert_eq!(whole.columns[0].values, [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 2.0]);
         assert_eq!(whole.columns[1].values, [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
         assert_eq!((whole.positions[1], whole.positions[6]), ([10.0, 2.0, 0.0], [2.0, 0.0, 5.0]));
         let empty = Assembly { id: "2".into(), parts: vec![part(&[b"C"], &[("1", STEP)])] };
-        let error = build(&empty, unit, &[0, 1, 0], &names, &file).map(drop).expect_err("nothing").to_string();
+        let error = build(&empty, unit, &[0, 1, 0], &names, &file, &Watch::default())
+            .map(drop)
+            .expect_err("nothing")
+            .to_string();
         assert!(error.contains("no atoms"), "{error}");
         let error = find(&[assembly, empty], "3", &file).expect_err("no third").to_string();
         assert!(error.contains("`3`") && error.contains("1, 2"), "{error}");
@@ -189,7 +236,7 @@ mod tests {
         let part = Part { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };
         let assembly = Assembly { id: "1".into(), parts: vec![part] };
         let file = Place::file("text");
-        let built = build(&assembly, unit, &vec![0; atoms], &[b"A".to_vec()], &file).map(drop);
+        let built = build(&assembly, unit, &vec![0; atoms], &[b"A".to_vec()], &file, &Watch::default()).map(drop);
         // 6.6e10 atoms are terabytes.
         let error = built.expect_err("no memory is so large");
         assert!(matches!(error, Error::Limits { .. }) && error.to_string().contains("65536000000 spheres"), "{error}");

@@ -3,17 +3,21 @@
 
 use super::layout::{Layout, Role, wanted};
 use super::masses;
+use super::rows::surplus;
 use super::{Cell, Column, Frames, Particles};
 use crate::error::{Error, Result};
+use crate::memory::{Ledger, check, check_ids, reserve};
+use crate::quote::{quote, unquoted};
 use crate::scene::ReadOptions;
-use crate::scene::lines::{Lines, Word, Words, short};
-use crate::scene::source::{Source, Stream};
+use crate::scene::input::Input;
+use crate::scene::lines::{Lines, Word, Words};
+use crate::scene::source::Source;
 use crate::scene::style::elements::element;
 use std::collections::HashMap;
 
 /// The reader.
 pub(super) struct Data {
-    lines: Lines<Stream>,
+    lines: Lines<Input>,
     wanted: Vec<String>,
     done: bool,
 }
@@ -47,6 +51,10 @@ const STYLES: [(&str, &str); 23] = [
 
 /// Lines that begin a section; whatever stands between two that are read is passed over.
 const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
+
+/// Bytes that a map and a list keep of a type beside its name, and of an atom by its number, while the map grows.
+const TYPE: usize = 128;
+const PLACE: u64 = 80;
 
 /// What the header tells.
 #[derive(Default)]
@@ -113,7 +121,8 @@ impl Data {
                 _ if found.atoms => return Err(self.fail(0, "Atoms", "the atoms are given twice", "give them once")),
                 _ => particles = self.atoms(count, &head, &mut found)?,
             }
-            there = false;
+            // What follows the rows that were read is looked at already.
+            there = self.is_section();
         }
         if !found.atoms && count > 0 {
             let problem = format!("there is no section Atoms where {count} atoms are announced");
@@ -144,7 +153,7 @@ impl Data {
             };
             let whole = || {
                 words[0].parse().map_err(|_| {
-                    let problem = format!("`{}` is no number of {}", short(words[0]), words[1..].join(" "));
+                    let problem = format!("{} is no number of {}", quote(words[0]), words[1..].join(" "));
                     self.fail(0, "header", problem, "give a whole number")
                 })
             };
@@ -190,16 +199,39 @@ impl Data {
 
     /// The next line that says something, which must be there.
     fn need(&mut self, section: &str, read: u64, count: u64) -> Result<()> {
+        let mut what = "file";
         while self.lines.advance()? {
+            if self.is_section() {
+                what = "section";
+                break;
+            }
             if !self.body().is_empty() {
                 return Ok(());
             }
         }
-        let problem = format!("the file ends after {read} of {count} lines of {section}");
+        let problem = format!("the {what} ends after {read} of {count} lines of {section}");
         Err(self.fail(self.lines.text().len(), section, problem, "give as many lines as the header announces"))
     }
 
+    /// Goes to the next line that says something, and sees to it that it is none of the section's, of which there were to
+    /// be `count`.
+    fn check_end(&mut self, section: &str, count: u64) -> Result<()> {
+        let (what, number) = if section == "Masses" { ("atom types", 1) } else { ("atoms", 0) };
+        let is_number = |word: &str| word.parse::<f64>().is_ok();
+        let is_row = |lines: &Lines<Input>| Words::of(lines).nth(number).is_some_and(|word| is_number(word.text));
+        while self.lines.advance()? {
+            if is_row(&self.lines) {
+                return surplus(&mut self.lines, count, what, is_row);
+            }
+            if !self.body().is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     fn masses(&mut self, count: u64, found: &mut Found) -> Result<()> {
+        let mut ledger = Ledger::default();
         for read in 0..count {
             self.need("Masses", read, count)?;
             let mut words = Words::of(&self.lines);
@@ -209,16 +241,19 @@ impl Data {
                 return Err(self.fail(0, "Masses", problem, "give as many masses as there are atom types"));
             };
             let mass = mass.positive("mass")?;
+            ledger.add(TYPE + name.len())?;
             found.types.insert(name, found.masses.len());
             found.masses.push(mass);
         }
-        Ok(())
+        self.check_end("Masses", count)
     }
 
     fn atoms(&mut self, count: u64, head: &Head, found: &mut Found) -> Result<Particles> {
         found.atoms = true;
+        check_ids(count)?;
         let named = self.lines.text().split_once('#').map(|(_, style)| style.trim().to_owned()).unwrap_or_default();
         if count == 0 {
+            self.check_end("Atoms", 0)?;
             return Ok(Particles::default());
         }
         let (line, heading) = (self.lines.place(0), "Atoms");
@@ -233,7 +268,7 @@ impl Data {
         let Some(columns) = columns else {
             let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
             let mend = format!("name one of {}", names.join(", "));
-            return Err(Error::scene(line.named(heading), format!("`{}` is no style of atoms", short(&style)), mend));
+            return Err(Error::scene(line.named(heading), format!("{} is no style of atoms", quote(&style)), mend));
         };
         let mut layout = Layout::default();
         for name in columns.split(' ') {
@@ -259,15 +294,18 @@ impl Data {
             if read > 0 {
                 self.need(heading, read, count)?;
             }
+            // Its type and its number are kept beside it.
+            particles.grow(1, size_of::<u32>() + size_of::<i64>())?;
             layout.row(&mut self.row(), &self.lines, &mut particles)?;
             self.remember(type_at, moving, found)?;
-            particles.check_room(particles.positions.len() - 1)?;
+            self.lines.found();
         }
+        self.check_end(heading, count)?;
         Ok(particles)
     }
 
     /// The words of the current line before its comment.
-    fn row(&self) -> impl Iterator<Item = Word<'_, Stream>> {
+    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> {
         Words::of(&self.lines).take_while(|word| !word.text.starts_with('#'))
     }
 
@@ -275,8 +313,10 @@ impl Data {
     fn remember(&self, type_at: usize, moving: bool, found: &mut Found) -> Result<()> {
         for (place, word) in self.row().take(type_at + 1).enumerate() {
             if place == 0 && moving {
+                reserve(&mut found.ids, 1)?;
                 found.ids.push(whole(&word)?);
             } else if place == type_at {
+                reserve(&mut found.of, 1)?;
                 found.of.push(match word.text.parse() {
                     Ok(number) => number,
                     // A label, of a type that has a mass; else of none.
@@ -309,11 +349,14 @@ impl Data {
     fn velocities(&mut self, count: u64, found: &Found, particles: &mut Particles) -> Result<()> {
         particles.has.extend(["vx", "vy", "vz"].map(str::to_owned));
         if found.ids.is_empty() {
-            return Ok(());
+            // Nobody asks for them: they are passed over.
+            return self.lines.advance().map(drop);
         }
         let axes: Vec<usize> = (0..3)
             .filter(|k| self.wanted.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
             .collect();
+        let atoms = found.ids.len() as u64;
+        check(8 * atoms * axes.len() as u64, || format!("the velocities of {atoms} atoms"))?;
         let mut columns = vec![vec![f64::NAN; found.ids.len()]; axes.len()];
         let mut places = HashMap::new();
         for read in 0..count {
@@ -324,6 +367,7 @@ impl Data {
             if atom.is_none() {
                 // Only where they are not in the order of the atoms.
                 if places.is_empty() {
+                    check(PLACE * atoms, || format!("the numbers of {atoms} atoms"))?;
                     places.extend(found.ids.iter().enumerate().map(|(atom, id)| (*id, atom)));
                 }
                 atom = places.get(&id).copied();
@@ -344,6 +388,7 @@ impl Data {
                 column[atom] = velocity[*axis];
             }
         }
+        self.check_end("Velocities", count)?;
         let named = axes.iter().zip(columns);
         particles.columns.extend(named.map(|(k, values)| Column { name: ["vx", "vy", "vz"][*k].into(), values }));
         Ok(())
@@ -359,7 +404,7 @@ fn is_velocity(name: &str) -> bool {
 }
 
 /// A word as the number that an atom bears.
-fn whole(word: &Word<'_, Stream>) -> Result<i64> {
+fn whole(word: &Word<'_, Input>) -> Result<i64> {
     Ok(word.finite("id")? as i64)
 }
 
@@ -369,7 +414,8 @@ fn name_elements(found: &Found, particles: &mut Particles) {
     let mut by_type: Vec<(&String, u8)> = found.types.iter().map(|(name, place)| (name, numbers[*place])).collect();
     by_type.sort_by_key(|(name, _)| found.types[*name]);
     let symbol = |number: u8| element(number).map_or("?", |element| element.symbol);
-    let told: Vec<_> = by_type.iter().take(32).map(|(name, number)| format!("{name} {}", symbol(*number))).collect();
+    let told: Vec<_> =
+        by_type.iter().take(32).map(|(name, number)| format!("{} {}", unquoted(name), symbol(*number))).collect();
     particles.skipped.assumed.push(format!("elements are taken from the masses of the types: {}", told.join(", ")));
     // Types are numbered from 1, whatever order their masses have; labels were given the place of their mass.
     let labels = by_type.iter().any(|(name, _)| name.parse::<u32>().is_err());
@@ -461,6 +507,18 @@ mod tests {
         let file = |sections: &str| format!("{HEAD}\n{sections}");
         for (text, told) in [
             (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),
+            (file("Atoms # atomic\n\n1 1 1 2 3\n\nVelocities\n"), ":13:11: Atoms: the section ends after 1 of 2 lines"),
+            (
+                file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"),
+                ":13:1: count: 2 atoms are announced, and 3 follow",
+            ),
+            (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: 2 atom types are announced, and 3 follow"),
+            (
+                file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n2 1 1 1\n1 1 1 1\n3 1 1 1\n\nBonds\n"),
+                ":18:1: count: 2 atoms are announced, and 3 follow",
+            ),
+            ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: 0 atoms are announced, and 1 follow"),
+            ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than ids"),
             (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
             (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is no style"),
             (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "cannot be told"),

@@ -2,17 +2,22 @@
 //! a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
 use super::layout::{Layout, Role, wanted};
-use super::rows::rows;
+use super::rows::{rows, surplus};
 use super::{Cell, Frames, Particles};
 use crate::error::{Error, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
 use crate::scene::ReadOptions;
-use crate::scene::lines::{Lines, Words, short};
-use crate::scene::source::{Source, Stream};
+use crate::scene::input::Input;
+use crate::scene::lines::{Lines, Words};
+use crate::scene::source::Source;
 
 /// The reader.
 pub(super) struct Dump {
-    lines: Lines<Stream>,
+    lines: Lines<Input>,
     wanted: Vec<String>,
+    /// Whether the current line is still to be looked at.
+    held: bool,
 }
 
 /// What stands before a frame's atoms; the line of their columns is the current one.
@@ -27,13 +32,17 @@ const AXES: [([&str; 3], bool); 4] =
 
 impl Dump {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { lines: Lines::new(source.reader, &source.path), wanted: wanted(options.style.columns())? })
+        Ok(Self {
+            lines: Lines::new(source.reader, &source.path),
+            wanted: wanted(options.style.columns())?,
+            held: false,
+        })
     }
 
     fn head(&mut self) -> Result<Option<Head>> {
         let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
         loop {
-            if !self.lines.advance()? {
+            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
                 return if begun { Err(self.ends("ITEM")) } else { Ok(None) };
             }
             let text = self.lines.text().trim();
@@ -41,7 +50,7 @@ impl Dump {
                 if foreign || text.is_empty() {
                     continue;
                 }
-                let problem = format!("`{}` is no ITEM", short(text));
+                let problem = format!("{} is no ITEM", quote(text));
                 return Err(self.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS announces"));
             };
             (begun, foreign) = (true, false);
@@ -50,10 +59,12 @@ impl Dump {
             } else if item == "NUMBER OF ATOMS" {
                 self.need("NUMBER OF ATOMS")?;
                 let text = self.lines.text().trim();
-                count = Some(text.parse().map_err(|_| {
-                    let problem = format!("`{}` is no number of atoms", short(text));
+                let atoms = text.parse().map_err(|_| {
+                    let problem = format!("{} is no number of atoms", quote(text));
                     self.fail(0, "NUMBER OF ATOMS", problem, "give a whole number")
-                })?);
+                })?;
+                check_ids(atoms)?;
+                count = Some(atoms);
             } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
                 let kind = kind.to_owned();
                 cell = Some(self.cell(&kind)?);
@@ -126,6 +137,20 @@ impl Dump {
         Ok((layout, scaled))
     }
 
+    /// Sees to it that no more atoms follow than `count`; the next line that is not blank is the current one then.
+    fn check_end(&mut self, count: u64, layout: &Layout) -> Result<()> {
+        while self.lines.advance()? {
+            if self.lines.text().trim().is_empty() {
+                continue;
+            }
+            self.held = true;
+            let is_row =
+                |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+            return if is_row(&self.lines) { surplus(&mut self.lines, count, "atoms", is_row) } else { Ok(()) };
+        }
+        Ok(())
+    }
+
     /// The next line, which must be there.
     fn need(&mut self, what: &str) -> Result<()> {
         if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
@@ -158,6 +183,7 @@ impl Frames for Dump {
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
         }
+        self.check_end(count, &layout)?;
         if let Some(cell) = scaling {
             particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
         }
@@ -166,7 +192,7 @@ impl Frames for Dump {
 
     fn skip(&mut self) -> Result<bool> {
         let Some(Head { count, .. }) = self.head()? else { return Ok(false) };
-        if self.lines.pass(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
 
@@ -235,7 +261,8 @@ mod tests {
             (one("x y z x", "1 2 3 4"), ":9:13: ITEM: ATOMS: `x` is given twice"),
             (one("x y zs", "1 2 3"), "no three columns"),
             (one("x y z radius", "1 2 3 0"), ":10:7: radius: `0` is not positive"),
-            (one("x y z", "1 2 3") + "4 5 6\n", ":11:1: ITEM: `4 5 6` is no ITEM"),
+            (one("x y z", "1 2 3") + "4 5 6\n", ":11:1: count: 1 atoms are announced, and 2 follow"),
+            (one("x y z", "1 2 3") + "no row\n", ":11:1: ITEM: `no row` is no ITEM"),
             (one("x y z", "1 2 3").replace("\n1\n", "\n2\n"), "the file ends within a frame"),
             (one("x y z", "1 2 3").replace("\n1\n", "\n-1\n"), ":4:1: NUMBER OF ATOMS"),
             (one("x y z", "1 2 3").replace("0 4", "0"), ":7:2: BOX BOUNDS"),

@@ -2,21 +2,26 @@
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres there and ångström here: ten
 //! times the numbers of the file. Velocities stay as they are written, nm/ps.
 
-use super::infer::{Inference, Named};
+use super::infer::{self, Inference, Named};
+use super::rows::surplus;
 use super::{Cell, Column, Frames, Particles};
 use crate::error::{Error, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
 use crate::scene::ReadOptions;
+use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Words};
 use crate::scene::source::Source;
-use std::io::BufRead;
 use std::ops::Range;
 
 /// The reader.
 pub(super) struct Gro {
-    lines: Lines<Box<dyn BufRead + Send>>,
+    lines: Lines<Input>,
     wanted: Vec<Kind>,
     /// Whether it was reported how elements were found.
     told: bool,
+    /// Whether the current line is still to be looked at.
+    held: bool,
 }
 
 /// Numbers of an atom besides its place.
@@ -50,20 +55,21 @@ impl Gro {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
         let kind = |name: &String| KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let wanted = options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect();
-        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false }
+        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false, held: false }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         // A title may be empty; blank lines behind the last frame are none.
         let mut titled = false;
-        while self.lines.advance()? {
+        while std::mem::take(&mut self.held) || self.lines.advance()? {
             let text = self.lines.text().trim();
             if titled && !text.is_empty() {
-                return text.parse().map(Some).map_err(|_| {
-                    let problem = format!("`{text}` is no number of atoms");
+                let count = text.parse().map_err(|_| {
+                    let problem = format!("{} is no number of atoms", quote(text));
                     self.fail(0, "count", problem, "give a title, and below it the number of atoms")
-                });
+                })?;
+                return check_ids(count).map(|()| Some(count));
             }
             titled = true;
         }
@@ -104,6 +110,7 @@ impl Gro {
 
     /// Takes the atom of the current line.
     fn atom(&self, width: usize, particles: &mut Particles, inference: &mut Inference) -> Result<()> {
+        particles.grow(1, infer::BYTES)?;
         let mut position = [0.0; 3];
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let at = X + k * width;
@@ -112,7 +119,7 @@ impl Gro {
                 * found.ok_or_else(|| {
                     let found = self.field(at..at + width);
                     let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-                    let problem = format!("`{}` is no finite number", String::from_utf8_lossy(found.trim_ascii()));
+                    let problem = format!("{} is no finite number", quote(found.trim_ascii()));
                     let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
                     self.fail(byte, axis, problem, "write as many columns as the first atom of the frame has")
                 })?;
@@ -129,6 +136,22 @@ impl Gro {
             column.values.push(self.number(columns).unwrap_or(f64::NAN));
         }
         Ok(())
+    }
+
+    /// The error for a box that stands where atom `n`, from 0, is announced.
+    fn early_box(&self, n: u64, count: u64) -> Option<Error> {
+        let numbers = Words::of(&self.lines).map(|word| word.text.parse().is_ok_and(f64::is_finite));
+        let numbers: Vec<bool> = numbers.take(10).collect();
+        let problem = format!("{count} atoms are announced, and {n} stand before the box");
+        let is_box = matches!(numbers[..], [true, true, true]) || numbers.len() == 9 && numbers.iter().all(|is| *is);
+        is_box.then(|| self.fail(0, "count", problem, "announce as many as there are"))
+    }
+
+    /// Sees to it that the current line is no atom behind the last of `count`.
+    fn check_end(&mut self, width: usize, count: u64) -> Result<()> {
+        let is_atom = |width: usize| move |lines: &Lines<Input>| is_atom(lines.text().as_bytes(), width);
+        let width = if width > 0 { width } else { self.width().unwrap_or(0) };
+        if is_atom(width)(&self.lines) { surplus(&mut self.lines, count, "atoms", is_atom(width)) } else { Ok(()) }
     }
 
     /// The box of the current line: three edges along the axes, or three vectors whose diagonal comes first.
@@ -166,6 +189,22 @@ fn fields(word: &str) -> Vec<usize> {
     ends
 }
 
+/// Whether a line has the columns of an atom: its number, and three coordinates of this width with a decimal point each.
+fn is_atom(line: &[u8], width: usize) -> bool {
+    let field = |from: usize, to: usize| line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii();
+    let number = |field: &[u8]| std::str::from_utf8(field).is_ok_and(|text| text.parse::<f64>().is_ok());
+    let coordinate = |k: usize| field(X + k * width, X + (k + 1) * width);
+    let whole = |columns: Range<usize>| {
+        let field = field(columns.start, columns.end);
+        !field.is_empty() && field.iter().all(u8::is_ascii_digit)
+    };
+    width > 0
+        && whole(RESIDUE)
+        && whole(SERIAL)
+        && !field(NAME.start, NAME.end).is_empty()
+        && (0..3).all(|k| number(coordinate(k)) && coordinate(k).contains(&b'.'))
+}
+
 impl Frames for Gro {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
@@ -180,11 +219,17 @@ impl Frames for Gro {
                 width = self.width()?;
                 moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
             }
-            self.atom(width, &mut particles, &mut inference)?;
-            particles.check_room(particles.positions.len() - 1)?;
+            if let Err(error) = self.atom(width, &mut particles, &mut inference) {
+                return Err(self.early_box(n, count).unwrap_or(error));
+            }
+            self.lines.found();
         }
         self.need("box")?;
+        self.check_end(width, count)?;
         particles.cell = self.cell()?;
+        // What follows the box is the next frame's title, and no atom.
+        self.held = self.lines.advance()?;
+        self.check_end(width, count)?;
         let there = |kind: Kind| moving || !matches!(kind, Kind::Velocity(_));
         particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
         particles.columns.retain(|column| particles.has.contains(&column.name));
@@ -200,6 +245,7 @@ impl Frames for Gro {
         let Some(count) = self.count()? else { return Ok(false) };
         for _ in 0..count {
             self.need("atom")?;
+            self.lines.found();
         }
         self.need("box")?;
         Ok(true)
@@ -297,7 +343,10 @@ MD of 2 waters, t= 0.0
     fn faults_are_told_with_line_and_column() {
         for (old, new, place) in [
             ("    3\n", "three\n", "text:2:1: count"),
-            ("    3\n", "9999999999999\n", "text:6:"),
+            ("    3\n", "9999999999999\n", "9999999999999 spheres are more than ids"),
+            ("    3\n", "    4\n", "text:6:1: count: 4 atoms are announced, and 3 stand before the box"),
+            ("    3\n", "    2\n", "text:5:1: count: 2 atoms are announced, and 3 follow"),
+            ("    3\n", "    0\n", "text:3:1: count: 0 atoms are announced, and 3 follow"),
             ("   1.624   1.679  0.1", "   1.six   1.679  0.1", "text:3:32: y: `1.six`"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "   0.126   1.624", "text:3:37: z"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "", "text:3:21: x: no two numbers"),
@@ -315,8 +364,7 @@ MD of 2 waters, t= 0.0
     fn no_bytes_make_a_panic() {
         let mut bytes = TWO.as_bytes().to_vec();
         let with = |bytes: &[u8]| {
-            let reader: Box<dyn BufRead + Send> = Box::new(std::io::Cursor::new(bytes.to_vec()));
-            let mut gro = Gro::new(Source { reader, ..Source::of_text("") }, &ReadOptions::default());
+            let mut gro = Gro::new(Source::of_bytes(bytes), &ReadOptions::default());
             (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
         };
         assert_eq!(with(&bytes), 4);

@@ -5,6 +5,7 @@
 mod residues;
 pub(super) mod rules;
 
+use crate::quote::quote;
 use residues::{Class, class};
 use rules::{How, Site};
 use std::collections::BTreeMap;
@@ -15,6 +16,9 @@ const VIRTUAL: u8 = u8::MAX;
 
 /// Unknown names that are told apart; the rest counts together.
 const NAMES: usize = 16;
+
+/// Bytes that are kept of an atom beside its code, at most, while the list of them doubles.
+pub(super) const BYTES: usize = 2 * size_of::<(usize, u8)>();
 
 /// More atoms than any residue has. A file that numbers nothing is one residue; what is known of a part of it will do.
 const RESIDUE: usize = 1 << 12;
@@ -130,7 +134,7 @@ impl Inferred {
         if !self.sites.is_empty() {
             let total: u64 = self.sites.values().sum();
             let mut names: Vec<String> =
-                self.sites.iter().take(NAMES).map(|(name, n)| format!("{n} `{name}`")).collect();
+                self.sites.iter().take(NAMES).map(|(name, n)| format!("{n} {}", quote(name))).collect();
             if self.sites.len() > NAMES {
                 names.push("others".into());
             }

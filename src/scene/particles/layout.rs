@@ -3,6 +3,7 @@
 
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
+use crate::quote::quote;
 use crate::scene::check_color;
 use crate::scene::lines::{Lines, Word};
 use crate::scene::style::elements::{atomic_number, element};
@@ -35,6 +36,8 @@ pub(crate) struct Layout {
     asked: Vec<String>,
     /// The names of all columns of numbers.
     has: Vec<String>,
+    /// Bytes of all names.
+    named: usize,
 }
 
 #[derive(Debug)]
@@ -59,14 +62,21 @@ struct Making {
 /// More columns than any file has.
 const MOST: usize = 4096;
 
+/// Bytes of their names: a vector's components each bear its name.
+const MOST_NAMED: usize = 1 << 20;
+
 impl Layout {
     /// One more column. What stands twice, and which of the two is meant cannot be told, is a problem.
     pub(crate) fn add(&mut self, name: &str, role: Role, wanted: &[String]) -> Result<(), String> {
         if self.slots.len() == MOST {
             return Err(format!("more than {MOST} columns"));
         }
+        self.named += name.len();
+        if self.named > MOST_NAMED {
+            return Err(format!("the names of the columns have more than {MOST_NAMED} bytes"));
+        }
         if !matches!(role, Role::Other | Role::Text) && self.slots.iter().any(|slot| slot.role == role) {
-            return Err(format!("`{name}` is given twice"));
+            return Err(format!("{} is given twice", quote(name)));
         }
         // Two ways of saying the same: the first is taken.
         let role = match role {
@@ -82,7 +92,7 @@ impl Layout {
             self.has.push(slot.name.clone());
             if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&slot.name)) {
                 if self.asked.contains(&slot.name) {
-                    return Err(format!("`{}` is given twice", slot.name));
+                    return Err(format!("{} is given twice", quote(&slot.name)));
                 }
                 slot.asked = Some(self.asked.len());
                 self.asked.push(slot.name.clone());
@@ -124,8 +134,13 @@ impl Layout {
 
     /// Particles without any yet, with a place for every column that is asked for.
     pub(crate) fn begin(&self) -> Particles {
+        Particles { has: self.has.clone(), ..self.begin_part() }
+    }
+
+    /// The same for a part of them, which need not know what else the file has.
+    pub(crate) fn begin_part(&self) -> Particles {
         let columns = self.asked.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
-        Particles { columns, has: self.has.clone(), ..Particles::default() }
+        Particles { columns, ..Particles::default() }
     }
 
     /// Takes a particle from the words of a line; what follows the last column is left.
@@ -135,6 +150,7 @@ impl Layout {
         lines: &Lines<R>,
         particles: &mut Particles,
     ) -> Result<()> {
+        particles.grow(1, 0)?;
         let mut making = Making::default();
         for (count, slot) in self.slots.iter().enumerate() {
             let Some(word) = words.next() else {
@@ -157,6 +173,7 @@ impl Layout {
     /// # Errors
     /// [`Error::Scene`] for a colour that is none, without its place.
     pub(crate) fn numbers(&self, numbers: &[f64], particles: &mut Particles) -> Result<()> {
+        particles.grow(1, 0)?;
         let mut making = Making::default();
         for (slot, number) in self.slots.iter().zip(numbers) {
             slot.put(*number, &mut making, particles);

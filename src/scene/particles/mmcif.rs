@@ -7,9 +7,10 @@ mod row;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{Choice, Kind, Model, Names, more_models, not_assembled};
+use super::molecule::{Choice, Kind, Model, Names, Passed, more_models, not_assembled};
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
+use crate::memory::Ledger;
 use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
 use crate::scene::source::Source;
@@ -28,7 +29,7 @@ pub(super) struct Mmcif {
     state: State,
     /// Models that are behind, kept or not, and the numbers of those that were not asked for.
     count: u64,
-    passed: Vec<i64>,
+    passed: Passed,
     /// Whether it was said that assemblies are not built.
     told: bool,
 }
@@ -53,9 +54,6 @@ enum State {
     End,
 }
 
-/// Models that an error lists.
-const LISTED: usize = 16;
-
 impl Mmcif {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
         Self {
@@ -67,7 +65,7 @@ impl Mmcif {
             names: RowNames::default(),
             state: State::Before,
             count: 0,
-            passed: Vec::new(),
+            passed: Passed::default(),
             told: false,
         }
     }
@@ -122,8 +120,8 @@ impl Mmcif {
                     }
                 }
                 if let Some(item) = item {
-                    self.operators.begin(item, true, self.tokens.spot());
-                    self.operators.take(item, &self.tokens);
+                    self.operators.begin(item, true, self.tokens.spot())?;
+                    self.operators.take(item, &self.tokens)?;
                 }
                 Ok(false)
             }
@@ -131,8 +129,10 @@ impl Mmcif {
         }
     }
 
+    /// The current word as a tag in lower case. No tag that is known is longer than what is kept of it.
     fn tag(&self) -> String {
-        String::from_utf8_lossy(self.tokens.word()).to_ascii_lowercase()
+        let word = self.tokens.word();
+        String::from_utf8_lossy(&word[..word.len().min(LONGEST_TAG)]).to_ascii_lowercase()
     }
 
     /// Takes a loop: its tags, then either the first row of atoms or all rows of what is kept.
@@ -169,10 +169,10 @@ impl Mmcif {
                     }
                 }
                 if let (Some(first), 0) = (first, k) {
-                    self.operators.begin(first, false, self.tokens.spot());
+                    self.operators.begin(first, false, self.tokens.spot())?;
                 }
                 if let Some(item) = item {
-                    self.operators.take(*item, &self.tokens);
+                    self.operators.take(*item, &self.tokens)?;
                 }
             }
             if items.is_empty() {
@@ -184,6 +184,7 @@ impl Mmcif {
     /// Reads the next row of atoms; false where there is none.
     fn row(&mut self) -> Result<bool> {
         let found = self.row.read(&mut self.tokens, &self.layout, &mut self.names)?;
+        self.tokens.found();
         self.state = if found { State::Row } else { State::Behind };
         Ok(true)
     }
@@ -191,10 +192,13 @@ impl Mmcif {
     /// Takes the one atom of a file that writes it as single values.
     fn single(&mut self, tag: &str) -> Result<bool> {
         let mut tags = vec![tag.to_owned()];
-        let mut values = Vec::new();
+        let (mut values, mut ledger) = (Vec::new(), Ledger::default());
         loop {
             match self.tokens.next()? {
-                Token::Value => values.push((self.tokens.value().to_vec(), self.tokens.spot())),
+                Token::Value => {
+                    ledger.add(self.tokens.value().len())?;
+                    values.push((self.tokens.value().to_vec(), self.tokens.spot()));
+                }
                 token => {
                     self.tokens.give_back(token);
                     tags.pop();
@@ -256,16 +260,6 @@ impl Mmcif {
         self.rest()
     }
 
-    /// The error for a model that the file does not have.
-    fn no_model(&self, wanted: i64) -> Error {
-        let mut listed: Vec<String> = self.passed.iter().take(LISTED).map(i64::to_string).collect();
-        if self.passed.len() > LISTED {
-            listed.push(format!("{} more", self.passed.len() - LISTED));
-        }
-        let problem = format!("{}: there is no model {wanted}", self.tokens.file());
-        Error::settings(problem, format!("it has {}", listed.join(", ")))
-    }
-
     fn begin(&mut self) -> Result<bool> {
         if self.state == State::Before {
             self.seek()?;
@@ -274,8 +268,9 @@ impl Mmcif {
     }
 }
 
-/// More columns than any loop has.
+/// More columns than any loop has, and bytes of a tag.
 const MOST_COLUMNS: usize = 4096;
+const LONGEST_TAG: usize = 128;
 
 impl Frames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {
@@ -321,7 +316,7 @@ impl Frames for Mmcif {
             return Ok(Some(particles));
         }
         match asked.filter(|_| !behind) {
-            Some(wanted) => Err(self.no_model(wanted)),
+            Some(wanted) => Err(self.passed.no_model(wanted, &self.tokens.file())),
             None => Ok(None),
         }
     }

@@ -1,9 +1,12 @@
 //! What PDB and mmCIF have in common: which atoms of a model are kept, what is kept of them, and what is said about it.
 
 use super::assembly::{self, Assembly};
-use super::infer::{Inference, Named, is_site};
+use super::infer::{self, Inference, Named, is_site};
 use super::{Altloc, Cell, Column, FrameRange, Particles, keep};
 use crate::error::{Error, Place, Result};
+use crate::memory::{Ledger, reserve};
+use crate::progress::Watch;
+use crate::quote::{quote, unquoted};
 use crate::scene::ReadOptions;
 use crate::scene::source::Format;
 use std::collections::HashMap;
@@ -57,6 +60,7 @@ pub(super) struct Choice {
     pub(super) model: Option<i64>,
     pub(super) frames: FrameRange,
     pub(super) assembly: Option<String>,
+    watch: Watch,
 }
 
 impl Choice {
@@ -68,6 +72,7 @@ impl Choice {
             model: options.model,
             frames: options.frames.clone(),
             assembly: options.assembly.clone(),
+            watch: options.watch.clone(),
         }
     }
 
@@ -105,7 +110,11 @@ pub(super) struct Names {
     pub(super) list: Vec<Vec<u8>>,
     numbers: HashMap<Vec<u8>, u32>,
     last: u32,
+    ledger: Ledger,
 }
+
+/// Bytes that a list and a map keep of a name beside its letters, twice, and a list of labels made of them.
+const NAME: usize = 160;
 
 impl Names {
     /// The names as text, for a column of these numbers.
@@ -113,17 +122,54 @@ impl Names {
         self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
     }
 
-    pub(super) fn number(&mut self, name: &[u8]) -> u32 {
+    /// The number of a name, a new one if it is new.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has no room for another name.
+    pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
         // Atoms of a chain follow each other.
         if self.list.get(self.last as usize).is_none_or(|last| last != name) {
-            self.last = self.numbers.get(name).copied().unwrap_or_else(|| {
-                let number = self.list.len() as u32;
-                self.list.push(name.to_vec());
-                self.numbers.insert(name.to_vec(), number);
-                number
-            });
+            self.last = match self.numbers.get(name) {
+                Some(number) => *number,
+                None => {
+                    self.ledger.add(NAME + 3 * name.len())?;
+                    let number = self.list.len() as u32;
+                    self.list.push(name.to_vec());
+                    self.numbers.insert(name.to_vec(), number);
+                    number
+                }
+            };
         }
-        self.last
+        Ok(self.last)
+    }
+}
+
+/// The numbers of models that were passed over: the first of them, and how many they are.
+#[derive(Debug, Default)]
+pub(super) struct Passed {
+    first: Vec<i64>,
+    count: usize,
+}
+
+/// Models that an error lists.
+const LISTED: usize = 16;
+
+impl Passed {
+    pub(super) fn push(&mut self, number: i64) {
+        if self.count < LISTED {
+            self.first.push(number);
+        }
+        self.count += 1;
+    }
+
+    /// The error for a model that `file` does not have.
+    pub(super) fn no_model(&self, wanted: i64, file: &Place) -> Error {
+        let mut listed: Vec<String> = self.first.iter().map(i64::to_string).collect();
+        if self.count > LISTED {
+            listed.push(format!("{} more", self.count - LISTED));
+        }
+        let mend = if listed.is_empty() { "it has no atoms".into() } else { format!("it has {}", listed.join(", ")) };
+        Error::settings(format!("{file}: there is no model {wanted}"), mend)
     }
 }
 
@@ -137,6 +183,9 @@ pub(super) struct Model {
     /// For [`Altloc::Highest`]: of every atom that has several places, which one and with what occupancy.
     best: HashMap<Vec<u8>, (usize, f64)>,
     beaten: Vec<usize>,
+    /// Of both.
+    ledger: Ledger,
+    watch: Watch,
     /// What the file gives no element for.
     inference: Inference,
     /// Atoms met, and those of them that are alternate locations.
@@ -160,6 +209,8 @@ impl Model {
             chains: choice.assembly.is_some().then(Vec::new),
             best: HashMap::new(),
             beaten: Vec::new(),
+            ledger: Ledger::default(),
+            watch: choice.watch.clone(),
             inference,
             met: 0,
             alternates: 0,
@@ -170,36 +221,41 @@ impl Model {
 
     /// Whether an atom at an alternate location (empty if it has only one) is kept. `site` writes what its alternatives
     /// have in common with it.
-    pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> bool {
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has no room for another site.
+    pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> Result<bool> {
         self.met += 1;
         if location.is_empty() {
-            return true;
+            return Ok(true);
         }
         self.alternates += 1;
         if self.first.is_empty() {
             self.first = String::from_utf8_lossy(location).into_owned();
         }
         match &self.altloc {
-            Altloc::All => true,
+            Altloc::All => Ok(true),
             Altloc::Named(name) => {
                 let same = name.as_bytes() == location;
                 self.found |= same;
-                same
+                Ok(same)
             }
             Altloc::Highest => {
                 let mut key = Vec::new();
                 site(&mut key);
                 let here = self.particles.positions.len();
                 let Some(best) = self.best.get_mut(&key) else {
+                    self.ledger.add(NAME + key.len())?;
                     self.best.insert(key, (here, occupancy));
-                    return true;
+                    return Ok(true);
                 };
                 let more = occupancy > best.1;
                 if more {
+                    self.ledger.add(2 * size_of::<usize>())?;
                     self.beaten.push(best.0);
                     *best = (here, occupancy);
                 }
-                more
+                Ok(more)
             }
         }
     }
@@ -207,7 +263,7 @@ impl Model {
     /// Takes an atom: what the file calls it, its place, and its numbers by kind.
     ///
     /// # Errors
-    /// Those of [`Particles::check_room`].
+    /// Those of [`Particles::grow`].
     pub(super) fn push(
         &mut self,
         atom: &Named<'_>,
@@ -215,15 +271,19 @@ impl Model {
         chain: u32,
         value: impl Fn(Kind) -> f64,
     ) -> Result<()> {
+        let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
+        self.particles.grow(1, beside)?;
         self.inference.push(atom, &mut self.particles.elements);
         self.particles.positions.push(position);
         if let Some(chains) = &mut self.chains {
+            reserve(chains, 1)?;
             chains.push(chain);
         }
         for (kind, values) in &mut self.columns {
+            reserve(values, 1)?;
             values.push(value(*kind));
         }
-        self.particles.check_room(self.particles.positions.len() - 1)
+        Ok(())
     }
 
     /// Takes the radius of the last atom; NaN where the file gives none. Of a model all atoms have one or none has.
@@ -247,15 +307,19 @@ impl Model {
             self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
         }
         if let (Some(assembly), Some(chains)) = (assembly, &self.chains) {
-            self.particles = assembly::build(assembly, self.particles, chains, names, file)?;
+            self.particles = assembly::build(assembly, self.particles, chains, names, file, &self.watch)?;
         }
         self.particles.skipped.assumed.extend(inferred.sentences(read));
         self.particles.count_unknown_atoms(inferred);
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
-            Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", self.first),
+            Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", unquoted(&self.first)),
             Altloc::Named(name) if !self.found => {
-                format!("{of}, none of them is called `{name}` and none is shown; --altloc {} shows some", self.first)
+                format!(
+                    "{of}, none of them is called {} and none is shown; --altloc {} shows some",
+                    quote(name),
+                    unquoted(&self.first)
+                )
             }
             _ => String::new(),
         };
@@ -279,7 +343,8 @@ pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> 
     let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
     several.map(|(id, operators)| {
         format!(
-            "the atoms are shown as they stand, not the biological assembly of {operators} copies; --assembly {id} builds it"
+            "the atoms are shown as they stand, not the biological assembly of {operators} copies; --assembly {} builds it",
+            unquoted(&id)
         )
     })
 }
@@ -346,7 +411,7 @@ mod tests {
         for (location, occupancy, name) in
             [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("", 1.0, "MW"), ("C", 0.6, "X3"), ("", 1.0, "X1")]
         {
-            if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")) {
+            if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")).expect("room") {
                 let atom = Named { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
                 model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
             }

@@ -4,16 +4,19 @@
 use super::layout::wanted;
 use super::{Column, Frames, Particles};
 use crate::error::{Error, Place, Result};
+use crate::memory::check;
+use crate::quote::{list, quote, unquoted};
 use crate::scene::ReadOptions;
 use crate::scene::check_color;
-use crate::scene::lines::short;
+use crate::scene::input::Input;
 use crate::scene::npy::Npy;
-use crate::scene::source::{Source, Stream};
+use crate::scene::source::Source;
 use flate2::CrcReader;
 use flate2::bufread::DeflateDecoder;
 use npyz::{DType, NpyHeader};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The reader.
 pub(super) struct Npz {
@@ -35,8 +38,9 @@ struct Found {
 
 const MEND: &str = "save positions of shape (n, 3) with numpy.savez, and radii and colors where there are any";
 
-/// More arrays than are of use.
+/// More arrays than are of use, and bytes in the name of one that can be named.
 const MOST: usize = 4096;
+const LONGEST_NAME: usize = 256;
 
 impl Npz {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
@@ -44,11 +48,12 @@ impl Npz {
     }
 
     fn read(&self, source: Source) -> Result<Particles> {
+        let counts = source.reader.counts();
         let mut archive = Archive { reader: source.reader, path: source.path };
         let mut found = Found::default();
         while let Some(member) = archive.member()? {
             archive.open(&member, |path, reader| {
-                let mut npy = Npy { path, reader, bytes: 0 };
+                let mut npy = Npy { path, reader, bytes: 0, counts: Arc::clone(&counts) };
                 let header = npy.header()?;
                 found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.wanted)
             })?;
@@ -67,7 +72,11 @@ impl Found {
     ) -> Result<()> {
         let name = name.to_lowercase();
         let shape = header.shape().to_vec();
-        if self.one.len() < MOST && shape.len() == 1 && matches!(header.dtype(), DType::Plain(_)) {
+        if self.one.len() < MOST
+            && name.len() <= LONGEST_NAME
+            && shape.len() == 1
+            && matches!(header.dtype(), DType::Plain(_))
+        {
             self.one.push((name.clone(), shape[0]));
         }
         let slot = match (name.as_str(), &shape[..]) {
@@ -81,6 +90,7 @@ impl Found {
                 let numbers = npy.numbers(header)?;
                 // Of vectors their length.
                 let width = shape.get(1).map_or(1, |width| *width as usize);
+                check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
                 let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
                 let values = if width == 1 { numbers } else { numbers.chunks_exact(width).map(length).collect() };
                 self.columns.push(Column { name, values });
@@ -91,6 +101,7 @@ impl Found {
         let numbers = npy.numbers(header)?;
         let asked = shape.len() == 1 && wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name));
         if asked {
+            check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
             self.columns.push(Column { name, values: numbers.clone() });
         }
         *slot = Some(numbers);
@@ -99,6 +110,9 @@ impl Found {
 
     fn particles(self, file: &Place) -> Result<Particles> {
         let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
+        let found = [&self.positions, &self.colors, &self.axes[0], &self.axes[1], &self.axes[2]];
+        let numbers: usize = found.into_iter().flatten().map(Vec::len).sum();
+        check(8 * numbers as u64, || "the particles beside the file's arrays".into())?;
         let threes =
             |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
         let positions = match (self.positions, self.axes) {
@@ -110,8 +124,8 @@ impl Found {
                 x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect()
             }
             _ => {
-                let names: Vec<_> = self.one.iter().map(|(name, _)| short(name)).take(16).collect();
-                let found = if names.is_empty() { "nothing of use".to_owned() } else { names.join(", ") };
+                let names = list(self.one.iter().map(|(name, _)| name));
+                let found = if names.is_empty() { "nothing of use" } else { &names };
                 return fail("positions", format!("no array (n, 3) has that name; found {found}"));
             }
         };
@@ -142,7 +156,7 @@ impl Frames for Npz {
 
 /// An archive from front to back.
 struct Archive {
-    reader: Stream,
+    reader: Input,
     path: PathBuf,
 }
 
@@ -180,7 +194,7 @@ impl Archive {
             (packed, _) => packed.into(),
         };
         if flags & 1 != 0 || !matches!(method, 0 | 8) {
-            let problem = format!("method {method} of {} is neither stored nor deflated", short(&name));
+            let problem = format!("method {method} of {} is neither stored nor deflated", unquoted(&name));
             return Err(self.fail("archive", problem));
         }
         let told = flags & 8 == 0;
@@ -204,7 +218,8 @@ impl Archive {
         member: &Member,
         read: impl FnOnce(&std::path::Path, &mut dyn BufRead) -> Result<()>,
     ) -> Result<()> {
-        let path = self.path.join(short(&member.name));
+        let shown = &unquoted(&member.name).to_string();
+        let path = self.path.join(shown);
         let mut packed = (&mut self.reader).take(member.packed.unwrap_or(u64::MAX));
         let reader: Box<dyn Read + '_> =
             if member.deflated { Box::new(DeflateDecoder::new(&mut packed)) } else { Box::new(&mut packed) };
@@ -218,7 +233,7 @@ impl Archive {
         if member.packed.is_some() {
             let passed = io::copy(&mut packed, &mut io::sink()).map_err(|e| Error::read(&self.path, e))?;
             if passed < left {
-                return Err(self.fail(short(&member.name), "the file ends within it"));
+                return Err(self.fail(shown, "the file ends within it"));
             }
         }
         let crc = match member.crc {
@@ -226,7 +241,7 @@ impl Archive {
             None => self.descriptor(member.long)?,
         };
         if crc != sum {
-            return Err(self.fail(short(&member.name), "it is damaged: its checksum is another"));
+            return Err(self.fail(shown, "it is damaged: its checksum is another"));
         }
         Ok(())
     }

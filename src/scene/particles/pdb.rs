@@ -8,10 +8,11 @@ mod columns;
 mod dialects;
 
 use super::infer::{Inference, Named};
-use super::molecule::{Choice, Kind, Model, Names, cell, more_models, not_assembled};
+use super::molecule::{Choice, Kind, Model, Names, Passed, cell, more_models, not_assembled};
 use super::{Altloc, Cell, Frames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
+use crate::scene::input::Input;
 use crate::scene::lines::Lines;
 use crate::scene::source::{Format, Source};
 use biomt::Biomt;
@@ -19,12 +20,11 @@ use columns::{
     BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, RESIDUE_NAME, Record, SERIAL,
     SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
 };
-use std::io::BufRead;
 use std::ops::Range;
 
 /// The reader.
 pub(super) struct Pdb {
-    lines: Lines<Box<dyn BufRead + Send>>,
+    lines: Lines<Input>,
     dialect: Format,
     choice: Choice,
     /// Whether the current line is still to be looked at.
@@ -33,7 +33,7 @@ pub(super) struct Pdb {
     number: i64,
     done: bool,
     /// The numbers of models that were passed over.
-    passed: Vec<i64>,
+    passed: Passed,
     /// As many models as NUMMDL says.
     announced: Option<u64>,
     cell: Option<Cell>,
@@ -59,9 +59,6 @@ fn has(dialect: Format) -> &'static [Kind] {
     }
 }
 
-/// Models that an error lists.
-const LISTED: usize = 16;
-
 impl Pdb {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
         Self {
@@ -71,7 +68,7 @@ impl Pdb {
             held: false,
             number: 0,
             done: false,
-            passed: Vec::new(),
+            passed: Passed::default(),
             announced: None,
             cell: None,
             biomt: Biomt::default(),
@@ -109,6 +106,7 @@ impl Pdb {
         while self.advance()? {
             match (record(self.line()), &mut model) {
                 (Record::Atom, Some(model)) => {
+                    self.lines.found();
                     let names = self.choice.assembly.is_some() || self.choice.wants(Kind::Chain);
                     let chains = names.then_some(&mut self.chains);
                     match self.dialect {
@@ -116,7 +114,7 @@ impl Pdb {
                         dialect => Self::atom(&self.lines, &self.choice, dialect, chains, self.number, model)?,
                     }
                 }
-                (Record::Atom, None) => {}
+                (Record::Atom, None) => self.lines.found(),
                 (Record::End, _) => break,
                 (Record::Model, _) => {
                     self.held = true;
@@ -138,13 +136,14 @@ impl Pdb {
         if line.starts_with(b"REMARK 350") {
             let taken = self.biomt.take(&self.lines);
             // What is wrong with it matters to those who ask for it.
-            return if self.choice.assembly.is_some() { taken } else { Ok(()) };
+            let matters = self.choice.assembly.is_some() || matches!(taken, Err(Error::Limits { .. }));
+            return if matters { taken } else { Ok(()) };
         }
         if line.starts_with(b"CRYST1") {
             let number = |columns: Range<usize>| number(field(line, columns)).unwrap_or(f64::NAN);
             let lengths = [number(6..15), number(15..24), number(24..33)];
             let angles = [number(33..40), number(40..47), number(47..54)];
-            if lengths.iter().chain(&angles).any(|number| number.is_nan()) {
+            if self.said.is_empty() && lengths.iter().chain(&angles).any(|number| number.is_nan()) {
                 let place = self.lines.place(6);
                 self.said.push(format!("{place}: CRYST1 is no cell of six numbers, so that the file has none"));
             }
@@ -157,7 +156,7 @@ impl Pdb {
 
     /// Takes the atom of the current line.
     fn atom(
-        lines: &Lines<Box<dyn BufRead + Send>>,
+        lines: &Lines<Input>,
         choice: &Choice,
         dialect: Format,
         chains: Option<&mut Names>,
@@ -172,7 +171,7 @@ impl Pdb {
             key.extend(field(line, NAME));
             key.extend(field(line, RESIDUE_ID));
         };
-        if !model.admits(location, compared, site) {
+        if !model.admits(location, compared, site)? {
             return Ok(());
         }
         let mut position = [0.0; 3];
@@ -190,10 +189,10 @@ impl Pdb {
             residue: field(line, RESIDUE_NAME).trim_ascii(),
             site: field(line, RESIDUE_ID),
         };
-        let chain = chains.map_or(0, |chains| match field(line, CHAIN) {
+        let chain = chains.map_or(Ok(0), |chains| match field(line, CHAIN) {
             [] => chains.number(b" "),
             name => chains.number(name),
-        });
+        })?;
         model.push(&atom, position, chain, |kind| match kind {
             Kind::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
             Kind::Occupancy => occupancy(),
@@ -223,16 +222,6 @@ impl Pdb {
         }
         Ok(())
     }
-
-    /// The error for a model that the file does not have.
-    fn no_model(&self, wanted: i64) -> Error {
-        let mut listed: Vec<String> = self.passed.iter().take(LISTED).map(i64::to_string).collect();
-        if self.passed.len() > LISTED {
-            listed.push(format!("{} more", self.passed.len() - LISTED));
-        }
-        let mend = if listed.is_empty() { "it has no atoms".into() } else { format!("it has {}", listed.join(", ")) };
-        Error::settings(format!("{}: there is no model {wanted}", self.lines.file()), mend)
-    }
 }
 
 impl Frames for Pdb {
@@ -240,7 +229,10 @@ impl Frames for Pdb {
         while !self.done {
             let Some(number) = self.seek()? else {
                 self.done = true;
-                return self.choice.model.map_or(Ok(None), |wanted| Err(self.no_model(wanted)));
+                return self
+                    .choice
+                    .model
+                    .map_or(Ok(None), |wanted| Err(self.passed.no_model(wanted, &self.lines.file())));
             };
             self.number = number;
             if self.choice.model.is_some_and(|wanted| wanted != number) {

@@ -2,13 +2,17 @@
 //! there is are left out. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
 
 use super::layout::{Layout, Role, wanted};
+use super::rows::surplus;
 use super::scalar::Scalar;
 use super::{Frames, Particles};
 use crate::error::{Error, Place, Result};
-use crate::scene::lines::{Lines, Words, short};
-use crate::scene::source::{Source, Stream};
+use crate::memory::check_ids;
+use crate::quote::{quote, unquoted};
+use crate::scene::input::Input;
+use crate::scene::lines::{Lines, Words};
+use crate::scene::source::Source;
 use crate::scene::{ReadOptions, relocate};
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
 
 /// The reader.
@@ -37,8 +41,12 @@ struct Property {
     scalar: Scalar,
 }
 
-/// More properties than any file has.
+/// More properties than any file has, and bytes of a header.
 const MOST: usize = 4096;
+const LONGEST: usize = 1 << 20;
+
+/// Bytes that are counted behind the last element.
+const BEHIND: u64 = 1 << 29;
 
 impl Ply {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
@@ -62,18 +70,20 @@ impl Ply {
                 _ => "other element",
             };
             let options = ReadOptions { strict: self.strict, ..ReadOptions::default() };
-            particles.skipped.meet(kind, &options, || lines.file().named(short(&other.name)))?;
+            particles.skipped.meet(kind, &options, || lines.file().named(unquoted(&other.name).to_string()))?;
             if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
                 *count = count.saturating_add(other.count - 1);
             }
         }
-        let (before, vertices) = (&elements[..place], &elements[place]);
+        let (before, vertices, behind) = (&elements[..place], &elements[place], &elements[place + 1..]);
+        check_ids(vertices.count)?;
         match form {
             Form::Text => {
                 for element in before {
                     lines.pass(element.count)?;
                 }
                 text(&mut lines, vertices, &layout, &mut particles)?;
+                rest_of_text(&mut lines, vertices, behind, &mut particles)?;
             }
             Form::Binary { .. } => {
                 let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
@@ -81,13 +91,14 @@ impl Ply {
                     binary.pass(element)?;
                 }
                 binary.vertices(vertices, &layout, &mut particles)?;
+                binary.rest(vertices, behind, &mut particles)?;
             }
         }
         Ok(particles)
     }
 
     /// The columns of a vertex: its properties that are no lists.
-    fn layout(&self, vertex: &Element, lines: &Lines<Stream>) -> Result<Layout> {
+    fn layout(&self, vertex: &Element, lines: &Lines<Input>) -> Result<Layout> {
         let wrong = |problem: String| {
             let mend = "give a vertex the properties x, y and z, each property once";
             Error::scene(lines.file().named("vertex"), problem, mend)
@@ -116,9 +127,9 @@ impl Ply {
 }
 
 /// The header, up to its end.
-fn header(lines: &mut Lines<Stream>) -> Result<(Form, Vec<Element>)> {
+fn header(lines: &mut Lines<Input>) -> Result<(Form, Vec<Element>)> {
     let (mut form, mut elements) = (None, Vec::<Element>::new());
-    let mut properties = 0;
+    let (mut properties, mut bytes) = (0, 0);
     if !lines.advance()? || lines.text().trim() != "ply" {
         return Err(Error::scene(lines.place(0).named("header"), "this is no polygon file", "begin with the line ply"));
     }
@@ -127,8 +138,13 @@ fn header(lines: &mut Lines<Stream>) -> Result<(Form, Vec<Element>)> {
             let problem = "the file ends within its header";
             return Err(Error::scene(lines.place(0).named("header"), problem, "end it with end_header"));
         }
+        bytes += lines.text().len() + 1;
+        if bytes > LONGEST {
+            let problem = format!("a header of more than {LONGEST} bytes");
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end it with end_header"));
+        }
         let wrong = |what: &str| {
-            let problem = format!("`{}` {what}", short(lines.text()));
+            let problem = format!("{} {what}", quote(lines.text()));
             Error::scene(lines.place(0).named("header"), problem, "write it as the format's description does")
         };
         let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
@@ -171,7 +187,7 @@ fn header(lines: &mut Lines<Stream>) -> Result<(Form, Vec<Element>)> {
     }
 }
 
-fn text(lines: &mut Lines<Stream>, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
+fn text(lines: &mut Lines<Input>, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
     let mut numbers = Vec::new();
     for read in 0..element.count {
         if !lines.advance()? {
@@ -204,10 +220,47 @@ fn text(lines: &mut Lines<Stream>, element: &Element, layout: &Layout, particles
                 )),
             }
         }
+        if let Some(word) = words.next() {
+            let problem =
+                format!("{} is a number more than the {} properties", quote(word.text), element.properties.len());
+            let mend = "announce as many vertices as there are, and all of their properties";
+            return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
+        }
         layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
-        particles.check_room(particles.positions.len() - 1)?;
+        lines.found();
     }
     Ok(())
+}
+
+/// Sees to it that the lines behind the vertices are those of the other elements, so that no vertex is among them.
+fn rest_of_text(
+    lines: &mut Lines<Input>,
+    vertices: &Element,
+    behind: &[Element],
+    particles: &mut Particles,
+) -> Result<()> {
+    for element in behind {
+        let passed = lines.pass(element.count)?;
+        if passed < element.count {
+            particles.skipped.assumed.push(short_of(lines.file(), passed, element));
+            return Ok(());
+        }
+    }
+    while lines.advance()? {
+        if !lines.text().trim().is_empty() {
+            return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
+        }
+    }
+    Ok(())
+}
+
+/// What is said of elements that are left out anyway, and of which there are fewer than announced.
+fn short_of(file: Place, found: u64, element: &Element) -> String {
+    let name = quote(&element.name);
+    format!(
+        "{file}: the file ends after {found} of {} elements {name}: is its number of vertices right?",
+        element.count
+    )
 }
 
 impl Property {
@@ -227,7 +280,7 @@ fn truncated(file: Place, read: u64, element: &Element) -> Error {
 
 /// What follows a header that is followed by bytes.
 struct Binary {
-    reader: BufReader<Stream>,
+    reader: BufReader<Input>,
     path: PathBuf,
 }
 
@@ -242,35 +295,73 @@ impl Binary {
         }
     }
 
-    /// Passes over so many bytes; `false` where there are fewer.
-    fn skip(&mut self, bytes: u64) -> Result<bool> {
-        let passed = io::copy(&mut (&mut self.reader).take(bytes), &mut io::sink());
-        Ok(passed.map_err(|e| Error::read(&self.path, e))? == bytes)
-    }
-
-    /// Passes over a property that is no number; `false` at the end of the file.
-    fn skip_list(&mut self, length: Scalar, item: Scalar) -> Result<bool> {
-        let Some(count) = self.number(length)? else { return Ok(false) };
-        self.skip((count as u64).saturating_mul(item.size() as u64))
-    }
-
-    fn pass(&mut self, element: &Element) -> Result<()> {
-        if element.properties.iter().all(|property| property.length.is_none()) {
-            let size: usize = element.properties.iter().map(|property| property.scalar.size()).sum();
-            self.skip(element.count.saturating_mul(size as u64))?;
-            return Ok(());
+    /// Passes over so many bytes; how many there were.
+    fn skip(&mut self, bytes: u64) -> Result<u64> {
+        let mut left = bytes;
+        while left > 0 {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
+            if block == 0 {
+                break;
+            }
+            let passed = left.min(block as u64);
+            self.reader.consume(passed as usize);
+            left -= passed;
         }
-        for _ in 0..element.count {
+        Ok(bytes - left)
+    }
+
+    /// Passes over a property; `false` at the end of the file.
+    fn skip_property(&mut self, property: &Property) -> Result<bool> {
+        let size = property.scalar.size() as u64;
+        let bytes = match property.length {
+            None => size,
+            Some(length) => match self.number(length)? {
+                Some(count) => (count as u64).saturating_mul(size),
+                None => return Ok(false),
+            },
+        };
+        Ok(self.skip(bytes)? == bytes)
+    }
+
+    /// Passes over an element's entries; how many there were.
+    fn pass(&mut self, element: &Element) -> Result<u64> {
+        if element.properties.iter().all(|property| property.length.is_none()) {
+            let size = element.properties.iter().map(|property| property.scalar.size() as u64).sum::<u64>();
+            let passed = self.skip(element.count.saturating_mul(size))?;
+            return Ok(passed.checked_div(size).unwrap_or(element.count));
+        }
+        for entry in 0..element.count {
             for property in &element.properties {
-                let there = match property.length {
-                    Some(length) => self.skip_list(length, property.scalar)?,
-                    None => self.skip(property.scalar.size() as u64)?,
-                };
-                if !there {
-                    return Ok(());
+                if !self.skip_property(property)? {
+                    return Ok(entry);
                 }
             }
         }
+        Ok(element.count)
+    }
+
+    /// Sees to it that nothing follows the vertices but the other elements.
+    fn rest(&mut self, vertices: &Element, behind: &[Element], particles: &mut Particles) -> Result<()> {
+        let file = Place::file(self.path.display().to_string());
+        for element in behind {
+            let passed = self.pass(element)?;
+            if passed < element.count {
+                particles.skipped.assumed.push(short_of(file, passed, element));
+                return Ok(());
+            }
+        }
+        let left = self.skip(BEHIND)?;
+        let numbers = vertices.properties.iter().map(|property| property.length.unwrap_or(property.scalar));
+        let size = numbers.map(|number| number.size() as u64).sum::<u64>().max(1);
+        if left < size {
+            return Ok(());
+        }
+        let what = format!("{} vertices are announced, and {left} bytes follow the last element", vertices.count);
+        if behind.is_empty() && left.is_multiple_of(size) {
+            let problem = format!("{what}, as many as {} more have", left / size);
+            return Err(Error::scene(file.named("count"), problem, "announce as many as there are"));
+        }
+        particles.skipped.assumed.push(format!("{file}: {what}: is their number right?"));
         Ok(())
     }
 
@@ -281,7 +372,7 @@ impl Binary {
             numbers.clear();
             for property in &element.properties {
                 let there = match property.length {
-                    Some(length) => self.skip_list(length, property.scalar)?,
+                    Some(_) => self.skip_property(property)?,
                     None => match self.number(property.scalar)? {
                         Some(number) => {
                             numbers.push(property.light(layout, numbers.len(), number));
@@ -296,6 +387,7 @@ impl Binary {
             }
             let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
             layout.numbers(&numbers, particles).map_err(placed)?;
+            self.reader.get_ref().found();
         }
         Ok(())
     }
@@ -366,6 +458,35 @@ mod tests {
     }
 
     #[test]
+    fn bytes_behind_the_vertices_are_looked_at() {
+        let floats = |n: usize| (0..n).flat_map(|k| (k as f32).to_le_bytes());
+        let file = |elements: &str, bytes: &[u8]| {
+            let xyz = "property float x\nproperty float y\nproperty float z\n";
+            let header = format!("ply\nformat binary_little_endian 1.0\nelement vertex 2\n{xyz}{elements}end_header\n");
+            [header.as_bytes(), bytes].concat()
+        };
+        let two: Vec<u8> = floats(6).collect();
+        assert!(read_bytes(&file("", &two), true).expect("two").skipped.assumed.is_empty());
+        assert!(read_bytes(&file("", &[&two[..], b"\n"].concat()), true).expect("padding").skipped.assumed.is_empty());
+        let four: Vec<u8> = floats(12).collect();
+        let error = read_bytes(&file("", &four), true).map(drop).expect_err("four").to_string();
+        assert!(
+            error.contains("2 vertices are announced, and 24 bytes follow the last element, as many as 2 more"),
+            "{error}"
+        );
+        // A third vertex is taken for the first face, and the face is too much.
+        let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+        let face = [&[3][..], &[0; 12]].concat();
+        let right = read_bytes(&file(faces, &[&two[..], &face].concat()), false).expect("a face");
+        assert!(right.skipped.assumed.is_empty());
+        let three: Vec<u8> = floats(9).chain(face).collect();
+        let said = read_bytes(&file(faces, &three), false).expect("faces are left out").skipped.assumed;
+        assert!(said.len() == 1 && said[0].contains("is their number right?"), "{said:?}");
+        let said = read_bytes(&file(faces, &two), false).expect("faces are left out").skipped.assumed;
+        assert!(said.len() == 1 && said[0].contains("after 0 of 1 elements `face`"), "{said:?}");
+    }
+
+    #[test]
     fn faults_are_told() {
         let points = |properties: &str, rows: &str| {
             format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n{rows}")
@@ -374,6 +495,10 @@ mod tests {
         for (text, told) in [
             (points(xyz, "1 2\n"), ":8:4: z"),
             (points(xyz, "1 b 2\n"), ":8:3: y: `b`"),
+            (points(xyz, "1 2 3\n4 5 6\n\n7 8 9\n"), ":9:1: count: 1 vertices are announced, and 2 follow"),
+            (points(xyz, "3 0 1 2\n"), ":8:7: vertex: `2` is a number more than the 3 properties"),
+            (points(xyz, "1 2 3\n").replace("vertex 1", "vertex 9999999999"), "more than ids"),
+            (points(&format!("{xyz}{}", "comment far too long\n".repeat(60_000)), ""), "more than 1048576 bytes"),
             (points(xyz, ""), "after 0 of 1 vertices"),
             (points("property float x\n", "1\n"), "no y"),
             (points("property half x\n", "1\n"), ":4:1: header"),

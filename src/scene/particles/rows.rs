@@ -2,25 +2,25 @@
 //! looked at. Nothing is held but two blocks and what was found, and the first bad line is the one that is told.
 
 use super::{Layout, Particles};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::scene::input::Input;
 use crate::scene::lines::{Block, Lines};
 use rayon::prelude::*;
-use std::io::BufRead;
 
 /// Takes `most` lines, or all there are, into `particles`, which `layout` began; how many there were. `row` takes the current
 /// line.
 ///
 /// # Errors
-/// Those of `row`, of reading, and of [`Particles::check_room`].
-pub(super) fn rows<R: BufRead + Send>(
-    lines: &mut Lines<R>,
+/// Those of `row`, of reading, and of [`Particles::grow`].
+pub(super) fn rows(
+    lines: &mut Lines<Input>,
     most: u64,
     layout: &Layout,
     particles: &mut Particles,
     row: impl Fn(&Lines<&[u8]>, &mut Particles) -> Result<()> + Sync,
 ) -> Result<u64> {
-    let found = |mut part: Lines<&[u8]>| {
-        let mut particles = layout.begin();
+    let found = |mut part: Lines<&[u8]>| -> Result<Particles> {
+        let mut particles = layout.begin_part();
         while part.advance()? {
             row(&part, &mut particles)?;
         }
@@ -33,20 +33,47 @@ pub(super) fn rows<R: BufRead + Send>(
         let (before, parts) = (particles.positions.len(), block.parts());
         let read = if parts.len() == 1 {
             // A small frame is not worth waking other threads.
-            parts.into_iter().try_for_each(|part| found(part).map(|part| particles.append(part)))?;
+            parts.into_iter().try_for_each(|part| particles.append(found(part)?))?;
             lines.block(most - taken, &mut next)
         } else {
             let (read, all): (_, Vec<Result<Particles>>) =
                 rayon::join(|| lines.block(most - taken, &mut next), || parts.into_par_iter().map(found).collect());
-            all.into_iter().try_for_each(|part| part.map(|part| particles.append(part)))?;
+            all.into_iter().try_for_each(|part| particles.append(part?))?;
             read
         };
-        particles.check_room(before)?;
+        if particles.positions.len() > before {
+            lines.found();
+        }
         read?;
         taken += next.len();
         std::mem::swap(&mut block, &mut next);
     }
     Ok(taken)
+}
+
+/// Surplus rows that are counted; a file may have any number.
+const COUNTED: u64 = 1 << 20;
+
+/// The error for rows that follow those that a file announces: a count that is too low would drop particles in silence. The
+/// current line is the first of them; `is_row` tells those that follow it.
+///
+/// # Errors
+/// This one, with both numbers, and those of reading.
+pub(super) fn surplus<T>(
+    lines: &mut Lines<Input>,
+    announced: u64,
+    what: &str,
+    is_row: impl Fn(&Lines<Input>) -> bool,
+) -> Result<T> {
+    let (place, mut more) = (lines.place(0).named("count"), 1);
+    while more < COUNTED && lines.advance()? && is_row(lines) {
+        more += 1;
+        lines.found();
+    }
+    let all = announced.saturating_add(more);
+    let all = if more < COUNTED { all.to_string() } else { format!("at least {all}") };
+    let problem = format!("{announced} {what} are announced, and {all} follow");
+    Err(Error::scene(place, problem, "announce as many as there are"))
 }
 
 #[cfg(test)]

@@ -8,9 +8,11 @@ use super::layout::{Layout, Role, wanted};
 use super::rows::rows;
 use super::{Frames, Particles};
 use crate::error::{Error, Result};
+use crate::quote::quote;
 use crate::scene::ReadOptions;
+use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Word};
-use crate::scene::source::{Source, Stream};
+use crate::scene::source::Source;
 use std::io::BufRead;
 
 /// Rows under a header.
@@ -31,7 +33,7 @@ impl<R: BufRead> Table<R> {
         let mut layout = Layout::default();
         for word in fields(&lines, 0, b',') {
             let fail = |problem: String| Error::scene(lines.place(word.at).named("header"), problem, allowed);
-            let role = role(word.text).ok_or_else(|| fail(format!("unknown column `{}`", word.text)))?;
+            let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role, &[]).map_err(fail)?;
         }
         Ok(Self { lines, layout, delimiter: b',', ahead: false })
@@ -106,7 +108,7 @@ impl<R: BufRead> Table<R> {
     }
 }
 
-impl<R: BufRead + Send> Table<R> {
+impl Table<Input> {
     /// Takes all rows.
     fn all(mut self) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
@@ -174,7 +176,7 @@ impl Header {
             let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
             let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
             if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
-                let problem = format!("`{odd}` is in another unit than the places");
+                let problem = format!("{} is in another unit than the places", quote(odd));
                 let mend = "give radii and places in one unit, and name it the same";
                 return Err(Error::scene(place.named("header"), problem, mend));
             }
@@ -286,7 +288,7 @@ fn quoted(text: &[u8]) -> Option<usize> {
 }
 
 /// The one frame of a table.
-pub(super) struct OneTable(Option<Table<Stream>>);
+pub(super) struct OneTable(Option<Table<Input>>);
 
 impl OneTable {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {

@@ -3,39 +3,73 @@
 //! described at github.com/libAtoms/extxyz.
 
 use super::layout::{Layout, Role, component, wanted};
-use super::rows::rows;
+use super::rows::{rows, surplus};
 use super::{Cell, Frames, Particles};
 use crate::error::{Error, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
 use crate::scene::ReadOptions;
-use crate::scene::lines::{Lines, Words, short};
-use crate::scene::source::{Source, Stream};
+use crate::scene::input::Input;
+use crate::scene::lines::{Lines, Words};
+use crate::scene::source::Source;
 
 /// The reader.
 pub(super) struct Xyz {
-    lines: Lines<Stream>,
+    lines: Lines<Input>,
     wanted: Vec<String>,
+    /// Whether the current line is still to be looked at.
+    held: bool,
 }
 
 impl Xyz {
     pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { lines: Lines::new(source.reader, &source.path), wanted: wanted(options.style.columns())? })
+        Ok(Self {
+            lines: Lines::new(source.reader, &source.path),
+            wanted: wanted(options.style.columns())?,
+            held: false,
+        })
     }
 
     /// The number of atoms that the next frame announces; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         loop {
-            if !self.lines.advance()? {
+            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
                 return Ok(None);
             }
             let text = self.lines.text().trim();
             if text.is_empty() {
                 continue;
             }
-            return text.parse().map(Some).map_err(|_| {
-                let problem = format!("`{}` is no number of atoms", short(text));
+            let count = text.parse().map_err(|_| {
+                let problem = format!("{} is no number of atoms", quote(text));
                 self.fail(0, "count", problem, "begin a frame with the number of its atoms")
-            });
+            })?;
+            return check_ids(count).map(|()| Some(count));
         }
+    }
+
+    /// Sees to it that no more atoms follow than `count`; the next frame's first line, if there is one, is the current one
+    /// then.
+    fn check_end(&mut self, count: u64, layout: &Layout, particles: &mut Particles) -> Result<()> {
+        loop {
+            if !self.lines.advance()? {
+                return Ok(());
+            }
+            if !self.lines.text().trim().is_empty() {
+                break;
+            }
+        }
+        self.held = true;
+        let is_row = |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+        if is_row(&self.lines) {
+            return surplus(&mut self.lines, count, "atoms", is_row);
+        }
+        let text = self.lines.text().trim();
+        if text.parse::<u64>().is_err() {
+            let [place, text] = [self.lines.place(0).to_string(), quote(text).to_string()];
+            particles.skipped.assumed.push(format!("{place}: {text} behind the {count} atoms begins no frame"));
+        }
+        Ok(())
     }
 
     /// The next line, which must be there.
@@ -69,9 +103,9 @@ impl Xyz {
         let mut layout = Layout::default();
         while let Some(name) = parts.next() {
             let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
-                return Err(wrong(format!("`{}` has no type S, R, I or L and number of columns", short(name))));
+                return Err(wrong(format!("{} has no type S, R, I or L and number of columns", quote(name))));
             };
-            let count = count.parse().map_err(|_| wrong(format!("`{}` is no number of columns", short(count))))?;
+            let count = count.parse().map_err(|_| wrong(format!("{} is no number of columns", quote(count))))?;
             let name = name.to_lowercase();
             for k in 0..count {
                 let (column, role) = column(&name, kind, k, count);
@@ -96,7 +130,7 @@ impl Xyz {
                 Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
             }
             _ => {
-                let problem = format!("`{}` is no cell", short(text));
+                let problem = format!("{} is no cell", quote(text));
                 Err(self.fail(at, "Lattice", problem, "give three vectors, nine finite numbers"))
             }
         }
@@ -160,13 +194,14 @@ impl Frames for Xyz {
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
         }
+        self.check_end(count, &layout, &mut particles)?;
         Ok(Some(particles))
     }
 
     fn skip(&mut self) -> Result<bool> {
         let Some(count) = self.count()? else { return Ok(false) };
         self.need("comment")?;
-        if self.lines.pass(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
 
@@ -218,6 +253,14 @@ mod tests {
     }
 
     #[test]
+    fn what_follows_the_atoms_and_is_no_frame_is_said() {
+        let mut xyz = Xyz::new(Source::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
+        let frame = xyz.next().expect("read").expect("a frame");
+        assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` behind the 1 atoms begins no frame"]);
+        xyz.next().map(drop).expect_err("and it is none");
+    }
+
+    #[test]
     fn the_length_of_a_vector_is_a_column() {
         let text = "2\nProperties=pos:R:3:vel:R:3\n0 0 0 2 -3 6\n1 1 1 0 -4 0\n";
         let frame = read(text, &["vel", "z"]).expect("a frame").remove(0);
@@ -230,6 +273,9 @@ mod tests {
         for (text, place) in [
             ("two\n\n", ":1:1: count"),
             ("2\n\nO 0 0 0\n", "file ends"),
+            ("1\n\nO 0 0 0\nO 1 0 0\n\nO 2 0 0\n", ":4:1: count: 1 atoms are announced, and 2 follow"),
+            ("0\n\nO 0 0 0\n", ":3:1: count: 0 atoms are announced, and 1 follow"),
+            ("99999999999\n\nO 0 0 0\n", "99999999999 spheres are more"),
             ("1\n\nO 0 zero 0\n", ":3:5: y"),
             ("1\n\nO 0 inf 0\n", ":3:5: y"),
             ("1\n\nO 0 1\n", ":3:6: z"),

@@ -3,6 +3,7 @@
 use super::categories::{self, Category};
 use super::colormap::ColorMap;
 use crate::error::{Error, Result};
+use crate::quote::{list, quote};
 use crate::scene::Skipped;
 use crate::scene::particles::{Column, Particles};
 use rayon::prelude::*;
@@ -53,9 +54,9 @@ impl Scale {
             particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
                 let mend = match &particles.has[..] {
                     [] => "this file has no columns of numbers".to_owned(),
-                    has => format!("the file has {}", has.join(", ")),
+                    has => format!("the file has {}", list(has)),
                 };
-                Error::settings(format!("there is no column `{name}` to colour by"), mend)
+                Error::settings(format!("there is no column {} to colour by", quote(name)), mend)
             })
         };
         let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;

@@ -3,6 +3,8 @@
 
 use super::tokens::{Tokens, number};
 use crate::error::{Error, Place, Result};
+use crate::memory::Ledger;
+use crate::quote::quote;
 use crate::scene::lines::Spot;
 use crate::scene::particles::Cell;
 use crate::scene::particles::assembly::{Assembly, MOST_OPERATORS, Operator, Part, unknown};
@@ -70,46 +72,61 @@ struct Listed {
 }
 
 /// What was said.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Operators {
     generators: Vec<Generator>,
     list: Vec<Listed>,
     cell: [f64; 6],
+    /// Of both lists.
+    ledger: Ledger,
 }
 
 impl Default for Operators {
     fn default() -> Self {
-        Self { generators: Vec::new(), list: Vec::new(), cell: [f64::NAN; 6] }
+        Self { generators: Vec::new(), list: Vec::new(), cell: [f64::NAN; 6], ledger: Ledger::default() }
     }
 }
 
 impl Operators {
     /// A row of a loop begins, or a value that stands alone, with this item.
-    pub(super) fn begin(&mut self, item: Item, alone: bool, at: Spot) {
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has no room for it.
+    pub(super) fn begin(&mut self, item: Item, alone: bool, at: Spot) -> Result<()> {
         match item {
             Item::Assembly | Item::Expression | Item::Chains if !alone || self.generators.is_empty() => {
+                self.ledger.add(2 * size_of::<Generator>())?;
                 self.generators.push(Generator { at, ..Generator::default() });
             }
             Item::Operator | Item::Number(_) if !alone || self.list.is_empty() => {
+                self.ledger.add(2 * size_of::<Listed>())?;
                 self.list.push(Listed { name: String::new(), numbers: [f64::NAN; 12], at });
             }
             _ => {}
         }
+        Ok(())
     }
 
     /// Takes the current value.
-    pub(super) fn take(&mut self, item: Item, tokens: &Tokens) {
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the memory has no room for it, and those of [`Tokens::string`].
+    pub(super) fn take(&mut self, item: Item, tokens: &Tokens) -> Result<()> {
+        if matches!(item, Item::Assembly | Item::Expression | Item::Chains | Item::Operator) {
+            self.ledger.add(tokens.value().len())?;
+        }
         match (item, self.generators.last_mut(), self.list.last_mut()) {
             (Item::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
-            (Item::Assembly, Some(generator), _) => generator.assembly = tokens.string(),
-            (Item::Chains, Some(generator), _) => generator.chains = tokens.string(),
+            (Item::Assembly, Some(generator), _) => generator.assembly = tokens.string()?,
+            (Item::Chains, Some(generator), _) => generator.chains = tokens.string()?,
             (Item::Expression, Some(generator), _) => {
-                (generator.expression, generator.at) = (tokens.string(), tokens.spot());
+                (generator.expression, generator.at) = (tokens.string()?, tokens.spot());
             }
-            (Item::Operator, _, Some(listed)) => listed.name = tokens.string(),
+            (Item::Operator, _, Some(listed)) => listed.name = tokens.string()?,
             (Item::Number(k), _, Some(listed)) => listed.numbers[k] = number(tokens.value()).unwrap_or(f64::NAN),
             _ => {}
         }
+        Ok(())
     }
 
     /// Whether all is there that assemblies are made of.
@@ -125,8 +142,9 @@ impl Operators {
 
     /// The assemblies' names, and how many operators each has at most, where that can be told.
     pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
-        let count = |generator: &Generator| match self.groups(&generator.expression) {
-            Ok(groups) => groups.iter().map(|group| group.len() as u64).product(),
+        let places = self.places();
+        let count = move |generator: &Generator| match self.groups(&generator.expression, &places) {
+            Ok(groups) => groups.iter().map(|group| group.len() as u64).fold(1, u64::saturating_mul),
             Err(_) => 0,
         };
         self.generators.iter().map(move |generator| (generator.assembly.clone(), count(generator)))
@@ -143,13 +161,13 @@ impl Operators {
             ids.dedup();
             return Err(unknown(id, ids.into_iter(), file));
         }
-        let mut parts = Vec::new();
+        let (mut parts, places) = (Vec::new(), self.places());
         let mut total = 0;
         for generator in generators {
             let fail = |(problem, mend): (String, &str)| {
                 Error::scene(generator.at.of(file.clone()).named("oper_expression"), problem, mend)
             };
-            let groups = self.groups(&generator.expression).map_err(fail)?;
+            let groups = self.groups(&generator.expression, &places).map_err(fail)?;
             let product = groups.iter().try_fold(1_usize, |product, group| product.checked_mul(group.len()));
             total = product.and_then(|product| product.checked_add(total)).unwrap_or(usize::MAX);
             if total > MOST_OPERATORS {
@@ -182,22 +200,29 @@ impl Operators {
         let listed = &self.list[n];
         if listed.numbers.iter().any(|number| number.is_nan()) {
             let place = listed.at.of(file.clone()).named("_pdbx_struct_oper_list");
-            let problem = format!("operator `{}` is not made of 12 finite numbers", listed.name);
+            let problem = format!("operator {} is not made of 12 finite numbers", quote(&listed.name));
             return Err(Error::scene(place, problem, "give matrix[1][1] to matrix[3][3] and vector[1] to vector[3]"));
         }
         let [a, b, c, d, e, f, g, h, i, j, k, l] = listed.numbers;
         Ok(Operator([[a, b, c, d], [e, f, g, h], [i, j, k, l]]))
     }
 
+    /// The places of the operators in the list, by their names; of equal names the last.
+    fn places(&self) -> HashMap<&str, usize> {
+        self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect()
+    }
+
     /// The operators that an expression names, as places in the list: one group for `1,2` or `(1-60)`, two for
     /// `(1-60)(61-88)`. Or what is wrong and how to mend it.
-    fn groups(&self, expression: &str) -> Result<Vec<Vec<usize>>, (String, &'static str)> {
+    fn groups(
+        &self,
+        expression: &str,
+        places: &HashMap<&str, usize>,
+    ) -> Result<Vec<Vec<usize>>, (String, &'static str)> {
         const MEND: &str = "write 1, or (1-60), or (1-60)(61-88), of ids in _pdbx_struct_oper_list";
-        let places: HashMap<&str, usize> =
-            self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect();
-        let wrong = || (format!("`{}` names no operators", shown(expression)), MEND);
+        let wrong = || (format!("{} names no operators", quote(expression)), MEND);
         let place = |name: &str| {
-            let missing = || (format!("there is no operator `{}`", shown(name)), MEND);
+            let missing = || (format!("there is no operator {}", quote(name)), MEND);
             places.get(name).copied().ok_or_else(missing)
         };
         let group = |list: &str| {
@@ -211,7 +236,7 @@ impl Operators {
                         // Their number is checked before they are.
                         if last - first >= self.list.len() as u64 {
                             let problem =
-                                format!("`{item}` are more operators than the {} of the file", self.list.len());
+                                format!("{} are more operators than the {} of the file", quote(item), self.list.len());
                             return Err((problem, MEND));
                         }
                         for name in first..=last {
@@ -240,13 +265,8 @@ impl Operators {
 const MOST_FACTORS: usize = 64;
 
 fn too_many(expression: &str) -> (String, &'static str) {
-    let problem = format!("`{}` are more than {MOST_OPERATORS} operators", shown(expression));
+    let problem = format!("{} are more than {MOST_OPERATORS} operators", quote(expression));
     (problem, "ask for a smaller assembly")
-}
-
-/// The beginning of a text that may be long.
-fn shown(text: &str) -> String {
-    if text.chars().count() > 40 { text.chars().take(40).chain("...".chars()).collect() } else { text.to_owned() }
 }
 
 #[cfg(test)]
@@ -266,7 +286,7 @@ mod tests {
 
     fn moved(operators: &Operators, expression: &str) -> Result<Vec<f64>> {
         let generator = Generator { assembly: "1".into(), expression: expression.into(), ..Generator::default() };
-        let operators = Operators { generators: vec![generator], ..operators.clone() };
+        let operators = Operators { generators: vec![generator], list: operators.list.clone(), ..Operators::default() };
         let assembly = operators.assembly("1", &Place::file("text"))?;
         Ok(assembly.parts[0].operators.iter().map(|(_, operator)| operator.apply([1.0, 0.0, 0.0])[0]).collect())
     }

@@ -3,6 +3,7 @@
 use super::RowNames;
 use super::tokens::{Token, Tokens, number};
 use crate::error::{Error, Place, Result};
+use crate::quote::quote;
 use crate::scene::lines::Spot;
 use crate::scene::particles::infer::Named;
 use crate::scene::particles::molecule::{Choice, Kind, Model};
@@ -230,10 +231,10 @@ impl Row {
                 };
             }
             Use::Number(kind) => self.numbers[kind as usize] = number(value).unwrap_or(f64::NAN),
-            Use::Chain => self.numbers[Kind::Chain as usize] = f64::from(names.chains.number(value)),
-            Use::Entity => self.numbers[Kind::Entity as usize] = f64::from(names.entities.number(value)),
+            Use::Chain => self.numbers[Kind::Chain as usize] = f64::from(names.chains.number(value)?),
+            Use::Entity => self.numbers[Kind::Entity as usize] = f64::from(names.entities.number(value)?),
             Use::Asym => {
-                self.asym = names.asyms.number(value);
+                self.asym = names.asyms.number(value)?;
                 self.numbers[Kind::Asym as usize] = f64::from(self.asym);
             }
         }
@@ -245,7 +246,7 @@ impl Row {
         let occupancy = self.numbers[Kind::Occupancy as usize];
         // Where a file does not say it, an atom is there.
         let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
-        if !model.admits(&self.location, occupancy, |key| key.extend(&self.site)) {
+        if !model.admits(&self.location, occupancy, |key| key.extend(&self.site))? {
             return Ok(());
         }
         let atom = Named { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
@@ -264,12 +265,12 @@ impl Row {
 fn bad_place(axis: usize, value: &[u8], place: Place) -> Error {
     let problem = match value {
         [] => "the atom has no place".to_owned(),
-        word => format!("`{}` is no finite number", String::from_utf8_lossy(word)),
+        word => format!("{} is no finite number", quote(word)),
     };
     Error::scene(place.named(["x", "y", "z"][axis]), problem, "give a finite number such as -12.345")
 }
 
 fn bad_model(value: &[u8], place: Place) -> Error {
-    let problem = format!("`{}` is no model's number", String::from_utf8_lossy(value));
+    let problem = format!("{} is no model's number", quote(value));
     Error::scene(place.named("pdbx_PDB_model_num"), problem, "give a whole number")
 }

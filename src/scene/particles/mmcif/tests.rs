@@ -138,7 +138,7 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` is not made of 12"), "{error}");
     let error = refused(&text.replace("(1,P)", "(1-999999999)"), &with("1"));
     assert!(error.contains("text:3:") && error.contains("more operators than the 2"), "{error}");
-    assert!(refused(&format!("data_X\n{ATOMS}"), &with("1")).contains("the file tells of none"));
+    assert!(refused(&format!("data_X\n{ATOMS}"), &with("1")).contains("the file has none"));
 }
 
 #[test]
@@ -190,8 +190,7 @@ fn faults_are_told_with_line_and_column() {
 fn no_bytes_make_a_panic() {
     let mut bytes = format!("data_X\n{ATOMS}{ASSEMBLY}").into_bytes();
     let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let reader: Box<dyn std::io::BufRead + Send> = Box::new(std::io::Cursor::new(bytes));
-        let mut mmcif = Mmcif::new(Source { reader, ..Source::of_text("") }, options);
+        let mut mmcif = Mmcif::new(Source::of_bytes(&bytes), options);
         (0..4).map(|_| mmcif.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
     };
     let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };

@@ -2,8 +2,8 @@
 //! one after the other, whatever lines they stand in.
 
 use crate::error::{Error, Place, Result};
+use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Spot};
-use std::io::BufRead;
 use std::ops::Range;
 
 /// What a word is.
@@ -21,9 +21,12 @@ pub(super) enum Token {
     End,
 }
 
+/// Bytes of a text of several lines that are kept.
+const LONGEST: usize = 1 << 20;
+
 /// A file's words.
 pub(super) struct Tokens {
-    lines: Lines<Box<dyn BufRead + Send>>,
+    lines: Lines<Input>,
     /// The byte of the line that is next.
     at: usize,
     /// The word in its line, without quotes.
@@ -32,13 +35,15 @@ pub(super) struct Tokens {
     /// A text of several lines, if the word is one, and where it begins.
     text: Option<Spot>,
     buffer: Vec<u8>,
+    /// Whether the text is longer than the buffer keeps.
+    cut: bool,
     /// A word that was given back.
     kept: Option<Token>,
 }
 
 impl Tokens {
-    pub(super) fn new(lines: Lines<Box<dyn BufRead + Send>>) -> Self {
-        Self { lines, at: 0, span: 0..0, quoted: false, text: None, buffer: Vec::new(), kept: None }
+    pub(super) fn new(lines: Lines<Input>) -> Self {
+        Self { lines, at: 0, span: 0..0, quoted: false, text: None, buffer: Vec::new(), cut: false, kept: None }
     }
 
     /// Moves to the next word.
@@ -90,7 +95,7 @@ impl Tokens {
     /// Reads the text that begins with this line, up to a line that begins with a semicolon.
     fn text(&mut self) -> Result<Token> {
         let spot = self.lines.spot(0);
-        self.text = Some(spot);
+        (self.text, self.cut) = (Some(spot), false);
         self.buffer.clear();
         self.buffer.extend(&self.lines.text().as_bytes()[1..]);
         while self.lines.advance()? {
@@ -98,8 +103,13 @@ impl Tokens {
                 self.at = 1;
                 return Ok(Token::Value);
             }
-            self.buffer.push(b'\n');
-            self.buffer.extend(self.lines.text().as_bytes());
+            // Whole data files stand in such texts, and nothing of them is of use here.
+            let line = self.lines.text().as_bytes();
+            self.cut |= self.buffer.len() + line.len() >= LONGEST;
+            if !self.cut {
+                self.buffer.push(b'\n');
+                self.buffer.extend(line);
+            }
         }
         let problem = "a text that a semicolon begins has no end";
         Err(Error::scene(spot.of(self.lines.file()), problem, "end it with a line that begins with a semicolon"))
@@ -128,8 +138,20 @@ impl Tokens {
     }
 
     /// The current value as text.
-    pub(super) fn string(&self) -> String {
-        String::from_utf8_lossy(self.value()).trim().to_owned()
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a text too long to be a name or a list of them.
+    pub(super) fn string(&self) -> Result<String> {
+        if self.cut && self.text.is_some() {
+            let problem = format!("a text of more than {LONGEST} bytes where a name or a list of names belongs");
+            return Err(Error::scene(self.place(), problem, "give a shorter one"));
+        }
+        Ok(String::from_utf8_lossy(self.value()).trim().to_owned())
+    }
+
+    /// The current line holds an atom.
+    pub(super) fn found(&self) {
+        self.lines.found();
     }
 
     /// Where the current word stands.
@@ -178,7 +200,7 @@ mod tests {
         loop {
             match tokens.next()? {
                 Token::End => return Ok(found),
-                token => found.push((token, tokens.string())),
+                token => found.push((token, tokens.string()?)),
             }
         }
     }

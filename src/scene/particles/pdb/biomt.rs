@@ -2,6 +2,8 @@
 //! (wwPDB format 3.3, remark 350).
 
 use crate::error::{Error, Result};
+use crate::memory::Ledger;
+use crate::quote::{quote, unquoted};
 use crate::scene::lines::{Lines, Words};
 use crate::scene::particles::assembly::{Assembly, Operator, Part};
 use std::io::BufRead;
@@ -16,7 +18,12 @@ pub(super) struct Biomt {
     rows: Vec<[f64; 4]>,
     /// Its name.
     name: String,
+    /// Of all names and operators.
+    ledger: Ledger,
 }
+
+/// Bytes of an entry of a list that doubles, beside its letters.
+const ENTRY: usize = 96;
 
 impl Biomt {
     /// Takes the current line, which is of the remark.
@@ -29,6 +36,7 @@ impl Biomt {
         if let Some((_, ids)) = lines.text().split_once("BIOMOLECULE:") {
             self.current = self.assemblies.len();
             let ids = ids.split([',', ' ']).map(str::trim).filter(|id| !id.is_empty());
+            self.ledger.add(ids.clone().map(|id| ENTRY + id.len()).sum())?;
             self.assemblies.extend(ids.map(|id| Assembly { id: id.to_owned(), parts: Vec::new() }));
         }
         let Some((_, list)) = lines.text().split_once("CHAINS:") else { return Ok(()) };
@@ -36,7 +44,9 @@ impl Biomt {
             self.assemblies.push(Assembly { id: "1".into(), parts: Vec::new() });
         }
         let chains = || list.split([',', ' ']).map(str::trim).filter(|name| !name.is_empty()).map(chain);
+        let bytes: usize = chains().map(|name| ENTRY + name.len()).sum();
         for assembly in &mut self.assemblies[self.current..] {
+            self.ledger.add(ENTRY + bytes)?;
             match assembly.parts.last_mut().filter(|_| first.text != "APPLY") {
                 Some(part) => part.chains.extend(chains()),
                 None => assembly.parts.push(Part { chains: chains().collect(), operators: Vec::new() }),
@@ -52,7 +62,11 @@ impl Biomt {
         let name = words.next().map(|word| word.text).unwrap_or_default();
         let expected = self.rows.len() + 1;
         if row != expected.to_string() || expected > 1 && name != self.name {
-            let problem = format!("BIOMT{row} of operator `{name}` stands where BIOMT{expected} belongs");
+            let problem = format!(
+                "{} of operator {} stands where BIOMT{expected} belongs",
+                unquoted(&format!("BIOMT{row}")),
+                quote(name)
+            );
             return Err(fail(problem, "give every operator its three rows, BIOMT1 to BIOMT3"));
         }
         let mut numbers = [0.0; 4];
@@ -65,6 +79,7 @@ impl Biomt {
         if let &[a, b, c] = &self.rows[..] {
             self.rows.clear();
             for assembly in &mut self.assemblies[self.current..] {
+                self.ledger.add(ENTRY + size_of::<Operator>() + self.name.len())?;
                 let part = assembly.parts.last_mut();
                 let part = part.ok_or_else(|| fail("no chains are named before it".into(), "name them after APPLY"))?;
                 part.operators.push((self.name.clone(), Operator([a, b, c])));
@@ -81,7 +96,7 @@ impl Biomt {
         if self.rows.is_empty() {
             return Ok(&self.assemblies);
         }
-        let problem = format!("operator `{}` has {} of its three rows", self.name, self.rows.len());
+        let problem = format!("operator {} has {} of its three rows", quote(&self.name), self.rows.len());
         Err(Error::scene(lines.file().named("REMARK 350"), problem, "give BIOMT1 to BIOMT3"))
     }
 

@@ -1,6 +1,7 @@
 //! The columns of a PDB record, and what stands in them.
 
 use crate::error::{Error, Result};
+use crate::quote::quote;
 use crate::scene::lines::Lines;
 use std::io::BufRead;
 use std::ops::Range;
@@ -63,7 +64,7 @@ pub(super) fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, ax
         let at = (columns.start + blanks % found.len().max(1)).min(lines.text().len());
         let problem = match found.trim_ascii() {
             [] => format!("columns {} to {} are empty", columns.start + 1, columns.end),
-            word => format!("`{}` is no finite number", String::from_utf8_lossy(word)),
+            word => format!("{} is no finite number", quote(word)),
         };
         let mend = format!("write {axis} in columns {} to {}, such as -12.345", columns.start + 1, columns.end);
         Error::scene(lines.place(at).named(axis), problem, mend)

@@ -6,7 +6,8 @@
 
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
 use crate::error::{Error, Result};
-use crate::scene::lines::{Lines, Word, Words, short};
+use crate::quote::quote;
+use crate::scene::lines::{Lines, Word, Words};
 use crate::scene::particles::infer::Named;
 use crate::scene::particles::molecule::{Kind, Model, Names};
 use std::io::BufRead;
@@ -61,13 +62,13 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, mode
     };
     let (charge, length) = (charge.finite("charge")?, radius.finite("radius")?);
     if length < 0.0 {
-        let problem = format!("`{}` is negative", short(radius.text));
+        let problem = format!("{} is negative", quote(radius.text));
         return Err(Error::scene(lines.place(radius.at).named("radius"), problem, "give 0 or more"));
     }
     // Some programs write the element last.
     let symbol = element.last().map_or("", |word| word.text).as_bytes();
     let atom = Named { symbol: if symbol.len() <= 2 { symbol } else { b"" }, ..atom };
-    let chain = chains.map_or(0, |chains| chains.number(chain));
+    let chain = chains.map_or(Ok(0), |chains| chains.number(chain))?;
     let serial = words.first().and_then(|word| word.text.trim_start_matches(char::is_alphabetic).parse().ok());
     // An insertion code may follow the residue's number.
     let site = std::str::from_utf8(atom.site).unwrap_or_default().trim_end_matches(|c: char| !c.is_ascii_digit());

@@ -214,8 +214,7 @@ fn latin_1_and_any_other_bytes_do_no_harm() {
     let mut bytes = format!("{REMARK}{good}{good}END\n").into_bytes();
     let first = b"AUTHOR    J.M\xfcLLER\n".to_vec();
     let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let reader: Box<dyn BufRead + Send> = Box::new(std::io::Cursor::new(bytes));
-        let mut pdb = Pdb::new(Source { reader, ..Source::of_text("") }, options);
+        let mut pdb = Pdb::new(Source::of_bytes(&bytes), options);
         pdb.next()
     };
     let plain = with([first, bytes.clone()].concat(), &options(&[])).expect("read").expect("a model");

@@ -1,0 +1,150 @@
+//! Room for what is read: no list of a reader grows beyond the memory that is free. Where the system tells nothing of its
+//! memory, an allocation that fails is still an error and not the end of the process.
+
+use super::{Pool, free};
+use crate::error::{Error, Result};
+
+/// Growth by fewer bytes is not checked: what is left free holds many times as much.
+const GRAIN: u64 = 1 << 20;
+
+/// Bytes that stay free beside every list: for blocks of text, what they are parsed into, and threads.
+const RESERVE: u64 = 32 << 20;
+
+/// How many entries of `each` bytes a list of `len` of `what` is to have room for, so that `more` fit behind them: twice as many as
+/// there are, so that growing costs little, or an eighth more where memory is short.
+///
+/// # Errors
+/// [`Error::Limits`] with the number of entries that would fit.
+pub(crate) fn entries(len: usize, more: usize, each: usize, what: &str) -> Result<usize> {
+    entries_in(len, more, each, what, || free(&Pool::default()))
+}
+
+fn entries_in(len: usize, more: usize, each: usize, what: &str, free: impl Fn() -> Option<u64>) -> Result<usize> {
+    let least = len.saturating_add(more);
+    let need = |entries: usize| ((entries - len) as u64).saturating_mul(each as u64);
+    let doubled = least.max(len.saturating_mul(2)).max(64);
+    if need(doubled) < GRAIN {
+        return Ok(doubled);
+    }
+    let Some(free) = free() else { return Ok(doubled) };
+    let usable = free.saturating_sub(RESERVE);
+    let some = least.max(len.saturating_add(len / 8));
+    [doubled, some].into_iter().find(|entries| need(*entries) <= usable).ok_or_else(|| {
+        let fit = len as u64 + usable / each.max(1) as u64;
+        let problem =
+            format!("{least} {what} or more need {} bytes beside the first {len}, and {free} are free", need(some));
+        Error::Limits { problem, mend: format!("give at most {fit} {what}") }
+    })
+}
+
+/// Refuses a count of spheres that no frame can tell apart.
+///
+/// # Errors
+/// [`Error::Limits`] with both numbers.
+pub(crate) fn check_ids(spheres: u64) -> Result<()> {
+    const MOST: u64 = i32::MAX as u64;
+    if spheres <= MOST {
+        return Ok(());
+    }
+    let problem = format!("{spheres} spheres are more than ids of 32 bits can tell apart");
+    Err(Error::Limits { problem, mend: format!("give at most {MOST}") })
+}
+
+/// Makes room for `more` entries, as [`entries`] counts them.
+///
+/// # Errors
+/// [`Error::Limits`].
+pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<()> {
+    if list.capacity() - list.len() >= more {
+        return Ok(());
+    }
+    let entries = entries(list.len(), more, size_of::<T>(), if size_of::<T>() == 1 { "bytes" } else { "numbers" })?;
+    extend_to(list, entries)
+}
+
+/// Gives a list the room for so many entries in all.
+///
+/// # Errors
+/// [`Error::Limits`] where the allocation fails.
+pub(crate) fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
+    list.try_reserve_exact(entries.saturating_sub(list.len())).map_err(|_| Error::Limits {
+        problem: format!("{} bytes of memory could not be allocated", entries.saturating_mul(size_of::<T>())),
+        mend: "read a smaller scene".into(),
+    })
+}
+
+/// Refuses so many bytes for `what`, which begins the message, where they are not free.
+///
+/// # Errors
+/// [`Error::Limits`] with both numbers.
+pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
+    if bytes < GRAIN {
+        return Ok(());
+    }
+    match free(&Pool::default()) {
+        Some(free) if bytes > free.saturating_sub(RESERVE) => Err(Error::Limits {
+            problem: format!("{} may need {bytes} bytes of memory, and {free} are free", what()),
+            mend: "read a smaller scene, or on a machine with more memory".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that a reader keeps in many small pieces: names, texts, maps of them.
+#[derive(Debug, Default)]
+pub(crate) struct Ledger {
+    bytes: u64,
+    /// The memory was checked for so many.
+    checked: u64,
+}
+
+impl Ledger {
+    /// Counts `bytes` more. A map that grows holds its old and its new table for a moment, so as much again must be free
+    /// as is kept, twice.
+    ///
+    /// # Errors
+    /// [`Error::Limits`].
+    pub(crate) fn add(&mut self, bytes: usize) -> Result<()> {
+        self.bytes = self.bytes.saturating_add(bytes as u64);
+        if self.bytes > self.checked {
+            let next = self.bytes.saturating_add(GRAIN);
+            check(next.saturating_mul(2), || "the names and texts that are kept of the file".into())?;
+            self.checked = next;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_double_while_there_is_room_and_then_grow_by_an_eighth() {
+        let with = |free: u64| move || Some(RESERVE + free);
+        let million = 1_000_000;
+        assert_eq!(entries_in(0, 1, 44, "spheres", || Some(0)).expect("little"), 64);
+        assert_eq!(entries_in(million, 1, 40, "spheres", with(40_000_000)).expect("twice"), 2 * million);
+        assert_eq!(entries_in(million, 1, 40, "spheres", with(39_999_999)).expect("an eighth"), million + million / 8);
+        assert_eq!(entries_in(million, 500_000, 40, "spheres", with(20_000_000)).expect("just enough"), 1_500_000);
+        assert_eq!(entries_in(million, 1, 40, "spheres", || None).expect("unknown"), 2 * million);
+        let error = entries_in(million, 1, 40, "spheres", with(4_999_960)).expect_err("a byte too few");
+        assert!(matches!(error, Error::Limits { .. }) && error.to_string().contains("at most 1124999 "), "{error}");
+        assert!(
+            entries_in(usize::MAX, usize::MAX, 40, "spheres", with(0)).is_ok(),
+            "nothing more fits, and nothing overflows"
+        );
+        assert!(entries_in(10, usize::MAX, usize::MAX, "spheres", with(0)).is_err());
+    }
+
+    #[test]
+    fn a_ledger_refuses_what_no_machine_has() {
+        let mut ledger = Ledger::default();
+        assert!(ledger.add(1000).is_ok());
+        assert!(cfg!(not(target_os = "linux")) || matches!(ledger.add(usize::MAX / 4), Err(Error::Limits { .. })));
+        let mut list = vec![1u64];
+        assert!(matches!(extend_to(&mut list, usize::MAX), Err(Error::Limits { .. })));
+        reserve(&mut list, 100).expect("little");
+        assert!(list.capacity() > 100);
+    }
+}

@@ -1,0 +1,122 @@
+//! Foreign text in messages: words of files, names of columns, paths. A message never carries a control character of a
+//! file to the terminal, and never more of a file than a person reads.
+
+use std::borrow::Cow;
+use std::fmt::{self, Display, Formatter, Write};
+
+/// Characters of a quoted word; a longer word is cut there and ends in `...`.
+pub const LONGEST: usize = 40;
+
+/// Names that a message lists; it counts the others.
+const LISTED: usize = 16;
+
+/// A text of a file between backticks: at most [`LONGEST`] characters, control characters escaped, bytes that are not
+/// UTF-8 replaced.
+pub fn quote<T: AsRef<[u8]> + ?Sized>(text: &T) -> Quote<'_> {
+    Quote { text: text.as_ref(), longest: LONGEST, mark: "`" }
+}
+
+/// As [`quote`] without the backticks, for names in a list.
+pub fn unquoted<T: AsRef<[u8]> + ?Sized>(text: &T) -> Quote<'_> {
+    Quote { mark: "", ..quote(text) }
+}
+
+/// As [`unquoted`], of at most so many characters.
+pub fn shortened(text: &str, longest: usize) -> Quote<'_> {
+    Quote { text: text.as_bytes(), longest, mark: "" }
+}
+
+/// Names between commas: the first [`LISTED`] of them, and how many more there are.
+pub fn list<T: AsRef<[u8]>>(names: impl IntoIterator<Item = T>) -> String {
+    let mut names = names.into_iter();
+    let mut shown: Vec<String> = names.by_ref().take(LISTED).map(|name| unquoted(&name).to_string()).collect();
+    match names.count() {
+        0 => {}
+        more => shown.push(format!("{more} more")),
+    }
+    shown.join(", ")
+}
+
+/// A message with every control character but the end of a line escaped.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let safe = |c: char| c == '\n' || !is_control(c);
+    if text.chars().all(safe) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        if safe(c) { escaped.push(c) } else { escaped.extend(c.escape_default()) }
+    }
+    Cow::Owned(escaped)
+}
+
+/// Whether a terminal acts on the character: control characters (C0, DEL, C1), and those that turn the direction of
+/// text (Unicode 15, Bidi_Control).
+fn is_control(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text as a message shows it.
+#[derive(Debug, Clone, Copy)]
+pub struct Quote<'a> {
+    text: &'a [u8],
+    longest: usize,
+    mark: &'static str,
+}
+
+impl Display for Quote<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        // A character has at most four bytes, so nothing behind these is shown; one cut in two is beyond the last shown.
+        let bytes = &self.text[..self.text.len().min(4 * (self.longest + 1))];
+        let text = String::from_utf8_lossy(bytes);
+        let mut characters = text.chars();
+        f.write_str(self.mark)?;
+        for c in characters.by_ref().take(self.longest) {
+            if is_control(c) { c.escape_default().try_for_each(|c| f.write_char(c))? } else { f.write_char(c)? }
+        }
+        if characters.next().is_some() {
+            f.write_str("...")?;
+        }
+        f.write_str(self.mark)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_escaped_and_long_texts_cut() {
+        for (text, shown) in [
+            ("plain", "`plain`"),
+            ("", "``"),
+            ("\u{1b}[31mred\u{7}", "`\\u{1b}[31mred\\u{7}`"),
+            ("a\tb\nc\r\0", "`a\\tb\\nc\\r\\u{0}`"),
+            ("\u{9b}2J \u{202e}gnp.exe \u{61c}", "`\\u{9b}2J \\u{202e}gnp.exe \\u{61c}`"),
+            ("Åström 球", "`Åström 球`"),
+        ] {
+            assert_eq!(quote(text).to_string(), shown);
+        }
+        assert_eq!(quote(b"\xff\xfe1").to_string(), "`\u{fffd}\u{fffd}1`");
+        let long = "球".repeat(1 << 20);
+        assert_eq!(quote(&long).to_string(), format!("`{}...`", "球".repeat(LONGEST)));
+        assert_eq!(quote(&long[..3 * LONGEST]).to_string(), format!("`{}`", "球".repeat(LONGEST)));
+        // A byte that is no UTF-8 before the cut moves no character across it.
+        let odd = [b"\xff".repeat(3), "球".repeat(100).into_bytes()].concat();
+        assert_eq!(unquoted(&odd).to_string(), format!("{}{}...", "\u{fffd}".repeat(3), "球".repeat(LONGEST - 3)));
+    }
+
+    #[test]
+    fn lists_name_the_first_and_count_the_others() {
+        let names: Vec<String> = (0..20).map(|n| n.to_string()).collect();
+        assert!(list(&names).ends_with("14, 15, 4 more"), "{}", list(&names));
+        assert_eq!(list(["a", "\u{1b}"]), "a, \\u{1b}");
+    }
+
+    #[test]
+    fn messages_keep_their_lines_and_lose_their_escapes() {
+        assert!(matches!(printable("two\nlines"), Cow::Borrowed(_)));
+        assert_eq!(printable("a\u{1b}]0;title\u{7}\nb"), "a\\u{1b}]0;title\\u{7}\nb");
+    }
+}
