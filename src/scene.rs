@@ -221,6 +221,8 @@ pub struct ReadOptions {
     pub altloc: Altloc,
     /// The biological assembly to be built by the file's operators; `None` takes the atoms as they stand.
     pub assembly: Option<String>,
+    /// Whether the atoms of small-molecule CIF are taken as the file lists them; otherwise its symmetry fills the cell.
+    pub as_listed: bool,
     /// How particles look.
     pub style: Style,
     /// Who may end the reading.

@@ -198,6 +198,10 @@ const CIF: &str = "data_SMALL\n_cell.length_a 10.0\n_cell.length_b 20\n_cell.len
     _pdbx_struct_oper_list.matrix[3][1]\n_pdbx_struct_oper_list.matrix[3][2]\n_pdbx_struct_oper_list.matrix[3][3]\n\
     _pdbx_struct_oper_list.vector[3]\n1 1 0 0 0 0 1 0 0 0 0 1 0\n2 -1 0 0 1 0 -1 0 2 0 0 1 3\n\
     _struct.title\n;a text\nof lines\n;\n";
+const CRYSTAL: &str = "data_x\n_chemical_formula_sum 'Ca O'\n_symmetry_space_group_name_H-M 'P -1'\n_cell_length_a 4.0(1)\n\
+    _cell_length_b 4\n_cell_length_c 5\n_cell_angle_alpha 90\n_cell_angle_beta 100\n_cell_angle_gamma 120\nloop_\n\
+    _symmetry_equiv_pos_as_xyz\nx,y,z\n'-x, 1/2-y, z+.5'\nloop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n\
+    _atom_site_fract_z\n_atom_site_calc_flag\nCA1 0 0 0.333 d\nO1 0.25(2) 0.25 -0.25 d\nCg 0.1 0.1 0.1 dum\n";
 const GRO: &str = "Water t= 0.0\n    3\n    1SOL    OW1    1   0.126   1.624   1.679  0.1227 -0.0580  0.0434\n    \
     1SOL    HW2    2   0.190   1.661   1.747  0.8085  0.3191 -0.7791\n    \
     1SOL    HW3    3   0.177   1.568   1.613 -0.9045 -2.6469  1.3180\n   1.82060   1.82060   1.82060\n";
@@ -230,7 +234,7 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
         Format::Pdb => text(&[PDB]),
         Format::Pqr => text(&[PQR]),
         Format::Pdbqt => text(&[PDBQT]),
-        Format::Mmcif => text(&[CIF]),
+        Format::Mmcif => text(&[CIF, CRYSTAL]),
         Format::Gro => text(&[GRO]),
         Format::Dump => text(&[DUMP]),
         Format::Data => text(&[DATA, &DATA.replace(" # full", "")]),

@@ -27,6 +27,9 @@ pub(super) struct ReadArgs {
     /// The biological assembly to build by the file's operators, by its id, such as 1.
     #[arg(long, value_name = "ID")]
     assembly: Option<String>,
+    /// Atoms of small-molecule CIF as the file lists them, without the symmetry that fills the cell.
+    #[arg(long)]
+    as_listed: bool,
     /// Refuses a scene with anything but spheres in it.
     #[arg(long)]
     strict: bool,
@@ -90,6 +93,7 @@ impl ReadArgs {
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
+            as_listed: self.as_listed,
             style: Style { radii: self.radii, radius: self.radius, radius_scale: self.radius_scale, coloring },
             watch: watch(),
         }

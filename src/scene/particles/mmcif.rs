@@ -1,15 +1,15 @@
 //! Macromolecular CIF: the loop of `_atom_site`, its columns in any order, model after model (PDBx/mmCIF dictionary,
-//! mmcif.wwpdb.org). Small-molecule CIF, whose places are fractions of the cell, is read too: what its symmetry repeats is
-//! not.
+//! mmcif.wwpdb.org). Small-molecule CIF, whose places are fractions of the cell, is read too, and its symmetry fills the cell.
 
 mod operators;
 mod row;
+mod symmetry;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{Choice, Kind, Model, Names, Passed, more_models, not_assembled};
-use super::{Frames, Particles};
-use crate::error::{Error, Result};
+use super::molecule::{Choice, Copies, Kind, Model, Names, Passed, more_models, not_assembled};
+use super::{Cell, Frames, Particles};
+use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
 use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
@@ -226,14 +226,9 @@ impl Mmcif {
     /// Reads the atoms of the row's model into `model`, or passes over them.
     fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
         let number = self.row.model;
-        let cell = self.operators.cell().filter(|_| self.layout.is_fractional());
-        if self.layout.is_fractional() && cell.is_none() && model.is_some() {
-            let problem = "the places are fractions of a cell that is not given before them";
-            return Err(Error::scene(self.tokens.place(), problem, "give _cell_length_a to _cell_angle_gamma first"));
-        }
         while self.state == State::Row && self.row.model == number {
             if let Some(model) = &mut model {
-                self.row.give(model, cell.as_ref())?;
+                self.row.give(model, &self.operators.symmetry)?;
             }
             if self.layout.is_of_one() {
                 self.state = State::Behind;
@@ -258,6 +253,14 @@ impl Mmcif {
             }
         }
         self.rest()
+    }
+
+    /// The cell that places are fractions of.
+    fn crystal_cell(&self, file: &Place) -> Result<Cell> {
+        self.operators.cell().ok_or_else(|| {
+            let problem = "places are fractions of a cell that the file does not give";
+            Error::scene(file.clone(), problem, "give _cell_length_a to _cell_angle_gamma")
+        })
     }
 
     fn begin(&mut self) -> Result<bool> {
@@ -292,7 +295,15 @@ impl Frames for Mmcif {
                 Some(id) => Some(self.operators.assembly(id, &file)?),
                 None => None,
             };
-            let mut particles = model.finish(assembly.as_ref(), &self.names.asyms.list, &file)?;
+            let crystal = if self.layout.is_fractional() { Some(self.crystal_cell(&file)?) } else { None };
+            let copies = match (&assembly, &crystal) {
+                (Some(assembly), _) => Copies::Assembly(assembly),
+                (None, Some(cell)) => Copies::Made(&|listed| {
+                    self.operators.symmetry.fill(listed, cell, !self.choice.as_listed, &file, &self.choice.watch)
+                }),
+                (None, None) => Copies::None,
+            };
+            let mut particles = model.finish(copies, &self.names.asyms.list, &file)?;
             // An assembly is not what the crystal repeats.
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
             let names = &self.names;
@@ -301,9 +312,6 @@ impl Frames for Mmcif {
                 particles.labels.insert(kind.name().into(), names.labels());
             }
             let said = &mut particles.skipped.assumed;
-            if self.layout.is_fractional() {
-                said.push("the atoms are shown as the file lists them; what symmetry repeats is not".into());
-            }
             if more && self.choice.any_model() {
                 said.push(more_models(None));
             }

@@ -60,7 +60,18 @@ pub(super) struct Choice {
     pub(super) model: Option<i64>,
     pub(super) frames: FrameRange,
     pub(super) assembly: Option<String>,
-    watch: Watch,
+    /// Whether a crystal's symmetry is left out.
+    pub(super) as_listed: bool,
+    /// Who may end the work.
+    pub(super) watch: Watch,
+}
+
+/// What is made of the atoms of a model.
+pub(super) enum Copies<'a> {
+    None,
+    Assembly(&'a Assembly),
+    /// By what the format knows: a crystal's symmetry.
+    Made(&'a dyn Fn(Particles) -> Result<Particles>),
 }
 
 impl Choice {
@@ -73,6 +84,7 @@ impl Choice {
             frames: options.frames.clone(),
             assembly: options.assembly.clone(),
             watch: options.watch.clone(),
+            as_listed: options.as_listed,
         }
     }
 
@@ -96,6 +108,7 @@ pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
     let asked = [
         (options.assembly.is_some(), entry, "biological assemblies", "leave --assembly out"),
         (options.model.is_some(), columns, "numbered models", "leave --model out; --frames counts from 1"),
+        (options.as_listed, format == Format::Mmcif, "symmetry of crystals", "leave --as-listed out"),
         (options.altloc != Altloc::All, columns, "alternate locations", "leave --altloc out"),
     ];
     match asked.iter().find(|(asked, known, ..)| *asked && !known) {
@@ -291,11 +304,11 @@ impl Model {
         self.particles.radii.push(radius);
     }
 
-    /// The particles, as they stand or in the assembly, whose chains are indices of `names`.
+    /// The particles and what is made of them; of an assembly chains are indices of `names`.
     ///
     /// # Errors
-    /// Those of [`assembly::build`].
-    pub(super) fn finish(mut self, assembly: Option<&Assembly>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
+    /// Those of [`assembly::build`] and of what makes copies.
+    pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
         self.particles.columns = columns.collect();
         let read = self.particles.elements.len() as u64;
@@ -306,9 +319,13 @@ impl Model {
             self.particles.keep(&stays);
             self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
         }
-        if let (Some(assembly), Some(chains)) = (assembly, &self.chains) {
-            self.particles = assembly::build(assembly, self.particles, chains, names, file, &self.watch)?;
-        }
+        self.particles = match (copies, &self.chains) {
+            (Copies::Assembly(assembly), Some(chains)) => {
+                assembly::build(assembly, self.particles, chains, names, file, &self.watch)?
+            }
+            (Copies::Made(make), _) => make(self.particles)?,
+            _ => self.particles,
+        };
         self.particles.skipped.assumed.extend(inferred.sentences(read));
         self.particles.count_unknown_atoms(inferred);
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
@@ -392,10 +409,15 @@ mod tests {
             (ReadOptions { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
             (ReadOptions { model: Some(1), ..plain.clone() }, "--model"),
             (ReadOptions { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
+            (ReadOptions { as_listed: true, ..plain.clone() }, "--as-listed"),
         ] {
             for format in Format::ALL {
-                let known =
-                    matches!(format, Format::Pdb | Format::Mmcif) || *format == Format::Pdbqt && word != "--assembly";
+                let known = match format {
+                    Format::Mmcif => true,
+                    Format::Pdb => word != "--as-listed",
+                    Format::Pdbqt => ["--model", "--altloc"].contains(&word),
+                    _ => false,
+                };
                 let found = check(*format, &options);
                 assert_eq!(found.is_ok(), known, "{format:?} {word}");
                 assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
@@ -416,7 +438,7 @@ mod tests {
                 model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
             }
         }
-        let particles = model.finish(None, &[], &Place::default()).expect("particles");
+        let particles = model.finish(Copies::None, &[], &Place::default()).expect("particles");
         assert_eq!(particles.positions, [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");
         assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
         assert_eq!(particles.elements, [0, 0]);

@@ -8,7 +8,7 @@ mod columns;
 mod dialects;
 
 use super::infer::{Inference, Named};
-use super::molecule::{Choice, Kind, Model, Names, Passed, cell, more_models, not_assembled};
+use super::molecule::{Choice, Copies, Kind, Model, Names, Passed, cell, more_models, not_assembled};
 use super::{Altloc, Cell, Frames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
@@ -248,7 +248,8 @@ impl Frames for Pdb {
                 Some(id) => Some(assembly::find(self.biomt.assemblies(&self.lines)?, id, &file)?),
                 None => None,
             };
-            let mut particles = model.finish(assembly, &self.chains.list, &file)?;
+            let copies = assembly.map_or(Copies::None, Copies::Assembly);
+            let mut particles = model.finish(copies, &self.chains.list, &file)?;
             // An assembly is not what the crystal repeats.
             particles.cell = self.cell.filter(|_| assembly.is_none());
             if self.choice.wants(Kind::Chain) {

@@ -1,6 +1,7 @@
 //! What an mmCIF file says besides its atoms: the cell, the operators and which of them make which assembly
 //! (mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic: `_cell`, `_pdbx_struct_oper_list`, `_pdbx_struct_assembly_gen`).
 
+use super::symmetry::{self, Symmetry};
 use super::tokens::{Tokens, number};
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
@@ -23,6 +24,8 @@ pub(super) enum Item {
     Number(usize),
     /// Of the cell: edges, then angles.
     Cell(usize),
+    /// Of a small molecule.
+    Symmetry(symmetry::Item),
 }
 
 impl Item {
@@ -41,7 +44,9 @@ impl Item {
                 _ => None,
             };
         }
-        let name = tag.strip_prefix("_pdbx_struct_oper_list.")?;
+        let Some(name) = tag.strip_prefix("_pdbx_struct_oper_list.") else {
+            return symmetry::Item::of(tag).map(Self::Symmetry);
+        };
         let digit = |byte: u8| (b'1'..=b'3').contains(&byte).then(|| usize::from(byte - b'1'));
         match name.as_bytes() {
             b"id" => Some(Self::Operator),
@@ -77,13 +82,20 @@ pub(super) struct Operators {
     generators: Vec<Generator>,
     list: Vec<Listed>,
     cell: [f64; 6],
+    pub(super) symmetry: Symmetry,
     /// Of both lists.
     ledger: Ledger,
 }
 
 impl Default for Operators {
     fn default() -> Self {
-        Self { generators: Vec::new(), list: Vec::new(), cell: [f64::NAN; 6], ledger: Ledger::default() }
+        Self {
+            generators: Vec::new(),
+            list: Vec::new(),
+            cell: [f64::NAN; 6],
+            symmetry: Symmetry::default(),
+            ledger: Ledger::default(),
+        }
     }
 }
 
@@ -116,6 +128,7 @@ impl Operators {
             self.ledger.add(tokens.value().len())?;
         }
         match (item, self.generators.last_mut(), self.list.last_mut()) {
+            (Item::Symmetry(item), ..) => self.symmetry.take(item, tokens)?,
             (Item::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
             (Item::Assembly, Some(generator), _) => generator.assembly = tokens.string()?,
             (Item::Chains, Some(generator), _) => generator.chains = tokens.string()?,

@@ -1,13 +1,14 @@
 //! A row of `_atom_site`: which column is what, and what an atom's values come to.
 
 use super::RowNames;
+use super::symmetry::Symmetry;
 use super::tokens::{Token, Tokens, number};
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::scene::lines::Spot;
+use crate::scene::particles::Altloc;
 use crate::scene::particles::infer::Named;
 use crate::scene::particles::molecule::{Choice, Kind, Model};
-use crate::scene::particles::{Altloc, Cell};
 
 /// What a column is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +31,8 @@ enum Use {
     Entity,
     /// Part of what tells sites apart.
     Site,
+    /// How the place was found; `dum` is that of no atom.
+    Origin,
 }
 
 /// The columns of the atoms.
@@ -97,6 +100,7 @@ impl Layout {
             (column(&["auth_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
             (column(&["pdbx_pdb_ins_code"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
             (column(&["label_alt_id"]), Use::Location),
+            (column(&["calc_flag"]), Use::Origin),
         ];
         let sites =
             ["label_asym_id", "auth_asym_id", "label_seq_id", "auth_seq_id", "pdbx_pdb_ins_code", "label_atom_id"];
@@ -127,9 +131,9 @@ impl Layout {
         self.one
     }
 
-    /// The numbers that the file has.
+    /// The numbers that the file has; what symmetry makes of a small molecule is numbered as copies.
     pub(super) fn has(&self) -> Vec<Kind> {
-        self.has.clone()
+        self.has.iter().copied().chain(self.fractional.then_some(Kind::Copy)).collect()
     }
 }
 
@@ -153,12 +157,17 @@ pub(super) struct Row {
     /// By [`Kind`].
     numbers: [f64; Kind::ALL.len()],
     asym: u32,
+    /// Whether no atom stands here.
+    dummy: bool,
+    /// Whether it is a small molecule's.
+    small: bool,
 }
 
 impl Row {
     /// Reads the next row; false where the loop ends.
     pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &Layout, names: &mut RowNames) -> Result<bool> {
         self.clear();
+        self.small = layout.fractional;
         for (k, uses) in layout.uses.iter().enumerate() {
             match tokens.next()? {
                 Token::Value => {}
@@ -187,6 +196,7 @@ impl Row {
         file: &Place,
     ) -> Result<()> {
         self.clear();
+        self.small = layout.fractional;
         for (uses, (value, spot)) in layout.uses.iter().zip(values) {
             for kind in uses {
                 self.take(*kind, value, names, || spot.of(file.clone()))?;
@@ -198,7 +208,7 @@ impl Row {
     fn clear(&mut self) {
         let names = [&mut self.symbol, &mut self.name, &mut self.residue, &mut self.number];
         names.into_iter().chain([&mut self.location, &mut self.site]).for_each(Vec::clear);
-        (self.model, self.asym) = (1, 0);
+        (self.model, self.asym, self.dummy) = (1, 0, false);
         self.numbers = [f64::NAN; Kind::ALL.len()];
     }
 
@@ -216,6 +226,7 @@ impl Row {
                 self.site.extend(value);
                 self.site.push(0);
             }
+            Use::Origin => self.dummy = value.eq_ignore_ascii_case(b"dum"),
             Use::Model => {
                 let number = std::str::from_utf8(value).ok().and_then(|text| text.parse().ok());
                 self.model = match number {
@@ -241,19 +252,22 @@ impl Row {
         Ok(())
     }
 
-    /// Gives the atom to a model; fractions of a cell become places in it.
-    pub(super) fn give(&self, model: &mut Model, cell: Option<&Cell>) -> Result<()> {
+    /// Gives the atom to a model; fractions of a cell as they are. Where no symbol is given, the label of a small molecule's atom
+    /// begins with it.
+    pub(super) fn give(&self, model: &mut Model, symmetry: &Symmetry) -> Result<()> {
         let occupancy = self.numbers[Kind::Occupancy as usize];
         // Where a file does not say it, an atom is there.
         let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
         if !model.admits(&self.location, occupancy, |key| key.extend(&self.site))? {
             return Ok(());
         }
-        let atom = Named { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
-        let position = cell.map_or(self.position, |cell| {
-            [0, 1, 2].map(|k| cell.origin[k] + (0..3).map(|n| self.position[n] * cell.edges[n][k]).sum::<f64>())
-        });
-        model.push(&atom, position, self.asym, |kind| match kind {
+        let mut atom = Named { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
+        if self.dummy {
+            atom = Named { symbol: b"", name: b"DUM", ..atom };
+        } else if self.symbol.is_empty() && self.small {
+            atom.symbol = symmetry.symbol(&self.name);
+        }
+        model.push(&atom, self.position, self.asym, |kind| match kind {
             Kind::Occupancy => occupancy,
             Kind::Model => self.model as f64,
             Kind::Copy => 0.0,

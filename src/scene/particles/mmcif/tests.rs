@@ -167,7 +167,9 @@ fn fractions_of_the_cell_become_places() {
     // The cosine of 120 degrees and a few products of numbers below 16.
     assert!(frame.positions[1].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{:?}", frame.positions[1]);
     assert!(frame.skipped.assumed.iter().any(|said| said.contains("symmetry")), "{:?}", frame.skipped);
-    assert!(refused(&format!("data_x\n{atoms}{cell}"), &options(&[])).contains("fractions of a cell"));
+    // The cell may follow the atoms.
+    assert_eq!(read(&format!("data_x\n{atoms}{cell}"), &options(&[])).expect("atoms")[0].positions, frame.positions);
+    assert!(refused(&format!("data_x\n{atoms}"), &options(&[])).contains("fractions of a cell"));
 }
 
 #[test]
@@ -214,4 +216,43 @@ fn no_bytes_make_a_panic() {
         bytes[at] = if seed & 63 == 0 { bytes[at] } else { old };
     }
     assert!(found > 100, "only {found} atoms: nothing was tried");
+}
+
+#[test]
+fn symmetry_fills_the_cell_of_a_small_molecule() {
+    let cell = "_cell_length_a 4\n_cell_length_b 4\n_cell_length_c 4\n_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n";
+    let operators = |tag: &str, list: &str| format!("loop_\n{tag}\n{list}\n");
+    let atoms = "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n_atom_site_calc_flag\n\
+        CA1 0 0 0 d\nO1 0.25 0.25 0.25 d\nCg 0.1 0.1 0.1 dum\n";
+    let centred = "x,y,z\n'1/2+x, 1/2+y, z'\n-x,-y,-z";
+    let sum = "_chemical_formula_sum 'Ca O'\n";
+    for tag in ["_symmetry_equiv_pos_as_xyz", "_space_group_symop_operation_xyz", "_space_group_symop.operation_xyz"] {
+        for text in [
+            format!("data_x\n{sum}{cell}{}{atoms}", operators(tag, centred)),
+            format!("data_x\n{sum}{atoms}{}{cell}", operators(tag, centred)),
+        ] {
+            let frame = read(&text, &options(&["copy"])).expect("a cell").remove(0);
+            assert_eq!(frame.elements, [20, 8, 20, 8, 8], "{tag}");
+            assert_eq!(frame.positions[1..], [[1.0; 3], [2.0, 2.0, 0.0], [3.0, 3.0, 1.0], [3.0; 3]]);
+            assert_eq!(frame.columns[0].values, [0.0, 0.0, 1.0, 1.0, 2.0]);
+            let said = &frame.skipped.assumed;
+            assert!(said.iter().any(|said| said.starts_with("3 operators make 5 atoms")), "{said:?}");
+            assert!(said.iter().any(|said| said.starts_with("1 virtual sites are left out (1 `DUM`)")), "{said:?}");
+            let listed = ReadOptions { as_listed: true, ..options(&["copy"]) };
+            assert_eq!(read(&text, &listed).expect("as listed")[0].positions, [[0.0; 3], [1.0; 3]]);
+        }
+    }
+    // P 1 with only x,y,z has no symmetry to speak of.
+    let plain = format!(
+        "data_x\n_symmetry_space_group_name_H-M 'P 1'\n{cell}_space_group_symop_operation_xyz x,y,z\n{}",
+        atoms.replace("Cg 0.1 0.1 0.1 dum\n", "")
+    );
+    let frame = read(&plain, &options(&[])).expect("a cell").remove(0);
+    assert!(frame.skipped.assumed.is_empty() && frame.positions.len() == 2, "{:?}", frame.skipped);
+    let bad = format!("data_x\n{cell}{}{atoms}", operators("_symmetry_equiv_pos_as_xyz", "x,y,z\nx,y"));
+    let error = refused(&bad, &options(&[]));
+    assert!(error.contains("text:11:1: symmetry: `x,y` is no operator"), "{error}");
+    // What macromolecules list is the asymmetric unit, whatever operators follow.
+    let entry = format!("data_X\n{ATOMS}{}", operators("_symmetry_equiv.pos_as_xyz", centred));
+    assert_eq!(read(&entry, &options(&[])).expect("atoms")[0].positions.len(), 4);
 }
