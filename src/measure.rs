@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod contender;
 pub mod export;
+pub mod frames;
 pub mod picture;
 #[cfg(feature = "plots")]
 pub mod plot;

@@ -221,7 +221,7 @@ fn bad_files_and_bad_requests_have_their_own_codes() {
     for (arguments, code, word) in [
         (&["a.npy", "cut.npy"][..], 3, "cut.npy: "),
         (&["cut.png", "a.png"], 3, "cut.png: "),
-        (&["words.npy", "a.npy"], 3, "words.npy: neither PNG nor .npy"),
+        (&["words.npy", "a.npy"], 3, "words.npy: neither PNG, EXR, PFM, .npy nor .npz"),
         (&["a.npy", "none.npy"], 8, "cannot read none.npy"),
         (&["a.npy", "."], 8, "cannot read ."),
         (&["a.npy", "a.npy", "-o", "none/diff.png"], 8, "cannot write none/diff.png"),
@@ -312,4 +312,101 @@ fn standard_input_and_output_are_files_too() {
     let bytes = fs::read(desk.path("a.npy")).expect("there");
     child.stdin.take().expect("a pipe").write_all(&bytes).expect("taken");
     assert!(child.wait().expect("it ends").success());
+}
+
+/// Renders a sphere on the CPU into the files that are named.
+fn render(desk: &Desk, options: &str) {
+    let scene = "[camera]\neye = [0, 0, 5]\nview = [0, 0, -1]\nup = [0, 1, 0]\nvfov = 40\n[image]\nsize = [12, 9]\n\
+        [[sphere]]\ncenter = [0.1, 0.2, 0.3]\nradius = 1\ncolor = [0.9, 0.5, 0.1]\n";
+    fs::write(desk.path("scene.toml"), scene).expect("written");
+    let words = ["render", "scene.toml", "--backend", "cpu"].into_iter().chain(options.split(' '));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_halfline"));
+    let output = command.args(words).current_dir(desk.0.path()).stdin(Stdio::null()).output().expect("halfline runs");
+    assert!(output.status.success(), "{options}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+const ALL: &str = "color,distance,depth,normal,position,id,mask,certainty,bound,alpha";
+
+#[test]
+fn every_format_that_is_written_is_compared() {
+    let desk = Desk::new();
+    render(
+        &desk,
+        &format!("-o a.exr --aov {ALL} --aov {ALL}=a.npz --aov depth=a.npy --aov depth=a.pfm --aov normal=n.pfm"),
+    );
+    // Misses are NaN in position, infinite in depth, -1 in id, and equal themselves.
+    for name in ["a.exr", "a.npz"] {
+        let (code, out, _) = desk.said(&[name, name]);
+        assert_eq!((code, out.lines().next()), (0, Some("equal: 10 buffers")), "{out}");
+        assert!(
+            out.contains("\nposition: equal: 9 x 12 x 3 of ") && out.contains("\nid: equal: 9 x 12 of int32"),
+            "{out}"
+        );
+    }
+    // EXR rounds f64 to f32, whose half unit is 2^-24 of the number; all numbers here are below 8. All else is the same.
+    let half = (8.0 * f64::powi(2.0, -24)).to_string();
+    for (a, b) in [("a.exr", "a.npz"), ("a.npz", "a.exr")] {
+        let (code, report) = desk.json(&[a, b, "--tolerance", &half]);
+        let buffers = report["buffers"].as_array().expect("buffers");
+        assert_eq!((code, buffers.len(), report["missing"].as_array().map(Vec::len)), (0, 10, Some(0)), "{report}");
+        for buffer in buffers {
+            let exact =
+                ["color", "normal", "id", "mask", "certainty", "alpha"].iter().any(|name| buffer["name"] == *name);
+            assert!(!exact || buffer["differing"] == 0, "{buffer}");
+            assert!(buffer["name"] != "depth" || buffer["differing"].as_u64() > Some(0), "rounding is seen: {buffer}");
+        }
+    }
+    // One buffer against many is that buffer.
+    for (a, b) in [("a.pfm", "a.exr"), ("a.npy", "a.npz"), ("a.exr", "a.pfm")] {
+        let (code, out, _) = desk.said(&[a, b, "--aov", "depth"]);
+        assert_eq!((code, &out[..6]), (0, "equal:"), "{a} {b}: {out}");
+    }
+    assert_eq!(desk.said(&["a.npy", "a.pfm", "--tolerance", &half]).0, 0);
+    assert_eq!(desk.said(&["n.pfm", "a.exr", "--aov", "normal"]).0, 0);
+    let (code, out, _) = desk.said(&["a.pfm", "n.pfm"]);
+    assert!(code == 1 && out.contains("the shapes are 9 x 12 and 9 x 12 x 3"), "{out}");
+}
+
+#[test]
+fn buffers_that_one_file_lacks_are_a_difference_with_a_name() {
+    let desk = Desk::new();
+    render(&desk, "-o a.exr --aov depth,id --aov depth,bound=b.npz --aov depth=d.npy");
+    let (code, out, _) = desk.said(&["a.exr", "b.npz", "--tolerance", "1e-6"]);
+    assert_eq!(code, 1);
+    let verdict =
+        "different: only a.exr has color; only a.exr has id; only b.npz has bound; 0 of 1 common buffers differ\n";
+    assert!(out.starts_with(verdict), "{out}");
+    let (_, report) = desk.json(&["a.exr", "b.npz", "--tolerance", "1e-6"]);
+    assert_eq!(report["missing"][2], serde_json::json!({ "buffer": "bound", "only_in": "b.npz" }));
+    assert_eq!((&report["equal"], &report["buffers"][0]["equal"]), (&false.into(), &true.into()));
+    assert_eq!(desk.said(&["a.exr", "b.npz", "--tolerance", "1e-6", "--aov", "depth"]).0, 0);
+    assert_eq!(desk.said(&["d.npy", "b.npz"]).0, 1, "the file with more has what the other lacks");
+    for (arguments, word) in [
+        (&["a.exr", "b.npz", "--aov", "bound"][..], "a.exr has no buffer `bound`; it has color, depth, id"),
+        (&["a.exr", "a.exr", "-o", "diff.png"], "choose one with --aov: color, depth, id"),
+    ] {
+        let (code, _, err) = desk.said(arguments);
+        assert!(code == 2 && err.contains(word), "{arguments:?}: {err}");
+    }
+    assert!(!desk.path("diff.png").exists());
+    assert_eq!(desk.said(&["a.exr", "a.exr", "-o", "diff.png", "--aov", "depth"]).0, 0);
+    assert!(desk.path("diff.png").exists());
+}
+
+#[test]
+fn one_pixel_that_differs_is_found_in_every_format() {
+    let desk = Desk::new();
+    // On a miss depth is infinite or 0: nothing else differs.
+    for ending in ["npz", "exr", "pfm"] {
+        render(&desk, &format!("--aov depth=inf.{ending}"));
+        render(&desk, &format!("--aov depth=zero.{ending} --no-return zero"));
+        let (code, report) = desk.json(&[&format!("inf.{ending}"), &format!("zero.{ending}"), "--tolerance", "inf"]);
+        assert_eq!((code, &report["max"], &report["at"]["a"]), (1, &"inf".into(), &"inf".into()), "{ending}");
+        let count = report["beyond"].as_u64().expect("a count");
+        assert!((10..108).contains(&count), "{ending}: {count} misses");
+    }
+    render(&desk, "-o left.exr --crop 0,0,6,9");
+    render(&desk, "-o right.exr --crop 6,0,12,9");
+    let (code, out, _) = desk.said(&["left.exr", "right.exr"]);
+    assert!(code == 1 && out.contains("the data windows begin at 0,0 and at 6,0"), "{out}");
 }

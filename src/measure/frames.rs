@@ -1,0 +1,172 @@
+//! The buffers of a file as arrays with names, whatever the format and whoever wrote it; and which buffers of two files
+//! belong together.
+
+mod exr;
+mod npz;
+mod pfm;
+
+use super::Array;
+use crate::error::{Error, Place, Result};
+use crate::frame::npy;
+use crate::frame::png;
+use crate::frame::provenance::Provenance;
+use crate::quote::{list, quote};
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// A buffer of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// What the file calls it, `depth`; `None` where it does not say.
+    pub name: Option<String>,
+    /// Its values.
+    pub array: Array,
+}
+
+/// A file's buffers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frames {
+    /// What messages call the file.
+    pub name: String,
+    /// In the file's order.
+    pub buffers: Vec<Named>,
+    /// Column and row of the first pixel in the full frame, where the format has a place for it.
+    pub origin: Option<[i32; 2]>,
+}
+
+/// Buffers of two files that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pair<'a> {
+    /// Their name, where either file gives one.
+    pub name: Option<&'a str>,
+    /// The first file's.
+    pub a: &'a Array,
+    /// The second file's.
+    pub b: &'a Array,
+}
+
+/// What two files have in common.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairs<'a> {
+    /// The buffers that both have.
+    pub common: Vec<Pair<'a>>,
+    /// Buffers that only one of them has: its name, and the file's.
+    pub missing: Vec<(&'a str, &'a str)>,
+}
+
+impl Frames {
+    /// Reads a .png, .npy, .npz, .exr or .pfm file, told apart by content; `-` is standard input.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at the file for one that makes no sense,
+    /// [`Error::Limits`] for one that does not fit the memory.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = if crate::frame::file::is_standard(path) {
+            let mut bytes = Vec::new();
+            std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+        } else {
+            std::fs::read(path)
+        };
+        Self::from_bytes(&bytes.map_err(|error| Error::read(path, error))?, &path.display().to_string())
+    }
+
+    /// The same of a file's bytes; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// As [`Frames::read`].
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
+        let one = |aov: Option<String>, array: Array| Self {
+            name: name.to_owned(),
+            buffers: vec![Named { name: aov, array }],
+            origin: None,
+        };
+        match bytes {
+            [0x89, b'P', b'N', b'G', ..] => Ok(one(png_buffer(bytes), png::read(bytes, name)?)),
+            [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => Ok(one(trailed_buffer(bytes), npy::read(bytes, name)?)),
+            [b'P', b'K', 3 | 5, 4 | 6, ..] => npz::read(bytes, name),
+            [0x76, 0x2f, 0x31, 0x01, ..] => exr::read(bytes, name),
+            [b'P', b'F' | b'f', white, ..] if white.is_ascii_whitespace() => {
+                Ok(one(trailed_buffer(bytes), pfm::read(bytes, name)?))
+            }
+            _ => {
+                let mend = "give a frame that halfline wrote; .raw files say no shape";
+                Err(Error::scene(Place::file(name), "neither PNG, EXR, PFM, .npy nor .npz", mend))
+            }
+        }
+    }
+
+    /// Which buffers of two files are to be compared: those of the same name, or those that `wanted` names. Where each file
+    /// has a single buffer they belong together, whatever their names.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a name that a file does not have, and where a file does not say which buffer of the other it is.
+    pub fn pairs<'a>(a: &'a Self, b: &'a Self, wanted: &'a [String]) -> Result<Pairs<'a>> {
+        if !wanted.is_empty() {
+            let pair = |name: &'a String| Ok(Pair { name: Some(name), a: a.buffer(name)?, b: b.buffer(name)? });
+            return Ok(Pairs { common: wanted.iter().map(pair).collect::<Result<_>>()?, missing: Vec::new() });
+        }
+        if let ([one], [other]) = (&a.buffers[..], &b.buffers[..]) {
+            let name = one.name.as_deref().or(other.name.as_deref());
+            return Ok(Pairs { common: vec![Pair { name, a: &one.array, b: &other.array }], missing: Vec::new() });
+        }
+        for (nameless, other) in [(a, b), (b, a)] {
+            if nameless.buffers.iter().any(|buffer| buffer.name.is_none()) {
+                let problem = format!("{} does not say which of the buffers of {} it is", nameless.name, other.name);
+                return Err(Error::settings(problem, format!("choose with --aov: {}", other.names())));
+            }
+        }
+        let (mut common, mut missing) = (Vec::new(), Vec::new());
+        for buffer in &a.buffers {
+            let name = buffer.name.as_deref().unwrap_or_default();
+            match b.buffers.iter().find(|other| other.name == buffer.name) {
+                Some(other) => common.push(Pair { name: Some(name), a: &buffer.array, b: &other.array }),
+                None => missing.push((name, &a.name[..])),
+            }
+        }
+        let only_b = b.buffers.iter().filter(|buffer| a.buffers.iter().all(|other| other.name != buffer.name));
+        missing.extend(only_b.map(|buffer| (buffer.name.as_deref().unwrap_or_default(), &b.name[..])));
+        Ok(Pairs { common, missing })
+    }
+
+    fn buffer(&self, name: &str) -> Result<&Array> {
+        let found = match &self.buffers[..] {
+            // A file of one buffer that does not say which is what it is asked for.
+            [only] if only.name.is_none() => Some(only),
+            all => all.iter().find(|buffer| buffer.name.as_deref() == Some(name)),
+        };
+        found.map(|buffer| &buffer.array).ok_or_else(|| {
+            Error::settings(format!("{} has no buffer {}", self.name, quote(name)), format!("it has {}", self.names()))
+        })
+    }
+
+    fn names(&self) -> String {
+        list(self.buffers.iter().filter_map(|buffer| buffer.name.as_deref()))
+    }
+}
+
+/// The one buffer that words of provenance name.
+fn single(buffers: Option<&str>) -> Option<String> {
+    // Alpha is a channel of colour in a PNG.
+    let name = buffers?.strip_suffix(",alpha").unwrap_or(buffers?);
+    (!name.contains(',')).then(|| name.to_owned())
+}
+
+/// The buffer that the words behind the numbers of a .npy or .pfm name.
+fn trailed_buffer(bytes: &[u8]) -> Option<String> {
+    // The words are text and short; numbers before them may be of any kind.
+    const LONGEST: usize = 1 << 16;
+    let tail = &bytes[bytes.len().saturating_sub(LONGEST)..];
+    let starts = tail.windows(10).enumerate().filter(|(_, window)| *window == b"\nhalfline ").map(|(at, _)| at);
+    let words = starts.rev().find_map(|at| Provenance::from_trailer(&tail[at..]))?;
+    single(words.get("halfline:buffers"))
+}
+
+/// The buffer that the text chunks of a PNG name.
+fn png_buffer(bytes: &[u8]) -> Option<String> {
+    let reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().ok()?;
+    let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "halfline:buffers")?;
+    single(Some(&chunk.get_text().ok()?))
+}
+
+#[cfg(test)]
+mod tests;
