@@ -26,7 +26,7 @@ use super::source::{Format, Source};
 use super::{ReadOptions, Skipped};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
-use infer::{Inference, Inferred};
+use infer::{Inference, Inferred, Species};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -53,6 +53,8 @@ pub(crate) struct Particles {
     pub(crate) cell: Option<Cell>,
     /// Names of elements that are none, and how many particles bear each.
     pub(crate) unknown: BTreeMap<String, u64>,
+    /// What a column of symbols holds besides them, while it is read.
+    pub(super) species: Species,
     /// What is no particle, and what was assumed.
     pub(crate) skipped: Skipped,
     /// Particles that all lists have room for.
@@ -112,17 +114,29 @@ impl Particles {
             column.values.append(&mut more.values);
         }
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
+        self.species.add(more.species);
         Ok(())
+    }
+
+    /// Ends a column of symbols: finds elements of names, and leaves out virtual sites.
+    fn settle_species(&mut self) {
+        let (said, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
+        self.skipped.assumed.extend(said);
+        self.leave_sites_out(sites);
+    }
+
+    fn leave_sites_out(&mut self, there: bool) {
+        if there {
+            let stays: Vec<bool> = self.elements.iter().map(|code| !infer::is_site(*code)).collect();
+            self.keep(&stays);
+        }
     }
 
     /// Ends an inference: leaves out virtual sites and returns what there is to report.
     fn infer(&mut self, inference: Inference) -> Vec<String> {
         let read = self.elements.len() as u64;
         let inferred = inference.finish(&mut self.elements);
-        if inferred.sites() > 0 {
-            let stays: Vec<bool> = self.elements.iter().map(|code| !infer::is_site(*code)).collect();
-            self.keep(&stays);
-        }
+        self.leave_sites_out(inferred.sites() > 0);
         let said = inferred.sentences(read);
         self.count_unknown_atoms(inferred);
         said

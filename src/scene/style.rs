@@ -229,7 +229,15 @@ impl Style {
         };
         let colors = match &self.coloring {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
-            Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
+            Coloring::File if !particles.colors.is_empty() => {
+                let mut colors = std::mem::take(&mut particles.colors);
+                if is_8_bit(&colors) {
+                    let said = "colours are whole numbers up to 255: they are taken as 8-bit sRGB, not as linear RGB";
+                    skipped.assumed.push(said.into());
+                    colors.par_iter_mut().for_each(|color| *color = linear(color.map(|level| level as u8)));
+                }
+                Some(colors)
+            }
             Coloring::File => elements(),
             Coloring::Element => {
                 let colors = elements().ok_or_else(|| {
@@ -244,6 +252,12 @@ impl Style {
         };
         Ok((colors, None))
     }
+}
+
+/// Whether colours are levels of a picture, not linear RGB: whole numbers up to 255, some beyond 1.
+fn is_8_bit(colors: &[[f32; 3]]) -> bool {
+    let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
+    colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
 }
 
 /// Mean distance between neighbours, if particles filled their box evenly; 1 for one particle.
@@ -289,6 +303,21 @@ mod tests {
         assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
         p.radii = vec![3.0; 5];
         assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
+    }
+
+    #[test]
+    fn colours_of_files_may_be_levels_of_8_bits() {
+        let colored = |colors: &[[f32; 3]]| {
+            let mut p = particles(colors.len());
+            p.colors = colors.to_vec();
+            let mut skipped = Skipped::default();
+            let (found, _) = Style::default().colors(&mut p, &mut skipped).expect("colours");
+            (found.expect("colours"), skipped.assumed.len())
+        };
+        assert_eq!(colored(&[[255.0, 0.0, 128.0]]), (vec![linear([255, 0, 128])], 1));
+        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.0, 0.0, 0.0]]] {
+            assert_eq!(colored(&linear), (linear.to_vec(), 0), "linear, beyond 1 too");
+        }
     }
 
     #[test]

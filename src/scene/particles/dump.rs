@@ -184,6 +184,7 @@ impl Frames for Dump {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout)?;
+        particles.settle_species();
         if let Some(cell) = scaling {
             particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
         }

@@ -4,6 +4,9 @@
 
 mod residues;
 pub(super) mod rules;
+mod species;
+
+pub(in crate::scene) use species::Species;
 
 use crate::quote::quote;
 use residues::{Class, class};

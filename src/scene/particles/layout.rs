@@ -6,7 +6,7 @@ use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::scene::check_color;
 use crate::scene::lines::{Lines, Word};
-use crate::scene::style::elements::{atomic_number, element};
+use crate::scene::style::elements::element;
 use std::io::BufRead;
 
 /// What a column is.
@@ -194,7 +194,7 @@ impl Slot {
             Role::Text => return Ok(()),
             Role::Other if unread => return Ok(()),
             Role::Symbol => {
-                let number = species(word.text);
+                let number = particles.species.code(word.text);
                 if number == 0 {
                     particles.count_unknown(word.text, 1);
                 }
@@ -250,14 +250,6 @@ pub(crate) fn component(name: &str, k: usize) -> String {
         Some(axis) => format!("{name}_{axis}"),
         None => format!("{name}_{k}"),
     }
-}
-
-/// A symbol, perhaps with a number or a charge after it (`C12`), or an atomic number.
-fn species(word: &str) -> u8 {
-    if let Ok(number) = word.parse::<u8>() {
-        return element(number).map_or(0, |_| number);
-    }
-    atomic_number(word.trim_end_matches(|c: char| c.is_ascii_digit() || "+-_*'".contains(c)))
 }
 
 /// The columns of a style, no more of them than are ever of use.

@@ -32,6 +32,8 @@ pub(super) struct Mmcif {
     passed: Passed,
     /// Whether it was said that assemblies are not built.
     told: bool,
+    /// Whether another data block follows that of the atoms.
+    blocks: bool,
 }
 
 /// Names of chains and the like, numbered.
@@ -67,6 +69,7 @@ impl Mmcif {
             count: 0,
             passed: Passed::default(),
             told: false,
+            blocks: false,
         }
     }
 
@@ -92,7 +95,9 @@ impl Mmcif {
     fn rest(&mut self) -> Result<()> {
         while self.state == State::Behind {
             match self.tokens.next()? {
-                Token::End | Token::Block => self.state = State::End,
+                token @ (Token::End | Token::Block) => {
+                    (self.state, self.blocks) = (State::End, token == Token::Block);
+                }
                 token => {
                     self.item(token)?;
                 }
@@ -312,6 +317,9 @@ impl Frames for Mmcif {
                 particles.labels.insert(kind.name().into(), names.labels());
             }
             let said = &mut particles.skipped.assumed;
+            if self.blocks {
+                said.push("the file has several data blocks and the first with atoms is shown".into());
+            }
             if more && self.choice.any_model() {
                 said.push(more_models(None));
             }

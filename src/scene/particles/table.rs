@@ -120,6 +120,7 @@ impl Table<Input> {
             true => row(line, delimiter, &layout, found),
             false => Ok(()),
         })?;
+        particles.settle_species();
         Ok(particles)
     }
 }

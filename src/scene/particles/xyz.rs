@@ -195,6 +195,7 @@ impl Frames for Xyz {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout, &mut particles)?;
+        particles.settle_species();
         Ok(Some(particles))
     }
 

@@ -252,6 +252,9 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
     let bad = format!("data_x\n{cell}{}{atoms}", operators("_symmetry_equiv_pos_as_xyz", "x,y,z\nx,y"));
     let error = refused(&bad, &options(&[]));
     assert!(error.contains("text:11:1: symmetry: `x,y` is no operator"), "{error}");
+    let two = read(&format!("{plain}data_y\n{atoms}"), &options(&[])).expect("the first").remove(0);
+    assert_eq!((two.positions.len(), two.skipped.assumed.len()), (2, 1));
+    assert!(two.skipped.assumed[0].starts_with("the file has several data blocks"), "{:?}", two.skipped);
     // What macromolecules list is the asymmetric unit, whatever operators follow.
     let entry = format!("data_X\n{ATOMS}{}", operators("_symmetry_equiv.pos_as_xyz", centred));
     assert_eq!(read(&entry, &options(&[])).expect("atoms")[0].positions.len(), 4);
