@@ -1,11 +1,11 @@
 """The elements that halfline finds, against those of gemmi, MDAnalysis and ParmEd, atom by atom.
 
     pip install gemmi MDAnalysis MDAnalysisTests parmed
-    cargo build --release --example elements
-    python tests/independent/elements.py target/release/examples/elements [FOLDER...]
+    cargo build --example elements
+    python tests/independent/elements.py target/debug/examples/elements [FOLDER...]
 
 Files: every PDB, GRO and mmCIF file of MDAnalysisTests and of the folders that are named. An atom is the same atom in two
-programs where its place is the same and it is the n-th of that place.
+programs where its place is the same, to the last of three decimals, and it is the n-th of that place.
 
 Topologies: every PSF, AMBER and GROMACS topology there. They give elements as masses or atomic numbers; their names are
 written to files that give none (PDB with names that begin in the first column, in the second, and as the format says; GRO),
@@ -14,10 +14,10 @@ which halfline reads.
 Crystals: every small-molecule CIF of those folders. The cell that halfline fills is that of gemmi, atom by atom; ASE's too
 where it is installed and reads the file.
 
-Prints tables in markdown. Every difference is listed; those that EXPLAINED names are explained there. Exits with 1 if
-another one is left.
+Prints tables in markdown: files, atoms and differences; the differences that EXPLAINED explains; those that nothing explains.
+Exits with 1 if there are any of the last, or an atom that one program alone has and that is no virtual site.
 """
-import bz2, collections, gzip, json, logging, os, re, shutil, subprocess, sys, tempfile, warnings
+import bz2, collections, gzip, itertools, json, logging, os, re, shutil, subprocess, sys, tempfile, warnings
 
 import gemmi, MDAnalysis, numpy as np, parmed
 from MDAnalysis.guesser.default_guesser import DefaultGuesser
@@ -29,9 +29,41 @@ logging.disable(logging.CRITICAL)
 STRUCTURES = (".pdb", ".ent", ".gro", ".cif", ".pdbx")
 TOPOLOGIES = (".psf", ".xplor", ".parm7", ".prmtop", ".tpr")
 
-# Differences that are explained: program, file, residue, atom, halfline's element, theirs ("" where they have none).
-# Each a regular expression, and why.
-EXPLAINED = []
+# Differences where the other program is wrong, as "program file residue atom halfline's-element theirs" with "-" for none, and
+# why. A pattern names its files, and where it covers many atoms it says what halfline's element must be.
+EXPLAINED = [
+    (
+        r"gemmi (adk_(open|closed|open_10res)|nucl_res|test_topology|CONECT2TER|SINGLECONECT)\.pdb \S+ ([CHNOS])\S* \3 \S+",
+        "names begin in column 13 throughout; gemmi reads columns 13 and 14 as a symbol (CA calcium, HG1 mercury, HN none)",
+    ),
+    (
+        r"(gemmi|ParmEd) (cobrotoxin|adk_oplsaa|pdbqt_querypdb|gromos11_traj_(solv|vac))\.pdb\S* \S+ (CL Cl C|NA Na N|FE Fe F)",
+        "ions and haem's iron begin in column 14, where the format has symbols of one letter",
+    ),
+    (r"(gemmi|ParmEd) 1k5i_c36\.pdb\.gz POT POT K P", "CHARMM's name of potassium begins in column 14; read as phosphorus"),
+    (r"ParmEd cobrotoxin\.pdb \S+ \dH\S+ H -", "hydrogens numbered in front (1HG2): ParmEd gives no element"),
+    (r"ParmEd \S+\.gro\S* (NA\+ NA Na N|CL CL Cl C)", "ions of GRO files: ParmEd takes the first letter"),
+    (
+        r"(MDAnalysis|ParmEd) (martini_dppc_chol_bilayer|dppc_vesicle_hg|grovels)\.gro (DPPC|DOPC|CHOL) \S+ - [CNOPGR]",
+        "beads of Martini, several atoms each; the other takes the first letter",
+    ),
+    (
+        r"(MDAnalysis|ParmEd) dummy(_2021)?\.gro TEST T\d+ - H",
+        "numbered types of a test of bonded interactions, no atoms; T is taken for tritium",
+    ),
+    (r"MDAnalysis \S+\.gro SOL [AEG] - [AEG]", "names without meaning; MDAnalysis returns the letter, which is no element"),
+    (r"MDAnalysis argon_npt_compressed\.gro\.gz Ar Ar Ar A", "argon; MDAnalysis cuts the name to A, which is no element"),
+    (r"MDAnalysis YiiP_lipids\.gro\.gz ZNM ZND Zn N", "zinc amid its six dummies; MDAnalysis strips Z and D"),
+    (r"MDAnalysis pdbqt_querypdb\.pdb HEM NA N Na", "a nitrogen of haem's ring; MDAnalysis guesses sodium"),
+    (
+        r"gemmi sample\.cif THR (ZN Zn|([CHNO])\S* \2) -",
+        "type_symbol is XX throughout; halfline takes the names, gemmi nothing",
+    ),
+    (r"ParmEd 5PTI\.cif\.gz UNX UNK - U", "type_symbol is X, unknown; ParmEd takes the name's first letter, uranium"),
+    (r"ParmEd SCM_A\.pdb ALA CA Ca C", "the file's element column says CA, and halfline and gemmi believe it; ParmEd does not"),
+    (r".* mp8\.prmtop HEH FE Fe F", "iron of haem, mass 55; the topology's atomic number is fluorine's"),
+]
+VIRTUAL = r"MW|EP|DM\d"
 
 
 def plain(path):
@@ -78,9 +110,11 @@ def of_mdanalysis(path):
 
 def of_parmed(path):
     structure = parmed.load_file(path, structure=True) if not path.endswith(".gro") else parmed.load_file(path)
-    for atom in structure.atoms:
-        number = max(atom.atomic_number, 0)
-        yield [atom.xx, atom.xy, atom.xz], atom.residue.name, atom.name, normal(parmed.periodic_table.Element[number] if number else "")
+    for first in structure.atoms:
+        # Alternate locations are kept beside the first one.
+        for atom in (first, *first.other_locations.values()):
+            symbol = parmed.periodic_table.Element[atom.atomic_number] if atom.atomic_number > 0 else ""
+            yield [atom.xx, atom.xy, atom.xz], first.residue.name, atom.name, normal(symbol)
 
 
 PROGRAMS = {"gemmi": of_gemmi, "MDAnalysis": of_mdanalysis, "ParmEd": of_parmed}
@@ -92,42 +126,40 @@ def halfline(binary, paths):
 
 
 def place(position):
-    # Files write three decimals, which single precision keeps below 10^4.
-    return tuple(round(float(x), 3) + 0.0 for x in position)
+    return tuple(round(float(x) * 1000) for x in position)
 
 
-class Differences:
-    def __init__(self):
-        self.counts = collections.Counter()
-
-    def add(self, program, file, residue, name, ours, theirs, count=1):
-        self.counts[program, file, residue, name, ours, theirs] += count
-
-    def why(self, key):
-        for *patterns, reason in EXPLAINED:
-            if all(re.fullmatch(pattern, part) for pattern, part in zip(patterns, key)):
-                return reason
-        return None
+def at(atoms, position):
+    """The atoms of that place; a step beside it where another program's single precision rounded to another decimal."""
+    around = itertools.product((0, -1, 1), repeat=3)
+    near = (tuple(map(sum, zip(place(position), step))) for step in around)
+    return next((atoms[place] for place in near if atoms.get(place)), None)
 
 
-def compare(found, truth, program, file, differences):
-    """Atoms compared, and those that differ."""
+def explanation(key):
+    words = " ".join(part or "-" for part in key)
+    return next((why for pattern, why in EXPLAINED if re.fullmatch(pattern, words)), None)
+
+
+def compare(found, truth, key, differences):
+    """Atoms compared, those that differ, those of them that are explained, and what only one program has."""
     theirs = collections.defaultdict(collections.deque)
     for position, residue, name, symbol in truth:
         theirs[place(position)].append((residue, name, symbol))
-    compared = differing = 0
-    for position, ours in zip(found["positions"], found["symbols"]):
-        queue = theirs.get(place(position))
+    counts, alone = collections.Counter(), []
+    for position, ours in zip(found["positions"], map(normal, found["symbols"])):
+        queue = at(theirs, position)
         if not queue:
+            alone.append(f"only in halfline: {ours}")
             continue
         residue, name, symbol = queue.popleft()
-        compared += 1
-        ours = normal(ours)
+        counts["atoms"] += 1
         if ours != symbol:
-            differing += 1
-            differences.add(program, file, residue, name, ours, symbol)
-    left = [atom for queue in theirs.values() for atom in queue]
-    return compared, differing, left
+            difference = (*key, residue, name, ours, symbol)
+            differences[difference] += 1
+            counts["different"] += 1
+            counts["explained"] += explanation(difference) is not None
+    return counts, alone + [name for queue in theirs.values() for _, name, _ in queue]
 
 
 def files(folders, endings):
@@ -139,7 +171,7 @@ def files(folders, endings):
 
 
 def structures(binary, folders, differences):
-    rows = collections.defaultdict(lambda: [0, 0, 0, 0])
+    rows = collections.defaultdict(collections.Counter)
     sites, refused = collections.Counter(), []
     with tempfile.TemporaryDirectory() as folder:
         for path in files(folders, STRUCTURES):
@@ -152,7 +184,7 @@ def structures(binary, folders, differences):
             if "error" in found:
                 refused.append((path, "halfline", found["error"]))
                 continue
-            given = not any("gives no element" in said for said in found["warnings"])
+            given = ".gro" not in path and not any("gives no element" in said for said in found["warnings"])
             kind = plain(path).rsplit(".", 1)[1].lower().replace("ent", "pdb").replace("pdbx", "cif")
             for program, read in PROGRAMS.items():
                 try:
@@ -163,13 +195,9 @@ def structures(binary, folders, differences):
                     continue
                 if not truth:
                     continue
-                compared, differing, left = compare(found, truth, program, os.path.basename(path), differences)
-                row = rows[kind, "given" if given else "inferred", program]
-                row[0] += 1
-                row[1] += compared
-                row[2] += differing
-                for residue, name, _ in left:
-                    sites[program, os.path.basename(path), name] += 1
+                counts, alone = compare(found, truth, (program, os.path.basename(path)), differences)
+                rows[kind, "given" if given else "inferred", program] += counts + collections.Counter(files=1)
+                sites.update((program, os.path.basename(path), name) for name in alone)
     return rows, sites, refused
 
 
@@ -239,14 +267,14 @@ def topologies(binary, folders, differences):
             except BaseException as error:  # Some of these files are broken on purpose.
                 refused.append((path, "the reader of topologies", f"{type(error).__name__}: {error}"))
         for layout, write in LAYOUTS.items():
-            row = rows.setdefault(layout, [0, 0, 0, 0])
+            row = rows.setdefault(layout, collections.Counter())
             ending = ".gro" if write is gro else ".pdb"
             for n, (path, atoms) in enumerate(read.items()):
                 there = os.path.join(folder, f"{n}{ending}")
                 with open(there, "w") as out:
                     write(atoms, out)
                 found = halfline(binary, [there])[0]
-                row[0] += 1
+                row["files"] += 1
                 if "error" in found:
                     refused.append((path, f"halfline, {layout}", found["error"]))
                     continue
@@ -255,14 +283,16 @@ def topologies(binary, folders, differences):
                     drawn[round(x) + 100 * round(y) + 10000 * round(z)] = normal(symbol)
                 for index, (name, residue, _, element) in enumerate(atoms):
                     if element is None:
-                        row[3] += 1
+                        row["unknown"] += 1
                         continue
-                    row[1] += 1
+                    row["atoms"] += 1
                     # A site that is left out, and one of no known element, are both no atom.
                     ours = drawn.get(index, "")
                     if ours != element:
-                        row[2] += 1
-                        differences.add(layout, os.path.basename(path), residue, name, ours, element)
+                        difference = (layout, os.path.basename(path), residue, name, ours, element)
+                        differences[difference] += 1
+                        row["different"] += 1
+                        row["explained"] += explanation(difference) is not None
                 os.remove(there)
     return rows, refused
 
@@ -330,36 +360,53 @@ def main():
     folders.insert(0, os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data"))
     versions = f"gemmi {gemmi.__version__}, MDAnalysis {MDAnalysis.__version__}, ParmEd {parmed.__version__}"
     print(f"{versions}; {', '.join(os.path.basename(os.path.dirname(f + '/')) for f in folders)}\n")
-    differences = Differences()
+    differences = collections.Counter()
     rows, sites, refused = structures(binary, folders, differences)
     print("| files | elements | against | files | atoms | different | of them explained |")
     print("|---|---|---|---|---|---|---|")
-    for (kind, given, program), (count, atoms, differing, _) in sorted(rows.items()):
-        # Which differences belong to this row is told by the file's name.
-        print(f"| {kind} | {given} | {program} | {count} | {atoms:,} | {differing:,} | |")
+    for key, row in sorted(rows.items()):
+        counts = [f"{row[of]:,}" for of in ("files", "atoms", "different", "explained")]
+        print("| " + " | ".join([*key, *counts]) + " |")
     made, more = topologies(binary, folders, differences)
-    print("\n| names of topologies, written as | topologies | atoms | different | of unknown mass |")
-    print("|---|---|---|---|---|")
-    for layout, (count, atoms, differing, unknown) in made.items():
-        print(f"| {layout} | {count} | {atoms:,} | {differing:,} | {unknown:,} |")
+    print("\n| names of topologies, written as | topologies | atoms | different | of them explained | of unknown mass |")
+    print("|---|---|---|---|---|---|")
+    for layout, row in made.items():
+        counts = [f"{row[of]:,}" for of in ("files", "atoms", "different", "explained", "unknown")]
+        print("| " + " | ".join([layout, *counts]) + " |")
     print("\n| crystal | space group | listed | halfline | gemmi | without partner | ASE | without partner |")
     print("|---|---|---|---|---|---|---|---|")
     for row in crystals(binary, folders):
         print("| " + " | ".join(map(str, row)) + " |")
-    print("\nDifferences, all of them: times, program or layout, file, residue, atom, halfline, the other; why.\n")
-    unexplained = 0
-    for key, count in differences.counts.most_common():
-        why = differences.why(key)
-        unexplained += count * (why is None)
-        print(f"{count:6} {' '.join(part or '-' for part in key)}: {why or 'UNEXPLAINED'}")
-    print("\nNot drawn by halfline: times, program, file, name.\n")
-    for (program, file, name), count in sites.most_common():
-        print(f"{count:6} {program} {file} {name}")
+    wrong = report(differences, sites)
     print("\nNot read:\n")
     for path, program, why in refused + more:
         print(f"{os.path.basename(path)} by {program}: {' '.join(why.split())[:160]}")
-    print(f"\n{sum(differences.counts.values())} differences, {unexplained} of them unexplained")
-    return 1 if unexplained else 0
+    print(f"\n{sum(differences.values())} differences; {wrong} of them, or atoms of one program alone, unexplained")
+    return 1 if wrong else 0
+
+
+def report(differences, sites):
+    """Prints the differences, explained and not, and the atoms that one program alone has. How many are not explained."""
+    reasons, wrong = collections.defaultdict(list), []
+    for key, count in differences.most_common():
+        why = explanation(key)
+        (wrong if why is None else reasons[why]).append((count, key))
+    print("\n| atoms | against | in | for example: halfline, the other | why |\n|---|---|---|---|---|")
+    for why, those in sorted(reasons.items(), key=lambda item: -sum(count for count, _ in item[1])):
+        programs, names = (", ".join(sorted({key[part] for _, key in those})) for part in (0, 1))
+        residue, name, ours, other = (part or "none" for part in those[0][1][2:])
+        total = sum(count for count, _ in those)
+        print(f"| {total:,} | {programs} | {names} | {residue} {name}: {ours}, {other} | {why} |")
+    print("\nDifferences that nothing explains: times, program or layout, file, residue, atom, halfline, the other.\n")
+    for count, key in wrong:
+        print(f"{count:6} {' '.join(part or '-' for part in key)}")
+    print("\nIn one program alone: times, program, file, name.\n")
+    for key, count in sites.most_common():
+        known = re.fullmatch(VIRTUAL, key[2])
+        print(f"{count:6} {' '.join(key)}{' (virtual site)' if known else ''}")
+        if not known:
+            wrong.append((count, key))
+    return sum(count for count, _ in wrong)
 
 
 if __name__ == "__main__":

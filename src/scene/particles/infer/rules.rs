@@ -108,8 +108,8 @@ pub(super) fn of_columns(name: &[u8]) -> Option<u8> {
     let full = !last.is_ascii_whitespace();
     let one = |letter: u8| Some(of_symbol(&[letter])).filter(|element| *element > 0 && letter != b'T');
     match (first.is_ascii_alphabetic(), second.is_ascii_alphabetic()) {
-        // Programs that begin every name here write chlorine and bromine so; no carbon and no boron is called that.
-        (false, true) if matches!(&name[1..3], b"CL" | b"BR") => Some(of_symbol(&name[1..3])),
+        // Programs that begin every name here write these symbols so; no carbon, boron, fluorine or sulphur has such a name.
+        (false, true) if matches!(&name[1..3], b"CL" | b"BR" | b"FE" | b"SI") => Some(of_symbol(&name[1..3])),
         // Hydrogens mostly, `1HB `, and what some programs write, `1C4A`.
         (false, true) => one(second),
         (true, true) if full && PAIRS.iter().all(|pair| !name[..2].eq_ignore_ascii_case(pair)) => {
@@ -164,6 +164,10 @@ mod tests {
             ("ZN12", "Zn"),
             (" D  ", "H"),
             (" CL1", "Cl"),
+            (" FE ", "Fe"),
+            (" SIA", "Si"),
+            (" F2 ", "F"),
+            (" SG ", "S"),
             (" CB ", "C"),
             ("1234", "none"),
             ("    ", "none"),

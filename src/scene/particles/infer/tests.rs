@@ -47,6 +47,9 @@ fn a_residue_tells_what_its_columns_do_not() {
     // Programs that begin every name in the second column write ions there too.
     let (found, report) = symbols(true, &format!("{aligned}, CL1.LIG, C1 .LIG, ZN . ZN, NA .NA+"));
     assert!(found.ends_with("Cl C Zn Na") && report.astray, "{found}");
+    // Haem in a file without ions, where nothing but the name is evidence.
+    let (found, _) = symbols(true, &format!("{aligned}, FE .HEM, NA .HEM, C1A.HEM"));
+    assert!(found.ends_with("Fe N C"), "{found}");
 }
 
 #[test]
