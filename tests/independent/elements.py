@@ -196,7 +196,8 @@ def structures(binary, folders, differences):
                 if not truth:
                     continue
                 counts, alone = compare(found, truth, (program, os.path.basename(path)), differences)
-                rows[kind, "given" if given else "inferred", program] += counts + collections.Counter(files=1)
+                source = "MDAnalysisTests" if "MDAnalysisTests" in path else "other folders"
+                rows[source, kind, "given" if given else "inferred", program] += counts + collections.Counter(files=1)
                 sites.update((program, os.path.basename(path), name) for name in alone)
     return rows, sites, refused
 
@@ -362,8 +363,8 @@ def main():
     print(f"{versions}; {', '.join(os.path.basename(os.path.dirname(f + '/')) for f in folders)}\n")
     differences = collections.Counter()
     rows, sites, refused = structures(binary, folders, differences)
-    print("| files | elements | against | files | atoms | different | of them explained |")
-    print("|---|---|---|---|---|---|---|")
+    print("| of | files | elements | against | files | atoms | different | of them explained |")
+    print("|---|---|---|---|---|---|---|---|")
     for key, row in sorted(rows.items()):
         counts = [f"{row[of]:,}" for of in ("files", "atoms", "different", "explained")]
         print("| " + " | ".join([*key, *counts]) + " |")
