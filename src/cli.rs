@@ -2,8 +2,10 @@
 
 mod adapters;
 mod bar;
+mod clash;
 mod compare;
 mod config;
+mod exhaustion;
 mod file_args;
 mod legend;
 mod lines;
@@ -16,16 +18,18 @@ mod render;
 mod scene_args;
 mod shell;
 mod shots;
+mod signals;
+mod threads;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use halfline::quote::printable;
+use signals::go_on;
 use std::fmt;
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use tracing_subscriber::EnvFilter;
 
 /// Renders spheres, from atoms to planets, and says how far from exact the answers are.
@@ -48,8 +52,6 @@ enum Command {
     Man(shell::Man),
 }
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
 /// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
 /// clap refuses, it says itself, and exits with 2.
 pub(crate) fn arguments() -> Result<Arguments> {
@@ -58,26 +60,30 @@ pub(crate) fn arguments() -> Result<Arguments> {
         Ok(command) => (command, None),
         Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
     };
-    let mut matches = command.clone().get_matches();
+    let mut matches = command.clone().try_get_matches().unwrap_or_else(|error| end(&error));
     // A file that cannot be read is a fault of the commands that take options from it: help needs none, nor do the others.
     if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
         return Err(fault);
     }
-    Arguments::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command.clone()).exit())
+    Arguments::from_arg_matches_mut(&mut matches).or_else(|error| end(&error.format(&mut command.clone())))
+}
+
+/// Prints what clap has to say and ends the process. Help and version are results, which must arrive.
+fn end(told: &clap::Error) -> ! {
+    let arrived = told.print().and_then(|()| io::stdout().flush());
+    std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
 }
 
 /// Runs the chosen subcommand.
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("off"));
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(std::io::stderr).init();
-    // The first interrupt, or the first request to end, lets the work end tidily; a second one does not wait. Without a
-    // handler the system's default ends the process, which is right too.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
-        }
-    });
+    let log = tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(io::stderr);
+    // Where standard error takes nothing, the subscriber would report that to standard error, and panic.
+    log.log_internal_errors(false).init();
+    signals::listen();
+    exhaustion::listen();
+    threads::start();
     match &arguments.command {
         Command::Render(render) => render.run(),
         Command::Adapters(adapters) => adapters.run(),
@@ -90,9 +96,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Whether nobody pressed ctrl-C or asked the process to end.
-fn go_on() -> bool {
-    !INTERRUPTED.load(Ordering::SeqCst)
+/// Prints a line for people on standard error. That nobody can read it is no failure: `eprintln` panics there.
+pub(crate) fn say(message: fmt::Arguments<'_>) {
+    // In one piece, so that lines of several processes do not mix.
+    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
 }
 
 /// Ends work when somebody pressed ctrl-C or asked the process to end.
@@ -100,9 +107,10 @@ fn watch() -> Watch {
     Watch::default().while_true(go_on)
 }
 
-/// Talk for people: one line on stderr.
-fn say(message: fmt::Arguments<'_>) {
-    eprintln!("halfline: {}", printable(&message.to_string()));
+/// Prints a result on standard output, where it must arrive.
+fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::write("-", error))
 }
 
 /// What a shell script may rely on. 0 is success, 1 a difference found by `compare`, 2 also what clap uses.

@@ -1,6 +1,8 @@
 //! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
 //! The modules below write them to files.
 
+mod atomic;
+mod digest;
 mod encode;
 mod exr;
 pub mod file;
@@ -9,6 +11,7 @@ pub mod merge;
 pub mod npy;
 mod npz;
 mod pfm;
+mod plain;
 pub mod png;
 pub mod provenance;
 pub mod sheet;

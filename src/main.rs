@@ -8,7 +8,7 @@ fn main() -> ExitCode {
     match cli::arguments().and_then(|arguments| cli::run(&arguments)) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("halfline: {}", halfline::quote::printable(&error.to_string()));
+            cli::say(format_args!("{error}"));
             ExitCode::from(cli::exit_code(&error))
         }
     }

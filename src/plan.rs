@@ -115,6 +115,9 @@ pub struct Settings {
     pub seed: u32,
     /// Which part of the frame is rendered, bit for bit as the whole has it; `None` is all of it.
     pub window: Option<Window>,
+    /// Bytes of memory that the caller needs for itself as long as it holds the frame, to write its files say: a frame that
+    /// would not leave so many free is refused.
+    pub reserve: u64,
     /// The error that is allowed. Certified answers promise it of t, relative to itself; where accuracy and method are
     /// left open, the cheapest method is taken whose predicted errors it allows. `None` promises the default and leaves
     /// the choice to the buffers.

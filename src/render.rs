@@ -42,6 +42,7 @@ pub struct Renderer {
     setup_ms: f64,
     pub(crate) watch: Watch,
     pub(crate) pool: Arc<Pool>,
+    passed_over: Vec<String>,
 }
 
 /// Where frames are computed.
@@ -64,18 +65,29 @@ impl Renderer {
         }
         // What no device can mend is told before one is opened.
         Plan::for_method(settings)?;
+        let mut passed_over = Vec::new();
         let place = match settings.backend {
             Backend::Cpu => Place::Cpu,
             Backend::Gpu | Backend::Auto => {
                 let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
-                match device::choose(device::find()?, named.as_deref())? {
-                    Some(found) => Place::Gpu(Box::new(Gpu::new(device::open(&found)?, found.summary))),
+                let opened = match (&named, settings.backend) {
+                    (None, Backend::Auto) => device::open_first(device::find()?, device::open, &mut passed_over),
+                    _ => device::choose(device::find()?, named.as_deref())?
+                        .map(|found| Ok((device::open(&found)?, found.summary)))
+                        .transpose()?,
+                };
+                match opened {
+                    Some((open, summary)) => Place::Gpu(Box::new(Gpu::new(open, summary))),
                     None if settings.backend == Backend::Auto => Place::Cpu,
                     None => return Err(device::none_found()),
                 }
             }
         };
-        Ok(Self { place, setup_ms: milliseconds(start), watch: Watch::default(), pool: Arc::default() })
+        if let (Place::Cpu, Some(last)) = (&place, passed_over.last_mut()) {
+            last.push_str(": falling back to the CPU path");
+        }
+        let setup_ms = milliseconds(start);
+        Ok(Self { place, setup_ms, watch: Watch::default(), pool: Arc::default(), passed_over })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -88,7 +100,15 @@ impl Renderer {
             setup_ms: 0.0,
             watch: Watch::default(),
             pool: Arc::default(),
+            passed_over: Vec::new(),
         }
+    }
+
+    /// Why adapters that were found are not used, though nothing asked for another one; every report has it among its
+    /// warnings.
+    #[must_use]
+    pub fn passed_over(&self) -> &[String] {
+        &self.passed_over
     }
 
     /// Lets `watch` hear of every frame, and end it with [`Error::Interrupted`]; the renderer stays as good as new.
@@ -204,7 +224,7 @@ impl Renderer {
         let window = settings.window_of(scene)?;
         let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
         let rays = Rays { window, samples };
-        Need::of(&plan, &settings.aovs, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
+        Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
         let Some(doubt) = self.doubt(&plan)? else {
             return work(self, plan, rays).map(|done| (done, None));
@@ -287,12 +307,12 @@ impl Renderer {
         report.certified = prepared.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings = warnings(
+        report.warnings.extend(warnings(
             scene,
             settings.window,
             report.hits,
             predicted.and_then(|predicted| predicted.warning(plan.kernel.method)),
-        );
+        ));
         if settings.search == Search::Tiles && plan.search == Search::All {
             report.warnings.push(plan.search_reason.into());
         }
@@ -323,6 +343,7 @@ impl Renderer {
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
             setup_ms: self.setup_ms,
+            warnings: self.passed_over.clone(),
             ..Report::default()
         }
     }

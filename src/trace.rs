@@ -157,6 +157,10 @@ fn check(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Re
         let problem = format!("{} origins for {} directions", origins.len(), directions.len());
         return Err(Error::settings(problem, "give one origin, or one for each direction"));
     }
+    if u32::try_from(directions.len()).is_err() {
+        let problem = format!("{} rays are more than one call numbers with 32 bits", directions.len());
+        return Err(Error::Limits { problem, mend: format!("trace at most {} at once", u32::MAX) });
+    }
     if let Some(n) = origins.iter().position(|o| o.iter().any(|x| !x.is_finite())) {
         return Err(Error::settings(format!("origin {n} is not finite"), "give three finite numbers"));
     }

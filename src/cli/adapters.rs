@@ -1,9 +1,9 @@
 //! `halfline adapters`.
 
+use super::print;
 use halfline::error::{Error, Result};
 use halfline::{adapters, verdicts};
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 /// Lists every adapter: driver, limits, subgroups, f64, and what its arithmetic was measured to be.
@@ -69,7 +69,7 @@ impl Adapters {
             }
             text
         };
-        std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
+        print(&text)?;
         Ok(ExitCode::SUCCESS)
     }
 }

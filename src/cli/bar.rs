@@ -47,7 +47,7 @@ impl Bar {
         let notes = Arc::<Mutex<Notes>>::default();
         let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let lines = matches!(talk, Talk::Json | Talk::Openjd).then(|| Arc::new(Mutex::new(Lines::new(talk, frames))));
-        let drawing = (talk == Talk::Auto && std::io::stderr().is_terminal()).then(|| {
+        let drawing = if talk == Talk::Auto && std::io::stderr().is_terminal() {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());
             let draw = move || {
@@ -57,8 +57,11 @@ impl Bar {
                 }
                 artist.line.finish_and_clear();
             };
-            (stop, std::thread::spawn(draw))
-        });
+            // Where the system allows no more threads there is no line.
+            std::thread::Builder::new().spawn(draw).ok().map(|drawing| (stop, drawing))
+        } else {
+            None
+        };
         Self { lines, notes, line, drawing }
     }
 

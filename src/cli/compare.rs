@@ -2,6 +2,8 @@
 
 mod report;
 
+use super::clash::check_inputs;
+use super::print;
 use halfline::error::{Error, Result};
 use halfline::frame::file::is_standard;
 use halfline::measure::frames::Frames;
@@ -59,6 +61,7 @@ impl Compare {
             let problem = "the picture and the JSON cannot both go to standard output";
             return Err(Error::settings(problem, "name a file after -o"));
         }
+        check_inputs(self.output.as_deref(), &[self.a.clone(), self.b.clone()])?;
         self.output.as_deref().map_or(Ok(()), picture::check)?;
         let (a, b) = (Frames::read(&self.a)?, Frames::read(&self.b)?);
         let pairs = Frames::pairs(&a, &b, &self.aov)?;
@@ -68,8 +71,11 @@ impl Compare {
         }
         let text = if self.json { found.json()? } else { found.summary() };
         // With the picture on standard output, the summary is talk.
-        let said = if to_stdout { writeln!(io::stderr(), "{text}") } else { writeln!(io::stdout(), "{text}") };
-        said.map_err(|error| Error::write("-", error))?;
+        if to_stdout {
+            let _ = io::stderr().write_all(format!("{text}\n").as_bytes());
+        } else {
+            print(&format!("{text}\n"))?;
+        }
         Ok(if found.is_equal() { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
 }

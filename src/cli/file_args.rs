@@ -1,5 +1,6 @@
 //! The files that `render` writes: which buffers go where, and how their numbers are stored.
 
+use super::clash::place;
 use super::read_args::color;
 use super::shots::{check_pattern, numbered};
 use clap::Args;
@@ -54,10 +55,11 @@ impl FileArgs {
 
     /// Every file that is named, with all that goes into it, for the picture of this number.
     pub(super) fn targets(&self, number: u64) -> Result<Vec<Target>> {
-        let mut files: Vec<(&Path, Vec<Aov>)> = Vec::new();
+        let mut files: Vec<(PathBuf, Vec<Aov>)> = Vec::new();
         for (aovs, path) in self.named()? {
-            match files.iter_mut().find(|(other, _)| !is_standard(path) && place(other) == place(path)) {
-                Some((_, together)) if Format::of(path).is_some_and(Format::holds_many) => together.extend(aovs),
+            let path = numbered(path, number);
+            match files.iter_mut().find(|(other, _)| !is_standard(&path) && place(other) == place(&path)) {
+                Some((_, together)) if Format::of(&path).is_some_and(Format::holds_many) => together.extend(aovs),
                 Some(_) => {
                     let problem = format!("{} would be written twice", path.display());
                     return Err(Error::settings(problem, "name a file of its own for each buffer, or an .exr or .npz"));
@@ -71,12 +73,12 @@ impl FileArgs {
                 "write NAME=- too, or end a file's name in .raw",
             ));
         }
-        files.into_iter().map(|(path, aovs)| self.target(&aovs, &numbered(path, number))).collect()
+        files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
     }
 
-    /// Whether a buffer goes to `path`.
-    pub(super) fn writes(&self, path: &Path) -> Result<bool> {
-        Ok(self.named()?.iter().any(|(_, other)| place(other) == place(path)))
+    /// The names of all files, before numbers go into them.
+    pub(super) fn names(&self) -> Result<Vec<&Path>> {
+        Ok(self.named()?.into_iter().map(|(_, path)| path).collect())
     }
 
     /// Refuses names that several pictures would bear.
@@ -109,13 +111,6 @@ impl FileArgs {
         }
         Ok(named)
     }
-}
-
-/// Where a file lies or will lie, the same however its name is written.
-fn place(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-    path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_path_buf())
 }
 
 fn named(text: &str) -> Result<Named, String> {

@@ -1,5 +1,6 @@
 //! `--legend`: what may be a legend's file, and how it is written.
 
+use super::clash::place;
 use super::scene_args::SceneArgs;
 use super::shots::{check_pattern, numbered};
 use halfline::error::{Error, Result};
@@ -13,7 +14,7 @@ pub(super) fn check(asked: &SceneArgs) -> Result<()> {
     if !is_png(path) && !ends_in(path, "svg") {
         return Err(Error::settings(format!("{} is no legend", path.display()), "end the name in .svg or .png"));
     }
-    if asked.files.writes(path)? {
+    if asked.files.names()?.iter().any(|other| place(other) == place(path)) {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "name a file of its own for the legend"));
     }

@@ -3,8 +3,9 @@
 mod table;
 
 use super::bar::Bar;
+use super::clash::check_inputs;
 use super::scene_args::{scene_size, tolerance};
-use super::{go_on, say, watch};
+use super::{go_on, print, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::frame::file::check_writable;
@@ -14,7 +15,7 @@ use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::{export, report};
 use halfline::plan::{Backend, Search, Tolerance};
 use halfline::scene::{ReadOptions, Scene};
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -84,7 +85,12 @@ enum Suite {
 
 impl Measure {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        self.out.as_deref().map_or(Ok(()), check_folder)?;
+        if let Some(folder) = &self.out {
+            let inputs: Vec<_> = [&self.subject.scene, &self.subject.from].into_iter().flatten().cloned().collect();
+            let outputs = ["records.json", "records.csv", "report.html"].map(|name| folder.join(name));
+            check_inputs(outputs.iter().map(PathBuf::as_path), &inputs)?;
+            check_folder(folder)?;
+        }
         let record = match &self.subject.from {
             Some(path) => read(path)?,
             None => self.measure()?,
@@ -96,7 +102,7 @@ impl Measure {
             write(&record, folder)?;
         }
         let text = if self.json { export::json(&record)? } else { table::of(&record) };
-        std::io::stdout().write_all(text.as_bytes()).map_err(|e| Error::write("-", e))?;
+        print(&text)?;
         Ok(ExitCode::SUCCESS)
     }
 

@@ -1,11 +1,11 @@
 //! `halfline merge TILE... -o FULL`.
 
+use super::clash::check_inputs;
 use super::{go_on, say};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{check_writable, is_standard, write_sheet};
+use halfline::frame::file::{check_writable, is_standard};
 use halfline::frame::format::Format;
-use halfline::frame::merge::{Tile, merge};
-use halfline::frame::sheet::Sheet;
+use halfline::frame::merge::{Mosaic, Tile};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -31,26 +31,25 @@ pub(crate) struct Merge {
 
 impl Merge {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        check_inputs([self.output.as_path()], &self.tiles)?;
         check_writable(&self.output)?;
         let mut tiles = Vec::with_capacity(self.tiles.len());
         for path in &self.tiles {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            let (format, sheet) = Sheet::read(path)?;
-            tiles.push(Tile { name: path.display().to_string(), format, sheet });
+            tiles.push(Tile::open(path)?);
         }
-        let (format, sheet) = merge(&tiles)?;
+        let mosaic = Mosaic::new(tiles)?;
+        let (format, output) = (mosaic.format(), self.output.display());
         if !is_standard(&self.output) && Format::of(&self.output) != Some(format) {
-            let problem = format!("the tiles are {} files, {} is none", format.ending(), self.output.display());
+            let problem = format!("the tiles are {} files, {output} is none", format.ending());
             return Err(Error::settings(problem, format!("end its name in {}", format.ending())));
         }
-        if !go_on() {
-            return Err(Error::Interrupted);
-        }
-        write_sheet(&sheet, format, &self.output)?;
-        let ([width, height], n) = (sheet.full, tiles.len());
-        say(format_args!("{n} tiles are {width} x {height} pixels: {}", self.output.display()));
+        mosaic.warnings().iter().for_each(|warning| say(format_args!("warning: {warning}")));
+        mosaic.write(&self.output, &go_on)?;
+        let ([width, height], n) = (mosaic.size(), mosaic.len());
+        say(format_args!("{n} tiles are {width} x {height} pixels: {output}"));
         Ok(ExitCode::SUCCESS)
     }
 }

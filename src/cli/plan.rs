@@ -1,10 +1,10 @@
 //! `halfline plan SCENE`.
 
+use super::print;
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
-use halfline::plan::{Binding, Explanation, Part, Room, Settings, explain};
+use halfline::plan::{Binding, Explanation, Part, Room, explain};
 use std::fmt::{self, Display};
-use std::io::Write as _;
 use std::process::ExitCode;
 
 /// Tells what a scene requires, what would be compiled, uploaded and computed and why, and what is left out.
@@ -28,13 +28,13 @@ impl Plan {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.asked.files.targets(1)?;
         let scene = self.asked.scene()?;
-        let settings = Settings { window: self.asked.window(&scene)?, ..self.asked.settings(&targets) };
+        let settings = self.asked.settings_for(&scene, &self.asked.settings(&targets), &targets)?;
         let told = explain(&scene, &settings)?;
         let text = match self.json {
             true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,
             false => Words(&told).to_string(),
         };
-        writeln!(std::io::stdout(), "{}", text.trim_end()).map_err(|e| Error::write("-", e))?;
+        print(&format!("{}\n", text.trim_end()))?;
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -5,7 +5,8 @@ use super::say;
 use console::Term;
 use halfline::frame::srgb::level;
 use halfline::frame::{Aov, Frame};
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
 use std::str::FromStr;
 
 /// Where the picture is shown.
@@ -42,7 +43,8 @@ impl Preview {
         let (rows, columns) = terminal.size_checked().unwrap_or((26, 80));
         if let Some(color) = frame.f32(Aov::Color) {
             let size = [frame.width as usize, frame.height as usize];
-            eprint!("{}", blocks(color, size, [columns.into(), 2 * usize::from(rows.saturating_sub(2).max(1))]));
+            let rows = 2 * usize::from(rows.saturating_sub(2).max(1));
+            let _ = io::stderr().write_all(blocks(color, size, [columns.into(), rows]).as_bytes());
         }
     }
 }

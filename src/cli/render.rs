@@ -1,11 +1,12 @@
 //! `halfline render SCENE`.
 
 use super::bar::Bar;
+use super::clash::check_inputs;
 use super::lines::Talk;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
 use super::shots::{Numbered, Shots};
-use super::{go_on, legend, say};
+use super::{go_on, legend, print, say, threads};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::file::Target;
@@ -17,7 +18,6 @@ use halfline::report::Report;
 use halfline::scene::Scene;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
 
@@ -60,14 +60,20 @@ impl Render {
         }
         // A device takes its time to open, on another core than the one that reads.
         let (opened, renderer) = std::thread::scope(|scope| {
-            let opening = scope.spawn(|| Renderer::new(&settings));
-            (self.first(), opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            let open = || Renderer::new(&settings);
+            let other = (!threads::is_alone()).then(|| std::thread::Builder::new().spawn_scoped(scope, open));
+            let first = self.first();
+            match other {
+                Some(Ok(opening)) => (first, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
+                // The system allows no more threads.
+                _ => (first, open()),
+            }
         });
         // What is wrong with the scene is told first, whatever adapters there are.
         let ((mut shots, mut shot), renderer) = (opened?, renderer?);
         let bar = Bar::talking(self.progress, self.repeat.get().saturating_mul(self.asked.expected()));
         let mut renderer = renderer.watched_by(bar.watch());
-        if self.asked.backend == Backend::Auto && !renderer.is_gpu() {
+        if self.asked.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let mut told = BTreeSet::new();
@@ -92,12 +98,12 @@ impl Render {
         told: &mut BTreeSet<String>,
     ) -> Result<()> {
         let scene = &shot.scene;
-        let settings = &Settings { window: self.asked.window(scene)?, ..settings.clone() };
         let mut targets = self.asked.files.targets(shot.number)?;
+        let settings = &self.asked.settings_for(scene, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.foresee(scene, settings)?;
             let origin = Origin::new(scene, settings, &report, settings.window_of(scene)?);
-            targets.retain(|target| !target.is_there(&origin));
+            targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {
                 let which = if self.asked.is_many() { format!("picture {}: ", shot.number) } else { String::new() };
                 bar.aside(|| {
@@ -162,7 +168,7 @@ impl Render {
             return Ok(());
         }
         let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
-        writeln!(std::io::stdout(), "{text}").map_err(|e| Error::write("-", e))
+        print(&format!("{text}\n"))
     }
 
     /// The opened file and its first scene.
@@ -175,8 +181,10 @@ impl Render {
     /// The next scene, if it can be rendered and every file of it can be written.
     fn ready(&self, shots: &mut Shots<'_>) -> Result<Option<Numbered>> {
         let Some(shot) = shots.next_shot()? else { return Ok(None) };
-        self.asked.files.targets(shot.number)?.iter().try_for_each(Target::check)?;
-        legend::file(&self.asked, shot.number)?;
+        let targets = self.asked.files.targets(shot.number)?;
+        let legend = legend::file(&self.asked, shot.number)?;
+        check_inputs(targets.iter().map(Target::path).chain(legend.as_deref()), &shots.inputs())?;
+        targets.iter().try_for_each(Target::check)?;
         shot.scene.check()?;
         Ok(Some(shot))
     }
@@ -188,6 +196,7 @@ impl Render {
             self.asked.files.check_many()?;
         }
         legend::check(&self.asked)?;
+        self.asked.check_outputs()?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "nothing is asked for";
             return Err(Error::settings(problem, "name a picture with -o, a buffer with --aov, or --json"));
@@ -202,6 +211,5 @@ impl Render {
 }
 
 fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
-    let each = |target: &Target| if go_on() { target.write(frame, origin) } else { Err(Error::Interrupted) };
-    targets.par_iter().try_for_each(each)
+    targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
 }

@@ -1,20 +1,21 @@
 //! What `render` and `plan` share: the scene, the camera, the buffers and how sure they must be.
 
+use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
 use super::read_args::{ReadArgs, numbers};
-use super::shots::Shots;
+use super::shots::{Shots, number_in};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::frame::file::Target;
+use halfline::frame::file::{Target, is_standard};
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::{Framing, Scene};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A scene and what is asked of it.
 #[derive(Debug, Args)]
@@ -125,11 +126,43 @@ impl SceneArgs {
         }
     }
 
+    /// The numbers that go into names, as far as is known before the file is read; the first of very many.
+    fn numbers(&self) -> Vec<u64> {
+        const MANY: usize = 1 << 16;
+        match (self.read.frames(), self.camera.spin) {
+            (Some(frames), _) => frames.numbers().take(MANY).collect(),
+            (None, turns) => (1..=turns.map_or(1, |turns| u64::from(turns.get()))).take(MANY).collect(),
+        }
+    }
+
+    /// Refuses outputs that are one file, or the scene file. `Shots::inputs` knows the other files that are read.
+    pub(super) fn check_outputs(&self) -> Result<()> {
+        let mut names = self.files.names()?;
+        names.extend(self.read.legend.as_deref());
+        names.retain(|name| !is_standard(name));
+        let numbers = self.numbers();
+        check_numbered(&names, numbers.iter().copied())?;
+        let scene = place(&self.scene);
+        let over = |name: &&&Path| number_in(&place(name), &scene).is_some_and(|number| numbers.contains(&number));
+        match names.iter().find(over) {
+            Some(_) => check_inputs([self.scene.as_path()], std::slice::from_ref(&self.scene)),
+            None => check_inputs(names, std::slice::from_ref(&self.scene)),
+        }
+    }
+
     /// Which part of the scene's image is asked for.
     pub(super) fn window(&self, scene: &Scene) -> Result<Option<Window>> {
         let image = &scene.image;
         let tile = self.tile.map(|(number, count)| Window::tile(number, count, image.width, image.height));
         Ok(tile.transpose()?.or(self.crop))
+    }
+
+    /// The same settings for one scene, whose frame goes into these files.
+    pub(super) fn settings_for(&self, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Settings> {
+        let window = self.window(scene)?;
+        let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
+        let reserve = targets.iter().map(|target| target.memory(columns)).fold(0, u64::saturating_add);
+        Ok(Settings { window, reserve, ..settings.clone() })
     }
 
     /// The options besides the scene and what is asked of its image, for these buffers.
@@ -146,6 +179,7 @@ impl SceneArgs {
             samples: self.samples.get(),
             seed: self.seed,
             window: None,
+            reserve: 0,
         }
     }
 }

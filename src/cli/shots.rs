@@ -34,6 +34,12 @@ impl<'a> Shots<'a> {
         Ok(Self { asked, sequence, count: 0, standing: None })
     }
 
+    /// Every file that is read.
+    pub(super) fn inputs(&self) -> Vec<PathBuf> {
+        let scene = [self.asked.scene.clone()].into_iter();
+        scene.chain(self.sequence.files().iter().cloned()).collect()
+    }
+
     /// The next scene; `None` after the last.
     pub(super) fn next_shot(&mut self) -> Result<Option<Numbered>> {
         let (camera, count) = (&self.asked.camera, self.count);
@@ -114,6 +120,14 @@ pub(super) fn numbered(path: &Path, number: u64) -> PathBuf {
     PathBuf::from(format!("{}{number:0width$}{}", &text[..place.0], &text[place.1..]))
 }
 
+/// The number that makes `file` of `path`, if there is one.
+pub(super) fn number_in(path: &Path, file: &Path) -> Option<u64> {
+    let ((start, end), _) = path.to_str().and_then(pattern)?;
+    let text = path.to_str()?;
+    let digits = file.to_str()?.strip_prefix(&text[..start])?.strip_suffix(&text[end..])?;
+    digits.parse().ok().filter(|number| numbered(path, *number) == file)
+}
+
 /// Where the number goes, and its digits.
 fn pattern(text: &str) -> Option<((usize, usize), usize)> {
     text.match_indices('%').find_map(|(at, _)| {
@@ -146,6 +160,9 @@ mod tests {
         assert_eq!(name("100%-%d.png"), "100%-7.png");
         assert_eq!(name("plain.png"), "plain.png");
         assert_eq!(name("%99999999999999999999d"), "7");
+        let number = |pattern: &str, file: &str| number_in(Path::new(pattern), Path::new(file));
+        assert_eq!((number("a.%04d.png", "a.0007.png"), number("a.%04d.png", "a.7.png")), (Some(7), None));
+        assert_eq!((number("a%d", "a+7"), number("a%d", "a"), number("a", "a")), (None, None, None));
         check_pattern(Path::new("x.png")).expect_err("no place");
         check_pattern(Path::new("x%d.png")).expect("a place");
     }

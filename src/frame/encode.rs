@@ -1,44 +1,102 @@
 //! Buffers become the samples that a format stores.
 
-use super::format::{Bits, Format, Style};
-use super::sheet::{Kind, Layer};
+use super::format::{Format, Style};
+use super::sheet::{Form, Kind, Rows};
 use super::{Aov, Buffer, Data, Frame, srgb};
+use crate::error::Result;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
-/// The buffers `aovs` of `frame`, as `format` stores them; those the frame does not hold are left out.
-pub(super) fn layers<'a>(frame: &'a Frame, aovs: &[Aov], format: Format, style: &Style) -> Vec<Layer<'a>> {
-    let alpha = frame.f32(Aov::Alpha).filter(|_| format == Format::Png && aovs.contains(&Aov::Alpha));
-    let within = |aov: &Aov| !(alpha.is_some() && *aov == Aov::Alpha && aovs.contains(&Aov::Color));
-    let buffers = aovs.iter().filter(|aov| within(aov)).filter_map(|aov| frame.get(*aov));
-    buffers.map(|buffer| layer(buffer, alpha, format, style)).collect()
+/// The samples of a frame's buffers, made row by row.
+pub(super) struct Encoder<'a> {
+    buffers: Vec<&'a Buffer>,
+    forms: Vec<Form>,
+    /// What goes into the fourth channel of colour.
+    alpha: Option<&'a [f32]>,
+    columns: usize,
+    format: Format,
+    style: &'a Style,
 }
 
-/// One buffer as `format` stores it; colour in a PNG with `alpha`, if that is given.
-pub(super) fn layer<'a>(buffer: &'a Buffer, alpha: Option<&[f32]>, format: Format, style: &Style) -> Layer<'a> {
-    let (aov, channels) = (buffer.aov, buffer.aov.channels());
-    let (kind, bytes) = match (format, &buffer.data) {
-        (Format::Png, data) => {
-            let (channels, kind, bytes) = levels(aov, data, alpha, style);
-            return Layer { aov, kind, channels, bytes: bytes.into() };
-        }
-        (Format::Exr | Format::Pfm, Data::F64(values)) => {
-            (Kind::F32, made(values, |x| (missed(aov, style, x) as f32).to_le_bytes()).into())
-        }
-        (Format::Exr, Data::I32(values)) => (Kind::U32, plain(values, i32::to_le_bytes)),
-        (Format::Exr, Data::U8(values)) if aov == Aov::Mask => {
-            (Kind::F32, made(values, |x| f32::from(x).to_le_bytes()).into())
-        }
-        (Format::Exr, Data::U8(values)) => (Kind::U32, made(values, |x| u32::from(x).to_le_bytes()).into()),
-        (_, Data::F64(values)) if is_length(aov) && style.no_return.value() != f64::INFINITY => {
-            (Kind::F64, made(values, |x| missed(aov, style, x).to_le_bytes()).into())
-        }
-        (_, Data::F64(values)) => (Kind::F64, plain(values, f64::to_le_bytes)),
-        (_, Data::F32(values)) => (Kind::F32, plain(values, f32::to_le_bytes)),
-        (_, Data::I32(values)) => (Kind::I32, plain(values, i32::to_le_bytes)),
-        (_, Data::U8(values)) => (Kind::U8, Cow::Borrowed(&values[..])),
-    };
-    Layer { aov, kind, channels, bytes }
+impl<'a> Encoder<'a> {
+    /// The buffers `aovs` of `frame` as `format` stores them; `None` for those that the frame does not hold or that do not
+    /// go into one file.
+    pub(super) fn new(frame: &'a Frame, aovs: &[Aov], format: Format, style: &'a Style) -> Option<Self> {
+        let forms = format.forms(aovs, style.bits)?;
+        let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
+        let with_alpha = forms.iter().any(|form| form.channels == 4);
+        let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
+        Some(Self { buffers, forms, alpha, columns: frame.width as usize, format, style })
+    }
+
+    /// One buffer as .npy stores it.
+    pub(super) fn plain(buffer: &'a Buffer, style: &'a Style) -> Option<Self> {
+        let (format, columns) = (Format::Npy, buffer.shape[1]);
+        let forms = format.forms(&[buffer.aov], style.bits)?;
+        Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style })
+    }
+
+    /// How the buffers are stored.
+    pub(super) fn forms(&self) -> &[Form] {
+        &self.forms
+    }
+}
+
+impl Rows for Encoder<'_> {
+    fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        let (buffer, form, style) = (self.buffers[layer], self.forms[layer], self.style);
+        let pixels = rows.start * self.columns..rows.end * self.columns;
+        let channels = buffer.aov.channels();
+        let values = channels * pixels.start..channels * pixels.end;
+        Ok(match &buffer.data {
+            Data::F32(all) => match self.alpha.filter(|_| form.channels == 4) {
+                Some(alpha) => with_alpha(&all[values], &alpha[pixels], form).into(),
+                None => floats(&all[values], form),
+            },
+            Data::F64(all) => doubles(&all[values], form, style),
+            Data::I32(all) => plain(&all[values], i32::to_le_bytes),
+            Data::U8(all) => bytes(&all[values], form, self.format),
+        })
+    }
+}
+
+fn floats(values: &[f32], form: Form) -> Cow<'_, [u8]> {
+    // Of a normal (n + 1) / 2: a miss is the middle grey.
+    let share = |x: f32| if form.aov == Aov::Normal { f32::midpoint(x, 1.0) } else { x };
+    match (form.kind, form.aov) {
+        (Kind::U16, Aov::Color) => made(values, |x| srgb::level16(x).to_le_bytes()).into(),
+        (Kind::U8, Aov::Color) => srgb::levels(values).into(),
+        (Kind::U16, _) => made(values, |x| share16(share(x)).to_le_bytes()).into(),
+        (Kind::U8, _) => made(values, |x| [share8(share(x))]).into(),
+        _ => plain(values, f32::to_le_bytes),
+    }
+}
+
+fn doubles<'a>(values: &'a [f64], form: Form, style: &Style) -> Cow<'a, [u8]> {
+    let (aov, changed) = (form.aov, is_length(form.aov) && style.no_return.value() != f64::INFINITY);
+    match form.kind {
+        Kind::U16 => made(values, |x| step(x, style.unit).to_le_bytes()).into(),
+        Kind::F32 => made(values, |x| (missed(aov, style, x) as f32).to_le_bytes()).into(),
+        _ if changed => made(values, |x| missed(aov, style, x).to_le_bytes()).into(),
+        _ => plain(values, f64::to_le_bytes),
+    }
+}
+
+fn bytes(values: &[u8], form: Form, format: Format) -> Cow<'_, [u8]> {
+    match form.kind {
+        Kind::U32 => made(values, |x| u32::from(x).to_le_bytes()).into(),
+        Kind::F32 => made(values, |x| f32::from(x).to_le_bytes()).into(),
+        _ if format == Format::Png => made(values, |x| [if x == 0 { 0 } else { 255 }]).into(),
+        _ => Cow::Borrowed(values),
+    }
+}
+
+fn with_alpha(linear: &[f32], alpha: &[f32], form: Form) -> Vec<u8> {
+    match form.kind {
+        Kind::U16 => straight(linear, alpha, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes()),
+        _ => straight(linear, alpha, |x| [srgb::level(x)], |x| [share8(x)]),
+    }
 }
 
 fn is_length(aov: Aov) -> bool {
@@ -66,37 +124,6 @@ fn made<T: Copy + Sync, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; 
     let mut out = vec![0; N * values.len()];
     out.par_chunks_exact_mut(N).zip(values).with_min_len(1 << 12).for_each(|(out, x)| out.copy_from_slice(&bytes(*x)));
     out
-}
-
-/// Channels, type and samples of a PNG.
-fn levels(aov: Aov, data: &Data, alpha: Option<&[f32]>, style: &Style) -> (usize, Kind, Vec<u8>) {
-    let sixteen = style.bits == Bits::Sixteen;
-    let kind = if sixteen { Kind::U16 } else { Kind::U8 };
-    match (data, alpha) {
-        (Data::F32(linear), Some(alpha)) if aov == Aov::Color && sixteen => {
-            (4, kind, straight(linear, alpha, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes()))
-        }
-        (Data::F32(linear), Some(alpha)) if aov == Aov::Color => {
-            (4, kind, straight(linear, alpha, |x| [srgb::level(x)], |x| [share8(x)]))
-        }
-        (Data::F32(linear), _) if aov == Aov::Color && sixteen => {
-            (3, kind, made(linear, |x| srgb::level16(x).to_le_bytes()))
-        }
-        (Data::F32(linear), _) if aov == Aov::Color => (3, kind, srgb::levels(linear)),
-        (Data::F32(values), _) => {
-            // Of a normal (n + 1) / 2: a miss is the middle grey.
-            let share = |x: f32| if aov == Aov::Normal { f32::midpoint(x, 1.0) } else { x };
-            let bytes = match sixteen {
-                true => made(values, |x| share16(share(x)).to_le_bytes()),
-                false => made(values, |x| [share8(share(x))]),
-            };
-            (aov.channels(), kind, bytes)
-        }
-        (Data::F64(values), _) => (1, Kind::U16, made(values, |x| step(x, style.unit).to_le_bytes())),
-        (Data::U8(values), _) => (1, Kind::U8, made(values, |x| [if x == 0 { 0 } else { 255 }])),
-        // Ids are no picture: Format::takes refuses them, and nobody takes no channels for a buffer.
-        (Data::I32(_), _) => (0, Kind::U8, Vec::new()),
-    }
 }
 
 /// Red, green, blue and alpha, each of `N` bytes, of colours that were multiplied by alpha.

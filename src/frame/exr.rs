@@ -1,112 +1,297 @@
 //! OpenEXR: every buffer as channels of one part, f32 or u32, the display window being the full frame and the data window
-//! the part that was rendered. Compressed by ZIP without loss, in one thread's order, so that bytes are always the same.
-//! Names of channels follow the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` beyond.
+//! the part that was rendered. Compressed by ZIP without loss, sixteen rows at a time; the bytes are the same however many
+//! threads compress. Names of channels follow the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel`
+//! beyond. The layout of a file: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
 use super::Aov;
+use super::format::Format;
 use super::provenance::Provenance;
-use super::sheet::{Kind, Layer, Sheet, invalid, malformed};
+use super::sheet::{Head, Input, Rows, Sink, invalid, malformed, pulled};
 use crate::error::Result;
-use exr::prelude::*;
-use std::io::{self, Cursor, Write};
+use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::meta::{BlockDescription, MetaData, magic_number};
+use exr::prelude::{AttributeValue, Compression, LineOrder, Text, Vec2};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::VecDeque;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::Range;
 
 /// The bytes every OpenEXR file begins with.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
+/// Rows that are compressed together.
+pub(super) const ROWS: usize = 16;
+
 /// The attribute that holds the provenance, as JSON: the writer keeps attributes of our own in no order, so there is one.
 const ATTRIBUTE: &str = "halfline";
 
-/// The channels of a buffer and the type of their samples. A miss of id is 4294967295.
-fn channels(aov: Aov) -> (Kind, &'static [&'static str]) {
+/// Bytes of a sample.
+const SAMPLE: usize = 4;
+
+/// The channels of a buffer; those of [`Format::forms`].
+fn names(aov: Aov) -> &'static [&'static str] {
     match aov {
-        Aov::Color => (Kind::F32, &["R", "G", "B"]),
-        Aov::Alpha => (Kind::F32, &["A"]),
-        Aov::Depth => (Kind::F32, &["Z"]),
-        Aov::Distance => (Kind::F32, &["distance"]),
-        Aov::Normal => (Kind::F32, &["normal.X", "normal.Y", "normal.Z"]),
-        Aov::Position => (Kind::F32, &["position.X", "position.Y", "position.Z"]),
-        Aov::Id => (Kind::U32, &["id"]),
-        Aov::Mask => (Kind::F32, &["mask"]),
-        Aov::Certainty => (Kind::U32, &["certainty"]),
-        Aov::Bound => (Kind::F32, &["bound"]),
+        Aov::Color => &["R", "G", "B"],
+        Aov::Alpha => &["A"],
+        Aov::Depth => &["Z"],
+        Aov::Distance => &["distance"],
+        Aov::Normal => &["normal.X", "normal.Y", "normal.Z"],
+        Aov::Position => &["position.X", "position.Y", "position.Z"],
+        Aov::Id => &["id"],
+        Aov::Mask => &["mask"],
+        Aov::Certainty => &["certainty"],
+        Aov::Bound => &["bound"],
     }
 }
 
-/// Writes every layer and the provenance.
-pub(super) fn write(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let mut all = SmallVec::new();
-    for layer in &sheet.layers {
-        let (kind, names) = channels(layer.aov);
-        if (layer.kind, layer.channels) != (kind, names.len()) {
-            return Err(invalid(format!("these samples of {} are not those of an EXR", layer.aov)));
-        }
-        for (channel, name) in names.iter().enumerate() {
-            let samples = match kind {
-                Kind::U32 => {
-                    FlatSamples::U32(layer.samples(u32::from_le_bytes).skip(channel).step_by(names.len()).collect())
-                }
-                _ => FlatSamples::F32(layer.samples(f32::from_le_bytes).skip(channel).step_by(names.len()).collect()),
-            };
-            all.push(AnyChannel::new(*name, samples));
-        }
-    }
-    let text = |text: &str| Text::new_or_none(text).ok_or_else(|| invalid("EXR takes no such text"));
-    let [width, height] = sheet.size();
-    let mut attributes = LayerAttributes {
-        layer_position: Vec2(sheet.window.x0 as i32, sheet.window.y0 as i32),
-        software_name: Some(text(sheet.provenance.get("Software").unwrap_or("halfline"))?),
-        ..LayerAttributes::default()
-    };
-    attributes.other.insert(text(ATTRIBUTE)?, AttributeValue::Text(text(&sheet.provenance.to_json())?));
-    let encoding =
-        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = exr::image::Layer::new((width, height), attributes, encoding, AnyChannels::sort(all));
-    let mut image = Image::from_layer(layer);
-    image.attributes.display_window = IntegerBounds::new((0, 0), (sheet.full[0] as usize, sheet.full[1] as usize));
-    // The table of offsets is written last and stands first.
-    let mut bytes = Cursor::new(Vec::new());
-    image.write().non_parallel().to_buffered(&mut bytes).map_err(io::Error::other)?;
-    out.write_all(bytes.get_ref())
+/// All that decides how samples lie in the file.
+struct Layout {
+    header: Header,
+    /// What stands before the offsets of the blocks.
+    start: Vec<u8>,
+    /// In the file's order, the buffer of each channel and its place among that buffer's.
+    channels: Vec<[usize; 2]>,
+    /// Samples of a pixel in each buffer.
+    each: Vec<usize>,
+    width: usize,
+    height: usize,
 }
 
-/// Reads what [`write`] wrote; `None` where it does not say where it comes from.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
-    let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
-    let image = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let image = image
-        .all_attributes()
-        .non_parallel()
-        .pedantic()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| fail(&error))?;
-    let found = image.layer_data;
-    let Some(AttributeValue::Text(json)) = found.attributes.other.get(&Text::from(ATTRIBUTE)) else { return Ok(None) };
-    let provenance = Provenance::from_json(json.to_string().as_bytes());
-    let Some((provenance, buffers)) = provenance.and_then(|words| words.buffers().map(|all| (words, all))) else {
-        return Ok(None);
-    };
-    let names: usize = buffers.iter().map(|aov| channels(*aov).1.len()).sum();
-    if names != found.channel_data.list.len() {
-        return Err(fail(&"it holds other channels than its provenance says"));
-    }
-    let pixels = found.size.area();
-    let mut layers = Vec::new();
-    for aov in buffers {
-        let (kind, names) = channels(aov);
-        let mut bytes = vec![0; 4 * names.len() * pixels];
-        for (n, name) in names.iter().enumerate() {
-            let channel = found.channel_data.list.iter().find(|channel| channel.name == **name);
-            let places = bytes.as_chunks_mut::<4>().0.iter_mut().skip(n).step_by(names.len());
-            match (kind, channel.map(|channel| &channel.sample_data)) {
-                (Kind::U32, Some(FlatSamples::U32(samples))) => {
-                    places.zip(samples).for_each(|(place, sample)| *place = sample.to_le_bytes());
-                }
-                (Kind::F32, Some(FlatSamples::F32(samples))) => {
-                    places.zip(samples).for_each(|(place, sample)| *place = sample.to_le_bytes());
-                }
-                _ => return Err(fail(&format!("it has no channel {name} of the promised type"))),
+impl Layout {
+    fn of(head: &Head) -> io::Result<Self> {
+        let text = |text: &str| Text::new_or_none(text).ok_or_else(|| invalid("EXR takes no such text"));
+        let mut channels = Vec::new();
+        for (layer, form) in head.forms.iter().enumerate() {
+            let kind = if form.kind == super::sheet::Kind::U32 { SampleType::U32 } else { SampleType::F32 };
+            for (place, name) in names(form.aov).iter().enumerate() {
+                channels.push((ChannelDescription::named(*name, kind), [layer, place]));
             }
         }
-        layers.push(Layer { aov, kind, channels: names.len(), bytes: bytes.into() });
+        channels.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        let [width, height] = head.size();
+        let (list, channels): (Vec<_>, _) = channels.into_iter().unzip();
+        let mut attributes = LayerAttributes {
+            layer_position: Vec2(head.window.x0 as i32, head.window.y0 as i32),
+            software_name: Some(text(head.provenance.get("Software").unwrap_or("halfline"))?),
+            ..LayerAttributes::default()
+        };
+        attributes.other.insert(text(ATTRIBUTE)?, AttributeValue::Text(text(&head.provenance.to_json())?));
+        let full = IntegerBounds::new((0, 0), (head.full[0] as usize, head.full[1] as usize));
+        let header = Header::new(text("")?, (width, height), list.into())
+            .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+            .with_shared_attributes(ImageAttributes::new(full))
+            .with_attributes(attributes);
+        let mut start = Vec::new();
+        let requirements = MetaData::validate(std::slice::from_ref(&header), true).map_err(io::Error::other)?;
+        magic_number::write(&mut start)
+            .and_then(|()| requirements.write(&mut start))
+            .and_then(|()| header.write(&mut start))
+            .map_err(io::Error::other)?;
+        let each = head.forms.iter().map(|form| form.channels).collect();
+        Ok(Self { header, start, channels, each, width, height })
     }
-    Ok(Sheet::new(layers, provenance))
+
+    fn blocks(&self) -> usize {
+        self.height.div_ceil(ROWS)
+    }
+
+    /// The rows of a block, from 0 in this file.
+    fn rows(&self, block: usize) -> Range<usize> {
+        block * ROWS..(block * ROWS + ROWS).min(self.height)
+    }
+
+    /// What the compressor asks of a block.
+    fn bounds(&self, block: usize) -> IntegerBounds {
+        let rows = self.rows(block);
+        IntegerBounds::new((0, rows.start as i32), (self.width, rows.len()))
+    }
+
+    /// The number that names a block in the file.
+    fn y(&self, block: usize) -> i32 {
+        self.header.own_attributes.layer_position.1 + (block * ROWS) as i32
+    }
+
+    /// Bytes of a row of one channel.
+    fn line(&self) -> usize {
+        self.width * SAMPLE
+    }
+
+    /// Bytes of so many rows of all channels.
+    fn size(&self, rows: usize) -> usize {
+        rows * self.channels.len() * self.line()
+    }
+
+    /// The samples of a block, in this machine's byte order as the compressor takes them: row by row, channel by channel.
+    fn gather(&self, rows: &mut dyn Rows, block: usize) -> io::Result<Vec<u8>> {
+        let range = self.rows(block);
+        let mut bytes = vec![0; self.size(range.len())];
+        for (layer, channels) in self.each.iter().enumerate() {
+            let samples = pulled(rows, layer, range.clone())?;
+            self.lines(layer).for_each(|(line, place)| {
+                for row in 0..range.len() {
+                    let out = bytes[self.size(row) + line * self.line()..][..self.line()].as_chunks_mut::<SAMPLE>().0;
+                    let from = &samples[row * self.line() * channels..][..self.line() * channels];
+                    for (out, pixel) in out.iter_mut().zip(from.as_chunks::<SAMPLE>().0.chunks_exact(*channels)) {
+                        *out = u32::from_le_bytes(pixel[place]).to_ne_bytes();
+                    }
+                }
+            });
+        }
+        Ok(bytes)
+    }
+
+    /// The other way round: rows of one buffer, counted from the block's first.
+    fn scatter(&self, block: &[u8], layer: usize, rows: Range<usize>, out: &mut [u8]) {
+        let channels = self.each[layer];
+        self.lines(layer).for_each(|(line, place)| {
+            for (row, out) in rows.clone().zip(out.chunks_exact_mut(self.line() * channels)) {
+                let from = block[self.size(row) + line * self.line()..][..self.line()].as_chunks::<SAMPLE>().0;
+                for (pixel, from) in out.as_chunks_mut::<SAMPLE>().0.chunks_exact_mut(channels).zip(from) {
+                    pixel[place] = u32::from_ne_bytes(*from).to_le_bytes();
+                }
+            }
+        });
+    }
+
+    /// Of a buffer, the places of its channels among all and among its own.
+    fn lines(&self, layer: usize) -> impl Iterator<Item = (usize, usize)> {
+        let all = self.channels.iter().enumerate();
+        all.filter(move |(_, [of, _])| *of == layer).map(|(line, [_, place])| (line, *place))
+    }
+}
+
+/// Writes every buffer and the provenance.
+pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    let layout = Layout::of(head)?;
+    let (table, blocks) = (layout.start.len() as u64, layout.blocks());
+    out.write_all(&layout.start)?;
+    // The offsets stand first and are known last.
+    let mut place = table + 8 * blocks as u64;
+    out.seek(SeekFrom::Start(place))?;
+    let mut offsets = Vec::with_capacity(blocks);
+    let compress = |(block, bytes): (usize, Vec<u8>)| {
+        let packed =
+            layout.header.compression.compress_image_section_to_le(&layout.header, bytes, layout.bounds(block));
+        packed.map(|packed| (block, packed)).map_err(io::Error::other)
+    };
+    let together = blocks_together(layout.size(ROWS));
+    for first in (0..blocks).step_by(together) {
+        let some = first..(first + together).min(blocks);
+        let raw = some.map(|block| Ok((block, layout.gather(rows, block)?))).collect::<io::Result<Vec<_>>>()?;
+        for (block, packed) in raw.into_par_iter().map(compress).collect::<io::Result<Vec<_>>>()? {
+            let size = i32::try_from(packed.len()).map_err(io::Error::other)?;
+            offsets.push(place);
+            out.write_all(&layout.y(block).to_le_bytes())?;
+            out.write_all(&size.to_le_bytes())?;
+            out.write_all(&packed)?;
+            place += 8 + packed.len() as u64;
+        }
+    }
+    out.seek(SeekFrom::Start(table))?;
+    let offsets: Vec<u8> = offsets.into_iter().flat_map(u64::to_le_bytes).collect();
+    out.write_all(&offsets)?;
+    out.seek(SeekFrom::Start(place)).map(drop)
+}
+
+/// How many blocks of so many bytes are compressed at once: two for each thread, in not too much memory.
+fn blocks_together(bytes: usize) -> usize {
+    const MEMORY: usize = 64 << 20;
+    (MEMORY / (3 * bytes).max(1)).clamp(1, 2 * rayon::current_num_threads())
+}
+
+/// Bytes that this takes for blocks of so many rows' bytes, at most.
+pub(super) fn memory(row: u64) -> u64 {
+    let block = ROWS as u64 * row;
+    3 * block * blocks_together(usize::try_from(block).unwrap_or(usize::MAX / 3)) as u64
+}
+
+/// Opens what [`write`] wrote; `None` where it does not say where it comes from.
+pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+    let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
+    let meta = MetaData::read_from_buffered(&mut input, true).map_err(|error| fail(&error))?;
+    let [found] = &meta.headers[..] else { return Ok(None) };
+    let Some(AttributeValue::Text(json)) = found.own_attributes.other.get(&Text::from(ATTRIBUTE)) else {
+        return Ok(None);
+    };
+    let words = Provenance::from_json(json.to_string().as_bytes());
+    let Some(head) = words.and_then(|words| Head::new(Format::Exr, words)) else { return Ok(None) };
+    // The words decide what the file is: what else its header says is compared and not believed.
+    let layout = Layout::of(&head).map_err(|error| fail(&error))?;
+    let mut start = vec![0; layout.start.len()];
+    let mut table = vec![0; 8 * layout.blocks()];
+    let read = input.rewind().and_then(|()| input.read_exact(&mut start)).and_then(|()| input.read_exact(&mut table));
+    read.map_err(|error| fail(&error))?;
+    if start != layout.start {
+        return Err(fail(&"its header is not what its provenance says"));
+    }
+    let offsets = table.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+    // A band of rows of the merged frame meets one block of a tile more than it has itself.
+    let kept = head.band_rows() / ROWS + 1;
+    let recent = VecDeque::new();
+    let rows = Blocks { input, name: name.into(), layout, offsets, recent, kept, samples: Vec::new() };
+    Ok(Some((head, Box::new(rows))))
+}
+
+/// The rows of a file, block by block.
+struct Blocks<'a> {
+    input: Box<dyn Input + 'a>,
+    name: String,
+    layout: Layout,
+    offsets: Vec<u64>,
+    /// The last ones that were asked for: all buffers of some rows are asked for, and then those of others.
+    recent: VecDeque<(usize, Vec<u8>)>,
+    /// So many.
+    kept: usize,
+    samples: Vec<u8>,
+}
+
+impl Blocks<'_> {
+    /// Reads a block, unless it is there.
+    fn load(&mut self, block: usize) -> Result<()> {
+        if self.recent.iter().any(|(known, _)| *known == block) {
+            return Ok(());
+        }
+        let fail = |why: &dyn std::fmt::Display| malformed(&self.name, "EXR", why);
+        let mut start = [[0; 4]; 2];
+        let read = self.input.seek(SeekFrom::Start(self.offsets[block]));
+        let read = read.and_then(|_| self.input.read_exact(start.as_flattened_mut()));
+        read.map_err(|error| fail(&error))?;
+        let [y, size] = start.map(i32::from_le_bytes);
+        let most = self.layout.size(self.layout.rows(block).len());
+        let size = usize::try_from(size).ok().filter(|size| *size <= most && y == self.layout.y(block));
+        let size = size.ok_or_else(|| fail(&format!("block {block} is not where its offset says")))?;
+        let mut packed = vec![0; size];
+        self.input.read_exact(&mut packed).map_err(|error| fail(&error))?;
+        let (header, bounds) = (&self.layout.header, self.layout.bounds(block));
+        let bytes = header.compression.decompress_image_section_from_le(header, packed, bounds, true);
+        let bytes = bytes.map_err(|error| fail(&error))?;
+        if bytes.len() != most {
+            return Err(fail(&format!("block {block} has {} bytes of {most}", bytes.len())));
+        }
+        self.recent.truncate(self.kept - 1);
+        self.recent.push_front((block, bytes));
+        Ok(())
+    }
+}
+
+impl Rows for Blocks<'_> {
+    fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        let row = self.layout.line() * self.layout.each[layer];
+        let mut samples = std::mem::take(&mut self.samples);
+        samples.resize(rows.len() * row, 0);
+        for block in rows.start / ROWS..rows.end.div_ceil(ROWS) {
+            self.load(block)?;
+            let all = self.layout.rows(block);
+            let part = all.start.max(rows.start)..all.end.min(rows.end);
+            let out = &mut samples[(part.start - rows.start) * row..(part.end - rows.start) * row];
+            let own = part.start - all.start..part.end - all.start;
+            if let Some((_, bytes)) = self.recent.iter().find(|(known, _)| *known == block) {
+                self.layout.scatter(bytes, layer, own, out);
+            }
+        }
+        self.samples = samples;
+        Ok(Cow::Borrowed(&self.samples))
+    }
 }

@@ -1,15 +1,21 @@
-//! Where buffers go: the format by the file's ending, `-` for standard output, and files that are either whole
-//! or not there.
+//! Where buffers go: the format by the file's ending, `-` for standard output.
 
+pub use super::atomic::{check_writable, is_standard, write_atomically};
+
+use super::atomic::write_anywhere;
+use super::digest::Digest;
+use super::encode::{self, Encoder};
 use super::format::{Format, Style};
 use super::provenance::{Origin, Provenance};
-use super::sheet::Sheet;
-use super::{Aov, Frame, encode};
+use super::sheet::{self, Head, Opened, Rows};
+use super::{Aov, Frame};
 use crate::error::{Error, Result};
-use std::fs::{self, File};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use crate::window::Window;
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// One file and the buffers that go into it.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,10 +94,37 @@ impl Target {
         Provenance::new(origin, self.format, &self.aovs, &self.style)
     }
 
-    /// Whether the file is there, whole, and says word for word that it comes from `origin`.
+    /// Whether the file is there and is, byte for byte, what writing its own content again would give, and says word for
+    /// word that it comes from `origin`.
     pub fn is_there(&self, origin: &Origin<'_>) -> bool {
-        let there = (!self.is_standard()).then(|| Sheet::read(&self.path).ok()).flatten();
-        there.is_some_and(|(format, sheet)| format == self.format && sheet.provenance == self.provenance(origin))
+        self.is_there_while(origin, &|| true)
+    }
+
+    /// The same; it is not when `go_on` says no before all of it is read.
+    pub fn is_there_while(&self, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
+        !self.is_standard() && self.is_whole(origin, go_on).unwrap_or(false)
+    }
+
+    fn is_whole(&self, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Result<bool> {
+        let name = self.path.display().to_string();
+        let Opened { format, head, rows } = Opened::file(&self.path, &name)?;
+        let words = head.provenance.without_pixels() == self.provenance(origin);
+        if format != self.format || !words || head.provenance.pixels().is_none() {
+            return Ok(false);
+        }
+        Digest::of(&head, &mut Interruptible { rows, go_on })?.check(&head.provenance, &name)?;
+        let rows = Opened::file(&self.path, &name)?.rows;
+        let mut comparison = Comparison::with(&self.path)?;
+        let same = sheet::write(format, &head, &mut Interruptible { rows, go_on }, &mut comparison);
+        Ok(same.is_ok() && comparison.is_complete())
+    }
+
+    /// Bytes of memory that writing the file, or reading it again, takes beside the frame; `columns` are those of the part
+    /// that is rendered.
+    pub fn memory(&self, columns: u32) -> u64 {
+        let window = Window::full(columns, u32::MAX);
+        let forms = self.format.forms(&self.aovs, self.style.bits).unwrap_or_default();
+        Head { forms, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
     }
 
     /// What the format cannot hold of `frame`, in whole sentences.
@@ -105,108 +138,123 @@ impl Target {
     /// # Errors
     /// [`Error::Settings`] for a frame that lacks a buffer or holds a malformed one, [`Error::Io`] from the system.
     pub fn write(&self, frame: &Frame, origin: &Origin<'_>) -> Result<()> {
+        self.write_while(frame, origin, &|| true)
+    }
+
+    /// The same, ended by [`Error::Interrupted`] when `go_on` says no before all of it is written.
+    ///
+    /// # Errors
+    /// As [`Target::write`].
+    pub fn write_while(&self, frame: &Frame, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
         let refuse = |problem: String| Error::settings(problem, "render it with the buffers that its files take");
+        let [columns, lines] = [origin.window.width() as usize, origin.window.height() as usize];
         for aov in &self.aovs {
             let buffer = frame.get(*aov);
-            buffer
-                .ok_or_else(|| refuse(format!("{} was meant for {aov}, which is not there", self.path.display())))?
-                .check()?;
+            let buffer = buffer
+                .ok_or_else(|| refuse(format!("{} was meant for {aov}, which is not there", self.path.display())))?;
+            buffer.check()?;
+            if buffer.shape[..2] != [lines, columns] || frame.width as usize != columns {
+                return Err(refuse(format!("the buffers do not fill the window {}", origin.window)));
+            }
         }
-        let layers = encode::layers(frame, &self.aovs, self.format, &self.style);
-        let sheet = Sheet::new(layers, self.provenance(origin));
-        let sheet = sheet.ok_or_else(|| refuse(format!("the buffers do not fill the window {}", origin.window)))?;
-        write_sheet(&sheet, self.format, &self.path)
+        let encoder = Encoder::new(frame, &self.aovs, self.format, &self.style);
+        let encoder = encoder.ok_or_else(|| refuse(format!("{} cannot hold them", self.path.display())))?;
+        let (forms, provenance) = (encoder.forms().to_vec(), self.provenance(origin));
+        let mut head = Head { forms, provenance, window: origin.window, full: origin.full };
+        let mut rows = Interruptible { rows: Box::new(encoder), go_on };
+        if self.format != Format::Raw {
+            let digest = Digest::of(&head, &mut rows)?;
+            head.provenance = head.provenance.with_pixels(&digest.text());
+        }
+        write_file(self.format, &head, &mut rows, &self.path)
     }
 }
 
-/// Writes the file of a sheet as [`write_atomically`] does.
+/// Writes a file from its beginning to its end, or as its format must.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`.
-pub fn write_sheet(sheet: &Sheet<'_>, format: Format, path: &Path) -> Result<()> {
-    write_atomically(path, |out| sheet.write(format, out))
-}
-
-/// Whether `path` stands for standard input or output.
-pub fn is_standard(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// Whether a file could be put at `path`: its folder exists and takes files, and `path` is no folder itself.
-///
-/// # Errors
-/// [`Error::Io`] naming `path`.
-pub fn check_writable(path: &Path) -> Result<()> {
-    if is_standard(path) {
-        return Ok(());
+/// [`Error::Io`] naming `path`, those of `rows`.
+pub(super) fn write_file(format: Format, head: &Head, rows: &mut dyn Rows, path: &Path) -> Result<()> {
+    match format {
+        Format::Exr => write_anywhere(path, |out| sheet::write(format, head, rows, out)),
+        _ => write_atomically(path, |out| sheet::write(format, head, rows, &mut Onward(out))),
     }
-    let folder = folder(path);
-    let refuse = |kind: ErrorKind, why: String| Err(Error::write(path, io::Error::new(kind, why)));
-    match fs::metadata(folder) {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            refuse(ErrorKind::NotFound, format!("there is no folder {}", folder.display()))
+}
+
+/// What is only written from its beginning to its end.
+struct Onward<'a>(&'a mut dyn Write);
+
+impl Write for Onward<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl Seek for Onward<'_> {
+    fn seek(&mut self, _: SeekFrom) -> io::Result<u64> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+}
+
+/// Rows that are given only as long as somebody wants them.
+pub(super) struct Interruptible<'a> {
+    pub(super) rows: Box<dyn Rows + 'a>,
+    pub(super) go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Rows for Interruptible<'_> {
+    fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        if (self.go_on)() { self.rows.rows(layer, rows) } else { Err(Error::Interrupted) }
+    }
+}
+
+/// Takes what would be written to a file and compares it with what is there.
+struct Comparison {
+    file: BufReader<File>,
+    length: u64,
+    /// Where the next byte goes, and how far any went.
+    place: u64,
+    end: u64,
+}
+
+impl Comparison {
+    fn with(path: &Path) -> Result<Self> {
+        let file = File::open(path).map_err(|error| Error::read(path, error))?;
+        let length = file.metadata().map_err(|error| Error::read(path, error))?.len();
+        Ok(Self { file: BufReader::with_capacity(1 << 16, file), length, place: 0, end: 0 })
+    }
+
+    /// Whether there was nothing more in the file.
+    fn is_complete(&self) -> bool {
+        self.end == self.length
+    }
+}
+
+impl Write for Comparison {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut there = [0; 1 << 12];
+        let (some, there) = (&bytes[..bytes.len().min(there.len())], &mut there[..bytes.len().min(1 << 12)]);
+        self.file.read_exact(there)?;
+        if some != there {
+            return Err(io::Error::other("it differs"));
         }
-        Err(error) => Err(Error::write(path, error)),
-        Ok(found) if !found.is_dir() => {
-            refuse(ErrorKind::NotADirectory, format!("{} is not a folder", folder.display()))
-        }
-        Ok(_) if path.is_dir() => refuse(ErrorKind::IsADirectory, "it is a folder".into()),
-        // Permission bits do not tell the whole story; making a file does.
-        Ok(_) if !is_special(path) => temporary(path).map(drop).map_err(|error| Error::write(path, error)),
-        Ok(_) => Ok(()),
+        self.place += some.len() as u64;
+        self.end = self.end.max(self.place);
+        Ok(some.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
-/// Lets `fill` write the file at `path` so that nobody ever sees half of it: a temporary file in the same folder
-/// takes the name when it is complete, and disappears if anything fails. A link is followed, the bits of a file
-/// that is replaced are kept. Standard output, pipes and devices are written as they are.
-///
-/// # Errors
-/// [`Error::Io`] naming `path`, from `fill` or the system.
-pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    let written = if is_standard(path) {
-        filled(io::stdout().lock(), fill)
-    } else if is_special(path) {
-        File::options().write(true).open(path).and_then(|file| filled(file, fill))
-    } else {
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        replace(&path, fill)
-    };
-    written.map_err(|error| Error::write(path, error))
-}
-
-fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let file = temporary(path)?;
-    filled(file.as_file(), fill)?;
-    if let Ok(old) = fs::metadata(path) {
-        file.as_file().set_permissions(old.permissions())?;
+impl Seek for Comparison {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.place = self.file.seek(to)?;
+        Ok(self.place)
     }
-    file.persist(path).map(drop).map_err(|error| error.error)
-}
-
-fn filled(out: impl Write, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, out);
-    fill(&mut out)?;
-    out.flush()
-}
-
-fn temporary(path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".halfline-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As for any new file: the user's umask takes away what it takes away.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder(path))
-}
-
-fn folder(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// A pipe or a device, which must not be replaced by a file.
-fn is_special(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }

@@ -1,6 +1,7 @@
 //! What a buffer can be written as, and what the formats leave to choose.
 
 use super::Aov;
+use super::sheet::{Form, Kind};
 use crate::error::{Error, Result};
 use std::path::Path;
 use std::str::FromStr;
@@ -50,6 +51,35 @@ impl Format {
         }
     }
 
+    /// How it stores these buffers, in the order of [`Aov::ALL`]; `None` where it does not. `bits` are those of PNG.
+    pub fn forms(self, aovs: &[Aov], bits: Bits) -> Option<Vec<Form>> {
+        let mut forms = Vec::new();
+        for aov in aovs.iter().copied() {
+            match forms.last_mut() {
+                // Alpha goes into the pixels of colour.
+                Some(Form { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => *channels = 4,
+                _ => forms.push(Form { aov, kind: self.kind(aov, bits), channels: aov.channels() }),
+            }
+        }
+        let ordered = aovs.is_sorted_by(|a, b| a < b) && aovs.iter().all(|aov| self.takes(*aov));
+        (ordered && (forms.len() == 1 || self.holds_many() && !forms.is_empty())).then_some(forms)
+    }
+
+    /// The type of the samples of a buffer.
+    fn kind(self, aov: Aov, bits: Bits) -> Kind {
+        match (self, aov.dtype(), aov) {
+            (Self::Png, _, Aov::Mask) => Kind::U8,
+            (Self::Png, "float64", _) => Kind::U16,
+            (Self::Png, ..) if bits == Bits::Sixteen => Kind::U16,
+            (Self::Png, ..) => Kind::U8,
+            (Self::Exr, _, Aov::Id | Aov::Certainty) => Kind::U32,
+            (Self::Exr | Self::Pfm, ..) | (_, "float32", _) => Kind::F32,
+            (_, "float64", _) => Kind::F64,
+            (_, "int32", _) => Kind::I32,
+            _ => Kind::U8,
+        }
+    }
+
     /// Whether one file holds any number of buffers.
     pub fn holds_many(self) -> bool {
         matches!(self, Self::Exr | Self::Npz)
@@ -75,6 +105,9 @@ impl Format {
         }
     }
 }
+
+/// The keyword of the bits of a component in a PNG.
+pub(super) const BITS: &str = "halfline:bits";
 
 /// Bits of a component in a PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -167,7 +200,7 @@ impl Style {
         let (levels, lengths) = (any(&[Aov::Color, Aov::Alpha, Aov::Normal]), any(&[Aov::Distance, Aov::Depth]));
         let mut words = Vec::new();
         if format == Format::Png && levels {
-            words.push(("halfline:bits", if self.bits == Bits::Eight { "8" } else { "16" }.to_owned()));
+            words.push((BITS, if self.bits == Bits::Eight { "8" } else { "16" }.to_owned()));
         }
         if lengths {
             words.push(match format {

@@ -1,51 +1,211 @@
 //! Parts of a frame become the frame: samples are copied as they are stored, so the file of the whole is byte for byte the
 //! one that rendering it whole would have written.
 
+use super::atomic::is_standard;
+use super::digest::Digest;
+use super::file::write_file;
 use super::format::Format;
-use super::sheet::{Layer, Sheet};
+use super::sheet::{Head, Opened, Rows};
 use crate::error::{Error, Place, Result};
+use crate::memory::check_room;
 use crate::window::Window;
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::fs::File;
+use std::io::Read;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use tempfile::TempPath;
 
-/// A part of a frame and what errors call it.
-#[derive(Debug, Clone)]
+/// A part of a frame: what its file says, and where its pixels are.
+#[derive(Debug)]
 pub struct Tile {
-    /// The file's name.
-    pub name: String,
-    /// Its format.
-    pub format: Format,
-    /// Its content.
-    pub sheet: Sheet<'static>,
+    /// The file's name, as errors call it.
+    name: String,
+    format: Format,
+    head: Head,
+    path: PathBuf,
+    /// What came through a pipe is read more than once from here.
+    _copy: Option<TempPath>,
 }
 
-/// Puts `tiles` together: every pixel of the full frame exactly once.
-///
-/// # Errors
-/// [`Error::Scene`] at the tile that is foreign to most of the others (another scene, size, setting, adapter, driver or
-/// program) or overlaps another, and with the rectangles that no tile holds. [`Error::Settings`] where there is no tile.
-pub fn merge(tiles: &[Tile]) -> Result<(Format, Sheet<'static>)> {
-    let Some(common) = most_common(tiles) else {
-        return Err(Error::settings("there is no tile to merge", "name the files that hold the parts of a frame"));
-    };
-    tiles.iter().try_for_each(|tile| belongs(tile, common))?;
-    overlap(tiles)?;
-    let [width, height] = common.sheet.full;
-    let full = Window::full(width, height);
-    let missing = missing(full, tiles.iter().map(|tile| tile.sheet.window));
-    if !missing.is_empty() {
-        let pixels: u64 = missing.iter().map(area).sum();
-        let mut named: Vec<_> = missing.iter().take(MOST).map(ToString::to_string).collect();
-        if missing.len() > MOST {
-            named.push(format!("{} more", missing.len() - MOST));
-        }
-        let problem = format!("none holds {} of {width} x {height} pixels ({pixels} pixels)", named.join(" and "));
-        let mend = "render each missing part with --crop x0,y0,x1,y1 and name it too";
-        return Err(Error::scene(Place::file(format!("{} tiles", tiles.len())), problem, mend));
+impl Tile {
+    /// Reads what the file says, and none of its pixels.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at one that is malformed or does not say where it
+    /// comes from.
+    pub fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let copy = copy_of_pipe(path).map_err(|error| Error::read(path, error))?;
+        let path = copy.as_ref().map_or(path, |copy| copy).to_path_buf();
+        let Opened { format, head, .. } = Opened::file(&path, &name)?;
+        Ok(Self { name, format, head, path, _copy: copy })
     }
-    let provenance = common.sheet.provenance.clone().of_window(full);
-    let layers = (0..common.sheet.layers.len()).map(|n| layer(tiles, n, full)).collect();
-    let sheet = Sheet { layers, provenance, window: full, full: common.sheet.full };
-    Ok((common.format, sheet))
+}
+
+/// The content of a pipe or device; `None` for a file.
+fn copy_of_pipe(path: &Path) -> std::io::Result<Option<TempPath>> {
+    let mut input: Box<dyn Read> = match std::fs::metadata(path) {
+        _ if is_standard(path) => Box::new(std::io::stdin()),
+        Ok(found) if !found.is_file() && !found.is_dir() => Box::new(File::open(path)?),
+        _ => return Ok(None),
+    };
+    let mut copy = tempfile::NamedTempFile::new()?;
+    std::io::copy(&mut input, &mut copy)?;
+    Ok(Some(copy.into_temp_path()))
+}
+
+/// Tiles that are the full frame, every pixel of it once.
+#[derive(Debug)]
+pub struct Mosaic {
+    tiles: Vec<Tile>,
+    format: Format,
+    head: Head,
+}
+
+impl Mosaic {
+    /// Finds out how `tiles` lie together.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at the tile that is foreign to most of the others (another scene, size, setting, adapter, driver or
+    /// program) or overlaps another, and with the rectangles that no tile holds. [`Error::Settings`] where there is no tile.
+    pub fn new(tiles: Vec<Tile>) -> Result<Self> {
+        let Some(common) = most_common(&tiles) else {
+            return Err(Error::settings("there is no tile to merge", "name the files that hold the parts of a frame"));
+        };
+        tiles.iter().try_for_each(|tile| belongs(tile, common))?;
+        overlap(&tiles)?;
+        let [width, height] = common.head.full;
+        let full = Window::full(width, height);
+        let missing = missing(full, tiles.iter().map(|tile| tile.head.window));
+        if !missing.is_empty() {
+            let pixels: u64 = missing.iter().map(area).sum();
+            let mut named: Vec<_> = missing.iter().take(MOST).map(ToString::to_string).collect();
+            if missing.len() > MOST {
+                named.push(format!("{} more", missing.len() - MOST));
+            }
+            let problem = format!("none holds {} of {width} x {height} pixels ({pixels} pixels)", named.join(" and "));
+            let mend = "render each missing part with --crop x0,y0,x1,y1 and name it too";
+            return Err(Error::scene(Place::file(format!("{} tiles", tiles.len())), problem, mend));
+        }
+        let provenance = common.head.provenance.rendering().of_window(full);
+        let (format, forms) = (common.format, common.head.forms.clone());
+        let head = Head { forms, provenance, window: full, full: common.head.full };
+        Ok(Self { tiles, format, head })
+    }
+
+    /// The tiles' format.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// W and H of the full frame.
+    pub fn size(&self) -> [u32; 2] {
+        self.head.full
+    }
+
+    /// How many tiles.
+    pub fn len(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// Whether there is none; there always is one.
+    pub fn is_empty(&self) -> bool {
+        self.tiles.is_empty()
+    }
+
+    /// What to be careful about, in whole sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        let unproven = self.tiles.iter().filter(|tile| tile.head.provenance.pixels().is_none()).count();
+        let says = match unproven {
+            0 => return Vec::new(),
+            1 => "1 tile was written by an earlier halfline and has no hash of its".to_owned(),
+            n => format!("{n} tiles were written by an earlier halfline and have no hash of their"),
+        };
+        vec![format!("{says} pixels: whether a disk or a program changed them is not known")]
+    }
+
+    /// Reads every pixel of every tile and checks it; then reads them again and writes the full frame, band by band of rows,
+    /// so that neither tiles nor frame are in memory as a whole.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where not even a band fits the memory, [`Error::Scene`] at a tile that is malformed or whose pixels
+    /// are not those that were written, [`Error::Io`], [`Error::Interrupted`] when `go_on` says no.
+    pub fn write(&self, path: &Path, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
+        // The band of the frame, and the parts of it that come from the tiles.
+        let needed = 2 * self.head.memory(self.format);
+        check_room(needed, || format!("a band of rows of the frame takes {needed} bytes"))?;
+        let mut rows = Tiles { mosaic: self, open: HashMap::new(), checks: Some(HashMap::new()), go_on };
+        let digest = Digest::of(&self.head, &mut rows)?;
+        rows.check()?;
+        let head = Head { provenance: self.head.provenance.clone().with_pixels(&digest.text()), ..self.head.clone() };
+        let mut rows = Tiles { mosaic: self, open: HashMap::new(), checks: None, go_on };
+        write_file(self.format, &head, &mut rows, path)
+    }
+}
+
+/// The rows of all tiles as those of the frame.
+struct Tiles<'a> {
+    mosaic: &'a Mosaic,
+    /// Those that the last rows came from, by their numbers.
+    open: HashMap<usize, Box<dyn Rows>>,
+    /// The hashes of the tiles, where they are asked for.
+    checks: Option<HashMap<usize, Digest>>,
+    go_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Tiles<'_> {
+    /// Refuses tiles whose pixels are not those that were written.
+    fn check(&self) -> Result<()> {
+        let mut known = self.checks.iter().flatten();
+        known.try_for_each(|(n, digest)| {
+            let tile = &self.mosaic.tiles[*n];
+            digest.check(&tile.head.provenance, &tile.name)
+        })
+    }
+}
+
+impl Rows for Tiles<'_> {
+    fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        if !(self.go_on)() {
+            return Err(Error::Interrupted);
+        }
+        let Mosaic { tiles, head, .. } = self.mosaic;
+        let (row, pixel) = (head.row(layer), head.forms[layer].pixel());
+        let mut samples = vec![0; rows.len() * row];
+        let mut met = HashSet::new();
+        for (n, tile) in tiles.iter().enumerate() {
+            let window = tile.head.window;
+            let [top, bottom] = [window.y0, window.y1].map(|y| (y as usize).clamp(rows.start, rows.end));
+            if top == bottom {
+                continue;
+            }
+            met.insert(n);
+            let source = match self.open.entry(n) {
+                std::collections::hash_map::Entry::Occupied(open) => open.into_mut(),
+                std::collections::hash_map::Entry::Vacant(place) => {
+                    let opened = Opened::file(&tile.path, &tile.name)?;
+                    if opened.head != tile.head {
+                        return Err(Error::scene(Place::file(&tile.name), "it has just changed", "merge again"));
+                    }
+                    place.insert(opened.rows)
+                }
+            };
+            let own = top - window.y0 as usize..bottom - window.y0 as usize;
+            let part = source.rows(layer, own)?;
+            if let Some(checks) = &mut self.checks {
+                let layers = head.forms.len();
+                checks.entry(n).or_insert_with(|| Digest::new(layers)).update(layer, &part);
+            }
+            for (y, line) in (top..).zip(part.chunks_exact(window.width() as usize * pixel)) {
+                samples[(y - rows.start) * row + window.x0 as usize * pixel..][..line.len()].copy_from_slice(line);
+            }
+        }
+        // Not more files are open than the rows need.
+        self.open.retain(|n, _| met.contains(n));
+        Ok(samples.into())
+    }
 }
 
 /// More rectangles than this are counted, not named.
@@ -54,8 +214,7 @@ const MOST: usize = 8;
 /// A tile of the rendering that most tiles are of, the first of it; where two renderings are as common, of the first.
 fn most_common(tiles: &[Tile]) -> Option<&Tile> {
     let mut counts: HashMap<_, usize> = HashMap::new();
-    let renderings: Vec<_> =
-        tiles.iter().map(|tile| (tile.format, tile.sheet.provenance.clone().of_window(Window::full(0, 0)))).collect();
+    let renderings: Vec<_> = tiles.iter().map(|tile| (tile.format, tile.head.provenance.rendering())).collect();
     renderings.iter().for_each(|rendering| *counts.entry(rendering).or_default() += 1);
     // Of equal ones the last is taken, so they are asked backwards.
     tiles.iter().zip(&renderings).rev().max_by_key(|(_, rendering)| counts[rendering]).map(|(tile, _)| tile)
@@ -68,21 +227,19 @@ fn belongs(tile: &Tile, common: &Tile) -> Result<()> {
         let [this, that] = [tile.format, common.format].map(Format::ending);
         return foreign(format!("a tile in {this} among tiles in {that}"));
     }
-    if let Some([key, this, that]) = tile.sheet.provenance.foreign(&common.sheet.provenance) {
-        return foreign(format!("a tile of another rendering: {key} is {this:?}, but {that:?} in {other}"));
+    match tile.head.provenance.foreign(&common.head.provenance) {
+        Some([key, this, that]) => {
+            foreign(format!("a tile of another rendering: {key} is {this:?}, but {that:?} in {other}"))
+        }
+        None => Ok(()),
     }
-    let form = |layer: &Layer<'_>| (layer.aov, layer.kind, layer.channels);
-    if !tile.sheet.layers.iter().map(form).eq(common.sheet.layers.iter().map(form)) {
-        return foreign(format!("its samples are of another type than those of {other}"));
-    }
-    Ok(())
 }
 
 fn overlap(tiles: &[Tile]) -> Result<()> {
     for (n, tile) in tiles.iter().enumerate() {
-        let this = tile.sheet.window;
+        let this = tile.head.window;
         for other in &tiles[..n] {
-            if let Some(both) = common(this, other.sheet.window) {
+            if let Some(both) = common(this, other.head.window) {
                 let problem = format!("the tile holds {both}, which {} holds already", other.name);
                 return Err(Error::scene(Place::file(&tile.name), problem, "leave one of the two out"));
             }
@@ -143,20 +300,4 @@ fn without(part: Window, window: Window) -> Vec<Window> {
         Window { x0: hole.x1, y0: hole.y0, y1: hole.y1, ..part },
     ];
     around.into_iter().filter(|left| left.x0 < left.x1 && left.y0 < left.y1).collect()
-}
-
-/// Layer `n` of all tiles.
-fn layer(tiles: &[Tile], n: usize, full: Window) -> Layer<'static> {
-    let Layer { aov, kind, channels, .. } = tiles[0].sheet.layers[n];
-    let pixel = kind.size() * channels;
-    let mut bytes = vec![0; area(&full) as usize * pixel];
-    for tile in tiles {
-        let window = tile.sheet.window;
-        let row = window.width() as usize * pixel;
-        for (source, y) in tile.sheet.layers[n].bytes.chunks_exact(row).zip(window.y0..) {
-            let place = (y as usize * full.x1 as usize + window.x0 as usize) * pixel;
-            bytes[place..place + row].copy_from_slice(source);
-        }
-    }
-    Layer { aov, kind, channels, bytes: bytes.into() }
 }

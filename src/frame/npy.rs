@@ -1,10 +1,12 @@
 //! NumPy's .npy: one buffer per file, nothing lost. Written as format version 1.0, little endian, C order;
 //! read in any version, byte order and axis order, for the plain number types.
 
+use super::Buffer;
+use super::encode::Encoder;
 use super::format::{Format, Style};
+use super::plain::{self, Plain};
 use super::provenance::Provenance;
-use super::sheet::{Kind, Layer, Sheet, invalid};
-use super::{Aov, Buffer, encode};
+use super::sheet::{Form, Head, Input, Kind, Rows, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values, count};
 use npyz::WriterBuilder;
@@ -19,54 +21,66 @@ pub const MAGIC: &[u8] = b"\x93NUMPY";
 /// `out`'s own, and `InvalidInput` for a buffer that fails [`Buffer::check`].
 pub fn write(buffer: &Buffer, out: &mut dyn Write) -> io::Result<()> {
     buffer.check().map_err(invalid)?;
-    let layer = encode::layer(buffer, None, Format::Npy, &Style::default());
-    write_layer(&layer, [buffer.shape[1], buffer.shape[0]], out)
+    let (style, rows) = (Style::default(), buffer.shape[0]);
+    let mut encoder = Encoder::plain(buffer, &style).ok_or_else(|| invalid("no .npy holds this buffer"))?;
+    out.write_all(&header(encoder.forms()[0], [buffer.shape[1], rows])?)?;
+    out.write_all(&pulled(&mut encoder, 0, 0..rows)?)
 }
 
-/// Writes the only layer. A .npy has no room for words, so provenance follows the last number, where NumPy does not look.
-pub(super) fn write_sheet(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
-    write_layer(sheet.layer()?, sheet.size(), out)?;
-    out.write_all(sheet.provenance.trailer().as_bytes())
+/// Writes the only buffer. A .npy has no room for words, so provenance follows the last number, where NumPy does not look.
+pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    head.form()?;
+    write_layer(head, 0, rows, out)?;
+    out.write_all(head.provenance.trailer().as_bytes())
 }
 
 /// The types of samples, by NumPy's names.
 const TYPES: [(Kind, &str); 4] = [(Kind::F32, "<f4"), (Kind::F64, "<f8"), (Kind::I32, "<i4"), (Kind::U8, "|u1")];
 
-/// Writes `[width, height]` pixels.
-pub(super) fn write_layer(layer: &Layer<'_>, [width, height]: [usize; 2], out: &mut dyn Write) -> io::Result<()> {
-    let known = TYPES.iter().find(|(kind, _)| *kind == layer.kind);
-    let (_, descr) = known.ok_or_else(|| invalid(format!("these samples of {} are not those of a .npy", layer.aov)))?;
+/// Writes one buffer.
+pub(super) fn write_layer<W: Write + ?Sized>(
+    head: &Head,
+    layer: usize,
+    rows: &mut dyn Rows,
+    out: &mut W,
+) -> io::Result<()> {
+    out.write_all(&header(head.forms[layer], head.size())?)?;
+    head.bands().try_for_each(|band| out.write_all(&pulled(rows, layer, band)?))
+}
+
+/// What stands before the numbers of `[width, height]` pixels.
+pub(super) fn header(form: Form, [width, height]: [usize; 2]) -> io::Result<Vec<u8>> {
+    let known = TYPES.iter().find(|(kind, _)| *kind == form.kind);
+    let (_, descr) = known.ok_or_else(|| invalid(format!("these samples of {} are not those of a .npy", form.aov)))?;
     let mut shape = vec![height as u64, width as u64];
-    if layer.channels > 1 {
-        shape.push(layer.channels as u64);
+    if form.channels > 1 {
+        shape.push(form.channels as u64);
     }
+    let mut bytes = Vec::new();
     npyz::WriteOptions::new_header_only()
         .dtype(npyz::DType::new_scalar(descr.parse().map_err(io::Error::other)?))
         .shape(&shape)
-        .writer(&mut *out)
+        .writer(&mut bytes)
         .write_header_only()?;
-    out.write_all(&layer.bytes)
+    Ok(bytes)
 }
 
-/// Reads what [`write_sheet`] wrote; `None` where it does not say where it comes from.
-pub(super) fn read_sheet(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
-    let (_, _, rest) = parts(bytes, name)?;
-    let Some(provenance) = Provenance::from_trailer(rest) else { return Ok(None) };
-    let Some([aov]) = provenance.buffers().and_then(|all| <[_; 1]>::try_from(all).ok()) else { return Ok(None) };
-    let (layer, _) = read_layer(bytes, name, aov)?;
-    Ok(Sheet::new(vec![layer], provenance))
-}
-
-/// Reads what [`write_layer`] wrote, and what follows it.
-pub(super) fn read_layer<'b>(bytes: &'b [u8], name: &str, aov: Aov) -> Result<(Layer<'static>, &'b [u8])> {
-    let (header, data, rest) = parts(bytes, name)?;
-    let known = TYPES.iter().find(|(_, descr)| *descr == header.descr).filter(|_| !header.fortran);
-    let channels = header.shape.get(2).copied().unwrap_or(1);
-    let (true, Some((kind, _))) = (matches!(header.shape.len(), 2 | 3), known) else {
-        let problem = format!("{:?} of {:?} is no {aov} buffer", header.shape, header.descr);
-        return Err(Error::scene(Place::file(name), problem, "give files that halfline render wrote"));
+/// Opens what [`write_sheet`] wrote; `None` where it does not say where it comes from.
+pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+    let (bytes, length) = plain::start(&mut *input, name)?;
+    let (found, numbers) = Header::of(&bytes, name)?;
+    let (first, size) = ((bytes.len() - numbers.len()) as u64, found.bytes());
+    let Some(end) = size.and_then(|size| first.checked_add(size)).filter(|end| *end <= length) else {
+        return Err(found.short(length.saturating_sub(first), name));
     };
-    Ok((Layer { aov, kind: *kind, channels, bytes: data.to_vec().into() }, rest))
+    let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
+    let Some(head) = words.and_then(|words| Head::new(Format::Npy, words)) else { return Ok(None) };
+    if !head.form().and_then(|form| header(form, head.size())).is_ok_and(|header| bytes.starts_with(&header)) {
+        return Ok(None);
+    }
+    let layers = vec![(first, head.row(0))];
+    let rows = Plain { input, name: name.into(), layers, bottom_up: None, samples: Vec::new() };
+    Ok(Some((head, Box::new(rows))))
 }
 
 /// Reads the array in `bytes`, a whole .npy file; `name` is what errors call it. Booleans become 0 and 1,
@@ -90,15 +104,10 @@ fn malformed(name: &str, problem: String) -> Error {
 
 /// The header, the bytes of the values, and what follows them.
 fn parts<'b>(bytes: &'b [u8], name: &str) -> Result<(Header<'b>, &'b [u8], &'b [u8])> {
-    let (text, data) =
-        split(bytes).ok_or_else(|| malformed(name, "the .npy header is cut short or malformed".into()))?;
-    let header =
-        Header::parse(text).ok_or_else(|| malformed(name, "the .npy header is not that of a plain array".into()))?;
-    let size = header.size().ok_or_else(|| header.unknown(name))?;
-    let needed = count(&header.shape).and_then(|n| n.checked_mul(size));
+    let (header, data) = Header::of(bytes, name)?;
+    let needed = header.bytes().and_then(|n| usize::try_from(n).ok());
     let Some((data, rest)) = needed.and_then(|n| data.split_at_checked(n)) else {
-        let problem = format!("{} bytes do not hold {:?} of {:?}", data.len(), header.shape, header.descr);
-        return Err(malformed(name, problem));
+        return Err(header.short(data.len() as u64, name));
     };
     Ok((header, data, rest))
 }
@@ -125,6 +134,26 @@ struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
+    /// That of the file which begins with `bytes`, and those behind it.
+    fn of(bytes: &'a [u8], name: &str) -> Result<(Self, &'a [u8])> {
+        let (text, data) =
+            split(bytes).ok_or_else(|| malformed(name, "the .npy header is cut short or malformed".into()))?;
+        let header =
+            Self::parse(text).ok_or_else(|| malformed(name, "the .npy header is not that of a plain array".into()))?;
+        header.size().ok_or_else(|| header.unknown(name))?;
+        Ok((header, data))
+    }
+
+    /// Bytes of all values; `None` for more than there can be.
+    fn bytes(&self) -> Option<u64> {
+        count(&self.shape)?.checked_mul(self.size()?).map(|n| n as u64)
+    }
+
+    /// The fault of a file that has only so many bytes for the values.
+    fn short(&self, found: u64, name: &str) -> Error {
+        malformed(name, format!("{found} bytes do not hold {:?} of {:?}", self.shape, self.descr))
+    }
+
     fn parse(text: &'a str) -> Option<Self> {
         let entry = |key: &str| {
             let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(|k| Some(text.find(k)? + k.len()))?;

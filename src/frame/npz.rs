@@ -1,11 +1,13 @@
 //! NumPy's .npz: a .npy for each buffer, NAME.npy, and provenance.json, stored in one ZIP without compression and with
 //! ZIP's own first date, so that the same buffers give the same bytes.
 
+use super::format::Format;
 use super::npy;
+use super::plain::Plain;
 use super::provenance::Provenance;
-use super::sheet::{Layer, Sheet, malformed};
+use super::sheet::{Form, Head, Input, Rows, Sink, malformed};
 use crate::error::Result;
-use std::io::{self, Cursor, Read, Write};
+use std::io::{self, Read, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
@@ -14,8 +16,8 @@ pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 
 const PROVENANCE: &str = "provenance.json";
 
-/// Writes every layer and the provenance.
-pub(super) fn write(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
+/// Writes every buffer and the provenance.
+pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     let mut zip = ZipWriter::new_stream(out);
     let options = |bytes: usize| {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
@@ -26,43 +28,63 @@ pub(super) fn write(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
             .unix_permissions(0o644)
             .large_file(bytes >= (1 << 32) - 4096)
     };
-    for layer in &sheet.layers {
-        zip.start_file(format!("{}.npy", layer.aov), options(layer.bytes.len()))?;
-        npy::write_layer(layer, sheet.size(), &mut zip)?;
+    for (layer, form) in head.forms.iter().enumerate() {
+        zip.start_file(member(form), options(head.row(layer) * head.size()[1]))?;
+        npy::write_layer(head, layer, rows, &mut zip)?;
     }
-    let json = sheet.provenance.to_json();
+    let json = head.provenance.to_json();
     zip.start_file(PROVENANCE, options(json.len()))?;
     zip.write_all(json.as_bytes())?;
     zip.finish()?;
     Ok(())
 }
 
-/// Reads what [`write`] wrote; `None` where it does not say where it comes from.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
+fn member(form: &Form) -> String {
+    format!("{}.npy", form.aov)
+}
+
+/// Opens what [`write`] wrote; `None` where it does not say where it comes from.
+pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| fail(&error))?;
-    let member = |zip: &mut ZipArchive<_>, member: &str| -> Result<Option<Vec<u8>>> {
-        let Ok(file) = zip.by_name(member) else { return Ok(None) };
-        let mut content = Vec::new();
-        // Nothing is compressed, so nothing is longer than the file; its sum is checked at its end.
-        file.take(bytes.len() as u64 + 1).read_to_end(&mut content).map_err(|error| fail(&error))?;
-        Ok(Some(content))
+    let mut zip = ZipArchive::new(input).map_err(|error| fail(&error))?;
+    let json = match zip.by_name(PROVENANCE) {
+        Ok(file) => {
+            let mut json = Vec::new();
+            file.take(LONGEST).read_to_end(&mut json).map_err(|error| fail(&error))?;
+            json
+        }
+        Err(_) => return Ok(None),
     };
-    let provenance = member(&mut zip, PROVENANCE)?.and_then(|json| Provenance::from_json(&json));
-    let Some((provenance, buffers)) = provenance.and_then(|words| words.buffers().map(|all| (words, all))) else {
+    let Some(head) = Provenance::from_json(&json).and_then(|words| Head::new(Format::Npz, words)) else {
         return Ok(None);
     };
-    if zip.len() != buffers.len() + 1 {
+    if zip.len() != head.forms.len() + 1 {
         return Err(fail(&"it holds other members than its provenance says"));
     }
-    let mut layers: Vec<Layer<'static>> = Vec::new();
-    for aov in buffers {
-        let content = member(&mut zip, &format!("{aov}.npy"))?.ok_or_else(|| fail(&format!("it has no {aov}")))?;
-        let (layer, rest) = npy::read_layer(&content, name, aov)?;
-        if !rest.is_empty() {
-            return Err(fail(&format!("bytes follow the last value of {aov}")));
+    let mut layers = Vec::new();
+    for (layer, form) in head.forms.iter().enumerate() {
+        let header = npy::header(*form, head.size()).map_err(|error| fail(&error))?;
+        let mut file = zip.by_name(&member(form)).map_err(|_| fail(&format!("it has no {}", form.aov)))?;
+        let size = header.len() as u64 + head.row(layer) as u64 * head.size()[1] as u64;
+        let stored = file.compression() == CompressionMethod::Stored && !file.encrypted();
+        let (Some(start), true) = (file.data_start(), stored && file.size() == size) else {
+            return Err(fail(&format!("its {} is not what its provenance says", form.aov)));
+        };
+        let mut found = vec![0; header.len()];
+        file.read_exact(&mut found).map_err(|error| fail(&error))?;
+        if found != header {
+            return Err(fail(&format!("its {} is not what its provenance says", form.aov)));
         }
-        layers.push(layer);
+        if head.provenance.pixels().is_none() {
+            // Without a hash there is the sum of the ZIP, which is checked at the end.
+            io::copy(&mut file, &mut io::sink()).map_err(|error| fail(&error))?;
+        }
+        layers.push((start + header.len() as u64, head.row(layer)));
     }
-    Ok(Sheet::new(layers, provenance))
+    let input = zip.into_inner();
+    let rows = Plain { input, name: name.into(), layers, bottom_up: None, samples: Vec::new() };
+    Ok(Some((head, Box::new(rows))))
 }
+
+/// No provenance is longer.
+const LONGEST: u64 = 1 << 17;

@@ -1,43 +1,58 @@
 //! PFM, portable float map: one or three channels of f32 behind three lines of text, bottom row first.
 //! The format: <https://www.pauldebevec.com/Research/HDR/PFM/>.
 
+use super::format::Format;
+use super::plain::{self, Plain, reverse};
 use super::provenance::Provenance;
-use super::sheet::{Kind, Layer, Sheet, invalid, malformed};
+use super::sheet::{Head, Input, Kind, Rows, Sink, invalid, malformed, pulled};
 use crate::error::Result;
-use std::io::{self, Write};
+use std::io;
 
-/// Writes the only layer; a scale of -1 says little endian. Provenance follows the last number.
-pub(super) fn write(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let layer = sheet.layer()?;
-    let magic = match (layer.kind, layer.channels) {
-        (Kind::F32, 1) => "Pf",
-        (Kind::F32, 3) => "PF",
-        _ => return Err(invalid(format!("a {} buffer is no PFM", layer.aov))),
-    };
-    let [width, height] = sheet.size();
-    write!(out, "{magic}\n{width} {height}\n-1.0\n")?;
-    layer.bytes.chunks_exact(width * layer.pixel()).rev().try_for_each(|row| out.write_all(row))?;
-    out.write_all(sheet.provenance.trailer().as_bytes())
+/// Writes the only buffer; a scale of -1 says little endian. Provenance follows the last number.
+pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    out.write_all(header(head)?.as_bytes())?;
+    for band in head.bands().rev() {
+        let mut samples = pulled(rows, 0, band)?.into_owned();
+        reverse(&mut samples, head.row(0));
+        out.write_all(&samples)?;
+    }
+    out.write_all(head.provenance.trailer().as_bytes())
 }
 
-/// Reads what [`write`] wrote; `None` where it does not say where it comes from.
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
+fn header(head: &Head) -> io::Result<String> {
+    let form = head.form()?;
+    let magic = match (form.kind, form.channels) {
+        (Kind::F32, 1) => "Pf",
+        (Kind::F32, 3) => "PF",
+        _ => return Err(invalid(format!("a {} buffer is no PFM", form.aov))),
+    };
+    let [width, height] = head.size();
+    Ok(format!("{magic}\n{width} {height}\n-1.0\n"))
+}
+
+/// Opens what [`write`] wrote; `None` where it does not say where it comes from.
+pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let fail = |why: &str| malformed(name, "PFM", why);
+    let (bytes, length) = plain::start(&mut *input, name)?;
     let mut lines = bytes.splitn(4, |byte| *byte == b'\n');
     let mut line = || lines.next().and_then(|line| str::from_utf8(line).ok());
     let (Some(magic), Some(size), Some("-1.0")) = (line(), line(), line()) else {
         return Err(fail("the header is not halfline's"));
     };
-    let channels = if magic == "PF" { 3 } else { 1 };
-    let row = size.split_once(' ').and_then(|(w, h)| Some((w.parse::<usize>().ok()?, h.parse::<usize>().ok()?)));
-    let row = row.and_then(|(w, h)| Some((w.checked_mul(4 * channels)?, h))).filter(|(row, _)| *row > 0);
-    let (row, rows) = row.ok_or_else(|| fail("its size is none"))?;
-    let data = lines.next().unwrap_or_default();
-    let Some((data, rest)) = row.checked_mul(rows).and_then(|n| data.split_at_checked(n)) else {
+    let channels: u64 = if magic == "PF" { 3 } else { 1 };
+    let size = size.split_once(' ').and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
+    let size = size.and_then(|(w, h)| w.checked_mul(4 * channels)?.checked_mul(h)).filter(|size| *size > 0);
+    let size = size.ok_or_else(|| fail("its size is none"))?;
+    let first = (bytes.len() - lines.next().unwrap_or_default().len()) as u64;
+    let Some(end) = first.checked_add(size).filter(|end| *end <= length) else {
         return Err(fail("it ends before its last number"));
     };
-    let Some(provenance) = Provenance::from_trailer(rest) else { return Ok(None) };
-    let Some([aov]) = provenance.buffers().and_then(|all| <[_; 1]>::try_from(all).ok()) else { return Ok(None) };
-    let bytes: Vec<u8> = data.chunks_exact(row).rev().flatten().copied().collect();
-    Ok(Sheet::new(vec![Layer { aov, kind: Kind::F32, channels, bytes: bytes.into() }], provenance))
+    let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
+    let Some(head) = words.and_then(|words| Head::new(Format::Pfm, words)) else { return Ok(None) };
+    if !header(&head).is_ok_and(|header| bytes.starts_with(header.as_bytes())) {
+        return Ok(None);
+    }
+    let (layers, bottom_up) = (vec![(first, head.row(0))], Some(head.size()[1]));
+    let rows = Plain { input, name: name.into(), layers, bottom_up, samples: Vec::new() };
+    Ok(Some((head, Box::new(rows))))
 }

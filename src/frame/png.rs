@@ -1,8 +1,8 @@
 //! PNG: colour as a picture in sRGB of 8 or 16 bits; alpha, mask and normals as levels; distance and depth in whole steps
 //! of 16 bits. Where a picture came from is written inside, and where a crop lies.
 
-use super::provenance::Provenance;
-use super::sheet::{Kind, Layer, Sheet, invalid};
+use super::format::Format;
+use super::sheet::{Head, Input, Kind, Rows, Sink, invalid, pulled};
 use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
@@ -10,6 +10,7 @@ use crate::measure::{Array, Values};
 use png::{BitDepth, ColorType};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
+use std::ops::Range;
 
 /// The bytes every PNG file begins with.
 pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -28,41 +29,50 @@ pub fn write(color: &Buffer, words: &Words, out: &mut dyn Write) -> io::Result<(
     let (Aov::Color, Data::F32(linear)) = (color.aov, &color.data) else {
         return Err(invalid(Error::settings(format!("a {} buffer is no picture", color.aov), "write it as .npy")));
     };
-    write_levels([color.shape[1], color.shape[0]], &levels(linear), words, out)
+    write_levels([color.shape[1], color.shape[0]], words, out, |out| out.write_all(&levels(linear)))
 }
 
-/// Writes `[width, height]` pixels of three sRGB levels each.
+/// Writes `[width, height]` pixels of three sRGB levels each; `fill` writes these, row by row.
 pub(crate) fn write_levels(
     [width, height]: [usize; 2],
-    levels: &[u8],
     words: &Words,
     out: &mut dyn Write,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
     let side = |n: usize| u32::try_from(n).map_err(|_| io::Error::other(format!("{n} pixels are too many for PNG")));
     let form = Form { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true };
-    form.write([side(width)?, side(height)?], levels, None, words, out)
+    form.write([side(width)?, side(height)?], None, words, out, fill)
 }
 
-/// Writes the only layer. Only colour is marked as sRGB; a part of a frame says where it lies.
-pub(super) fn write_sheet(sheet: &Sheet<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let layer = sheet.layer()?;
+/// Writes the only buffer. Only colour is marked as sRGB; a part of a frame says where it lies.
+pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    let layer = head.form()?;
     let color = match layer.channels {
         1 => ColorType::Grayscale,
         3 => ColorType::Rgb,
         4 => ColorType::Rgba,
         n => return Err(invalid(format!("{n} channels of {} are no picture", layer.aov))),
     };
-    // PNG's numbers are big endian.
-    let (depth, samples) = match layer.kind {
-        Kind::U8 => (BitDepth::Eight, Cow::Borrowed(&layer.bytes[..])),
-        Kind::U16 => (BitDepth::Sixteen, layer.samples(u16::from_le_bytes).flat_map(u16::to_be_bytes).collect()),
+    let depth = match layer.kind {
+        Kind::U8 => BitDepth::Eight,
+        Kind::U16 => BitDepth::Sixteen,
         _ => return Err(invalid(format!("these samples of {} are not those of a PNG", layer.aov))),
     };
-    let (window, [width, height]) = (sheet.window, sheet.full);
+    let (window, [width, height]) = (head.window, head.full);
     let crop = (window.width(), window.height()) != (width, height);
     let offset = crop.then_some([window.x0, window.y0]);
     let form = Form { color, depth, srgb: layer.aov == Aov::Color };
-    form.write([window.width(), window.height()], &samples, offset, sheet.provenance.words(), out)
+    form.write([window.width(), window.height()], offset, head.provenance.words(), out, |out| {
+        head.bands().try_for_each(|band| {
+            let samples = pulled(rows, 0, band)?;
+            if depth == BitDepth::Sixteen { out.write_all(&swapped(&samples)) } else { out.write_all(&samples) }
+        })
+    })
+}
+
+/// Two-byte samples in the other byte order: PNG's numbers are big endian.
+fn swapped(samples: &[u8]) -> Vec<u8> {
+    samples.as_chunks().0.iter().flat_map(|[a, b]| [*b, *a]).collect()
 }
 
 /// What the samples are.
@@ -72,14 +82,18 @@ struct Form {
     srgb: bool,
 }
 
+/// Bytes of a chunk of compressed samples.
+const CHUNK: usize = 1 << 16;
+
 impl Form {
+    /// Writes the file; `fill` writes the samples row by row.
     fn write(
         self,
         [width, height]: [u32; 2],
-        samples: &[u8],
         offset: Option<[u32; 2]>,
         words: &Words,
         out: &mut dyn Write,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut encoder = png::Encoder::new(out, width, height);
         encoder.set_color(self.color);
@@ -99,24 +113,77 @@ impl Form {
             let chunk: Vec<u8> = [x.to_be_bytes(), y.to_be_bytes()].concat().into_iter().chain([0]).collect();
             writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &chunk)?;
         }
-        writer.write_image_data(samples)?;
+        let mut stream = writer.stream_writer_with_size(CHUNK)?;
+        fill(&mut stream)?;
+        stream.finish()?;
         writer.finish()?;
         Ok(())
     }
 }
 
-/// Reads what [`write_sheet`] wrote; `None` where it does not say where it comes from.
-pub(super) fn read_sheet(bytes: &[u8], name: &str) -> Result<Option<Sheet<'static>>> {
-    let picture = decode(bytes, false).map_err(|source| malformed(name, source))?;
-    let Some(aov) = picture.words.buffers().and_then(|all| all.first().copied()) else { return Ok(None) };
-    let (kind, samples) = match picture.depth {
-        BitDepth::Sixteen => (Kind::U16, picture.samples.as_chunks().0.iter().flat_map(|[a, b]| [*b, *a]).collect()),
-        BitDepth::Eight => (Kind::U8, picture.samples),
-        _ => return Ok(None),
-    };
-    let layer = Layer { aov, kind, channels: picture.channels, bytes: Cow::Owned(samples) };
-    let size = [picture.width, picture.height];
-    Ok(Sheet::new(vec![layer], picture.words).filter(|sheet| sheet.size() == size))
+/// Opens what [`write_sheet`] wrote; `None` where it does not say where it comes from.
+pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+    let mut options = png::DecodeOptions::default();
+    // Whatever a checksum says was changed is refused, words and all.
+    options.set_skip_ancillary_crc_failures(false);
+    options.set_ignore_adler32(false);
+    let mut decoder = png::Decoder::new_with_options(input, options);
+    decoder.set_limits(png::Limits { bytes: ROWS_AND_WORDS });
+    decoder.set_transformations(png::Transformations::IDENTITY);
+    let reader = decoder.read_info().map_err(|source| malformed(name, source))?;
+    let info = reader.info();
+    let texts = info.utf8_text.iter();
+    let words = texts.map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?)));
+    let words = words.collect::<Result<_, png::DecodingError>>().map_err(|source| malformed(name, source))?;
+    let Some(head) = Head::new(Format::Png, words) else { return Ok(None) };
+    let form = head.form().map_err(|source| malformed(name, png::DecodingError::IoError(source)))?;
+    let depth = if form.kind == Kind::U16 { BitDepth::Sixteen } else { BitDepth::Eight };
+    let size = [info.width as usize, info.height as usize];
+    let is_ours = size == head.size() && info.bit_depth == depth && !info.interlaced && info.palette.is_none();
+    if !is_ours || info.color_type.samples() != form.channels {
+        return Ok(None);
+    }
+    let (row, height) = (head.row(0), size[1]);
+    let lines = Lines { reader, name: name.into(), next: 0, height, row, depth, samples: Vec::new() };
+    Ok(Some((head, Box::new(lines))))
+}
+
+/// Bytes that the decoder may allocate for words and for rows, of which none is longer than [`crate::scene::MAX_SIDE`]
+/// pixels; what a damaged file claims is not believed.
+const ROWS_AND_WORDS: usize = 64 << 20;
+
+/// The rows of a file, in order.
+struct Lines<'a> {
+    reader: png::Reader<Box<dyn Input + 'a>>,
+    name: String,
+    /// The row that comes next.
+    next: usize,
+    height: usize,
+    /// Bytes of a row.
+    row: usize,
+    depth: BitDepth,
+    samples: Vec<u8>,
+}
+
+impl Rows for Lines<'_> {
+    fn rows(&mut self, _: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
+        if rows.start != self.next {
+            let problem = format!("rows {rows:?} of {} were asked for after row {}", self.name, self.next);
+            return Err(Error::settings(problem, "read a PNG from its top"));
+        }
+        self.samples.resize(rows.len() * self.row, 0);
+        for row in self.samples.chunks_exact_mut(self.row) {
+            self.reader.read_row(row).map_err(|source| malformed(&self.name, source))?;
+        }
+        self.next = rows.end;
+        if self.next == self.height {
+            self.reader.finish().map_err(|source| malformed(&self.name, source))?;
+        }
+        Ok(match self.depth {
+            BitDepth::Sixteen => Cow::Owned(swapped(&self.samples)),
+            _ => Cow::Borrowed(&self.samples),
+        })
+    }
 }
 
 /// Reads the picture in `bytes`, a whole PNG file, as levels of 0..255 or 0..65535; `name` is what errors call it.
@@ -126,7 +193,7 @@ pub(super) fn read_sheet(bytes: &[u8], name: &str) -> Result<Option<Sheet<'stati
 /// # Errors
 /// [`Error::Scene`] at the file, with the decoder's error, for anything malformed or truncated.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let picture = decode(bytes, true).map_err(|source| malformed(name, source))?;
+    let picture = decode(bytes).map_err(|source| malformed(name, source))?;
     let mut shape = vec![picture.height, picture.width];
     if picture.channels > 1 {
         shape.push(picture.channels);
@@ -156,30 +223,27 @@ struct Picture {
     channels: usize,
     depth: BitDepth,
     samples: Vec<u8>,
-    words: Provenance,
 }
 
-/// The picture, if `expand` with its palette resolved and without words, else as it is stored and with them.
-fn decode(bytes: &[u8], expand: bool) -> Result<Picture, png::DecodingError> {
+/// The picture with its palette resolved.
+fn decode(bytes: &[u8]) -> Result<Picture, png::DecodingError> {
     // Deflate expands by 1032 at most, so what claims to be larger is not believed and not allocated.
     let limit = bytes.len().saturating_mul(1032).saturating_add(1 << 16);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: limit });
-    decoder.set_transformations(if expand { png::Transformations::EXPAND } else { png::Transformations::IDENTITY });
-    decoder.set_ignore_text_chunk(expand);
+    decoder.set_transformations(png::Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
     let mut reader = decoder.read_info()?;
     let size = reader.output_buffer_size().filter(|size| *size <= limit).ok_or(png::DecodingError::LimitsExceeded)?;
-    let mut samples = vec![0; size];
+    let mut samples = Vec::new();
+    samples.try_reserve_exact(size).map_err(|_| png::DecodingError::LimitsExceeded)?;
+    samples.resize(size, 0);
     let frame = reader.next_frame(&mut samples)?;
     reader.finish()?;
-    let texts = reader.info().utf8_text.iter();
-    let words =
-        texts.map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?))).collect::<Result<_, png::DecodingError>>()?;
     Ok(Picture {
         width: frame.width as usize,
         height: frame.height as usize,
         channels: frame.color_type.samples(),
         depth: frame.bit_depth,
         samples,
-        words,
     })
 }

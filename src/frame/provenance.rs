@@ -2,7 +2,7 @@
 //! no machine's name is among them, so that the same command writes the same bytes.
 
 use super::Aov;
-use super::format::{Format, Style};
+use super::format::{BITS, Bits, Format, Style};
 use crate::cpu;
 use crate::plan::Settings;
 use crate::report::Report;
@@ -15,6 +15,10 @@ use std::fmt::{self, Write};
 const FRAME: &str = "halfline:frame";
 const WINDOW: &str = "halfline:window";
 const BUFFERS: &str = "halfline:buffers";
+const PIXELS: &str = "halfline:pixels";
+
+/// What differs between parts of one rendering.
+const OF_THE_PART: [&str; 2] = [WINDOW, PIXELS];
 
 /// What begins the block of formats that have no room for words: it follows the last number, and whoever reads as many
 /// numbers as the header announces does not see it.
@@ -116,6 +120,35 @@ impl Provenance {
         self.get(BUFFERS)?.split(',').map(|name| name.parse().ok()).collect()
     }
 
+    /// The hash of the samples; files of earlier versions have none.
+    pub fn pixels(&self) -> Option<&str> {
+        self.get(PIXELS)
+    }
+
+    /// The same with the hash of the samples.
+    #[must_use]
+    pub(super) fn with_pixels(mut self, hash: &str) -> Self {
+        self.set(PIXELS, hash);
+        self
+    }
+
+    /// The rendering, whatever part of it: without window and hash.
+    #[must_use]
+    pub(super) fn rendering(&self) -> Self {
+        self.0.iter().filter(|(key, _)| !OF_THE_PART.contains(&key.as_str())).cloned().collect()
+    }
+
+    /// All but the hash of the samples.
+    #[must_use]
+    pub(super) fn without_pixels(&self) -> Self {
+        self.0.iter().filter(|(key, _)| key != PIXELS).cloned().collect()
+    }
+
+    /// Bits of a component, in PNG.
+    pub(super) fn bits(&self) -> Bits {
+        if self.get(BITS) == Some("16") { Bits::Sixteen } else { Bits::Eight }
+    }
+
     /// The same, of another part of the frame.
     #[must_use]
     pub fn of_window(mut self, window: Window) -> Self {
@@ -123,9 +156,10 @@ impl Provenance {
         self
     }
 
-    /// The first keyword that differs but for the window, and both texts.
+    /// The first keyword that differs but for those of the part, and both texts.
     pub(super) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
-        let keys = self.0.iter().chain(&other.0).map(|(key, _)| key).filter(|key| *key != WINDOW);
+        let keys = self.0.iter().chain(&other.0).map(|(key, _)| key);
+        let keys = keys.filter(|key| !OF_THE_PART.contains(&key.as_str()));
         let text = |words: &Self, key: &str| words.get(key).unwrap_or("nothing").to_owned();
         let mut differing = keys.map(|key| [key.clone(), text(self, key), text(other, key)]).filter(|[_, a, b]| a != b);
         differing.next()

@@ -1,13 +1,17 @@
-//! What a file holds: buffers as the samples that it stores, and where they come from. Writers take a sheet and readers
-//! give one; a file is a function of its sheet, so tiles that are put together as sheets give the full frame's file.
+//! What a file holds: samples of buffers as it stores them, and where they come from. Writers take rows of samples and
+//! readers give them, so that no file is ever in memory as a whole; a file is a function of its head and its rows, so tiles
+//! that are put together row by row give the full frame's file.
 
 use super::format::Format;
 use super::provenance::Provenance;
 use super::{Aov, exr, npy, npz, pfm, png};
 use crate::error::{Error, Place, Result};
+use crate::memory::check_room;
 use crate::window::Window;
 use std::borrow::Cow;
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Cursor, Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 
 /// The type of a sample.
@@ -40,6 +44,166 @@ impl Kind {
     }
 }
 
+/// How a file stores a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Form {
+    /// Which one. Colour of four channels has alpha as its last.
+    pub aov: Aov,
+    /// The type of its samples.
+    pub kind: Kind,
+    /// Samples of a pixel.
+    pub channels: usize,
+}
+
+impl Form {
+    /// Bytes of a pixel.
+    pub fn pixel(&self) -> usize {
+        self.kind.size() * self.channels
+    }
+}
+
+/// All that a file says besides its samples.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Head {
+    /// Its buffers, in the order of [`Aov::ALL`].
+    pub forms: Vec<Form>,
+    /// Where they come from.
+    pub provenance: Provenance,
+    /// Which part of the full frame.
+    pub window: Window,
+    /// W and H of the full frame.
+    pub full: [u32; 2],
+}
+
+impl Head {
+    /// Of a file in `format` with this provenance; `None` if that is not what one says.
+    pub(super) fn new(format: Format, provenance: Provenance) -> Option<Self> {
+        let (window, full, buffers) = (provenance.window()?, provenance.full()?, provenance.buffers()?);
+        let forms = format.forms(&buffers, provenance.bits())?;
+        Some(Self { forms, provenance, window, full })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.window.width() as usize, self.window.height() as usize]
+    }
+
+    /// Bytes of a row of one buffer.
+    pub(super) fn row(&self, layer: usize) -> usize {
+        self.size()[0] * self.forms[layer].pixel()
+    }
+
+    /// Bytes of a row of all buffers.
+    fn rows(&self) -> usize {
+        (0..self.forms.len()).map(|layer| self.row(layer)).sum()
+    }
+
+    /// Bytes of all samples.
+    pub fn bytes(&self) -> u64 {
+        self.rows() as u64 * self.size()[1] as u64
+    }
+
+    /// The only buffer, for formats that hold one.
+    ///
+    /// # Errors
+    /// `InvalidInput` where there are none or several.
+    pub(super) fn form(&self) -> io::Result<Form> {
+        match self.forms[..] {
+            [form] => Ok(form),
+            _ => Err(invalid(format!("{} buffers do not go into a file for one", self.forms.len()))),
+        }
+    }
+
+    /// All rows, so many at a time that their samples are some megabytes.
+    pub(super) fn bands(&self) -> impl DoubleEndedIterator<Item = Range<usize>> + use<> {
+        let (rows, height) = (self.band_rows(), self.size()[1]);
+        (0..height.div_ceil(rows)).map(move |n| n * rows..(n * rows + rows).min(height))
+    }
+
+    /// A multiple of what EXR compresses together.
+    pub(super) fn band_rows(&self) -> usize {
+        const BYTES: usize = 4 << 20;
+        (BYTES / self.rows().max(1)).max(1).next_multiple_of(exr::ROWS)
+    }
+
+    /// Bytes that reading or writing the file in `format` needs at once, at most.
+    pub fn memory(&self, format: Format) -> u64 {
+        let row = self.rows() as u64;
+        // The samples of a band as they come, as they are wanted, and what is made of them.
+        let band = 4 * row * self.band_rows() as u64;
+        band + if format == Format::Exr { exr::memory(row) } else { 0 }
+    }
+}
+
+/// Samples, row by row from the top, channels innermost, in little-endian bytes.
+pub trait Rows: Send {
+    /// Those of one buffer of the head. Files that are compressed as a whole give rows in order only.
+    ///
+    /// # Errors
+    /// What reading the file runs into, [`Error::Scene`] for one that is malformed.
+    fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>>;
+}
+
+/// Rows for a writer, whose errors are the system's: [`super::atomic`] takes ours out of them again.
+pub(super) fn pulled(rows: &mut dyn Rows, layer: usize, range: Range<usize>) -> io::Result<Cow<'_, [u8]>> {
+    rows.rows(layer, range).map_err(io::Error::other)
+}
+
+/// Where bytes come from.
+pub(super) trait Input: BufRead + Seek + Send {}
+
+impl<T: BufRead + Seek + Send> Input for T {}
+
+/// Where a file is written to.
+pub trait Sink: Write + Seek {}
+
+impl<T: Write + Seek> Sink for T {}
+
+/// A file that was opened.
+pub(super) struct Opened<'a> {
+    pub(super) format: Format,
+    pub(super) head: Head,
+    pub(super) rows: Box<dyn Rows + 'a>,
+}
+
+impl<'a> Opened<'a> {
+    /// The file at `path`.
+    ///
+    /// # Errors
+    /// See [`Sheet::read`].
+    pub(super) fn file(path: &Path, name: &str) -> Result<Self> {
+        let file = File::open(path).map_err(|error| Error::read(path, error))?;
+        Self::new(Box::new(BufReader::with_capacity(1 << 16, file)), name)
+    }
+
+    /// What `input` holds; `name` is what errors call it.
+    ///
+    /// # Errors
+    /// See [`Sheet::read`].
+    pub(super) fn new(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Self> {
+        type Open = for<'b> fn(Box<dyn Input + 'b>, &str) -> Result<Option<(Head, Box<dyn Rows + 'b>)>>;
+        let formats: [(&[u8], Format, Open); 6] = [
+            (png::MAGIC, Format::Png, png::open),
+            (exr::MAGIC, Format::Exr, exr::open),
+            (npy::MAGIC, Format::Npy, npy::open),
+            (npz::MAGIC, Format::Npz, npz::open),
+            (b"PF\n", Format::Pfm, pfm::open),
+            (b"Pf\n", Format::Pfm, pfm::open),
+        ];
+        let start = input.fill_buf().map_err(|error| Error::read(name, error))?;
+        let Some((_, format, open)) = formats.into_iter().find(|(magic, ..)| start.starts_with(magic)) else {
+            let problem =
+                format!("no {} that tells where it comes from", Format::endings(|format| format != Format::Raw));
+            return Err(Error::scene(Place::file(name), problem, "give files that halfline render wrote"));
+        };
+        let (head, rows) = open(input, name)?.ok_or_else(|| {
+            let problem = "the file does not tell what part of which rendering it is";
+            Error::scene(Place::file(name), problem, "give files as halfline render wrote them, not changed by others")
+        })?;
+        Ok(Self { format, head, rows })
+    }
+}
+
 /// One buffer as a file stores it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layer<'a> {
@@ -53,19 +217,7 @@ pub struct Layer<'a> {
     pub bytes: Cow<'a, [u8]>,
 }
 
-impl Layer<'_> {
-    /// Bytes of a pixel.
-    pub fn pixel(&self) -> usize {
-        self.kind.size() * self.channels
-    }
-
-    /// The samples as what `from` makes of their bytes, of which there are `N`.
-    pub(super) fn samples<T, const N: usize>(&self, from: impl Fn([u8; N]) -> T) -> impl Iterator<Item = T> {
-        self.bytes.as_chunks::<N>().0.iter().map(move |bytes| from(*bytes))
-    }
-}
-
-/// The content of one file.
+/// The content of one file, in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sheet<'a> {
     /// The buffers, in the order of [`Aov::ALL`].
@@ -78,85 +230,60 @@ pub struct Sheet<'a> {
     pub full: [u32; 2],
 }
 
-impl<'a> Sheet<'a> {
-    /// The layers and what their provenance says; `None` if that is not what they are.
-    pub fn new(layers: Vec<Layer<'a>>, provenance: Provenance) -> Option<Self> {
-        let (window, full, buffers) = (provenance.window()?, provenance.full()?, provenance.buffers()?);
-        let pixels = window.width() as usize * window.height() as usize;
-        let whole =
-            |layer: &Layer<'_>| layer.pixel() > 0 && pixels.checked_mul(layer.pixel()) == Some(layer.bytes.len());
-        let mut found: Vec<Aov> = layers.iter().map(|layer| layer.aov).collect();
-        if layers.iter().any(|layer| layer.aov == Aov::Color && layer.channels == 4) {
-            found.push(Aov::Alpha);
-        }
-        (found == buffers && layers.iter().all(whole)).then_some(Self { layers, provenance, window, full })
-    }
-
-    /// The only layer, for formats that hold one.
-    ///
-    /// # Errors
-    /// `InvalidInput` where there are none or several.
-    pub(super) fn layer(&self) -> io::Result<&Layer<'a>> {
-        match &self.layers[..] {
-            [layer] => Ok(layer),
-            layers => Err(invalid(format!("{} buffers do not go into a file for one", layers.len()))),
-        }
-    }
-
-    /// Columns and rows.
-    pub fn size(&self) -> [usize; 2] {
-        [self.window.width() as usize, self.window.height() as usize]
-    }
-
-    /// Writes the file.
-    ///
-    /// # Errors
-    /// `out`'s own, and `InvalidInput` for layers that the format does not hold.
-    pub fn write(&self, format: Format, out: &mut dyn Write) -> io::Result<()> {
-        match format {
-            Format::Png => png::write_sheet(self, out),
-            Format::Exr => exr::write(self, out),
-            Format::Npy => npy::write_sheet(self, out),
-            Format::Npz => npz::write(self, out),
-            Format::Pfm => pfm::write(self, out),
-            Format::Raw => out.write_all(&self.layer()?.bytes),
-        }
-    }
-
+impl Sheet<'static> {
     /// Reads the whole of a file that halfline wrote, and tells its format by content.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at the file for one that is malformed, cut short, or
-    /// does not say where it comes from.
-    pub fn read(path: &Path) -> Result<(Format, Sheet<'static>)> {
-        let bytes = std::fs::read(path).map_err(|error| Error::read(path, error))?;
-        Sheet::from_bytes(&bytes, &path.display().to_string())
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit the memory,
+    /// [`Error::Scene`] at the file for one that is malformed, cut short, changed, or does not say where it comes from.
+    pub fn read(path: &Path) -> Result<(Format, Self)> {
+        let name = path.display().to_string();
+        Self::of(Opened::file(path, &name)?, &name)
     }
 
     /// The same of a file's bytes; `name` is what errors call it.
     ///
     /// # Errors
-    /// [`Error::Scene`], as [`Sheet::read`].
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<(Format, Sheet<'static>)> {
-        type Reader = fn(&[u8], &str) -> Result<Option<Sheet<'static>>>;
-        let readers: [(&[u8], Format, Reader); 6] = [
-            (png::MAGIC, Format::Png, png::read_sheet),
-            (exr::MAGIC, Format::Exr, exr::read),
-            (npy::MAGIC, Format::Npy, npy::read_sheet),
-            (npz::MAGIC, Format::Npz, npz::read),
-            (b"PF\n", Format::Pfm, pfm::read),
-            (b"Pf\n", Format::Pfm, pfm::read),
-        ];
-        let Some((_, format, read)) = readers.into_iter().find(|(magic, ..)| bytes.starts_with(magic)) else {
-            let problem =
-                format!("no {} that tells where it comes from", Format::endings(|format| format != Format::Raw));
-            return Err(Error::scene(Place::file(name), problem, "give files that halfline render wrote"));
-        };
-        let sheet = read(bytes, name)?.ok_or_else(|| {
-            let problem = "the file does not tell what part of which rendering it is";
-            Error::scene(Place::file(name), problem, "give files as halfline render wrote them, not changed by others")
-        })?;
-        Ok((format, sheet))
+    /// As [`Sheet::read`].
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<(Format, Self)> {
+        Self::of(Opened::new(Box::new(Cursor::new(bytes)), name)?, name)
+    }
+
+    fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<(Format, Self)> {
+        check_room(head.bytes(), || format!("{name} holds {} x {} pixels", head.size()[0], head.size()[1]))?;
+        let mut layers: Vec<Layer<'static>> = Vec::new();
+        for Form { aov, kind, channels } in head.forms.iter().copied() {
+            layers.push(Layer { aov, kind, channels, bytes: Cow::Owned(Vec::new()) });
+        }
+        let mut digest = super::digest::Digest::new(layers.len());
+        for band in head.bands() {
+            for (n, layer) in layers.iter_mut().enumerate() {
+                let samples = rows.rows(n, band.clone())?;
+                digest.update(n, &samples);
+                layer.bytes.to_mut().extend_from_slice(&samples);
+            }
+        }
+        digest.check(&head.provenance, name)?;
+        let Head { provenance, window, full, .. } = head;
+        Ok((format, Self { layers, provenance, window, full }))
+    }
+}
+
+/// Writes the file of `head` and `rows`.
+///
+/// # Errors
+/// `out`'s own, those of `rows`, and `InvalidInput` for buffers that the format does not hold.
+pub(super) fn write(format: Format, head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    match format {
+        Format::Png => png::write_sheet(head, rows, out),
+        Format::Exr => exr::write(head, rows, out),
+        Format::Npy => npy::write_sheet(head, rows, out),
+        Format::Npz => npz::write(head, rows, out),
+        Format::Pfm => pfm::write(head, rows, out),
+        Format::Raw => {
+            head.form()?;
+            head.bands().try_for_each(|band| out.write_all(&pulled(rows, 0, band)?))
+        }
     }
 }
 

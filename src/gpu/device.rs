@@ -128,6 +128,25 @@ pub(crate) fn choose(mut found: Vec<Found>, asked: Option<&str>) -> Result<Optio
     Err(Error::Adapter { problem, mend: "name one of these by index or part of its name (halfline adapters)".into() })
 }
 
+/// The first adapter that opens. Why the others before it do not is added to `passed_over`.
+pub(crate) fn open_first(
+    found: Vec<Found>,
+    open: impl Fn(&Found) -> Result<Open>,
+    passed_over: &mut Vec<String>,
+) -> Option<(Open, AdapterSummary)> {
+    found.into_iter().find_map(|found| match open(&found) {
+        Ok(open) => Some((open, found.summary)),
+        Err(Error::Adapter { problem, .. }) => {
+            passed_over.push(problem);
+            None
+        }
+        Err(error) => {
+            passed_over.push(error.to_string());
+            None
+        }
+    })
+}
+
 /// What to say when a GPU is demanded and there is none.
 pub(crate) fn none_found() -> Error {
     Error::Adapter {
@@ -179,10 +198,8 @@ pub(crate) fn open(found: &Found) -> Result<Open> {
     let lost = Arc::new(Mutex::new(None));
     let note = Arc::clone(&lost);
     device.set_device_lost_callback(move |reason, message| {
-        if reason != wgpu::DeviceLostReason::Destroyed
-            && let Ok(mut note) = note.lock()
-        {
-            *note = Some(message);
+        if let Ok(mut note) = note.lock() {
+            *note = Some(if message.is_empty() { format!("{reason:?}") } else { message });
         }
     });
     Ok(Open { device, queue, lost })

@@ -39,8 +39,9 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
     }
     let scale = Scale::of(a, b);
     let row_values = columns * channels;
-    let mut levels = vec![0; rows * columns * 9];
-    levels.par_chunks_mut(columns * 9).enumerate().for_each(|(row, levels)| {
+    // A row of the picture: expected | difference | actual.
+    let line = |row: usize| {
+        let mut levels = vec![0; columns * 9];
         let (expected, rest) = levels.split_at_mut(columns * 3);
         let (between, actual) = rest.split_at_mut(columns * 3);
         for column in 0..columns {
@@ -50,14 +51,24 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
             let farthest = (first..first + channels).map(|i| distance_at(&a.values, &b.values, i)).fold(0.0, f64::max);
             between[at].copy_from_slice(&scale.difference(farthest, difference.tolerance));
         }
-    });
+        levels
+    };
     let text = |keyword: &str, text: &str| (keyword.to_owned(), text.to_owned());
     let provenance = [
         text("Software", concat!("halfline ", env!("CARGO_PKG_VERSION"))),
         text("Title", "expected | difference | actual"),
         text("Source", &format!("{} | {}", a.name, b.name)),
     ];
-    file::write_atomically(path, |out| png::write_levels([columns * 3, rows], &levels, &provenance, out))
+    file::write_atomically(path, |out| {
+        png::write_levels([columns * 3, rows], &provenance, out, |out| {
+            // Some rows at a time, each in its thread.
+            let together = ((1 << 22) / (columns * 9)).max(1);
+            (0..rows).step_by(together).try_for_each(|first| {
+                let lines: Vec<_> = (first..(first + together).min(rows)).into_par_iter().map(line).collect();
+                lines.iter().try_for_each(|line| out.write_all(line))
+            })
+        })
+    })
 }
 
 /// What black and white mean.

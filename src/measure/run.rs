@@ -232,7 +232,13 @@ fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Res
             warnings.push("no Vulkan, Metal or DX12 adapter was found: only the CPU path was measured".into());
             Ok(vec![cpu()?])
         }
-        Backend::Auto => Ok(vec![gpu()?, cpu()?]),
+        Backend::Auto => match gpu() {
+            Err(Error::Adapter { problem, .. }) if options.adapter.is_none() => {
+                warnings.push(format!("{problem}: only the CPU path was measured"));
+                Ok(vec![cpu()?])
+            }
+            gpu => Ok(vec![gpu?, cpu()?]),
+        },
     }
 }
 

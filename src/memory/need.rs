@@ -4,8 +4,9 @@ use super::Pool;
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
-use crate::plan::{Accuracy, Kernel, Plan};
+use crate::plan::{Accuracy, Kernel, Plan, Settings};
 use crate::scene::Scene;
+use crate::settle::Settled;
 use crate::view::{SphereLow, SphereRecord};
 use crate::window::Window;
 
@@ -26,11 +27,15 @@ pub(crate) struct Need {
     pub(crate) sphere: u64,
     /// How many.
     pub(crate) spheres: u64,
+    /// How many pixels.
+    pub(crate) count: u64,
+    /// For what the caller does with the frame, bytes.
+    pub(crate) reserve: u64,
 }
 
 impl Need {
     /// Of this window of a frame as planned, on an adapter or on the CPU path.
-    pub(crate) fn of(plan: &Plan, aovs: &[Aov], scene: &Scene, window: Window, gpu: bool) -> Self {
+    pub(crate) fn of(plan: &Plan, settings: &Settings, scene: &Scene, window: Window, gpu: bool) -> Self {
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
         let records = record + if wide { size_of::<SphereLow>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
@@ -48,19 +53,30 @@ impl Need {
             let colors = u64::from(kernel.shade.is_some());
             bytes_per_pixel(&kernel, &[]) + (24 + 12) * colors + 4
         });
-        let each = bytes_per_pixel(&plan.kernel, aovs) + sampled;
-        let pixels = u64::from(window.width()) * u64::from(window.height()) * each;
-        Self { pixels, sphere, spheres: scene.spheres.len() as u64 }
+        let kernel = bytes_per_pixel(&plan.kernel, &[]);
+        // Every pixel's exact answer, and all of them again when the threads' lists become one.
+        let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
+        // What the kernel wrote lies where the device writes it, too.
+        let device = if gpu { kernel } else { 0 };
+        let each = bytes_per_pixel(&plan.kernel, &settings.aovs) + sampled + exact + device;
+        let count = u64::from(window.width()) * u64::from(window.height());
+        let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
+        Self { pixels, sphere, spheres, count, reserve: settings.reserve }
+    }
+
+    /// For pixels and what becomes of them, bytes.
+    fn beside_spheres(&self) -> u64 {
+        self.pixels.saturating_add(self.reserve)
     }
 
     /// All of it, bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        self.pixels.saturating_add(self.spheres.saturating_mul(self.sphere))
+        self.beside_spheres().saturating_add(self.spheres.saturating_mul(self.sphere))
     }
 
     /// How many spheres so many bytes would do for, the scene's own numbers included for those that are not there yet.
     pub(crate) fn fitting(&self, free: u64) -> u64 {
-        let left = free.saturating_sub(self.pixels);
+        let left = free.saturating_sub(self.beside_spheres());
         let had = self.spheres.min(left / self.sphere.max(1));
         had + (left - had * self.sphere) / (self.sphere + SPHERE)
     }
@@ -74,16 +90,21 @@ impl Need {
             let problem = format!("{} spheres are more than ids of 32 bits can tell apart", self.spheres);
             return Err(Error::Limits { problem, mend: format!("render at most {MOST}") });
         }
+        if self.count > u64::from(u32::MAX) {
+            let problem = format!("{} pixels are more than one rendering numbers with 32 bits", self.count);
+            return Err(Error::Limits { problem, mend: "render tiles with --tile or --crop, and merge them".into() });
+        }
         let (need, Some(free)) = (self.bytes(), free) else { return Ok(()) };
         if need <= free {
             return Ok(());
         }
         let problem = format!(
             "the frame needs about {need} bytes, {} for its pixels and {} for each sphere, and {free} are free",
-            self.pixels, self.sphere
+            self.beside_spheres(),
+            self.sphere
         );
         let mend = match self.fitting(free) {
-            _ if self.pixels > free => "render a smaller --size or fewer buffers".to_owned(),
+            _ if self.beside_spheres() > free => "render a smaller --size or fewer buffers".to_owned(),
             fit => format!("render at most {fit} spheres, or a smaller --size"),
         };
         Err(Error::Limits { problem, mend })
@@ -108,6 +129,24 @@ fn check_spheres_in(spheres: u64, colored: bool, free: Option<u64>) -> Result<()
         Some(free) if spheres.saturating_mul(each) > free => Err(Error::Limits {
             problem: format!("{spheres} spheres need {} bytes and {free} are free", spheres.saturating_mul(each)),
             mend: format!("give at most {} spheres", free / each),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses `what` needs so many bytes, where not so many are free.
+///
+/// # Errors
+/// [`Error::Limits`] with both numbers.
+pub(crate) fn check_room(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
+    check_room_in(bytes, what, free(&Pool::default()))
+}
+
+fn check_room_in(bytes: u64, what: impl FnOnce() -> String, free: Option<u64>) -> Result<()> {
+    match free {
+        Some(free) if bytes > free => Err(Error::Limits {
+            problem: format!("{}: that takes {bytes} bytes of memory and {free} are free", what()),
+            mend: "give the process more memory, or cut the work into smaller parts".into(),
         }),
         _ => Ok(()),
     }
@@ -179,7 +218,7 @@ mod tests {
 
     #[test]
     fn the_number_that_would_fit_fits_and_one_more_does_not() {
-        let need = Need { pixels: GIB, sphere: 100, spheres: 10_000_000 };
+        let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5 };
         assert!(need.check(Some(need.bytes())).is_ok() && need.check(None).is_ok());
         let error = need.check(Some(need.bytes() - 1)).expect_err("a byte too few").to_string();
         assert!(error.contains("at most 9999999 spheres"), "{error}");
@@ -192,6 +231,8 @@ mod tests {
         assert!(error.contains("--size") && !error.contains("at most"), "{error}");
         let error = Need { pixels: u64::MAX / 2, ..need }.check(Some(GIB)).expect_err("absurd").to_string();
         assert!(error.contains("bytes"), "{error}");
+        let error = Need { count: 1 << 32, ..need }.check(None).expect_err("no numbers").to_string();
+        assert!(error.contains("4294967296 pixels") && error.contains("--tile"), "{error}");
         let error = Need { spheres: MOST + 1, ..need }.check(None).expect_err("no ids").to_string();
         assert!(error.contains(&MOST.to_string()), "{error}");
     }

@@ -166,7 +166,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     }
     let window = settings.window_of(scene)?;
     let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
-    let need = Need::of(&plan, &settings.aovs, scene, window, found.is_some());
+    let need = Need::of(&plan, settings, scene, window, found.is_some());
     let free = memory::free(&Pool::default());
     need.check(free)?;
     let prepared =

@@ -13,7 +13,7 @@ use crate::progress::Watch;
 use crate::quote::quote;
 use glam::DVec3;
 use std::io::BufRead;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -23,8 +23,8 @@ const LONGEST: usize = 1 << 30;
 /// Bytes that are parsed within the second that an interrupt may take; the parser manages 8 MB in that time.
 const QUICK: usize = 2 << 20;
 
-/// Reads a scene from the stream; `path` is for errors, and its folder holds the files that `[[spheres]]` name.
-pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Scene> {
+/// Reads a scene from the stream, and which files `[[spheres]]` name in it; `path` is for errors, and its folder holds them.
+pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, Vec<PathBuf>)> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
     let length = text.len();
@@ -33,7 +33,9 @@ pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Scene> {
     let parse = move || {
         // The byte order mark is no character of the first line.
         let text = text.trim_start_matches('\u{feff}');
-        Document { file, text, path: &path, watch: &within }.scene()
+        let mut files = Vec::new();
+        let scene = Document { file, text, path: &path, watch: &within }.scene(&mut files)?;
+        Ok((scene, files))
     };
     if length <= QUICK { parse() } else { watch.wait_for(parse) }
 }
@@ -70,7 +72,7 @@ impl Document<'_> {
         self.file.clone().at_byte(self.text, byte)
     }
 
-    fn scene(&self) -> Result<Scene> {
+    fn scene(&self, files: &mut Vec<PathBuf>) -> Result<Scene> {
         let root = DeTable::parse(self.text).map_err(|e| self.syntax(e))?;
         let root = Table { doc: self, name: Name::TOP, keys: root.get_ref(), start: 0 };
         root.allow(&["camera", "image", "sphere", "spheres"])?;
@@ -84,7 +86,7 @@ impl Document<'_> {
             self.sphere(&table?, &mut spheres)?;
         }
         for table in root.tables("spheres")? {
-            self.spheres(&table?, &mut spheres)?;
+            files.push(self.spheres(&table?, &mut spheres)?);
         }
         Ok(Scene { camera, image, spheres, skipped: Skipped::default() })
     }
@@ -163,7 +165,8 @@ impl Document<'_> {
         spheres.add(center, length, color)
     }
 
-    fn spheres(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<()> {
+    /// Returns the file that they are in.
+    fn spheres(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<PathBuf> {
         table.allow(&["file"])?;
         let file = table.need("file")?;
         let name = file.string()?;
@@ -175,7 +178,8 @@ impl Document<'_> {
                 let problem = format!("{} is no kind of file that holds spheres", quote(name));
                 Err(Error::scene(file.place(), problem, "name a .csv or a .npy file"))
             }
-        }
+        }?;
+        Ok(path)
     }
 }
 

@@ -290,6 +290,13 @@ impl FrameRange {
         self.0.iter().map(each).fold(0, u64::saturating_add)
     }
 
+    /// Their numbers, range by range.
+    pub fn numbers(&self) -> impl Iterator<Item = u64> + Clone + '_ {
+        // `step_by` takes a usize; a longer step than that ends any range.
+        let step = |step: u64| usize::try_from(step).unwrap_or(usize::MAX);
+        self.0.iter().flat_map(move |(range, by)| range.clone().step_by(step(*by)))
+    }
+
     /// The number of the last of them, [`u64::MAX`] for an open end.
     #[must_use]
     pub fn last(&self) -> u64 {

@@ -19,6 +19,8 @@ pub struct Sequence {
     state: State,
     /// Frames that are behind.
     passed: u64,
+    /// The files that the scene file names.
+    files: Vec<PathBuf>,
 }
 
 enum State {
@@ -73,18 +75,29 @@ impl Sequence {
     }
 
     fn begin(source: Source, path: &Path, options: &ReadOptions) -> Result<Self> {
+        let mut files = Vec::new();
         let state = match particles::open(source, options)? {
             Ok(frames) => State::Many(frames),
             Err(source) => {
                 let mut scene = match source.format {
                     Format::Nff => nff::read(source.reader, path, options)?,
-                    _ => native::read(source.reader, path, &options.watch)?,
+                    _ => {
+                        let (scene, named) = native::read(source.reader, path, &options.watch)?;
+                        files = named;
+                        scene
+                    }
                 };
                 options.style.restyle(&mut scene.spheres)?;
                 State::One(Some(Box::new(scene)))
             }
         };
-        Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0 })
+        Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0, files })
+    }
+
+    /// The files that the scene file names and that were read with it.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// The next frame that is asked for; `None` after the last.

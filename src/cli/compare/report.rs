@@ -1,5 +1,6 @@
 //! What a comparison found, in words and as JSON.
 
+use crate::cli::say;
 use halfline::error::{Error, Result};
 use halfline::measure::compare::{Difference, compare, sides};
 use halfline::measure::frames::{Frames, Pair, Pairs};
@@ -39,7 +40,7 @@ impl<'a> Found<'a> {
         match (&self.pairs.common[..], &self.differences[..]) {
             // Shapes that differ are the answer, not a failure of the command.
             ([_], [difference]) if difference.unlike.is_some() => {
-                eprintln!("halfline: {} is not written: no common pixels", path.display());
+                say(format_args!("{} is not written: no common pixels", path.display()));
                 Ok(())
             }
             ([pair], [difference]) => picture::write(pair.a, pair.b, difference, path),

@@ -28,6 +28,7 @@ pub(super) fn png(svg: &str) -> Drawn<Vec<u8>> {
     let levels: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
     let software = [("Software".to_owned(), concat!("halfline ", env!("CARGO_PKG_VERSION")).to_owned())];
     let mut file = Vec::new();
-    png::write_levels([size.width() as usize, size.height() as usize], &levels, &software, &mut file)?;
+    let size = [size.width() as usize, size.height() as usize];
+    png::write_levels(size, &software, &mut file, |out| out.write_all(&levels))?;
     Ok(file)
 }

@@ -1,0 +1,241 @@
+//! Files that are whole or not there, whatever ends the process.
+
+use super::sheet::Sink;
+use crate::error::{Error, Result};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Seek, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile};
+
+mod stale;
+
+/// Whether `path` stands for standard input or output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Whether a file could be put at `path`: its folder exists and takes files, and `path` is no folder itself.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let Destination::File(file) = Destination::of(path).map_err(|error| Error::write(path, error))? else {
+        return Ok(());
+    };
+    let folder = folder(&file);
+    let refuse = |kind: ErrorKind, why: String| Err(Error::write(path, io::Error::new(kind, why)));
+    match fs::metadata(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            refuse(ErrorKind::NotFound, format!("there is no folder {}", folder.display()))
+        }
+        Err(error) => Err(Error::write(path, error)),
+        Ok(found) if !found.is_dir() => {
+            refuse(ErrorKind::NotADirectory, format!("{} is not a folder", folder.display()))
+        }
+        Ok(_) if file.is_dir() => refuse(ErrorKind::IsADirectory, "it is a folder".into()),
+        // Permission bits do not tell the whole story; making a file does.
+        Ok(_) => Unfinished::new(folder).map(drop).map_err(|error| Error::write(path, error)),
+    }
+}
+
+/// Lets `fill` write the file at `path` so that nobody ever sees half of it: a file without a name, in the same folder,
+/// gets the name when it is complete and on the disk. A link is followed and stays, whether its target is there or not;
+/// the permission bits of a file that is replaced are kept. Standard output, pipes and devices are written as they are.
+///
+/// # Errors
+/// [`Error::Io`] naming `path`, from `fill` or the system; an error of ours that `fill` wrapped, as itself.
+pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    let written = Destination::of(path).and_then(|destination| match destination {
+        Destination::Standard => filled(io::stdout().lock(), |out| fill(out)),
+        Destination::Special => filled(File::options().write(true).open(path)?, |out| fill(out)),
+        Destination::File(path) => replace(&path, |out| fill(out)),
+    });
+    written.map_err(|error| told(path, error))
+}
+
+/// The same for what is not written from its beginning to its end. A pipe gets it when it is complete.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub(super) fn write_anywhere(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
+    let written = Destination::of(path).and_then(|destination| {
+        if let Destination::File(path) = destination {
+            return replace(&path, |out| fill(out));
+        }
+        let mut whole = tempfile::tempfile()?;
+        filled(&whole, |out| fill(out))?;
+        whole.rewind()?;
+        match destination {
+            Destination::Standard => filled(io::stdout().lock(), |out| io::copy(&mut whole, out).map(drop)),
+            _ => io::copy(&mut whole, &mut File::options().write(true).open(path)?).map(drop),
+        }
+    });
+    written.map_err(|error| told(path, error))
+}
+
+/// The failure of writing `path`, unless it is one of ours.
+fn told(path: &Path, error: io::Error) -> Error {
+    error.downcast::<Error>().unwrap_or_else(|error| Error::write(path, error))
+}
+
+/// What a name stands for.
+enum Destination {
+    Standard,
+    /// A pipe or a device, which must not be replaced by a file.
+    Special,
+    /// A file that is there or not, behind all links.
+    File(PathBuf),
+}
+
+impl Destination {
+    fn of(path: &Path) -> io::Result<Self> {
+        match fs::metadata(path) {
+            _ if is_standard(path) => Ok(Self::Standard),
+            Ok(found) if !found.is_file() && !found.is_dir() => Ok(Self::Special),
+            _ => followed(path).map(Self::File),
+        }
+    }
+}
+
+/// Where the links end.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    // As many as Linux follows.
+    const LINKS: usize = 40;
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = folder(&path).join(target),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::other("it is a link to itself"))
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let folder = folder(path);
+    let unfinished = Unfinished::new(folder)?;
+    let file = unfinished.file();
+    filled(file, fill)?;
+    if let Ok(old) = fs::metadata(path) {
+        file.set_permissions(old.permissions())?;
+    }
+    // Before the name: after a power cut the name must not be that of an empty file.
+    file.sync_all()?;
+    unfinished.take_name(path)?;
+    sync_folder(folder)
+}
+
+fn filled<W: Write>(out: W, fill: impl FnOnce(&mut BufWriter<W>) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, out);
+    fill(&mut out)?;
+    out.flush()
+}
+
+/// Lets a new name survive a power cut, where the system can.
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    if cfg!(not(unix)) {
+        return Ok(());
+    }
+    // A folder may take files and not be readable.
+    let Ok(folder) = File::open(folder) else { return Ok(()) };
+    match folder.sync_all() {
+        Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+        synced => synced,
+    }
+}
+
+/// A file that is being written.
+enum Unfinished {
+    /// It disappears with the process.
+    Nameless(File),
+    /// It bears a name of its own until it is complete, where the system has no nameless files.
+    Named(NamedTempFile),
+}
+
+impl Unfinished {
+    fn new(folder: &Path) -> io::Result<Self> {
+        nameless(folder).map_or_else(|| stale::named(folder).map(Self::Named), |file| Ok(Self::Nameless(file)))
+    }
+
+    fn file(&self) -> &File {
+        match self {
+            Self::Nameless(file) => file,
+            Self::Named(file) => file.as_file(),
+        }
+    }
+
+    /// Puts it in the place of what is at `path`.
+    fn take_name(self, path: &Path) -> io::Result<()> {
+        let named = match self {
+            // A name can be given only where there is none, so it takes two steps.
+            Self::Nameless(file) => match builder(PREFIX).make_in(folder(path), |name| give_name(&file, name)) {
+                Ok(named) => named.into_temp_path(),
+                Err(_) => copied(file, folder(path))?.into_temp_path(),
+            },
+            Self::Named(file) => file.into_temp_path(),
+        };
+        named.persist(path).map_err(|error| error.error)
+    }
+}
+
+/// A named file with the content of one that can get no name here.
+fn copied(mut file: File, folder: &Path) -> io::Result<NamedTempFile> {
+    let mut named = stale::named(folder)?;
+    file.rewind()?;
+    io::copy(&mut file, &mut named)?;
+    named.as_file().set_permissions(file.metadata()?.permissions())?;
+    named.as_file().sync_all()?;
+    Ok(named)
+}
+
+/// What begins and ends the name of an unfinished file.
+const PREFIX: &str = ".halfline-";
+const SUFFIX: &str = ".part";
+
+fn builder(prefix: &str) -> Builder<'_, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(prefix).suffix(SUFFIX);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As for any new file: the user's umask takes away what it takes away.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder
+}
+
+/// A file without a name in `folder`, where the system has such.
+#[cfg(target_os = "linux")]
+fn nameless(folder: &Path) -> Option<File> {
+    use rustix::fs::OFlags;
+    use std::os::unix::fs::OpenOptionsExt;
+    let mut options = File::options();
+    options.read(true).write(true).mode(0o666).custom_flags(OFlags::TMPFILE.bits() as i32);
+    options.open(folder).ok()
+}
+
+#[cfg(not(target_os = "linux"))]
+fn nameless(_: &Path) -> Option<File> {
+    None
+}
+
+/// Gives a name to a file without one.
+#[cfg(target_os = "linux")]
+fn give_name(file: &File, name: &Path) -> io::Result<()> {
+    use rustix::fs::{AtFlags, CWD, linkat};
+    use std::os::fd::AsRawFd;
+    let nameless = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(linkat(CWD, nameless, CWD, name, AtFlags::SYMLINK_FOLLOW)?)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn give_name(_: &File, _: &Path) -> io::Result<()> {
+    Err(ErrorKind::Unsupported.into())
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests;
