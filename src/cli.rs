@@ -55,6 +55,7 @@ enum Command {
 /// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
 /// clap refuses, it says itself, and exits with 2.
 pub(crate) fn arguments() -> Result<Arguments> {
+    exhaustion::listen();
     let configured = Config::load().and_then(|config| config.apply(Arguments::command()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
@@ -82,7 +83,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     // Where standard error takes nothing, the subscriber would report that to standard error, and panic.
     log.log_internal_errors(false).init();
     signals::listen();
-    exhaustion::listen();
     threads::start();
     match &arguments.command {
         Command::Render(render) => render.run(),

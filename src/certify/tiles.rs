@@ -7,8 +7,9 @@
 use super::front::{FrontMoreRecord, FrontRecord};
 use crate::memory::Pool;
 use crate::ray::NONE;
-use bytemuck::allocation::zeroed_vec;
+use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
+use std::alloc::{Layout, handle_alloc_error};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Pixels along a side of a tile, which is a workgroup; a layout test holds it against the shaders.
@@ -243,7 +244,9 @@ fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
 fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
     let mut vector = pool.take(n);
     if vector.is_empty() {
-        return zeroed_vec(n);
+        // As any other vector does that finds no room; `zeroed_vec` panics.
+        let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
+        return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
     }
     vector.resize(n, T::zeroed());
     vector

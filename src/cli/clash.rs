@@ -2,7 +2,7 @@
 
 use super::shots::{number_in, numbered};
 use halfline::error::{Error, Result};
-use halfline::frame::file::is_standard;
+use halfline::frame::file::{is_standard, is_standard_output};
 use std::path::{Path, PathBuf};
 
 /// Where a file lies or will lie, the same however its name is written.
@@ -54,10 +54,10 @@ pub(super) fn check_numbered(names: &[&Path], numbers: impl Iterator<Item = u64>
 
 /// Whether both names are of one regular file, by links or not. Devices and pipes may be read and written.
 fn is_same_file(output: &Path, input: &Path) -> bool {
-    let named = |path: &Path, standard: &str| PathBuf::from(if is_standard(path) { standard.as_ref() } else { path });
-    let (output, input) = (named(output, "/dev/stdout"), named(input, "/dev/stdin"));
+    let output = if is_standard_output(output) { Path::new("/dev/stdout") } else { output };
+    let input = if is_standard(input) { Path::new("/dev/stdin") } else { input };
     let (Ok(written), Ok(read)) = (output.metadata(), input.metadata()) else { return false };
-    written.is_file() && read.is_file() && (is_same_node(&written, &read) || place(&output) == place(&input))
+    written.is_file() && read.is_file() && (is_same_node(&written, &read) || place(output) == place(input))
 }
 
 #[cfg(unix)]

@@ -5,7 +5,7 @@ mod report;
 use super::clash::check_inputs;
 use super::print;
 use halfline::error::{Error, Result};
-use halfline::frame::file::is_standard;
+use halfline::frame::file::{is_standard, is_standard_output};
 use halfline::measure::frames::Frames;
 use halfline::measure::picture;
 use report::Found;
@@ -53,7 +53,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 
 impl Compare {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let to_stdout = self.output.as_deref().is_some_and(is_standard);
+        let to_stdout = self.output.as_deref().is_some_and(is_standard_output);
         if is_standard(&self.a) && is_standard(&self.b) {
             return Err(Error::settings("standard input holds one frame, not two", "name a file for A or for B"));
         }

@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::frame::file::{Target, is_standard};
+use halfline::frame::file::{Target, is_standard_output};
 use halfline::frame::format::{Bits, Format, NoReturn, Style};
 use halfline::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -58,7 +58,7 @@ impl FileArgs {
         let mut files: Vec<(PathBuf, Vec<Aov>)> = Vec::new();
         for (aovs, path) in self.named()? {
             let path = numbered(path, number);
-            match files.iter_mut().find(|(other, _)| !is_standard(&path) && place(other) == place(&path)) {
+            match files.iter_mut().find(|(other, _)| !is_standard_output(&path) && place(other) == place(&path)) {
                 Some((_, together)) if Format::of(&path).is_some_and(Format::holds_many) => together.extend(aovs),
                 Some(_) => {
                     let problem = format!("{} would be written twice", path.display());
@@ -67,7 +67,7 @@ impl FileArgs {
                 None => files.push((path, aovs)),
             }
         }
-        if self.raw && !files.iter().any(|(path, _)| is_standard(path)) {
+        if self.raw && !files.iter().any(|(path, _)| is_standard_output(path)) {
             return Err(Error::settings(
                 "--raw is for standard output",
                 "write NAME=- too, or end a file's name in .raw",
@@ -90,7 +90,7 @@ impl FileArgs {
         let Self { bits, unit, no_return, transparent, .. } = *self;
         let style = Style { bits, unit, no_return, transparent };
         match aovs {
-            [aov] if self.raw && is_standard(path) => Ok(Target::raw(*aov, path, style)),
+            [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
             _ => Target::new(aovs, path, style),
         }
     }

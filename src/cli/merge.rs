@@ -3,7 +3,7 @@
 use super::clash::check_inputs;
 use super::{go_on, say};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{check_writable, is_standard};
+use halfline::frame::file::{check_writable, is_special, is_standard_output};
 use halfline::frame::format::Format;
 use halfline::frame::merge::{Mosaic, Tile};
 use std::path::PathBuf;
@@ -42,7 +42,8 @@ impl Merge {
         }
         let mosaic = Mosaic::new(tiles)?;
         let (format, output) = (mosaic.format(), self.output.display());
-        if !is_standard(&self.output) && Format::of(&self.output) != Some(format) {
+        let has_no_ending = is_standard_output(&self.output) || is_special(&self.output);
+        if !has_no_ending && Format::of(&self.output) != Some(format) {
             let problem = format!("the tiles are {} files, {output} is none", format.ending());
             return Err(Error::settings(problem, format!("end its name in {}", format.ending())));
         }

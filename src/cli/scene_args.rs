@@ -8,7 +8,7 @@ use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{Target, is_standard};
+use halfline::frame::file::{Target, is_standard_output};
 use halfline::intersect::Method;
 use halfline::plan::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::scene::{Framing, Scene};
@@ -139,7 +139,7 @@ impl SceneArgs {
     pub(super) fn check_outputs(&self) -> Result<()> {
         let mut names = self.files.names()?;
         names.extend(self.read.legend.as_deref());
-        names.retain(|name| !is_standard(name));
+        names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
         let scene = place(&self.scene);

@@ -5,13 +5,24 @@ use crate::error::{Error, Result};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{NamedTempFile, TempPath};
 
 mod stale;
 
 /// Whether `path` stands for standard input or output.
 pub fn is_standard(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// Whether `path` stands for standard output, by one of its names.
+pub fn is_standard_output(path: &Path) -> bool {
+    let named = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name));
+    is_standard(path) || cfg!(unix) && named
+}
+
+/// Whether there is a pipe or a device at `path`, which is written as it is and whose name says nothing of a format.
+pub fn is_special(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 /// Whether a file could be put at `path`: its folder exists and takes files, and `path` is no folder itself.
@@ -34,7 +45,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
         }
         Ok(_) if file.is_dir() => refuse(ErrorKind::IsADirectory, "it is a folder".into()),
         // Permission bits do not tell the whole story; making a file does.
-        Ok(_) => Unfinished::new(folder).map(drop).map_err(|error| Error::write(path, error)),
+        Ok(_) => Unfinished::new(&file).map(drop).map_err(|error| Error::write(path, error)),
     }
 }
 
@@ -89,10 +100,10 @@ enum Destination {
 
 impl Destination {
     fn of(path: &Path) -> io::Result<Self> {
-        match fs::metadata(path) {
-            _ if is_standard(path) => Ok(Self::Standard),
-            Ok(found) if !found.is_file() && !found.is_dir() => Ok(Self::Special),
-            _ => followed(path).map(Self::File),
+        match path {
+            path if is_standard_output(path) => Ok(Self::Standard),
+            path if is_special(path) => Ok(Self::Special),
+            path => followed(path).map(Self::File),
         }
     }
 }
@@ -112,17 +123,18 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
-    let folder = folder(path);
-    let unfinished = Unfinished::new(folder)?;
+    let unfinished = Unfinished::new(path)?;
     let file = unfinished.file();
     filled(file, fill)?;
-    if let Ok(old) = fs::metadata(path) {
+    if let Ok(old) = fs::metadata(path)
+        && old.permissions() != file.metadata()?.permissions()
+    {
         file.set_permissions(old.permissions())?;
     }
     // Before the name: after a power cut the name must not be that of an empty file.
     file.sync_all()?;
     unfinished.take_name(path)?;
-    sync_folder(folder)
+    sync_folder(folder(path))
 }
 
 fn filled<W: Write>(out: W, fill: impl FnOnce(&mut BufWriter<W>) -> io::Result<()>) -> io::Result<()> {
@@ -153,8 +165,9 @@ enum Unfinished {
 }
 
 impl Unfinished {
-    fn new(folder: &Path) -> io::Result<Self> {
-        nameless(folder).map_or_else(|| stale::named(folder).map(Self::Named), |file| Ok(Self::Nameless(file)))
+    /// One that shall become `path`.
+    fn new(path: &Path) -> io::Result<Self> {
+        nameless(folder(path)).map_or_else(|| stale::new(path).map(Self::Named), |file| Ok(Self::Nameless(file)))
     }
 
     fn file(&self) -> &File {
@@ -167,10 +180,10 @@ impl Unfinished {
     /// Puts it in the place of what is at `path`.
     fn take_name(self, path: &Path) -> io::Result<()> {
         let named = match self {
-            // A name can be given only where there is none, so it takes two steps.
-            Self::Nameless(file) => match builder(PREFIX).make_in(folder(path), |name| give_name(&file, name)) {
-                Ok(named) => named.into_temp_path(),
-                Err(_) => copied(file, folder(path))?.into_temp_path(),
+            // A name can be given only where there is none; else it takes two steps.
+            Self::Nameless(file) => match give_name(&file, path) {
+                Ok(()) => return Ok(()),
+                Err(_) => beside(file, path)?,
             },
             Self::Named(file) => file.into_temp_path(),
         };
@@ -178,30 +191,23 @@ impl Unfinished {
     }
 }
 
+/// A name for a nameless file, or for its copy where it can get none.
+fn beside(file: File, path: &Path) -> io::Result<TempPath> {
+    stale::lock(&file);
+    match stale::named(path, |name| give_name(&file, name)) {
+        Ok(named) => Ok(named.into_temp_path()),
+        Err(_) => copied(file, path).map(NamedTempFile::into_temp_path),
+    }
+}
+
 /// A named file with the content of one that can get no name here.
-fn copied(mut file: File, folder: &Path) -> io::Result<NamedTempFile> {
-    let mut named = stale::named(folder)?;
+fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile> {
+    let mut named = stale::new(path)?;
     file.rewind()?;
     io::copy(&mut file, &mut named)?;
     named.as_file().set_permissions(file.metadata()?.permissions())?;
     named.as_file().sync_all()?;
     Ok(named)
-}
-
-/// What begins and ends the name of an unfinished file.
-const PREFIX: &str = ".halfline-";
-const SUFFIX: &str = ".part";
-
-fn builder(prefix: &str) -> Builder<'_, 'static> {
-    let mut builder = Builder::new();
-    builder.prefix(prefix).suffix(SUFFIX);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As for any new file: the user's umask takes away what it takes away.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder
 }
 
 /// A file without a name in `folder`, where the system has such.

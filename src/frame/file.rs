@@ -1,6 +1,6 @@
 //! Where buffers go: the format by the file's ending, `-` for standard output.
 
-pub use super::atomic::{check_writable, is_standard, write_atomically};
+pub use super::atomic::{check_writable, is_special, is_standard, is_standard_output, write_atomically};
 
 use super::atomic::write_anywhere;
 use super::digest::Digest;
@@ -27,7 +27,8 @@ pub struct Target {
 }
 
 impl Target {
-    /// The buffers `aovs` at `path`, one or more. On standard output (`-`) colour is PNG, everything else .npy. Where the
+    /// The buffers `aovs` at `path`, one or more. On standard output (`-`), and in pipes and
+    /// devices that are not named after a format, colour is PNG, everything else .npy. Where the
     /// style is transparent, alpha goes beside colour into every format that has room for it.
     ///
     /// # Errors
@@ -36,7 +37,7 @@ impl Target {
         let fits =
             |format: Format| aovs.iter().all(|aov| format.takes(*aov)) && (aovs.len() == 1 || format.holds_many());
         let customary = if aovs == [Aov::Color] { Format::Png } else { Format::Npy };
-        let format = if is_standard(path) { Some(customary) } else { Format::of(path) };
+        let format = Format::of(path).or((is_standard_output(path) || is_special(path)).then_some(customary));
         let Some(format) = format.filter(|format| fits(*format)) else {
             let names = aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(", ");
             let buffers = if aovs.len() == 1 { "buffer" } else { "buffers together" };
@@ -78,7 +79,7 @@ impl Target {
 
     /// Whether it goes to standard output.
     pub fn is_standard(&self) -> bool {
-        is_standard(&self.path)
+        is_standard_output(&self.path)
     }
 
     /// Whether it can be written, to be asked before the work begins.

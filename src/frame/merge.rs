@@ -89,7 +89,7 @@ impl Mosaic {
             let mend = "render each missing part with --crop x0,y0,x1,y1 and name it too";
             return Err(Error::scene(Place::file(format!("{} tiles", tiles.len())), problem, mend));
         }
-        let provenance = common.head.provenance.rendering().of_window(full);
+        let provenance = common.head.provenance.without_pixels().of_window(full);
         let (format, forms) = (common.format, common.head.forms.clone());
         let head = Head { forms, provenance, window: full, full: common.head.full };
         Ok(Self { tiles, format, head })

@@ -22,6 +22,11 @@ const SIZE: [u32; 2] = [67, 45];
 
 /// A frame of weekend, if nobody ends it after so many bands; and how many it took.
 fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, usize) {
+    frame_while(gpu, kernel, &|begun| begun <= bands)
+}
+
+/// The same; `go_on` is asked before every band, with its number from 1.
+fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) -> (Result<Raw, Error>, usize) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
     let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
     [scene.image.width, scene.image.height] = SIZE;
@@ -38,14 +43,14 @@ fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, u
     let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
     let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
     let told = Cell::new(Vec::new());
-    let go_on = |done| {
+    let next = |done| {
         let mut all = told.take();
         all.push(done);
-        let on = all.len() <= bands;
+        let on = go_on(all.len());
         told.set(all);
         on
     };
-    let outcome = gpu.run(kernel, &input, &mut output, &go_on);
+    let outcome = gpu.run(kernel, &input, &mut output, &next);
     let told = told.take();
     assert!(
         told.first().is_none_or(|done| *done == 0)
@@ -102,6 +107,65 @@ fn bands_leave_no_trace() {
             }
         }
     }
+}
+
+/// A device that goes away before a frame, or between any two of its bands, is reported as lost, and so is every frame that is
+/// asked of it afterwards.
+#[test]
+fn a_lost_device_is_reported() {
+    for last in 0..4 {
+        let Some([mut gpu, _]) = two() else { return };
+        gpu.pace = Pace::creeping();
+        let [plain, certified] = kernels(&gpu);
+        for kernel in [plain, certified] {
+            frame(&mut gpu, &kernel, usize::MAX).0.expect("a frame");
+            let device = gpu.open.device.clone();
+            if last == 0 {
+                device.destroy();
+            }
+            let lose = |band| {
+                if band == last {
+                    device.destroy();
+                }
+                true
+            };
+            for again in 0..3 {
+                match frame_while(&mut gpu, &kernel, &lose).0 {
+                    Err(Error::DeviceLost(why)) => assert!(!why.is_empty()),
+                    other => panic!("after {last} bands, {again}: {:?}", other.map(|_| "a frame")),
+                }
+            }
+            let Some([another, _]) = two() else { return };
+            gpu = another;
+            gpu.pace = Pace::creeping();
+        }
+    }
+}
+
+/// An adapter that is listed and does not open is passed over, and why is kept.
+#[test]
+fn an_adapter_that_does_not_open_is_passed_over() {
+    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
+        println!("SKIPPED: HALFLINE_NO_GPU is set");
+        return;
+    }
+    let found = || device::find().expect("adapters");
+    let count = found().len();
+    let shut = |found: &device::Found| -> Result<device::Open, Error> {
+        let problem = format!("{} does not open: it is a test", found.summary.name);
+        Err(Error::Adapter { problem, mend: String::new() })
+    };
+    let mut passed_over = Vec::new();
+    assert!(device::open_first(found(), shut, &mut passed_over).is_none());
+    assert!(
+        passed_over.len() == count && passed_over.iter().all(|why| why.contains("it is a test")),
+        "{passed_over:?}"
+    );
+    let first = Cell::new(true);
+    let all = found().into_iter().chain(found()).collect();
+    let open = |found: &device::Found| if first.replace(false) { shut(found) } else { device::open(found) };
+    passed_over.clear();
+    assert!(device::open_first(all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
 }
 
 /// Lists that no binding holds are cut; a scene that cannot be is refused, with the number that would fit.

@@ -14,7 +14,7 @@ use std::path::Path;
 /// # Errors
 /// [`Error::Settings`] for an ending other than .png, [`Error::Io`] as [`file::check_writable`].
 pub fn check(path: &Path) -> Result<()> {
-    if !file::is_standard(path) && Format::of(path) != Some(Format::Png) {
+    if !file::is_standard_output(path) && !file::is_special(path) && Format::of(path) != Some(Format::Png) {
         let problem = format!("{} cannot hold the picture of the difference", path.display());
         return Err(Error::settings(problem, "end the name in .png"));
     }

@@ -1,6 +1,7 @@
 /* Lets the n-th call of a kind fail, in a process that preloads this library. Linux with glibc.
  *
  * FAULT_KIND   which calls: write, stdout, stderr, read, open, create, name, sync, seek, mode, thread, memory
+ *              (names are given; that they can be taken away is needed to clean up, so it never fails)
  * FAULT_AT     the number of the first call that fails, from 1; 0 lets none fail
  * FAULT_LAST   the number of the last call that fails
  * FAULT_BYTES  requests of memory from this size on are calls of the kind memory
@@ -141,10 +142,6 @@ int renameat(int a, const char *from, int b, const char *to) {
 
 int linkat(int a, const char *from, int b, const char *to, int flags) {
     return fails("name", EIO) ? -1 : NEXT(linkat)(a, from, b, to, flags);
-}
-
-int unlink(const char *path) {
-    return fails("name", EIO) ? -1 : NEXT(unlink)(path);
 }
 
 int fsync(int fd) {

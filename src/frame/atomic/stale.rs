@@ -1,80 +1,98 @@
-//! Unfinished files with names, on file systems that have no nameless ones (NFS, some of macOS and Windows): what a process
-//! that was killed has left is removed by the next one that writes there, if it is certain that nobody writes it any longer.
+//! Names of unfinished files: where a complete file takes the place of another, and on file systems without nameless files
+//! (NFS, those of macOS and Windows). What a process that was killed has left is removed by the next one that writes the same
+//! file, if it is certain that nobody writes it any longer.
 
-use super::{SUFFIX, builder};
-use std::io;
+use super::folder;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::Path;
-use tempfile::NamedTempFile;
+use tempfile::{Builder, NamedTempFile};
 
-/// A new one in `folder`.
-#[cfg(target_os = "linux")]
-pub(super) fn named(folder: &Path) -> io::Result<NamedTempFile> {
-    use rustix::fs::{FlockOperation, flock};
-    let prefix = prefix();
-    remove_once(folder, &prefix);
-    loop {
-        let file = builder(&prefix).tempfile_in(folder)?;
-        // Held as long as the process lives. Where the file system has no locks, nobody takes this for stale.
-        let _ = flock(file.as_file(), FlockOperation::NonBlockingLockExclusive);
-        // Between its making and its lock another process may have removed it.
-        if is_at(file.as_file(), file.path()) {
-            return Ok(file);
+/// What begins and ends the name of an unfinished file.
+const PREFIX: &str = ".halfline-";
+const SUFFIX: &str = ".part";
+
+/// Gives a file that shall become `path` a name beside it, by `make`, which fails with `AlreadyExists` where there is one of
+/// that name.
+pub(super) fn named<R>(path: &Path, make: impl Fn(&Path) -> io::Result<R>) -> io::Result<NamedTempFile<R>> {
+    let own = own_name(path);
+    for _ in 0..2 {
+        let made = Builder::new().prefix(&own).suffix(SUFFIX).rand_bytes(0).make_in(folder(path), &make);
+        let taken = |error: &io::Error| error.kind() == ErrorKind::AlreadyExists;
+        if !made.as_ref().is_err_and(taken) || !remove_stale(&folder(path).join(format!("{own}{SUFFIX}"))) {
+            match made {
+                Err(error) if taken(&error) => break,
+                made => return made.map_err(bare),
+            }
         }
     }
+    // Another process is writing the same file.
+    Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder(path), make).map_err(bare)
+}
+
+/// A new empty file that shall become `path`.
+pub(super) fn new(path: &Path) -> io::Result<NamedTempFile> {
+    named(path, |name| {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o666);
+        let file = options.open(name)?;
+        lock(&file);
+        // Between its making and its lock another process may have taken it for stale.
+        if is_at(&file, name) { Ok(file) } else { Err(ErrorKind::AlreadyExists.into()) }
+    })
+}
+
+/// The name of what becomes `path`, the same for all processes of this machine since it was started: locks say nothing of
+/// writers elsewhere.
+fn own_name(path: &Path) -> String {
+    let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    let mut hash = blake3::Hasher::new();
+    hash.update(boot.as_bytes()).update(path.file_name().unwrap_or_default().as_encoded_bytes());
+    format!("{PREFIX}{}", &hash.finalize().to_hex()[..16])
+}
+
+/// Holds a file as long as this process lives. Where the file system has no locks, nobody takes it for stale.
+#[cfg(target_os = "linux")]
+pub(super) fn lock(file: &File) {
+    let _ = rustix::fs::flock(file, rustix::fs::FlockOperation::NonBlockingLockExclusive);
 }
 
 #[cfg(not(target_os = "linux"))]
-pub(super) fn named(folder: &Path) -> io::Result<NamedTempFile> {
-    builder(super::PREFIX).tempfile_in(folder)
-}
+pub(super) fn lock(_: &File) {}
 
-/// What begins the names of this machine since it was started: locks tell nothing of writers elsewhere.
+/// Removes a file whose writer is gone: its lock is free. Whether it did.
 #[cfg(target_os = "linux")]
-fn prefix() -> String {
-    let boot = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
-    let tag = &blake3::hash(boot.as_bytes()).to_hex()[..8];
-    format!("{}{tag}-", super::PREFIX)
-}
-
-/// Removes what is stale in `folder`, which may hold very many files: once in a process.
-#[cfg(target_os = "linux")]
-fn remove_once(folder: &Path, prefix: &str) {
-    use std::collections::BTreeSet;
-    use std::path::PathBuf;
-    use std::sync::{Mutex, PoisonError};
-    static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-    let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
-    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
-    if !seen.contains(&folder) {
-        remove(&folder, prefix);
-        seen.insert(folder);
-    }
-}
-
-/// Removes the files whose writers are gone: their locks are free.
-#[cfg(target_os = "linux")]
-pub(super) fn remove(folder: &Path, prefix: &str) {
+fn remove_stale(name: &Path) -> bool {
     use rustix::fs::{FlockOperation, flock};
-    let Ok(entries) = folder.read_dir() else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        if !name.to_str().is_some_and(|name| name.starts_with(prefix) && name.ends_with(SUFFIX)) {
-            continue;
-        }
-        let path = entry.path();
-        // A file system that locks for writers only wants it opened so.
-        let Ok(file) = std::fs::File::options().write(true).open(&path) else { continue };
-        if flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok() && is_at(&file, &path) {
-            let _ = std::fs::remove_file(&path);
-        }
-    }
+    // A file system that locks for writers only wants it opened so.
+    let Ok(file) = File::options().write(true).open(name) else { return false };
+    let free = flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok();
+    free && is_at(&file, name) && fs::remove_file(name).is_ok()
+}
+
+#[cfg(not(target_os = "linux"))]
+fn remove_stale(_: &Path) -> bool {
+    false
 }
 
 /// Whether this very file is still at `path`.
-#[cfg(target_os = "linux")]
-fn is_at(file: &std::fs::File, path: &Path) -> bool {
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
-    let node = |found: std::fs::Metadata| (found.dev(), found.ino());
+    let node = |found: fs::Metadata| (found.dev(), found.ino());
     let (here, there) = (file.metadata().map(node), path.symlink_metadata().map(node));
     matches!((here, there), (Ok(here), Ok(there)) if here == there)
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// The system's error without the name of the unfinished file, which says nothing to anybody.
+fn bare(error: io::Error) -> io::Error {
+    let system = error.get_ref().and_then(|named| named.source()?.downcast_ref::<io::Error>()?.raw_os_error());
+    system.map_or(error, io::Error::from_raw_os_error)
 }

@@ -1,4 +1,3 @@
-use super::stale::{named, remove};
 use super::*;
 use std::os::unix::fs::symlink;
 
@@ -37,34 +36,43 @@ fn a_link_is_followed_and_stays() {
 fn named_files_are_put_in_place_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a");
-    let mut unfinished = named(folder.path()).expect("a file");
-    unfinished.write_all(b"named").expect("written");
-    assert_eq!(names(folder.path()).len(), 1);
-    Unfinished::Named(unfinished).take_name(&path).expect("a name");
-    assert_eq!((fs::read(&path).expect("there"), names(folder.path()).len()), (b"named".to_vec(), 1));
+    for content in ["named", "again"] {
+        let mut unfinished = stale::new(&path).expect("a file");
+        unfinished.write_all(content.as_bytes()).expect("written");
+        assert!(names(folder.path())[0].ends_with(".part"));
+        Unfinished::Named(unfinished).take_name(&path).expect("a name");
+        assert_eq!(
+            (fs::read_to_string(&path).expect("there"), names(folder.path())),
+            (content.into(), vec!["a".into()])
+        );
+    }
     let mut other = tempfile::tempfile().expect("a file");
     other.write_all(b"copied").expect("written");
-    copied(other, folder.path()).expect("copied").persist(&path).expect("a name");
-    assert_eq!((fs::read(&path).expect("there"), names(folder.path()).len()), (b"copied".to_vec(), 1));
+    copied(other, &path).expect("copied").persist(&path).expect("a name");
+    assert_eq!((fs::read(&path).expect("there"), names(folder.path())), (b"copied".to_vec(), vec!["a".to_owned()]));
 }
 
 #[test]
 fn only_what_is_certainly_stale_is_removed() {
     let folder = tempfile::tempdir().expect("a folder");
-    let prefix = ".halfline-ours-";
-    let make = |prefix: &str| builder(prefix).tempfile_in(folder.path()).expect("a file");
+    let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
     // What a process leaves that is killed: nobody holds its lock.
-    let (_, dead) = make(prefix).keep().expect("kept");
-    let alive = make(prefix);
-    rustix::fs::flock(alive.as_file(), rustix::fs::FlockOperation::NonBlockingLockExclusive).expect("a lock");
-    let (_, other) = make(".halfline-other-").keep().expect("kept");
-    fs::write(folder.path().join(".halfline-ours-x.png"), "").expect("written");
-    fs::write(folder.path().join("a.part"), "").expect("written");
-    remove(folder.path(), prefix);
-    assert!(!dead.exists() && alive.path().exists() && other.exists());
-    assert_eq!(names(folder.path()).len(), 4);
-    drop(alive);
-    assert_eq!(names(folder.path()).len(), 3, "a file that is given up is removed at once");
+    let (file, dead) = stale::new(&a).expect("a file").keep().expect("kept");
+    drop(file);
+    let (file, other) = stale::new(&b).expect("a file").keep().expect("kept");
+    drop(file);
+    let mut alive = stale::new(&a).expect("a file");
+    alive.write_all(b"alive").expect("written");
+    assert!(alive.path() == dead && other.exists(), "its own name is free again, another's is left alone");
+    let second = stale::new(&a).expect("a file");
+    assert!(second.path() != alive.path() && alive.path().exists(), "what somebody writes is left alone");
+    drop(second);
+    alive.persist(&a).expect("a name");
+    assert_eq!((fs::read(&a).expect("there"), names(folder.path()).len()), (b"alive".to_vec(), 2));
+    write_atomically(&b, |out| out.write_all(b"b")).expect("written");
+    assert!(other.exists(), "a file that needs no name of its own does not look");
+    write_atomically(&b, |out| out.write_all(b"b")).expect("written");
+    assert_eq!(names(folder.path()), ["a", "b"], "one that takes another's place does");
 }
 
 #[test]
