@@ -18,7 +18,9 @@ pub mod verdict;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
+use crate::memory::check_room;
 use std::fmt;
+use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -127,6 +129,21 @@ pub(crate) fn count(shape: &[usize]) -> Option<usize> {
     Some(if shape.contains(&0) { 0 } else { nonzero })
 }
 
+/// Reads to the end, as long as there is memory for twice as much.
+fn read_whole(mut input: impl Read, path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    loop {
+        let more = bytes.len().max(1 << 16);
+        let name = path.display();
+        check_room(more as u64, || format!("{} bytes or more of {name} are to be read", bytes.len()))?;
+        bytes.reserve_exact(more);
+        let read = Read::take(&mut input, more as u64).read_to_end(&mut bytes);
+        if read.map_err(|error| Error::read(path, error))? < more {
+            return Ok(bytes);
+        }
+    }
+}
+
 impl Array {
     /// An array of plain numbers; `name` is what messages call it.
     ///
@@ -163,15 +180,14 @@ impl Array {
     /// Reads a .png or .npy file, told apart by content; `-` is standard input.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at the file for one that makes no sense.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit the memory, [`Error::Scene`] at the file for one that makes no sense.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = if crate::frame::file::is_standard(path) {
-            let mut bytes = Vec::new();
-            std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+            read_whole(std::io::stdin().lock(), path)
         } else {
-            std::fs::read(path)
+            read_whole(File::open(path).map_err(|error| Error::read(path, error))?, path)
         };
-        Self::from_bytes(&bytes.map_err(|error| Error::read(path, error))?, &path.display().to_string())
+        Self::from_bytes(&bytes?, &path.display().to_string())
     }
 
     /// The array in `bytes`, a whole .png or .npy file.

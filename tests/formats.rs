@@ -327,3 +327,47 @@ fn what_others_wrote_does_not_say_where_it_comes_from() {
     written(&frame(1, [2, 2]), &Target::new(&[Aov::Color], &ours, Style::default()).expect("a target"));
     assert_eq!(read(&ours).0, Format::Png);
 }
+
+/// Whatever one bit of a file is changed to, the file is not taken for the one that was rendered, and reading it ends with what
+/// it held or with an error.
+#[test]
+fn no_changed_bit_passes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (part, mut random, mut flips) =
+        (cut(&frame(9, [9, 7]), halfline::Window { x0: 1, y0: 2, x1: 9, y1: 7 }), Random(9), 0);
+    let settings = Settings::default();
+    let buffers =
+        |format: Format| if format.holds_many() { vec![Aov::Color, Aov::Depth, Aov::Id] } else { vec![Aov::Color] };
+    for format in Format::ALL.into_iter().filter(|format| *format != Format::Raw) {
+        let path = folder.path().join(format!("a{}", format.ending()));
+        let target = Target::new(&buffers(format), &path, Style::default()).expect("a target");
+        let (bytes, sheet) = written(&part, &target);
+        // Every bit of what is not the samples: about the first kilobyte, and the last. Of the others one of each byte.
+        let all = |n: usize| n < 1200 || n + 400 > bytes.len();
+        let bits = (0..bytes.len()).flat_map(|n| {
+            let one = random.within(0, 8);
+            (0..8).filter(move |bit| all(n) || *bit == one).map(move |bit| (n, bit))
+        });
+        for (n, bit) in bits.collect::<Vec<_>>() {
+            let mut changed = bytes.clone();
+            changed[n] ^= 1 << bit;
+            match Sheet::from_bytes(&changed, "changed") {
+                Ok((_, read)) => assert_eq!(read.layers, sheet.layers, "{format:?}, bit {bit} of byte {n}"),
+                Err(error) => assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?}: {error}"),
+            }
+            // A file of its own for each would take a thousand times as long.
+            if bit == 0 {
+                std::fs::write(&path, &changed).expect("written");
+                assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?}, bit {bit} of byte {n}");
+            }
+            flips += 1;
+        }
+        for more in [&b"\0"[..], b"\n", b"more", &bytes] {
+            std::fs::write(&path, [&bytes[..], more].concat()).expect("written");
+            assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} and {} bytes more", more.len());
+        }
+        std::fs::write(&path, &bytes).expect("written");
+        assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
+    }
+    println!("{flips} flipped bits");
+}

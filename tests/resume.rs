@@ -177,7 +177,8 @@ fn a_preview_is_blocks_on_standard_error() {
     assert!(!without.contains('\x1b') && without.contains("--preview=blocks"), "{without}");
 }
 
-/// Ended at any time, by either signal, a render leaves whole files or none, and its exit code is 130 unless it was done.
+/// Ended at any time by any signal, a render leaves whole files or none and nothing else. Its exit code is 130 for the
+/// requests to end, unless it was done; the others end it as they end any process.
 #[test]
 #[cfg(unix)]
 fn signals_leave_no_half_files() {
@@ -185,11 +186,11 @@ fn signals_leave_no_half_files() {
     let before = desk.names();
     let (mut ended, start) = (0, Instant::now());
     for n in 0..24u64 {
-        let signal = ["-TERM", "-INT"][n as usize % 2];
+        let signal = ["-TERM", "-INT", "-HUP", "-QUIT", "-KILL", "-USR1"][n as usize % 6];
         // Some render longer than they write, some the other way round.
         let options =
             ["-o", "a.exr", "--aov", "depth,position,normal,id", "--aov", "position=p.npy", "--size", "900x700"];
-        let long = if n % 4 < 2 { &["--accuracy", "exact", "--repeat", "3"][..] } else { &[] };
+        let long = if n % 8 < 4 { &["--accuracy", "exact", "--repeat", "3"][..] } else { &[] };
         let options = [&options[..], long].concat();
         let mut child = desk.command(&options).stderr(Stdio::null()).spawn().expect("halfline runs");
         std::thread::sleep(Duration::from_millis(100 + 60 * n));
@@ -200,11 +201,14 @@ fn signals_leave_no_half_files() {
         let code = status.code();
         ended += usize::from(code == Some(130));
         assert!(matches!(code, Some(130 | 0) | None), "{signal}: {status}");
-        for name in desk.names().into_iter().filter(|name| !before.contains(name)) {
+        assert!(code != Some(130) || ["-TERM", "-INT", "-HUP"].contains(&signal), "{signal}: {status}");
+        // SIGQUIT may leave a core file, which is what it is for.
+        let left = |name: &String| !before.contains(name) && !name.starts_with("core");
+        for name in desk.names().into_iter().filter(left) {
             assert!(["a.exr", "p.npy"].contains(&name.as_str()), "{signal} left {name}");
             halfline::frame::sheet::Sheet::read(&desk.path(&name)).unwrap_or_else(|error| panic!("{error}"));
             fs::remove_file(desk.path(&name)).expect("removed");
         }
     }
-    assert!(ended > 2, "too few renders were met at work: {ended} of 24 in {:?}", start.elapsed());
+    assert!(ended > 1, "too few renders were met at work: {ended} of 12 in {:?}", start.elapsed());
 }

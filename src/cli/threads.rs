@@ -47,6 +47,8 @@ pub(super) fn is_alone() -> bool {
 fn waiting_thread(number: usize) -> std::io::Result<Sender<ThreadBuilder>> {
     let (sender, receiver) = channel::<ThreadBuilder>();
     let run = move || {
+        // The allocator gives a thread addresses of its own with its first request: before memory is checked, not after.
+        drop(std::hint::black_box(Box::new(number)));
         if let Ok(thread) = receiver.recv() {
             thread.run();
         }

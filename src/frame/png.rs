@@ -7,6 +7,7 @@ use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values};
+use crate::memory::check_room;
 use png::{BitDepth, ColorType};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
@@ -193,7 +194,7 @@ impl Rows for Lines<'_> {
 /// # Errors
 /// [`Error::Scene`] at the file, with the decoder's error, for anything malformed or truncated.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let picture = decode(bytes).map_err(|source| malformed(name, source))?;
+    let picture = decode(bytes, name)?;
     let mut shape = vec![picture.height, picture.width];
     if picture.channels > 1 {
         shape.push(picture.channels);
@@ -226,19 +227,21 @@ struct Picture {
 }
 
 /// The picture with its palette resolved.
-fn decode(bytes: &[u8]) -> Result<Picture, png::DecodingError> {
+fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
     // Deflate expands by 1032 at most, so what claims to be larger is not believed and not allocated.
     let limit = bytes.len().saturating_mul(1032).saturating_add(1 << 16);
+    let fail = |source: png::DecodingError| malformed(name, source);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: limit });
     decoder.set_transformations(png::Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
-    let mut reader = decoder.read_info()?;
-    let size = reader.output_buffer_size().filter(|size| *size <= limit).ok_or(png::DecodingError::LimitsExceeded)?;
-    let mut samples = Vec::new();
-    samples.try_reserve_exact(size).map_err(|_| png::DecodingError::LimitsExceeded)?;
-    samples.resize(size, 0);
-    let frame = reader.next_frame(&mut samples)?;
-    reader.finish()?;
+    let mut reader = decoder.read_info().map_err(fail)?;
+    let size = reader.output_buffer_size().filter(|size| *size <= limit);
+    let size = size.ok_or_else(|| fail(png::DecodingError::LimitsExceeded))?;
+    // The samples, and a copy where they are of two bytes.
+    check_room(2 * size as u64, || format!("{name} holds {size} bytes of samples"))?;
+    let mut samples = vec![0; size];
+    let frame = reader.next_frame(&mut samples).map_err(fail)?;
+    reader.finish().map_err(fail)?;
     Ok(Picture {
         width: frame.width as usize,
         height: frame.height as usize,

@@ -51,14 +51,14 @@ impl Need {
         // The samples' own buffers, their sums and what these become.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some());
-            bytes_per_pixel(&kernel, &[]) + (24 + 12) * colors + 4
+            bytes_per_pixel(&kernel, &[], gpu) + (24 + 12) * colors + 4 + 4
         });
-        let kernel = bytes_per_pixel(&plan.kernel, &[]);
+        let kernel = bytes_per_pixel(&plan.kernel, &[], gpu);
         // Every pixel's exact answer, and all of them again when the threads' lists become one.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
         // What the kernel wrote lies where the device writes it, too.
         let device = if gpu { kernel } else { 0 };
-        let each = bytes_per_pixel(&plan.kernel, &settings.aovs) + sampled + exact + device;
+        let each = bytes_per_pixel(&plan.kernel, &settings.aovs, gpu) + sampled + exact + device;
         let count = u64::from(window.width()) * u64::from(window.height());
         let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
         Self { pixels, sphere, spheres, count, reserve: settings.reserve }
@@ -90,14 +90,9 @@ impl Need {
             let problem = format!("{} spheres are more than ids of 32 bits can tell apart", self.spheres);
             return Err(Error::Limits { problem, mend: format!("render at most {MOST}") });
         }
-        if self.count > u64::from(u32::MAX) {
-            let problem = format!("{} pixels are more than one rendering numbers with 32 bits", self.count);
-            return Err(Error::Limits { problem, mend: "render tiles with --tile or --crop, and merge them".into() });
-        }
-        let (need, Some(free)) = (self.bytes(), free) else { return Ok(()) };
-        if need <= free {
-            return Ok(());
-        }
+        let (need, Some(free)) = (self.bytes(), free.filter(|free| self.bytes() > *free)) else {
+            return self.check_count();
+        };
         let problem = format!(
             "the frame needs about {need} bytes, {} for its pixels and {} for each sphere, and {free} are free",
             self.beside_spheres(),
@@ -108,6 +103,15 @@ impl Need {
             fit => format!("render at most {fit} spheres, or a smaller --size"),
         };
         Err(Error::Limits { problem, mend })
+    }
+
+    /// Refuses more pixels than there are numbers for, where there is memory for them.
+    fn check_count(&self) -> Result<()> {
+        if self.count <= u64::from(u32::MAX) {
+            return Ok(());
+        }
+        let problem = format!("{} pixels are more than one rendering numbers with 32 bits", self.count);
+        Err(Error::Limits { problem, mend: "render tiles with --tile or --crop, and merge them".into() })
     }
 }
 
@@ -153,7 +157,7 @@ fn check_room_in(bytes: u64, what: impl FnOnce() -> String, free: Option<u64>) -
 }
 
 /// What a frame holds at once: the kernel's own buffers and those made of them.
-fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov]) -> u64 {
+fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
     let made = aovs.iter().map(|aov| match aov {
         // The kernel's own become the frame's.
         Aov::Color | Aov::Normal | Aov::Id => 0,
@@ -163,7 +167,11 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov]) -> u64 {
         Aov::Mask | Aov::Certainty => 1,
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
-    let t = u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 };
+    // A form on the CPU path has both parts of t, whoever asks for them.
+    let t = match gpu || kernel.certify {
+        true => u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 },
+        false => 2,
+    };
     4 + 4 * (t + u64::from(kernel.width)) + 12 * vectors + made.sum::<u64>()
 }
 
