@@ -355,8 +355,8 @@ fn no_changed_bit_passes() {
                 Ok((_, read)) => assert_eq!(read.layers, sheet.layers, "{format:?}, bit {bit} of byte {n}"),
                 Err(error) => assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?}: {error}"),
             }
-            // A file of its own for each would take a thousand times as long.
-            if bit == 0 {
+            // A file of its own takes a hundred times as long.
+            if bit as usize == n % 8 {
                 std::fs::write(&path, &changed).expect("written");
                 assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?}, bit {bit} of byte {n}");
             }

@@ -8,6 +8,7 @@ use super::provenance::Provenance;
 use super::sheet::{Form, Head, Input, Rows, Sink, malformed};
 use crate::error::Result;
 use std::io::{self, Read, Write};
+use std::mem::ManuallyDrop;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
@@ -18,7 +19,8 @@ const PROVENANCE: &str = "provenance.json";
 
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
-    let mut zip = ZipWriter::new_stream(out);
+    // Dropped in the middle it writes its end, and complains to standard error where it cannot.
+    let mut zip = ManuallyDrop::new(ZipWriter::new_stream(out));
     let options = |bytes: usize| {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         // ZIP counts to 2^32, ZIP64 further; the header of an array is short.
@@ -30,12 +32,12 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
     };
     for (layer, form) in head.forms.iter().enumerate() {
         zip.start_file(member(form), options(head.row(layer) * head.size()[1]))?;
-        npy::write_layer(head, layer, rows, &mut zip)?;
+        npy::write_layer(head, layer, rows, &mut *zip)?;
     }
     let json = head.provenance.to_json();
     zip.start_file(PROVENANCE, options(json.len()))?;
     zip.write_all(json.as_bytes())?;
-    zip.finish()?;
+    ManuallyDrop::into_inner(zip).finish()?;
     Ok(())
 }
 
