@@ -18,7 +18,7 @@ pub mod verdict;
 
 use crate::error::{Error, Place, Result};
 use crate::frame::{Buffer, Data, npy, png};
-use crate::memory::check_room;
+use crate::memory::check;
 use std::fmt;
 use std::fs::File;
 use std::io::Read;
@@ -129,13 +129,19 @@ pub(crate) fn count(shape: &[usize]) -> Option<usize> {
     Some(if shape.contains(&0) { 0 } else { nonzero })
 }
 
-/// Reads to the end, as long as there is memory for twice as much.
-fn read_whole(mut input: impl Read, path: &Path) -> Result<Vec<u8>> {
+/// All bytes of a file, or of standard input for `-`, as long as there is memory for twice as many.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Limits`].
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    let mut input: Box<dyn Read> = match crate::frame::file::is_standard(path) {
+        true => Box::new(std::io::stdin().lock()),
+        false => Box::new(File::open(path).map_err(|error| Error::read(path, error))?),
+    };
     let mut bytes = Vec::new();
     loop {
         let more = bytes.len().max(1 << 16);
-        let name = path.display();
-        check_room(more as u64, || format!("{} bytes or more of {name} are to be read", bytes.len()))?;
+        check(more as u64, || format!("more of {} than its first {} bytes", path.display(), bytes.len()))?;
         bytes.reserve_exact(more);
         let read = Read::take(&mut input, more as u64).read_to_end(&mut bytes);
         if read.map_err(|error| Error::read(path, error))? < more {
@@ -182,12 +188,7 @@ impl Array {
     /// # Errors
     /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit the memory, [`Error::Scene`] at the file for one that makes no sense.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = if crate::frame::file::is_standard(path) {
-            read_whole(std::io::stdin().lock(), path)
-        } else {
-            read_whole(File::open(path).map_err(|error| Error::read(path, error))?, path)
-        };
-        Self::from_bytes(&bytes?, &path.display().to_string())
+        Self::from_bytes(&bytes_of(path)?, &path.display().to_string())
     }
 
     /// The array in `bytes`, a whole .png or .npy file.

@@ -4,7 +4,7 @@
 mod need;
 mod room;
 
-pub(crate) use need::{Need, check_room, check_spheres, free};
+pub(crate) use need::{Need, check_spheres, free};
 pub(crate) use room::{Ledger, check, check_ids, entries, extend_to, reserve};
 
 use crate::error::{Error, Result};

@@ -7,7 +7,7 @@ use super::file::write_file;
 use super::format::Format;
 use super::sheet::{Head, Opened, Rows};
 use crate::error::{Error, Place, Result};
-use crate::memory::check_room;
+use crate::memory::check;
 use crate::window::Window;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -134,8 +134,7 @@ impl Mosaic {
     /// are not those that were written, [`Error::Io`], [`Error::Interrupted`] when `go_on` says no.
     pub fn write(&self, path: &Path, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
         // The band of the frame, and the parts of it that come from the tiles.
-        let needed = 2 * self.head.memory(self.format);
-        check_room(needed, || format!("a band of rows of the frame takes {needed} bytes"))?;
+        check(2 * self.head.memory(self.format), || "a band of the frame's rows".into())?;
         let mut rows = Tiles { mosaic: self, open: HashMap::new(), checks: Some(HashMap::new()), go_on };
         let digest = Digest::of(&self.head, &mut rows)?;
         rows.check()?;

@@ -9,7 +9,7 @@ use super::provenance::Provenance;
 use super::sheet::{Form, Head, Input, Kind, Rows, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values, count};
-use crate::memory::check_room;
+use crate::memory::check;
 use npyz::WriterBuilder;
 use std::io::{self, Write};
 
@@ -93,7 +93,7 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
     let (header, data, rest) = parts(bytes, name)?;
     // Integers may become wider ones, and the order of the axes another.
-    check_room(4 * data.len() as u64, || format!("{name} holds {} bytes of numbers", data.len()))?;
+    check(4 * data.len() as u64, || format!("the numbers of {name}"))?;
     let values = header.values(data).ok_or_else(|| header.unknown(name))?;
     if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {
         return Err(malformed(name, format!("{} bytes follow the last value", rest.len())));

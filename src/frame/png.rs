@@ -7,7 +7,7 @@ use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
 use crate::measure::{Array, Values};
-use crate::memory::check_room;
+use crate::memory::check;
 use png::{BitDepth, ColorType};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
@@ -238,7 +238,7 @@ fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
     let size = reader.output_buffer_size().filter(|size| *size <= limit);
     let size = size.ok_or_else(|| fail(png::DecodingError::LimitsExceeded))?;
     // The samples, and a copy where they are of two bytes.
-    check_room(2 * size as u64, || format!("{name} holds {size} bytes of samples"))?;
+    check(2 * size as u64, || format!("the samples of {name}"))?;
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(fail)?;
     reader.finish().map_err(fail)?;

@@ -6,7 +6,7 @@ use super::format::Format;
 use super::provenance::Provenance;
 use super::{Aov, exr, npy, npz, pfm, png};
 use crate::error::{Error, Place, Result};
-use crate::memory::check_room;
+use crate::memory::check;
 use crate::window::Window;
 use std::borrow::Cow;
 use std::fs::File;
@@ -250,7 +250,7 @@ impl Sheet<'static> {
     }
 
     fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<(Format, Self)> {
-        check_room(head.bytes(), || format!("{name} holds {} x {} pixels", head.size()[0], head.size()[1]))?;
+        check(head.bytes(), || format!("the samples of {name}"))?;
         let mut layers: Vec<Layer<'static>> = Vec::new();
         for Form { aov, kind, channels } in head.forms.iter().copied() {
             layers.push(Layer { aov, kind, channels, bytes: Cow::Owned(Vec::new()) });

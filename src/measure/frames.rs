@@ -5,13 +5,13 @@ mod exr;
 mod npz;
 mod pfm;
 
-use super::Array;
+use super::{Array, bytes_of};
 use crate::error::{Error, Place, Result};
 use crate::frame::npy;
 use crate::frame::png;
 use crate::frame::provenance::Provenance;
 use crate::quote::{list, quote};
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 /// A buffer of a file.
@@ -61,13 +61,7 @@ impl Frames {
     /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at the file for one that makes no sense,
     /// [`Error::Limits`] for one that does not fit the memory.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = if crate::frame::file::is_standard(path) {
-            let mut bytes = Vec::new();
-            std::io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
-        } else {
-            std::fs::read(path)
-        };
-        Self::from_bytes(&bytes.map_err(|error| Error::read(path, error))?, &path.display().to_string())
+        Self::from_bytes(&bytes_of(path)?, &path.display().to_string())
     }
 
     /// The same of a file's bytes; `name` is what errors call it.

@@ -138,24 +138,6 @@ fn check_spheres_in(spheres: u64, colored: bool, free: Option<u64>) -> Result<()
     }
 }
 
-/// Refuses `what` needs so many bytes, where not so many are free.
-///
-/// # Errors
-/// [`Error::Limits`] with both numbers.
-pub(crate) fn check_room(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
-    check_room_in(bytes, what, free(&Pool::default()))
-}
-
-fn check_room_in(bytes: u64, what: impl FnOnce() -> String, free: Option<u64>) -> Result<()> {
-    match free {
-        Some(free) if bytes > free => Err(Error::Limits {
-            problem: format!("{}: that takes {bytes} bytes of memory and {free} are free", what()),
-            mend: "give the process more memory, or cut the work into smaller parts".into(),
-        }),
-        _ => Ok(()),
-    }
-}
-
 /// What a frame holds at once: the kernel's own buffers and those made of them.
 fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
     let made = aovs.iter().map(|aov| match aov {

@@ -84,7 +84,7 @@ pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
     match free(&Pool::default()) {
         Some(free) if bytes > free.saturating_sub(RESERVE) => Err(Error::Limits {
             problem: format!("{} may need {bytes} bytes of memory, and {free} are free", what()),
-            mend: "read a smaller scene, or on a machine with more memory".into(),
+            mend: "read a smaller file, or on a machine with more memory".into(),
         }),
         _ => Ok(()),
     }
