@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::frame::file::{Target, is_standard_output};
+use halfline::frame::file::{Target, is_special, is_standard_output};
 use halfline::frame::format::{Bits, Format, NoReturn, Style};
 use halfline::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -58,7 +58,10 @@ impl FileArgs {
         let mut files: Vec<(PathBuf, Vec<Aov>)> = Vec::new();
         for (aovs, path) in self.named()? {
             let path = numbered(path, number);
-            match files.iter_mut().find(|(other, _)| !is_standard_output(&path) && place(other) == place(&path)) {
+            // Pipes and devices take one file after the other.
+            let is_once =
+                |other: &Path| !is_special(&path) && !is_standard_output(&path) && place(other) == place(&path);
+            match files.iter_mut().find(|(other, _)| is_once(other)) {
                 Some((_, together)) if Format::of(&path).is_some_and(Format::holds_many) => together.extend(aovs),
                 Some(_) => {
                     let problem = format!("{} would be written twice", path.display());

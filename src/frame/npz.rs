@@ -19,8 +19,8 @@ const PROVENANCE: &str = "provenance.json";
 
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
-    // Dropped in the middle it writes its end, and complains to standard error where it cannot.
-    let mut zip = ManuallyDrop::new(ZipWriter::new_stream(out));
+    // Dropped before it is finished, it would write the end of an archive that is not whole.
+    let mut zip = ManuallyDrop::new(ZipWriter::new_stream(UntilFailure { out, failed: false }));
     let options = |bytes: usize| {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         // ZIP counts to 2^32, ZIP64 further; the header of an array is short.
@@ -39,6 +39,29 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
     zip.write_all(json.as_bytes())?;
     ManuallyDrop::into_inner(zip).finish()?;
     Ok(())
+}
+
+/// Writes to `out` until a write fails, and discards the rest. A [`ZipWriter`] that could not finish tries again when it is
+/// dropped, and prints a second failure to standard error.
+struct UntilFailure<'a> {
+    out: &'a mut dyn Sink,
+    failed: bool,
+}
+
+impl Write for UntilFailure<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.failed {
+            return Ok(bytes.len());
+        }
+        self.out.write(bytes).inspect_err(|error| self.failed = error.kind() != io::ErrorKind::Interrupted)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Ok(());
+        }
+        self.out.flush().inspect_err(|_| self.failed = true)
+    }
 }
 
 fn member(form: &Form) -> String {
