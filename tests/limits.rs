@@ -32,6 +32,9 @@ impl Desk {
         shell.args(["-c", &format!("ulimit -c 0 && {limit} && exec \"$0\" \"$@\"")]);
         shell.arg(env!("CARGO_BIN_EXE_halfline")).args(words.split_whitespace()).current_dir(self.path());
         shell.env_remove("RUST_BACKTRACE").env_remove("RUST_LOG").env("XDG_CONFIG_HOME", self.path());
+        // glibc reserves 64 MiB of addresses for every thread that allocates, if they are free at that moment: within the
+        // same `ulimit -v` a command would be done or refused by chance.
+        shell.env("MALLOC_ARENA_MAX", "1");
         shell.envs(environment.iter().copied()).stdin(Stdio::null()).output().expect("sh runs")
     }
 
