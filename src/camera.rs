@@ -16,7 +16,8 @@
 //! origin = e + u u + v v            direction = -w
 //! ```
 
-use crate::dd::{self, Dd, Dd3};
+use crate::dd::{Dd, Dd3};
+use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
 
@@ -112,7 +113,7 @@ impl Camera {
     };
 
     /// The basis from eye + view + up, or from eye + at + up with view = at - eye: w against the view, u = up x w and
-    /// v = w x u, normalised. Computed in double-double after scaling by powers of two, so a scene may live at 1e-20.
+    /// v = w x u, normalised. Made of exact numbers: a scene may live at 1e-320, and `up` all but along the view.
     ///
     /// # Errors
     /// [`Error::Scene`] for numbers that are not finite, eye = at, a zero view, a zero up, and up parallel to the view
@@ -122,7 +123,11 @@ impl Camera {
         Ok(Basis { e: self.eye, u, v, w })
     }
 
-    /// u, v and w in double-double, each component within 2^-95.
+    /// u, v and w in double-double, each component within 2^-104 of itself (away from the subnormal numbers).
+    ///
+    /// Sums and products are exact; one square root and one quotient of 128 bits and the rounding to 106 are what is lost.
+    /// Double-doubles would lose 2^-105 / sin(up, view) of u, which a lens of 1e-17 rad shows where up is all but along
+    /// the view.
     pub(crate) fn axes(&self) -> Result<[Dd3; 3]> {
         let name = |field: &str| format!("camera.{field}");
         let (look, target) = match self.look {
@@ -136,34 +141,35 @@ impl Camera {
             }
         }
         let view = match self.look {
-            // Halved before the difference, so that it cannot overflow; a view has any length.
-            Look::At(at) => unit_scale(std::array::from_fn(|k| half(at[k]) - half(self.eye[k]))),
-            Look::View(view) => unit_scale(view.to_array().map(Dd::from)),
+            Look::At(at) => dyadic::minus(&dyadic::vector(at.to_array()), &dyadic::vector(self.eye.to_array())),
+            Look::View(view) => dyadic::vector(view.to_array()),
         };
-        let up = unit_scale(self.up.to_array().map(Dd::from));
+        let up = dyadic::vector(self.up.to_array());
+        let square = |a: &Dyadic3| dyadic::dot(a, a);
+        let (view2, up2) = (square(&view), square(&up));
         let zero = |field: &str, problem: &str, mend: &str| Err(Error::scene(Place::field(name(field)), problem, mend));
-        let Some(view) = view else {
+        if view2.is_zero() {
             return match self.look {
                 Look::At(_) => zero("at", "eye and at are the same point", "look at another point, or give a view"),
                 Look::View(_) => zero("view", "a view of length zero looks nowhere", "give a direction"),
             };
-        };
-        let Some(up) = up else {
+        }
+        if up2.is_zero() {
             return zero("up", "an up of length zero points nowhere", "give a direction");
-        };
+        }
         let back = view.map(|x| -x);
-        let right = dd::cross(up, back);
-        let lengths = dd::dot(up, up).sqrt() * dd::dot(view, view).sqrt();
-        let sine = (dd::dot(right, right).sqrt() / lengths).value();
+        let right = dyadic::cross(&up, &back);
+        let sine = square(&right).over(&(&up2 * &view2), 64).to_f64().sqrt();
         if sine <= PARALLEL {
             let problem = format!("up is parallel to the view (sine of their angle {sine:.1e}, least {PARALLEL:.1e})");
             return Err(Error::scene(Place::field(name("up")), problem, "give an up that points elsewhere"));
         }
-        let unit = |a: Dd3| {
-            let length = dd::dot(a, a).sqrt();
-            a.map(|x| x / length)
+        let unit = |a: Dyadic3| -> Dd3 {
+            let length = square(&a).sqrt(128);
+            a.map(|x| x.over(&length, 128).to_dd())
         };
-        Ok([unit(right), unit(dd::cross(back, right)), unit(back)])
+        let above = dyadic::cross(&back, &right);
+        Ok([unit(right), unit(above), unit(back)])
     }
 
     /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are the exact ones from
@@ -227,17 +233,6 @@ impl Viewport {
     }
 }
 
-/// x/2; exact but for the last bit of a subnormal, which no scene can tell.
-fn half(x: f64) -> Dd {
-    Dd::from(x * 0.5)
-}
-
-/// The vector times the power of two that brings its largest component into [1, 2); `None` for the zero vector.
-fn unit_scale(a: Dd3) -> Option<Dd3> {
-    let largest = a.iter().fold(0.0f64, |m, x| m.max(x.hi.abs()));
-    (largest > 0.0).then(|| a.map(|x| x.ldexp(-dd::exponent(largest))))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,6 +275,52 @@ mod tests {
         assert_eq!(at, view);
         let far = camera([-1.7e308, 0.0, 0.0], Look::At(DVec3::new(1.7e308, 0.0, 0.0)), [0.0, 1.0, 0.0]);
         assert_eq!(far.basis().expect("no overflow").w, DVec3::NEG_X);
+    }
+
+    /// A camera of tests/truth/axes.py.
+    #[derive(serde::Deserialize)]
+    struct Known {
+        eye: [String; 3],
+        at: Option<[String; 3]>,
+        view: Option<[String; 3]>,
+        up: [String; 3],
+        axes: Vec<(String, String)>,
+    }
+
+    #[test]
+    fn axes_are_those_of_two_thousand_digits() {
+        let known: Vec<Known> = serde_json::from_str(include_str!("../tests/truth/axes.json")).expect("the fixture");
+        assert!(known.len() > 150, "{} cameras", known.len());
+        let number = |bits: &String| f64::from_bits(u64::from_str_radix(bits, 16).expect("hexadecimal digits"));
+        let vector = |bits: &[String; 3]| DVec3::from_array(bits.each_ref().map(number));
+        let mut worst = 0.0f64;
+        for case in &known {
+            let look = match (&case.at, &case.view) {
+                (Some(at), _) => Look::At(vector(at)),
+                (_, view) => Look::View(vector(view.as_ref().expect("a view"))),
+            };
+            let camera = camera(vector(&case.eye).into(), look, vector(&case.up).into());
+            let axes = camera.axes().expect("axes");
+            for (axis, (near, tail)) in axes.iter().flatten().zip(&case.axes) {
+                let (near, tail) = (number(near), tail.parse::<f64>().expect("digits"));
+                // Both low words are below an ulp of the high one: their difference is exact enough.
+                let off = ((axis.hi - near) + (axis.lo - tail)).abs();
+                // The digits of the tail are 20, and numbers end at 2^-1074.
+                assert!(off <= near.abs() * 2f64.powi(-104) + 2f64.powi(-1073), "{off:e} of {near:e}: {camera:?}");
+                worst = worst.max(off / near.abs().max(f64::MIN_POSITIVE));
+            }
+        }
+        println!("axes are off by 2^{:.1} at most", worst.log2());
+    }
+
+    #[test]
+    fn a_step_of_the_subnormal_numbers_is_a_direction() {
+        let step = f64::from_bits(1);
+        let at = |at: [f64; 3]| camera([0.0; 3], Look::At(at.into()), [0.0, 1.0, 0.0]).basis().expect("a direction");
+        assert_eq!(at([0.0, 0.0, -step]).w, DVec3::Z);
+        // 3 steps right and 1 ahead.
+        let w = DVec3::new(-3.0, 0.0, 1.0) / 10f64.sqrt();
+        assert!((at([3.0 * step, 0.0, -step]).w - w).length() < 1e-15);
     }
 
     #[test]

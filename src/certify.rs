@@ -81,13 +81,13 @@ pub(crate) struct Terms {
 
 /// The derived constants.
 pub(crate) const TERMS: Terms = Terms {
-    ball: [8.0, 12.0],
-    offset: [9.0, 16.2],
-    depth: [11.0, 6.0, 6.0, 6.2, 2.5],
+    ball: [9.0, 13.0],
+    offset: [10.0, 17.2],
+    depth: [12.0, 6.0, 6.0, 6.2, 3.5],
     along: [2.5, 3.5],
-    power: [2.0, 6.0, -1.5],
-    cross: [6.0, 2.0, 4.0, 4.0],
-    root: [11.0, 6.0, 9.0],
+    power: [3.0, 6.0, -0.5],
+    cross: [7.0, 2.0, 5.0, 4.0],
+    root: [15.0, 6.0, 11.0],
     host: 1.0,
 };
 
@@ -101,8 +101,11 @@ const DEPTH: f32 = 1.136_868_4e-13;
 const INFLATE: f32 = 1.000_976_6;
 /// 2^-100: what flushed subnormals leave, times |d|^2.
 pub(crate) const VANISH: f32 = 7.888_609e-31;
-/// A depth beyond every frame, and below MISS.
-const FAR: f32 = 3.0e38;
+/// No point of a sphere is as deep in its record's unit: |p| and r are below 2 in every component.
+const FAR: f32 = 8.0;
+/// The depth of nothing: above every lower bound, and so far below the largest f32 that no sum with a depth overflows.
+/// Lower bounds are below 2^124: a frame spans 2^240, and its unit is in the middle.
+pub(crate) const BEYOND: f32 = 8.507_059e37;
 /// Radians promised, less the roundings of the unit vector.
 const NORMAL: f32 = 0.97e-3;
 
@@ -117,13 +120,23 @@ pub(crate) struct Answer<R> {
     pub(crate) offset: R,
     pub(crate) low: R,
     pub(crate) high: R,
+    /// How far the depth given out may be from the true one.
+    pub(crate) width: R,
     pub(crate) normal: [R; 3],
 }
 
 impl<R: Real> Answer<R> {
     /// What is written where nobody can be hit.
-    pub(crate) const MISS: Self =
-        Self { sure: true, hits: true, id: NONE, offset: R::MISS, low: R::ZERO, high: R::ZERO, normal: [R::ZERO; 3] };
+    pub(crate) const MISS: Self = Self {
+        sure: true,
+        hits: true,
+        id: NONE,
+        offset: R::MISS,
+        low: R::ZERO,
+        high: R::ZERO,
+        width: R::ZERO,
+        normal: [R::ZERO; 3],
+    };
 }
 
 /// Marks a slot in the list of near spheres.
@@ -190,7 +203,7 @@ impl<R: Real> Certify<'_, R> {
     /// depth is as sharp as promised. A depth that may have lost bits below the normal numbers never is.
     pub(crate) fn certain(&self, answer: &Answer<R>, second: R) -> bool {
         let depth = R::exact(self.lens.depth) + answer.low;
-        let sharp = answer.high - answer.low < R::exact(self.lens.tolerance) * depth && depth > R::exact(VANISH);
+        let sharp = answer.width < R::exact(self.lens.tolerance) * depth && depth > R::exact(VANISH);
         answer.sure && answer.high < second && sharp
     }
 

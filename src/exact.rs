@@ -2,7 +2,7 @@
 //!
 //! The numbers of a scene are exact, and so is the question they pose: which sphere does the ray through the centre of
 //! a pixel meet first? Sums and products of f64 are binary numbers, of which big integers lose nothing
-//! (`exact/dyadic.rs`); the basis of an oblique camera brings in two square roots, over which signs are still decided
+//! (`dyadic.rs`); the basis of an oblique camera brings in two square roots, over which signs are still decided
 //! by squaring (`exact/field.rs`, `exact/decide.rs`). Double-doubles with proven bounds settle the easy cases first
 //! (`exact/filter.rs`), and what is reported is rounded from more bits than it has (`exact/answer.rs`).
 //!
@@ -11,18 +11,18 @@
 
 mod answer;
 mod decide;
-mod dyadic;
 mod field;
 mod filter;
 #[cfg(test)]
 mod tests;
 
+use crate::dd::Dd;
+use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::scene::{Scene, Spheres, check_sphere};
 use answer::{Name, Path};
 pub use decide::Root;
 use decide::{Frame, Lens, Line, Meeting};
-use dyadic::Dyadic;
 use filter::{Basis, Body, Hit, Screen, Verdict};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -148,11 +148,17 @@ pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Op
     bench.nearest(&rays, 0..bench.bodies.len() as u32)
 }
 
-/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value: it is
-/// zero only where the eye is exactly on the surface.
-pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> f64 {
+/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value. It is zero only
+/// where the eye is exactly on the surface: what f64 cannot hold beside zero is the least normal number, with its sign.
+pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> Dd {
     let p = dyadic::minus(&dyadic::vector(center), &dyadic::vector(eye));
-    decide::power(&p, radius).ldexp(2 * i64::from(k)).to_f64()
+    let power = decide::power(&p, radius).ldexp(2 * i64::from(k));
+    let near = power.to_dd();
+    match power.sign() {
+        Ordering::Less if near.hi > -f64::MIN_POSITIVE => Dd::from(-f64::MIN_POSITIVE),
+        Ordering::Greater if near.hi < f64::MIN_POSITIVE => Dd::from(f64::MIN_POSITIVE),
+        _ => near,
+    }
 }
 
 /// One ray in both arithmetics; the exact one is made when first asked for.

@@ -42,6 +42,7 @@ pub mod camera;
 mod certify;
 mod cpu;
 mod dd;
+mod dyadic;
 pub mod error;
 pub mod exact;
 pub mod frame;

@@ -7,8 +7,9 @@
 
 use crate::camera::{Basis, Viewport};
 use crate::certify::tiles::TILE;
-use crate::dd::{self, Dd};
+use crate::dd::{self, Dd, Dd3};
 use crate::error::{Error, Place, Result};
+use crate::exact;
 use crate::intersect::Method;
 use crate::plan::Kernel;
 use crate::raster::Raster;
@@ -95,7 +96,7 @@ impl ViewRecord {
 pub struct SphereRecord {
     /// Centre minus eye in the canonical camera, and radius; times 2^-k.
     pub ball: [f32; 4],
-    /// Power of the eye, |c - e|^2 - r^2, from double-double; times 2^-2k. Its sign is exact.
+    /// Power of the eye, |c - e|^2 - r^2; times 2^-2k. Its sign is exact.
     pub power: f32,
     /// t of this record times scale is t in the frame's unit.
     pub scale: f32,
@@ -160,7 +161,7 @@ pub struct View {
     /// The basis, in f64.
     pub basis: Basis,
     /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's; of parallel rays vw/(2W) and vh/(2H) in
-    /// the scene's unit, and 1.
+    /// the frame's unit, and 1.
     pub pitch: [f64; 3],
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
@@ -170,6 +171,10 @@ pub struct View {
 
 /// The widest span of exponents that one frame's unit can hold with room for the roots themselves.
 const WIDEST: i32 = 240;
+
+/// The least exponent of a frame's unit: 2^1000 is a number that subnormal ones can be multiplied with. They are within
+/// 2^-74 of that unit, where f32 holds them as well.
+const LEAST_UNIT: i32 = -1000;
 
 impl View {
     /// Moves the world: spheres into the canonical camera of `scene`, pixels into a pitch.
@@ -208,13 +213,11 @@ impl View {
         let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
         let [width, height] = [scene.image.width, scene.image.height].map(|side| side * raster.fine());
         let parallel = viewport.is_parallel();
+        let basis = scene.camera.basis()?;
+        let unit = unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?;
         let (pitch, pixel, low) = match parallel {
             // The certified kernel alone has parallel rays, and reads no pitch.
-            true => (
-                [viewport.vw / (2.0 * f64::from(width)), viewport.vh / (2.0 * f64::from(height)), 1.0],
-                [0.0; 3],
-                [0.0; 3],
-            ),
+            true => (parallel_pitch(&viewport, width, height, unit), [0.0; 3], [0.0; 3]),
             false => scaled_pitch(&viewport, width, height),
         };
         let [red, green, blue] = scene.image.background;
@@ -237,31 +240,25 @@ impl View {
             d_low: low[2],
             ..ViewRecord::zeroed()
         };
-        let view = Self::of_basis(scene.camera.basis()?, record, pitch, &scene.spheres.centers, &scene.spheres.radii)?;
+        let view = Self::of_basis(basis, record, pitch, scene.spheres.len(), unit);
         Ok(Self { parallel, ..view })
     }
 
     /// A view along the world's axes from `eye`: what given rays are traced in.
     pub(crate) fn along_axes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<Self> {
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
-        let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], centers, radii)?;
+        let unit = unit(eye, centers, radii)?;
+        let mut view = Self::of_basis(basis, ViewRecord::zeroed(), [0.0; 3], radii.len(), unit);
         view.move_world(centers, radii);
         Ok(view)
     }
 
-    /// A view from `basis` with the unit that holds these spheres; they are counted, not yet moved.
-    fn of_basis(
-        basis: Basis,
-        record: ViewRecord,
-        pitch: [f64; 3],
-        centers: &[[f64; 3]],
-        radii: &[f64],
-    ) -> Result<Self> {
+    /// A view from `basis` of so many spheres, which are not yet moved.
+    fn of_basis(basis: Basis, record: ViewRecord, pitch: [f64; 3], spheres: usize, unit: i32) -> Self {
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
-        let record = ViewRecord { right, up, back, spheres: radii.len() as u32, ..record };
-        let unit = unit(basis.e, centers, radii)?;
-        Ok(Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, parallel: false, unit })
+        let record = ViewRecord { right, up, back, spheres: spheres as u32, ..record };
+        Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, parallel: false, unit }
     }
 
     /// The spheres in the arithmetic of `method`'s twin; one beyond f32 wants the lows kept.
@@ -287,7 +284,8 @@ impl View {
     /// Where the viewing ray of row i and column j begins, in the canonical camera.
     pub(crate) fn origin(&self, i: u32, j: u32) -> [f64; 3] {
         let [u, v, _] = self.aside(i, j);
-        if self.parallel { [u, v, 0.0] } else { [0.0; 3] }
+        // In the frame's unit u and v keep their bits, wherever in f64's range the scene lies.
+        if self.parallel { [u, v, 0.0].map(|x| dd::ldexp(x, self.unit)) } else { [0.0; 3] }
     }
 
     /// (u, v, -d) of row i and column j.
@@ -349,7 +347,7 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
         let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
-    Ok(least + (most - least) / 2)
+    Ok((least + (most - least) / 2).max(LEAST_UNIT))
 }
 
 /// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64, in f32, and
@@ -365,7 +363,43 @@ fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32
     (pitch, pitch.map(|x| x as f32), pitch.map(|x| (x - f64::from(x as f32)) as f32))
 }
 
-/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power from exact differences.
+/// vw/(2W), vh/(2H) in the frame's unit, and 1: scaled first, since a subnormal number would lose bits in the quotient.
+fn parallel_pitch(viewport: &Viewport, width: u32, height: u32, unit: i32) -> [f64; 3] {
+    let part = |side: f64, count: u32| dd::ldexp(side, -unit) / (2.0 * f64::from(count));
+    [part(viewport.vw, width), part(viewport.vh, height), 1.0]
+}
+
+/// A sphere as it lies from the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into
+/// [1, 2).
+pub(crate) struct FromEye {
+    /// The exponent that was taken out.
+    pub(crate) k: i32,
+    /// c - e along the axes of the world, exact.
+    pub(crate) offset: Dd3,
+    pub(crate) radius: f64,
+    /// The power of the eye |c - e|^2 - r^2: within 2^-50 of itself, with its exact sign.
+    pub(crate) power: Dd,
+}
+
+impl FromEye {
+    /// Least power that double-double tells well enough: it is within 2^-92 of sums below 16.
+    const FAINT: f64 = 1.0 / (1u64 << 42) as f64;
+
+    pub(crate) fn new(eye: DVec3, center: [f64; 3], radius: f64) -> Self {
+        let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
+        let k = dd::exponent(away.iter().fold(radius, |most, x| most.max(x.hi.abs())));
+        // Scaled before anything is multiplied: products of subnormal numbers are no products.
+        let offset = away.map(|x| x.ldexp(-k));
+        let radius_scaled = dd::ldexp(radius, -k);
+        let mut power = dd::dot(offset, offset) - Dd::product(radius_scaled, radius_scaled);
+        if power.hi.abs() < Self::FAINT {
+            power = exact::power(center, eye.to_array(), radius, -k);
+        }
+        Self { k, offset, radius: radius_scaled, power }
+    }
+}
+
+/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power.
 struct Moved {
     /// The exponent that was taken out.
     k: i32,
@@ -375,13 +409,9 @@ struct Moved {
 
 impl Moved {
     fn new(basis: &Basis, center: [f64; 3], radius: f64) -> Self {
-        let away: [Dd; 3] = std::array::from_fn(|k| Dd::diff(center[k], basis.e[k]));
-        let p = DVec3::from_array(away.map(|x| x.hi));
-        let k = dd::exponent(p.abs().max_element().max(radius));
-        let away = away.map(|x| x.ldexp(-k));
-        let r = Dd::from(dd::ldexp(radius, -k));
-        let ball = [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius].map(|x| dd::ldexp(x, -k));
-        Self { k, ball, power: dd::dot(away, away) - r * r }
+        let FromEye { k, offset, radius, power } = FromEye::new(basis.e, center, radius);
+        let p = DVec3::from_array(offset.map(|x| x.hi));
+        Self { k, ball: [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius], power }
     }
 
     fn record(&self, unit: i32) -> SphereRecord {

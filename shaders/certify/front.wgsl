@@ -38,7 +38,7 @@ fn front_weigh(s: Slopes, f: Front, more: FrontMore) -> FrontWeighed {
     let slant2 = s.x * s.x + s.y * s.y;
     let o2 = dx * dx + dy * dy;
     let e = lens.edge;
-    let roundings = (8.0 + 12.0 * slant2) * (f.rho * f.rho) + (9.0 + 16.2 * slant2) * o2;
+    let roundings = (9.0 + 13.0 * slant2) * (f.rho * f.rho) + (10.0 + 17.2 * slant2) * o2;
     let error = (UNIT * roundings + s.a * e * (2.0 * sqrt(o2) + e)) * INFLATE + VANISH * s.a;
     return FrontWeighed(vec2<f32>(dx, dy), o2, slant2, disc, error);
 }
@@ -62,8 +62,8 @@ fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
     let total = abs(along) + most;
     let depth = lens.depth + more.center;
     let length = (more.center * lens.unit + lens.size) * s.inverse;
-    let mixed = UNIT * ((11.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 6.2 * most) + slant * e;
-    let blur = (mixed * length + UNIT * 2.5 * abs(more.center)) * INFLATE + DEPTH * depth;
+    let mixed = UNIT * ((12.0 + 6.0 * slant2) * total + 6.0 * (abs(s.x * dx) + abs(s.y * dy)) + 6.2 * most) + slant * e;
+    let blur = (mixed * length + UNIT * 3.5 * abs(more.center)) * INFLATE + DEPTH * depth;
     let low = more.center - (along + most) * length - blur;
     let high = more.center - (along + least) * length + blur;
     let k = (along + root) * s.inverse;
@@ -71,5 +71,6 @@ fn front_answer(s: Slopes, f: Front, more: FrontMore) -> Answer {
     let off = sqrt(s.a) * (mixed + (most - least)) * s.inverse + UNIT * 4.0 * (total + sqrt(o2)) + e;
     // A root that is not surely ahead is not surely the hit.
     let hits = crosses && lens.depth + low > VANISH;
-    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, normal);
+    let width = (high - low + blur) * INFLATE;
+    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, width, normal);
 }

@@ -5,6 +5,9 @@ struct Kept {
     slot: u32,
 }
 
+// The depth of nothing: above every lower bound, and so far below the largest f32 that no sum with a depth overflows.
+const BEYOND: f32 = 8.507059173023462e37; // 2^126
+
 const NEAR: u32 = 0x80000000u; // marks a slot in the list of near spheres
 
 fn keep(k: Kept, low: f32, slot: u32) -> Kept {

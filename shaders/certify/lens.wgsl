@@ -86,6 +86,7 @@ struct Answer {
     offset: f32,
     low: f32,
     high: f32,
+    width: f32,      // how far the depth given out may be from the true one
     normal: vec3<f32>,
 }
 
@@ -94,8 +95,8 @@ const HOST: f32 = 3.552713678800501e-15;      // 2^-48: what the host's f64 rota
 const DEPTH: f32 = 1.1368683772161603e-13;    // 2^-43: and in a front sphere's depth, of itself
 const INFLATE: f32 = 1.0009765625;            // 1 + 2^-10: the bounds are computed in f32 themselves
 const VANISH: f32 = 7.888609052210118e-31;    // 2^-100: what flushed subnormals leave, times |d|^2
-const QUOTIENT: f32 = 1.3113021850585938e-6;  // 11 UNIT: root, sum and quotient of c/q
-const FAR: f32 = 3.0e38;                      // a depth beyond every frame, and below MISS
+const QUOTIENT: f32 = 1.7881393432617188e-6;  // 15 UNIT: root, sums and quotient of c/q
+const FAR: f32 = 8.0;                         // no point of a sphere is as deep in its record's unit
 const NORMAL: f32 = 0.97e-3;                  // radians promised, less the roundings of the unit vector
 
 fn slopes(i: u32, j: u32) -> Slopes {

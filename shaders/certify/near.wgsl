@@ -54,14 +54,14 @@ fn near_weigh(s: Slopes, n: Near) -> Weighed {
     if (n.form == 1u) {
         let ac = s.a * n.power;
         disc = b * b - ac;
-        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (2.0 * b * b + (6.0 * s.a - 1.5) * abs(ac));
+        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (3.0 * b * b + (6.0 * s.a - 0.5) * abs(ac));
     } else {
         let gg = g.x * g.x + g.y * g.y + g.z * g.z;
         let ar2 = s.a * (n.ball.w * n.ball.w);
         disc = ar2 - gg;
         let mixed = abs(g.x) * g_error.x + abs(g.y) * g_error.y + abs(g.z) * g_error.z;
         let small = g_error.x * g_error.x + g_error.y * g_error.y + g_error.z * g_error.z;
-        error = UNIT * ((6.0 * s.a + 2.0) * ar2 + 4.0 * gg) + 2.0 * mixed + small;
+        error = UNIT * ((7.0 * s.a + 2.0) * ar2 + 5.0 * gg) + 2.0 * mixed + small;
     }
     let sum = g_error.x + g_error.y + g_error.z;
     return Weighed(b, b_error, disc, error * INFLATE + s.a * VANISH, g, sum);
@@ -69,7 +69,7 @@ fn near_weigh(s: Slopes, n: Near) -> Weighed {
 
 // Root, sum, |d|^2, its reciprocal and the product.
 fn sum_error(s: Slopes) -> f32 {
-    return UNIT * (9.0 + 6.0 * s.a);
+    return UNIT * (11.0 + 6.0 * s.a);
 }
 
 // A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
@@ -112,16 +112,18 @@ fn near_answer(s: Slopes, n: Near) -> Answer {
     var hits = w.disc > w.error && (n.power < 0.0 || ahead);
     var depth: f32;
     var high: f32;
+    var rounding = sum_error(s);
     if (n.power > 0.0) {
+        rounding = QUOTIENT;
         depth = n.power / (w.b + root);
-        high = n.power / (w.b - w.b_error + least) * (1.0 + QUOTIENT);
+        high = n.power / (w.b - w.b_error + least) * (1.0 + rounding);
     } else if (ahead) {
         depth = (w.b + root) * s.inverse;
-        high = (w.b + w.b_error + most) * s.inverse * (1.0 + sum_error(s));
+        high = (w.b + w.b_error + most) * s.inverse * (1.0 + rounding);
     } else {
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
-        high = -n.power / q * (1.0 + sum_error(s));
+        high = -n.power / q * (1.0 + rounding);
         hits = hits && q > 0.75 * least;
     }
     // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, against the ray: upper sign outside.
@@ -129,10 +131,12 @@ fn near_answer(s: Slopes, n: Near) -> Answer {
     let across = cross3(d, w.g);
     let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
     let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.ball.w);
-    let low = near_below(s, n, w) * n.scale;
+    let below = near_below(s, n, w);
+    let low = below * n.scale;
     // What is smaller may have been flushed, on one side and not on the other.
     hits = hits && low > VANISH;
-    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, normal);
+    let width = (high - below + rounding * high) * INFLATE * n.scale;
+    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, width, normal);
 }
 
 // The near spheres are asked by every ray.

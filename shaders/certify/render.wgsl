@@ -27,7 +27,7 @@ fn render(tile: vec3<u32>, index: u32) {
     let proved = k.slot == NONE || certain(answer, k);
     write_id(pixel, Hit(answer.offset, select(UNSURE, answer.id, proved)));
     write_t(pixel, hit);
-    write_width(pixel, answer.high - answer.low);
+    write_width(pixel, answer.width);
     write_normal(pixel, ray, hit);
     write_color(pixel, ray, hit);
 }

@@ -1,4 +1,4 @@
-// Width of the interval that holds the depth, frame's unit; 0 on a miss.
+// How far the depth may be from the true one, frame's unit; 0 on a miss.
 @group(0) @binding(15) var<storage, read_write> frame_width: array<f32>;
 
 fn write_width(pixel: u32, width: f32) {

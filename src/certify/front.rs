@@ -27,12 +27,12 @@ pub(crate) struct FrontMoreRecord {
 /// Both records in the arithmetic of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Front<R> {
-    x: i32,
-    y: i32,
-    rho: R,
-    low: R,
-    rest: [R; 2],
-    center: R,
+    pub(super) x: i32,
+    pub(super) y: i32,
+    pub(super) rho: R,
+    pub(super) low: R,
+    pub(super) rest: [R; 2],
+    pub(super) center: R,
     pub(crate) id: u32,
 }
 
@@ -53,7 +53,7 @@ impl<R: Real> Front<R> {
 
 /// a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
 #[inline(always)]
-fn front_discriminant<R: Real>(s: &Slopes<R>, rho: R, o: [R; 2]) -> R {
+pub(super) fn front_discriminant<R: Real>(s: &Slopes<R>, rho: R, o: [R; 2]) -> R {
     let across = s.x * o[1] - s.y * o[0];
     s.a * (rho * rho) - (o[0] * o[0] + o[1] * o[1] + across * across)
 }
@@ -126,5 +126,6 @@ pub(crate) fn front_answer<R: Real>(s: &Slopes<R>, lens: &LensRecord, f: &Front<
     // A root that is not surely ahead is not surely the hit. & and not &&: nothing to skip, and compilers make vectors of it.
     let hits = hits & (c(lens.depth) + low > c(VANISH));
     let sure = hits & (off < c(NORMAL) * f.rho);
-    Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, normal }
+    let width = (high - low + blur) * c(INFLATE);
+    Answer { sure, hits, id: f.id, offset: -(along + root) * length, low, high, width, normal }
 }

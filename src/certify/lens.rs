@@ -8,10 +8,9 @@ use super::near::NearRecord;
 use super::tiles::TILE;
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
-use crate::dd::{self, Dd, Dd3};
+use crate::dd::{self, Dd3};
 use crate::error::Result;
-use crate::exact;
-use crate::view::View;
+use crate::view::{FromEye, View};
 use glam::DVec3;
 use project::Landed;
 
@@ -59,11 +58,31 @@ const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// is off by (2^-27 pixels, 2^-43), far less than makes a list longer.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
-/// c - e in world space and in the camera: right, up, forward; in f64.
-#[inline(always)]
-pub(super) fn moved(basis: &Basis, center: [f64; 3]) -> (DVec3, [f64; 3]) {
-    let p = DVec3::from_array(center) - basis.e;
-    (p, [p.dot(basis.u), p.dot(basis.v), -p.dot(basis.w)])
+/// From the world into the camera, in f64 and in the frame's unit.
+///
+/// The unit is multiplied into the axes: so sums and products are of numbers within 2^122 of 1, whatever the scene's own
+/// unit, and what they round is relative to them. (Axes so small that they lose bits below the normal numbers lose 2^-75 of
+/// the largest, where their own rounding is 2^-53.)
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rotation {
+    eye: DVec3,
+    /// Right, up, ahead.
+    axes: [DVec3; 3],
+}
+
+impl Rotation {
+    /// For a frame whose unit is 2^`frame`.
+    pub(super) fn new(basis: &Basis, frame: i32) -> Self {
+        let scaled = |axis: DVec3| DVec3::from_array(axis.to_array().map(|x| dd::ldexp(x, -frame)));
+        Self { eye: basis.e, axes: [basis.u, basis.v, -basis.w].map(scaled) }
+    }
+
+    /// c - e in world space; and right, up and ahead in the frame's unit.
+    #[inline(always)]
+    pub(super) fn of(&self, center: [f64; 3]) -> (DVec3, [f64; 3]) {
+        let p = DVec3::from_array(center) - self.eye;
+        (p, self.axes.map(|axis| p.dot(axis)))
+    }
 }
 
 /// A sphere, staged.
@@ -74,7 +93,7 @@ pub(super) enum Staged {
     Near(NearRecord),
 }
 
-/// How steep some rays may be: bounds of |(x, y)|, |d| and |d|^2.
+/// How steep the rays of the image are: bounds of |(x, y)|, |d| and |d|^2.
 struct Steepness {
     slant: f64,
     length: f64,
@@ -84,10 +103,13 @@ struct Steepness {
 /// The camera in f64, and the constants of the bounds that are the same for all front spheres.
 pub(super) struct Lens {
     basis: Basis,
+    rotation: Rotation,
+    /// [`ROTATED`] in the frame's unit.
+    rotated: f64,
     /// Right, up and forward in double-double.
     axes: [Dd3; 3],
     size: [f64; 2],
-    /// Whether all rays are parallel: slopes are then lengths in the scene, and rays have none.
+    /// Whether all rays are parallel: slopes are then lengths in the frame's unit, and rays have none.
     parallel: bool,
     pub(super) slope: [f64; 2],
     step: [f64; 2],
@@ -131,8 +153,11 @@ impl Lens {
         let [right, up, back] = camera.axes()?;
         let size = [f64::from(view.record.width), f64::from(view.record.height)];
         let parallel = viewport.is_parallel();
-        let d = if parallel { 1.0 } else { viewport.d };
-        let slope = [viewport.vw / d / (2.0 * size[0]), viewport.vh / d / (2.0 * size[1])];
+        let extent = [viewport.vw, viewport.vh].map(|side| match parallel {
+            true => dd::ldexp(side, -view.unit),
+            false => side / viewport.d,
+        });
+        let slope = [0, 1].map(|k| extent[k] / (2.0 * size[k]));
         let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
         let step = slope.map(|s| 2.0 * s / unit);
         // Centres up to four images away from the image.
@@ -162,13 +187,15 @@ impl Lens {
         let [whole, each, along, of_root, of_center] = terms.depth.map(f64::from);
         Ok(Self {
             basis: view.basis,
+            rotation: Rotation::new(&view.basis, view.unit),
+            rotated: ROTATED * to_frame,
             axes: [right, up, back.map(|x| -x)],
             size,
             parallel,
             slope,
             step,
             unit,
-            scale: if parallel { [0.0, unit * to_frame] } else { [unit, 0.0] },
+            scale: if parallel { [0.0, unit] } else { [unit, 0.0] },
             shift,
             widest: m,
             all: Steepness { slant: (m - 1.0).sqrt(), length: m.sqrt(), square: m },
@@ -236,25 +263,15 @@ impl Lens {
         }
     }
 
-    fn near(&self, id: u32, center: [f64; 3], radius: f64) -> NearRecord {
-        let (_, p) = moved(&self.basis, center);
-        let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
-        let largest = away.iter().fold(radius, |m, a| m.max(a.hi.abs()));
-        let k = dd::exponent(largest);
-        let r = dd::ldexp(radius, -k);
-        let scaled = away.map(|a| a.ldexp(-k));
-        let power = dd::dot(scaled, scaled) - Dd::product(r, r);
-        // Double-double is within 2^-92, since the terms are below 16: 2^-32 of a power above 2^-60, far below an ulp of
-        // f32. Nearer to the surface only exact arithmetic tells.
-        let power = match power.value() {
-            sure if sure.abs() > 2f64.powi(-60) => sure,
-            _ => exact::power(center, self.basis.e.to_array(), radius, -k),
-        };
+    pub(super) fn near(&self, id: u32, center: [f64; 3], radius: f64) -> NearRecord {
+        let FromEye { k, offset, radius: r, power } = FromEye::new(self.basis.e, center, radius);
+        let power = power.value();
         // Too small for products in f32, yet not zero: the record says nothing but "perhaps, from depth 0 on".
         let unknown = power != 0.0 && power.abs() < SMALLEST;
         let power = if unknown { 0.0 } else { power };
+        let away = DVec3::from_array(offset.map(|x| x.hi));
         // The camera looks down -z.
-        let p = [p[0], p[1], -p[2]].map(|x| dd::ldexp(x, -k));
+        let p = [self.basis.u, self.basis.v, self.basis.w].map(|axis| away.dot(axis));
         // p.d at a pixel is start + by_column columns + by_row rows from the pixel nearest to where it vanishes.
         let by = [2.0 * self.slope[0] * p[0], -2.0 * self.slope[1] * p[1]];
         let middle = self.size.map(|n| (n - 1.0) / 2.0);

@@ -27,15 +27,15 @@ pub(crate) struct NearRecord {
 /// The record in the arithmetic of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near<R> {
-    ball: [R; 4],
-    power: R,
-    scale: R,
-    form: u32,
+    pub(super) ball: [R; 4],
+    pub(super) power: R,
+    pub(super) scale: R,
+    pub(super) form: u32,
     pub(crate) id: u32,
-    pixel: [i32; 2],
-    start: R,
-    by: [R; 2],
-    blur: R,
+    pub(super) pixel: [i32; 2],
+    pub(super) start: R,
+    pub(super) by: [R; 2],
+    pub(super) blur: R,
 }
 
 impl<R: Real> Near<R> {
@@ -112,7 +112,7 @@ fn quotient_error<R: Real>(terms: &Terms) -> R {
 
 /// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
 #[inline(always)]
-fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>, terms: &Terms) -> R {
+pub(super) fn near_below<R: Real>(s: &Slopes<R>, n: &Near<R>, w: &Weighed<R>, terms: &Terms) -> R {
     let zero = R::ZERO;
     if (n.power >= zero) & ((w.disc < -w.error) | (w.b < -w.b_error)) {
         return R::MISS;
@@ -154,16 +154,18 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
     // & and not &&: nothing to skip, and compilers make vectors of it.
     let mut hits = (w.disc > w.error) & ((n.power < R::ZERO) | ahead);
     let (depth, high);
+    let mut rounding = sum_error(s, terms);
     if n.power > R::ZERO {
+        rounding = quotient_error(terms);
         depth = n.power / (w.b + root);
-        high = n.power / (w.b - w.b_error + least) * (R::ONE + quotient_error(terms));
+        high = n.power / (w.b - w.b_error + least) * (R::ONE + rounding);
     } else if ahead {
         depth = (w.b + root) * s.inverse;
-        high = (w.b + w.b_error + most) * s.inverse * (R::ONE + sum_error(s, terms));
+        high = (w.b + w.b_error + most) * s.inverse * (R::ONE + rounding);
     } else {
         let q = least - (w.b + w.b_error);
         depth = -n.power / (root - w.b);
-        high = -n.power / q * (R::ONE + sum_error(s, terms));
+        high = -n.power / q * (R::ONE + rounding);
         hits &= q > c(0.75) * least;
     }
     let d = [s.x, s.y, -R::ONE];
@@ -171,8 +173,19 @@ pub(crate) fn near_answer<R: Real>(s: &Slopes<R>, n: &Near<R>, terms: &Terms) ->
     let side = if n.power > R::ZERO { negated(across) } else { across };
     let normal = unit3(minus(side, times(root, d)));
     let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.ball[3]);
-    let low = near_below(s, n, &w, terms) * n.scale;
+    let below = near_below(s, n, &w, terms);
+    let low = below * n.scale;
     // What is smaller may have been flushed, on one side and not on the other.
     hits &= low > c(VANISH);
-    Answer { sure: hits & true_normal, hits, id: n.id, offset: depth * n.scale, low, high: high * n.scale, normal }
+    let width = (high - below + rounding * high) * c(INFLATE) * n.scale;
+    Answer {
+        sure: hits & true_normal,
+        hits,
+        id: n.id,
+        offset: depth * n.scale,
+        low,
+        high: high * n.scale,
+        width,
+        normal,
+    }
 }

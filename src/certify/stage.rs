@@ -3,11 +3,11 @@
 
 use super::lens::cover::Cover;
 use super::lens::project::{Eight, LANES};
-use super::lens::{Lens, Staged, moved};
+use super::lens::{Lens, Rotation, Staged};
 use super::near::NearRecord;
 use super::tiles::{Bin, Filling, Lists, Placed, Placing};
 use super::{LensRecord, Terms};
-use crate::camera::Basis;
+use crate::dd;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::scene::Scene;
@@ -36,7 +36,8 @@ impl Stage {
 
 /// What a certified hit's depth is counted from.
 pub(crate) struct Depths<'a> {
-    basis: Basis,
+    rotation: Rotation,
+    unit: i32,
     centers: &'a [[f64; 3]],
     nears: &'a [NearRecord],
 }
@@ -45,7 +46,12 @@ impl<'a> Depths<'a> {
     /// Of the spheres of `scene`, some of them staged as near ones.
     pub(crate) fn new(scene: &'a Scene, view: &View, stage: Option<&'a Stage>) -> Self {
         let nears = stage.map_or(&[][..], |stage| &stage.nears);
-        Self { basis: view.basis, centers: &scene.spheres.centers, nears }
+        Self {
+            rotation: Rotation::new(&view.basis, view.unit),
+            unit: view.unit,
+            centers: &scene.spheres.centers,
+            nears,
+        }
     }
 
     /// Depth of a front sphere's centre in the scene's unit, as it was staged; 0 for a near sphere. A hit's depth is
@@ -54,7 +60,8 @@ impl<'a> Depths<'a> {
         if self.nears.binary_search_by_key(&id, |near| near.id).is_ok() {
             return 0.0;
         }
-        self.centers.get(id as usize).map_or(0.0, |center| moved(&self.basis, *center).1[2])
+        let depth = |center: &[f64; 3]| dd::ldexp(self.rotation.of(*center).1[2], self.unit);
+        self.centers.get(id as usize).map_or(0.0, depth)
     }
 }
 

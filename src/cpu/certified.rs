@@ -5,7 +5,7 @@ use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, f
 use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE, TILE};
-use crate::certify::{Answer, Certify, NEAR, Slopes};
+use crate::certify::{Answer, BEYOND, Certify, NEAR, Slopes};
 use crate::frame::raw::{Piece, Raw};
 use crate::plan::Kernel;
 use crate::ray::{NONE, Ray, UNSURE};
@@ -136,7 +136,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
     /// The twin of the search in certify/candidates.wgsl.
     #[inline(always)]
     fn kept(&self, certify: &Certify<'_, f32>, entries: Range<usize>) -> Kepts {
-        let mut k = Kepts { low: [f32::MAX; LANES], second: [f32::MAX; LANES], slot: [NONE; LANES] };
+        let mut k = Kepts { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
         let (lens, lists) = (certify.lens, certify.lists);
         for (slot, near) in certify.nears.iter().enumerate() {
             let mut lows = [0.0; LANES];
@@ -235,7 +235,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 #[derive(Default)]
 struct Judged {
     flags: [[u32; LANES]; 2],
-    numbers: [[f32; LANES]; 6],
+    numbers: [[f32; LANES]; 7],
 }
 
 impl Judged {
@@ -246,16 +246,17 @@ impl Judged {
         self.numbers[0][l] = a.offset;
         self.numbers[1][l] = a.low;
         self.numbers[2][l] = a.high;
-        self.numbers[3][l] = a.normal[0];
-        self.numbers[4][l] = a.normal[1];
-        self.numbers[5][l] = a.normal[2];
+        self.numbers[3][l] = a.width;
+        self.numbers[4][l] = a.normal[0];
+        self.numbers[5][l] = a.normal[1];
+        self.numbers[6][l] = a.normal[2];
     }
 
     #[inline(always)]
     fn get(&self, l: usize, id: u32) -> Answer<f32> {
-        let [offset, low, high, x, y, z] = self.numbers.map(|number| number[l]);
+        let [offset, low, high, width, x, y, z] = self.numbers.map(|number| number[l]);
         let [sure, hits] = self.flags.map(|flag| flag[l] != 0);
-        Answer { sure, hits, id, offset, low, high, normal: [x, y, z] }
+        Answer { sure, hits, id, offset, low, high, width, normal: [x, y, z] }
     }
 }
 
@@ -306,7 +307,7 @@ fn write(
             *t = answer.offset;
         }
         if let Some(width) = row.width.get_mut(j) {
-            *width = answer.high - answer.low;
+            *width = answer.width;
         }
         let ray = || {
             let [i, j] = certify.view.aim(i, column);

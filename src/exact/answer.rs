@@ -1,11 +1,11 @@
 //! The answer in f64: from double-doubles where their errors are small enough, else from exact numbers.
 
 use super::decide::{Frame, Meeting, Root};
-use super::dyadic::{Dyadic, Dyadic3};
 use super::field::Element;
 use super::filter::{Basis, Body, Hit, TINY};
 use super::{Rays, Truth};
 use crate::dd::{self, Dd};
+use crate::dyadic::{Dyadic, Dyadic3};
 
 /// What the head of [`Truth`] promises of the hit point, before rounding: relative to the smaller of distance and
 /// radius.

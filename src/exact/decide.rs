@@ -22,9 +22,9 @@
 //!
 //! is no binary number any more, but still one of the field.
 
-use super::dyadic::{self, Dyadic, Dyadic3};
 use super::field::{Element, Field, Unit};
 use crate::camera::{Camera, Look, Viewport};
+use crate::dyadic::{self, Dyadic, Dyadic3};
 use std::cmp::Ordering;
 
 /// Which of the two intersections of a line with a sphere.

@@ -2,7 +2,7 @@
 //! oblique camera makes of the discriminant. Their signs are decided by squaring, never by refining an interval, so
 //! that exact tangency and exact ties come to an end.
 
-use super::dyadic::Dyadic;
+use crate::dyadic::Dyadic;
 use std::cmp::Ordering;
 
 /// Adjoins alpha and beta, two positive square roots; they may well be rational, or multiples of each other.

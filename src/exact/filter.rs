@@ -23,10 +23,10 @@
 //! Products that underflow err by less than [`TINY`]. The bounds themselves are f64: [`ROUNDED`] pays for that.
 
 use super::decide::{Frame, Root, odds, power, root};
-use super::dyadic::{self, Dyadic};
 use super::field::Unit;
 use crate::camera::Viewport;
 use crate::dd::{self, Dd, Dd3};
+use crate::dyadic::{self, Dyadic};
 use std::cmp::Ordering;
 
 /// See the module's head.

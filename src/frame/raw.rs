@@ -27,7 +27,7 @@ pub(crate) struct Raw {
     pub(crate) normal: Vec<f32>,
     /// Linear RGB.
     pub(crate) color: Vec<f32>,
-    /// Width of the interval that holds the depth, in the frame's unit.
+    /// How far the depth may be from the true one, in the frame's unit.
     pub(crate) width: Vec<f32>,
 }
 
@@ -155,6 +155,8 @@ pub(crate) struct Answers<'a> {
 
 /// Relative rounding of a distance made of a depth in f64, and of a settled one: 2^-50, several roundings.
 const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
+/// What a few roundings take below the normal numbers: four of the last steps of f64.
+const STEPS: f64 = f64::from_bits(4);
 
 impl Answers<'_> {
     /// The buffers asked for, in f64 where the frame promises f64.
@@ -187,10 +189,10 @@ impl Answers<'_> {
                 Aov::Bound => {
                     let unit = crate::dd::ldexp(1.0, self.view.unit);
                     let bound = |pixel: usize, d: [f64; 3], depth: f64| match self.raw.width.get(pixel) {
-                        Some(width) => [(f64::from(*width) * unit + ROUNDED * depth) * length(d)],
+                        Some(width) => [(f64::from(*width) * unit + ROUNDED * depth + STEPS) * length(d)],
                         None => [inf],
                     };
-                    Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance])?)
+                    Data::F64(self.fill(0.0, bound, |t| [ROUNDED * t.distance + STEPS])?)
                 }
                 Aov::Alpha => Data::F32(match &mut self.sampled {
                     Some(sampled) => std::mem::take(&mut sampled.alpha),

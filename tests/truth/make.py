@@ -363,4 +363,5 @@ def main():
     print(len(CASES), "cases,", len(answers), "rays,", hits, "hits,", sum(a["constructed"] for a in answers), "constructed")
 
 
-main()
+if __name__ == "__main__":
+    main()

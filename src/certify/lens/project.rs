@@ -1,10 +1,7 @@
 //! Spheres in front of the eye plane: projected centre, bounds and tiles, eight at a time and written so that compilers make
 //! vectors of it. What is not plainly in front is left to [`Lens::stage`].
 
-use super::{
-    INFLATE, LONG, LONGEST, Lens, RANGE, ROTATED, ROUND, SIGNS, STEEPEST, SUBNORMAL, Steepness, U, U64, WIDEN, WIDEST,
-    moved,
-};
+use super::{INFLATE, LONG, LONGEST, Lens, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64, WIDEN, WIDEST};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::tiles::{Bin, Placed};
 use crate::dd::{self, Dd, Dd3};
@@ -123,7 +120,7 @@ impl Lens {
             if aim.blur > LONGEST {
                 return Err(());
             }
-            let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]));
+            let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]).ldexp(-self.frame));
             let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
             let q = if self.parallel { [x, y] } else { [x / z, y / z] };
             for k in 0..2 {
@@ -139,11 +136,12 @@ impl Lens {
         }
     }
 
-    /// Into the camera in f64, and what that leaves.
+    /// Into the camera in f64 and the frame's unit, and what that leaves.
     #[inline(always)]
     fn aim(&self, center: [f64; 3], radius: f64) -> Aim {
-        let (away, [x, y, z]) = moved(&self.basis, center);
-        let error = ROTATED * (away.x.abs() + away.y.abs() + away.z.abs());
+        let (away, [x, y, z]) = self.rotation.of(center);
+        let radius = radius * self.to_frame;
+        let error = self.rotated * (away.x.abs() + away.y.abs() + away.z.abs());
         let length2 = x * x + y * y + z * z;
         let front = (z > 1.001 * radius)
             & (length2 > 4.0 * radius * radius)
@@ -151,26 +149,23 @@ impl Lens {
             & (self.widest <= WIDEST);
         let inverse = if self.parallel { 1.0 } else { 1.0 / z };
         let rho = radius * inverse * self.per_unit;
-        let depth = z * self.to_frame;
         #[expect(clippy::manual_range_contains, reason = "both are asked, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
         // The discriminant's bound, as a root.
         let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
-        let ranged = small(rho)
-            & small(self.length(depth))
-            & (self.total(rho, blurred, &self.all)[0] * self.scale[0] <= STEEPEST);
+        let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred)[0] * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let far = error * inverse;
         // Of a quotient, what its divisor is off by too.
         let tilt = if self.parallel { 0.0 } else { 1.0 };
         let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
-        let reach = self.reach(rho, &self.all);
+        let reach = self.reach(rho);
         let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
         Aim {
             behind,
             front: (front | self.parallel & !behind) & ranged,
-            depth,
-            depth_error: error * self.to_frame + U64 * depth.abs(),
+            depth: z,
+            depth_error: error + U64 * z.abs(),
             plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),
             rho,
             blurred,
@@ -207,14 +202,10 @@ impl Lens {
         let center = aim.depth - reference;
         let more = if aim.plain { center } else { NEVER };
         let low = below(center - self.depth_error(aim, center));
-        // The kernel's lower bound is low minus total times size: at most these, and what rounds.
+        // The kernel's lower bound is low minus T size / a. Where it is no miss m^2/s^2 + D <= a rho^2 + 2 E, so that
+        // T/a = (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy and Schwarz, for every ray of the image.
         let size = self.length(f64::from(low) + reference);
-        // Bounds of its own rays, without roots: |(x, y)| <= |x| + |y|, sqrt(1 + x) <= 1 + x / 2.
-        let [x, y] = aim.steepest;
-        let square = smaller(x * x + y * y, self.widest - 1.0);
-        let rays =
-            Steepness { slant: smaller(x + y, self.all.slant), length: 1.0 + 0.5 * square, square: 1.0 + square };
-        let most = INFLATE * self.total(aim.rho, aim.blurred, &rays)[0] * size;
+        let most = INFLATE * (aim.rho + aim.blurred) * size;
         let sill = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
         Landed {
             seen,
@@ -234,23 +225,23 @@ impl Lens {
         depth * self.scale[0] + self.scale[1]
     }
 
-    /// Beyond this offset from the projected centre a miss is certain for `rays`, whatever rounds.
+    /// Beyond this offset from the projected centre a miss is certain, whatever rounds.
     #[inline(always)]
-    fn reach(&self, rho: f64, rays: &Steepness) -> f64 {
-        std::f64::consts::SQRT_2 * rays.length * rho + 16.0 * rays.square * self.coarse
+    fn reach(&self, rho: f64) -> f64 {
+        std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
     }
 
     /// |slope along the offset| + root of a candidate, at most; and the root alone.
     #[inline(always)]
-    fn total(&self, rho: f64, blurred: f64, rays: &Steepness) -> [f64; 2] {
-        let root = rays.length * rho + blurred;
-        [rays.slant * self.reach(rho, rays) + root, root]
+    fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
+        let root = self.all.length * rho + blurred;
+        [self.all.slant * self.reach(rho) + root, root]
     }
 
     /// Bound of all errors of a candidate's depth, frame's unit.
     #[inline(always)]
     fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
-        let [total, root] = self.total(aim.rho, aim.blurred, &self.all);
+        let [total, root] = self.total(aim.rho, aim.blurred);
         let slant = self.all.slant;
         let [of_total, along, of_root, of_center] = self.roundings;
         let roundings = of_total * total + along * slant * aim.reach + of_root * root;

@@ -10,6 +10,7 @@ use crate::certify::near::{self, Near};
 use crate::certify::stage::Stage;
 use crate::certify::{Certify, TERMS, Terms};
 use crate::dd::{self, Dd};
+use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
 
@@ -56,10 +57,11 @@ pub(super) struct Shot {
 }
 
 /// A shot, staged; with the true numbers in the units of its record.
-struct Staged {
-    view: View,
-    stage: Stage,
-    pixel: [u32; 2],
+pub(super) struct Staged {
+    pub(super) scene: Scene,
+    pub(super) view: View,
+    pub(super) stage: Stage,
+    pub(super) pixel: [u32; 2],
     b: f64,
     g: [f64; 3],
     disc: Dd,
@@ -68,7 +70,7 @@ struct Staged {
 }
 
 impl Shot {
-    fn staged(&self, terms: &Terms) -> Option<Staged> {
+    pub(super) fn staged(&self, terms: &Terms) -> Option<Staged> {
         let tilt = DVec3::new(0.3 * self.oblique, self.oblique, -1.0);
         let lens = match self.parallel {
             true => Lens::Orthographic { height: 2.0 * self.half },
@@ -121,6 +123,7 @@ impl Shot {
             disc: disc / (length * length),
             depth: depth.map(relative),
             pixel: self.pixel,
+            scene: site.scene,
             view,
             stage,
         })
@@ -139,7 +142,7 @@ impl Shot {
     }
 
     /// A little to the side; most often only the last digits.
-    fn mutated(&self, dice: &mut Dice) -> Self {
+    pub(super) fn mutated(&self, dice: &mut Dice) -> Self {
         let mut next = self.clone();
         let mut nudge = |x: f64| match dice.below(3) {
             0 => x,
@@ -155,8 +158,16 @@ impl Shot {
 }
 
 impl Staged {
-    fn is_near(&self) -> bool {
+    pub(super) fn is_near(&self) -> bool {
         !self.stage.nears.is_empty()
+    }
+
+    /// What f64 may leave in the depth of a front sphere's centre, in the frame's unit.
+    pub(super) fn depth_error(&self) -> f64 {
+        let away = glam::DVec3::from_array(self.scene.spheres.centers[0]) - self.view.basis.e;
+        let [x, y, z] = away.abs().to_array();
+        let depth = -away.dot(self.view.basis.w);
+        dd::ldexp((5.0 * (x + y + z) + depth.abs()) / (1u64 << 53) as f64, -self.view.unit)
     }
 
     /// Error over bound; NaN where the quantity is not there.
@@ -272,7 +283,7 @@ impl Regime {
         Self::Axis,
     ];
 
-    fn shot(self, dice: &mut Dice) -> Shot {
+    pub(super) fn shot(self, dice: &mut Dice) -> Shot {
         use Regime::*;
         // Through wide lenses only large images have offsets that are known better than they are rounded.
         let width = if matches!(self, Wide | Edge) { 500_000 + dice.below(500_000) } else { 2 + dice.below(2000) };

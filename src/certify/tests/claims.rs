@@ -72,6 +72,13 @@ impl Case {
     pub(super) fn depth(&self, truth: &Truth) -> f64 {
         dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.stage.lens.depth)
     }
+
+    /// What the judge's own rounding may take, in the frame's unit: a step of f64 or two, also of its subnormal numbers, and
+    /// what f32 may flush.
+    fn spare(&self, truth: &Truth) -> f64 {
+        let steps = f64::EPSILON * truth.depth + f64::from_bits(4);
+        dd::ldexp(steps, -self.view.unit) + f64::from(f32::MIN_POSITIVE)
+    }
 }
 
 /// The level of the lists at which a few squares make the image: its edges are tested, and many scenes fit into memory.
@@ -98,8 +105,7 @@ pub(super) fn check<R: Value>(
     for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {
         let Some(truth) = truth else { continue };
         let depth = case.depth(truth);
-        // The judge's own rounding.
-        let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit) + f64::from(f32::MIN_POSITIVE);
+        let spare = case.spare(truth);
         match low {
             None => return Err(format!("pixel {i} {j}: sphere {id} is hit at {depth:e} and counted as missed")),
             Some(low) if *low > depth + spare => {
@@ -121,7 +127,7 @@ pub(super) fn check<R: Value>(
             return Err(format!("pixel {i} {j}: sphere {} is missed and counted as hit", answer.id));
         };
         let depth = case.depth(&truth);
-        let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit) + f64::from(f32::MIN_POSITIVE);
+        let spare = case.spare(&truth);
         if high < depth - spare {
             return Err(format!("pixel {i} {j}: sphere {} is hit at {depth:e}, not above {high:e}", answer.id));
         }
@@ -130,7 +136,7 @@ pub(super) fn check<R: Value>(
     let certain = if checks == Checks::ALL {
         twin.certain(&answer, kept.second)
     } else {
-        let sharp = answer.high - answer.low < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        let sharp = answer.width < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };
         // A wrong hit is a wrong answer, not a wrong normal: take both away.
         let hit = hit || !checks.hit;
@@ -147,8 +153,8 @@ pub(super) fn check<R: Value>(
     let center = Depths::new(&case.scene, &case.view, Some(&case.stage)).of(answer.id);
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
-    let spare = f64::EPSILON * dd::ldexp(truth.depth, -case.view.unit);
-    if error > high - low + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
+    let spare = case.spare(&truth);
+    if error > answer.width.value() + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
         return Err(format!("pixel {i} {j}: depth {depth:e} off by {error:e} of {low:e} .. {high:e}"));
     }
     let basis = case.view.basis;
@@ -185,7 +191,7 @@ impl Exact {
         let slope = |odd: f64, v: f64, n: f64| Dd::product(odd, v) / Dd::product(2.0 * n, d);
         let x = slope(2.0 * f64::from(j) + 1.0 - width, lens.vw, width);
         let y = slope(height - 1.0 - 2.0 * f64::from(i), lens.vh, height);
-        let [right, up, back] = scene.camera.axes().expect("axes");
+        let [right, up, back] = super::axes::axes(&scene.camera);
         let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], scene.camera.eye[k]));
         let p = [dd::dot(right, away), dd::dot(up, away), -dd::dot(back, away)];
         if parallel {

@@ -1,7 +1,7 @@
 //! One ray at a time, in any arithmetic: what the adversary looks at. src/cpu/certified.rs holds its strips against it.
 
 use crate::certify::tiles::CHUNK;
-use crate::certify::{Answer, Certify, Slopes};
+use crate::certify::{Answer, BEYOND, Certify, Slopes};
 use crate::ray::NONE;
 use crate::real::Real;
 
@@ -26,7 +26,7 @@ impl<R: Real> Kept<R> {
 impl<R: Real> Certify<'_, R> {
     /// The two smallest lower bounds.
     pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
-        let mut k = Kept { low: R::MISS, second: R::MISS, slot: NONE };
+        let mut k = Kept { low: R::exact(BEYOND), second: R::exact(BEYOND), slot: NONE };
         self.near_lows(s).for_each(|candidate| k.keep(candidate));
         for first in self.entries(s).step_by(CHUNK) {
             let sill = R::exact(self.lists.sills[first / CHUNK]);

@@ -3,6 +3,7 @@
 use super::claims::Exact;
 use super::wild::Dice;
 use crate::camera::{Camera, Lens, Look};
+use crate::dd;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use glam::DVec3;
 
@@ -15,7 +16,7 @@ pub(super) struct World {
 pub(super) type Make = fn(&mut Dice) -> World;
 
 /// The families, by name.
-pub(super) const FAMILIES: [(&str, Make); 20] = [
+pub(super) const FAMILIES: [(&str, Make); 22] = [
     ("generic", generic),
     ("grazed", grazed),
     ("wide lens", wide),
@@ -36,6 +37,8 @@ pub(super) const FAMILIES: [(&str, Make); 20] = [
     ("parallel distant", parallel_distant),
     ("parallel sub-pixel", parallel_sub_pixel),
     ("parallel scales", parallel_scales),
+    ("rolled", rolled),
+    ("ends of f64", ends),
 ];
 
 /// A camera at work: positions are given right, up, ahead.
@@ -461,5 +464,60 @@ fn parallel_scales(dice: &mut Dice) -> World {
         *height *= scale;
     }
     scaled(&mut scene, scale);
+    World { scene, pixels }
+}
+
+/// `up` all but along the view, the eye so near the origin beside `at` that their difference has more than 100 bits, and a
+/// lens in which a turn of the image by 1e-17 rad shows. `at` is exactly on the axis.
+fn rolled(dice: &mut Dice) -> World {
+    let mut vector = |s: f64| DVec3::new(dice.between(-s, s), dice.between(-s, s), dice.between(-s, s));
+    let (at, eye, side) = (vector(1.0), vector(1.0), vector(1.0));
+    let extent = dice.decade(-17.0, -14.0);
+    let up = at + side * dice.decade(-14.3, -6.0);
+    let lens = match dice.below(2) {
+        0 => Lens::Viewport { vw: extent, vh: extent, distance: 1.0 },
+        _ => Lens::Orthographic { height: extent },
+    };
+    let camera = Camera { eye: eye * extent, look: Look::At(at), up, lens };
+    // Turned all but about the view there may be no up left.
+    let camera = if camera.basis().is_ok() { camera } else { Camera { up: DVec3::new(at.z, at.x, at.y), ..camera } };
+    let mut site = Site::new(camera, [2 + dice.below(40), 2 + dice.below(40)]);
+    let mut pixels = Vec::new();
+    for k in 0..1 + dice.below(2) {
+        let pixel = site.pixel(dice);
+        let center = (at * f64::from(1 << k)).to_array();
+        let passes = Exact::of(&site.scene, pixel, center, 1.0).passes();
+        let delta = dice.sign() * 2f64.powf(dice.between(-22.0, -3.0));
+        site.scene.spheres.push(center, passes * (1.0 + delta), None);
+        pixels.push(pixel);
+    }
+    site.done(dice, pixels)
+}
+
+/// Any family's scene where squares overflow, or among the subnormal numbers.
+fn ends(dice: &mut Dice) -> World {
+    let place = if dice.below(2) == 0 { dice.below(9) } else { 15 + dice.below(4) };
+    let World { mut scene, pixels } = FAMILIES[place as usize].1(dice);
+    let exponents = |scene: &Scene| {
+        let sizes = scene.spheres.centers.iter().flatten().chain(&scene.spheres.radii);
+        let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
+        let height = match scene.camera.lens {
+            Lens::Orthographic { height } => height,
+            _ => largest,
+        };
+        [scene.spheres.radii.iter().fold(height, |least, r| least.min(*r)), largest.max(height)].map(dd::exponent)
+    };
+    let [least, most] = exponents(&scene);
+    // The least length keeps a few bits; the largest number stays where differences do not overflow.
+    let k =
+        if dice.below(2) == 0 { -1070 + dice.below(40) as i32 - least } else { 990 - dice.below(300) as i32 - most };
+    let scale = |x: &mut f64| *x = dd::ldexp(*x, k);
+    if let Lens::Orthographic { height } = &mut scene.camera.lens {
+        scale(height);
+    }
+    let mut eye = scene.camera.eye.to_array();
+    eye.iter_mut().chain(scene.spheres.centers.iter_mut().flatten()).for_each(scale);
+    scene.spheres.radii.iter_mut().for_each(scale);
+    scene.camera.eye = eye.into();
     World { scene, pixels }
 }

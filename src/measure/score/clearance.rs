@@ -4,6 +4,7 @@ use crate::camera::Viewport;
 use crate::dd::{self, Dd, Dd3, dot};
 use crate::error::Result;
 use crate::scene::Scene;
+use crate::view::FromEye;
 
 /// A camera with its basis in double-double.
 pub(super) struct Sight {
@@ -36,14 +37,9 @@ impl Sight {
         else {
             return f64::INFINITY;
         };
-        let eye = scene.camera.eye.to_array();
-        // Quartered before the difference, so that it cannot overflow; then of the size of the largest.
-        let apart: [Dd; 3] = std::array::from_fn(|k| Dd::diff(center[k] * 0.25, eye[k] * 0.25));
-        let radius = 0.25 * radius;
-        let k = dd::exponent(apart.iter().fold(radius, |most, x| most.max(x.hi.abs())));
-        let apart = apart.map(|x| x.ldexp(-k));
-        let radius = Dd::from(dd::ldexp(radius, -k));
-        let p = self.axes.map(|axis| dot(apart, axis));
+        let FromEye { offset, radius, .. } = FromEye::new(scene.camera.eye, *center, *radius);
+        let radius = Dd::from(radius);
+        let p = self.axes.map(|axis| dot(offset, axis));
         let d = self.direction([scene.image.width, scene.image.height], i, j);
         let l = if dot(p, d).hi > 0.0 {
             let aside = dd::cross(p, d);

@@ -1,0 +1,378 @@
+//! Numbers that remember how they were made, and what all roundings together can do to them.
+//!
+//! The twins run on [`Traced`] numbers and leave a graph of operations behind. Evaluated once more, each operation is
+//! a rounding of its own: out(e_1, e_2, ...) with |e_i| at most so many units. To first order the worst that they can do is
+//! the sum of |d out / d e_i| times those units, which one backward pass gives exactly. An adversary who samples roundings
+//! comes near it only by luck.
+//!
+//! WGSL may add up a sum in any order and fuse products into it. So sums are taken apart into their terms, as far as they
+//! reach, and added up again along a random tree; each product in one may lose its own rounding.
+
+use super::wild::Dice;
+use crate::real::Real;
+use std::cell::RefCell;
+use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// How a number was made, of numbers that were made before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Op {
+    /// The bits of an f32 that the program knows: a constant, or a number of a record.
+    Known(u32),
+    /// A number that is only like itself.
+    Input(u32),
+    Whole(i32),
+    Add(u32, u32),
+    Sub(u32, u32),
+    Mul(u32, u32),
+    Div(u32, u32),
+    Neg(u32),
+    Sqrt(u32),
+}
+
+#[derive(Default)]
+struct Tape {
+    ops: Vec<(Op, f64)>,
+    /// The same operation on the same numbers is the same number.
+    known: HashMap<Op, u32>,
+}
+
+thread_local! {
+    static TAPE: RefCell<Tape> = RefCell::default();
+}
+
+/// A number on the tape of this thread: its place there, or one of the constants, which are on none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Traced(u32);
+
+/// The places of the constants of [`Real`].
+const CONSTANTS: [(u32, f32); 4] =
+    [(u32::MAX, f32::MAX), (u32::MAX - 1, 0.0), (u32::MAX - 2, 0.5), (u32::MAX - 3, 1.0)];
+
+/// Forgets all numbers.
+pub(super) fn rewind() {
+    TAPE.take();
+}
+
+/// How the number at a place was made, and what it is without any rounding.
+fn made(place: u32) -> (Op, f64) {
+    let constant = CONSTANTS.into_iter().find(|constant| constant.0 == place);
+    match constant {
+        Some((_, x)) => (Op::Known(x.to_bits()), x.into()),
+        None => TAPE.with_borrow(|tape| tape.ops[place as usize]),
+    }
+}
+
+impl Traced {
+    fn push(op: Op, value: f64) -> Self {
+        TAPE.with_borrow_mut(|tape| {
+            if let Some(place) = tape.known.get(&op) {
+                return Self(*place);
+            }
+            let place = tape.ops.len() as u32;
+            tape.ops.push((op, value));
+            tape.known.insert(op, place);
+            Self(place)
+        })
+    }
+
+    /// A number that is off in a way of its own.
+    pub(super) fn input(value: f32) -> Self {
+        let count = TAPE.with_borrow(|tape| tape.ops.len() as u32);
+        Self::push(Op::Input(count), value.into())
+    }
+
+    /// Its value without any rounding.
+    pub(super) fn real(self) -> f64 {
+        made(self.0).1
+    }
+}
+
+impl PartialEq for Traced {
+    fn eq(&self, other: &Self) -> bool {
+        self.real() == other.real()
+    }
+}
+
+impl PartialOrd for Traced {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.real().partial_cmp(&other.real())
+    }
+}
+
+impl Add for Traced {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self::push(Op::Add(self.0, b.0), self.real() + b.real())
+    }
+}
+
+impl Sub for Traced {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        Self::push(Op::Sub(self.0, b.0), self.real() - b.real())
+    }
+}
+
+impl Mul for Traced {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        Self::push(Op::Mul(self.0, b.0), self.real() * b.real())
+    }
+}
+
+impl Div for Traced {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        Self::push(Op::Div(self.0, b.0), self.real() / b.real())
+    }
+}
+
+impl Neg for Traced {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::push(Op::Neg(self.0), -self.real())
+    }
+}
+
+impl Real for Traced {
+    const MISS: Self = Self(CONSTANTS[0].0);
+    const ZERO: Self = Self(CONSTANTS[1].0);
+    const HALF: Self = Self(CONSTANTS[2].0);
+    const ONE: Self = Self(CONSTANTS[3].0);
+    fn exact(x: f32) -> Self {
+        Self::push(Op::Known(x.to_bits()), x.into())
+    }
+    fn pair(hi: f32, _: f32) -> Self {
+        Self::exact(hi)
+    }
+    fn parts(self) -> (f32, f32) {
+        (self.real() as f32, 0.0)
+    }
+    fn whole(x: i32) -> Self {
+        Self::push(Op::Whole(x), x.into())
+    }
+    fn sqrt(self) -> Self {
+        Self::push(Op::Sqrt(self.0), self.real().sqrt())
+    }
+}
+
+/// What is off before anything is computed, in units.
+#[derive(Default, Clone)]
+pub(super) struct Given {
+    inputs: HashMap<u32, f64>,
+    known: HashMap<u32, f64>,
+}
+
+impl Given {
+    /// This number, and whatever it was made of: from here on it is off by so many units and no more.
+    pub(super) fn set(&mut self, number: Traced, units: f64) {
+        self.inputs.insert(number.0, units);
+    }
+
+    /// These numbers are exact from here on, whatever they were made of; those are off by one unit.
+    pub(super) fn fix(&mut self, exact: &[Traced], off: &[Traced]) {
+        exact.iter().for_each(|number| self.set(*number, 0.0));
+        off.iter().for_each(|number| self.set(*number, 1.0));
+    }
+
+    /// Every use of this number of a record.
+    pub(super) fn set_known(&mut self, number: f32, units: f64) {
+        // A power of two was not rounded; nor is it to be taken for a constant of the kernel.
+        if number.to_bits() << 9 != 0 {
+            self.known.insert(number.to_bits(), units);
+        }
+    }
+}
+
+/// An operation, or a number that was given.
+struct Step {
+    value: f64,
+    /// Numbers that it is made of, by their steps, and its derivatives.
+    of: [(usize, f64); 2],
+    /// What it is off by, in units of itself.
+    units: f64,
+}
+
+/// One way to compute some numbers: an order for every sum.
+pub(super) struct Program<'a> {
+    given: &'a Given,
+    /// `None`: as it is written.
+    dice: Option<Dice>,
+    steps: Vec<Step>,
+    done: HashMap<u32, usize>,
+}
+
+const NOTHING: (usize, f64) = (0, 0.0);
+
+impl<'a> Program<'a> {
+    pub(super) fn new(given: &'a Given, dice: Option<Dice>) -> Self {
+        Self { given, dice, steps: Vec::new(), done: HashMap::new() }
+    }
+
+    fn step(&mut self, value: f64, of: [(usize, f64); 2], units: f64) -> usize {
+        self.steps.push(Step { value, of, units });
+        self.steps.len() - 1
+    }
+
+    fn value(&self, step: usize) -> f64 {
+        self.steps[step].value
+    }
+
+    /// Computes the number.
+    pub(super) fn compute(&mut self, number: Traced) -> usize {
+        if let Some(step) = self.done.get(&number.0) {
+            return *step;
+        }
+        let step = self.made(number.0, 1.0);
+        self.done.insert(number.0, step);
+        step
+    }
+
+    /// The same by its place; a product is `rounded` or not.
+    fn made(&mut self, place: u32, rounded: f64) -> usize {
+        let (op, value) = made(place);
+        if let Some(units) = self.given.inputs.get(&place) {
+            return self.step(value, [NOTHING; 2], *units);
+        }
+        let mut of = |place: u32| self.compute(Traced(place));
+        match op {
+            Op::Known(bits) => {
+                let units = self.given.known.get(&bits).copied().unwrap_or_default();
+                self.step(value, [NOTHING; 2], units)
+            }
+            Op::Input(_) => self.step(value, [NOTHING; 2], 0.0),
+            // Beyond 2^24 an integer is rounded.
+            Op::Whole(n) => self.step(value, [NOTHING; 2], f64::from(n.unsigned_abs() > 1 << 24)),
+            Op::Mul(a, b) => {
+                let power = |place: u32| matches!(made(place).0, Op::Known(bits) if bits << 9 == 0);
+                let units = if power(a) || power(b) { 0.0 } else { rounded };
+                let (x, y) = (of(a), of(b));
+                let of = [(x, self.value(y)), (y, self.value(x))];
+                self.step(self.value(x) * self.value(y), of, units)
+            }
+            Op::Div(a, b) => {
+                let (x, y) = (of(a), of(b));
+                let (over, value) = (1.0 / self.value(y), self.value(x) / self.value(y));
+                self.step(value, [(x, over), (y, -value * over)], 2.5)
+            }
+            Op::Sqrt(a) => {
+                let x = of(a);
+                let root = self.value(x).sqrt();
+                // The root of nothing has no slope; what is under it is an error that was paid for elsewhere.
+                let slope = if root > 0.0 { 0.5 / root } else { 0.0 };
+                self.step(root, [(x, slope), NOTHING], 4.6)
+            }
+            Op::Neg(_) | Op::Add(..) | Op::Sub(..) => self.sum(place),
+        }
+    }
+
+    /// A sum along a random tree of all its terms; or as it is written.
+    fn sum(&mut self, place: u32) -> usize {
+        let mut terms = Vec::new();
+        let whole = self.dice.is_some();
+        self.terms(place, 1.0, whole, &mut terms);
+        let mut parts: Vec<(usize, f64)> = terms
+            .into_iter()
+            .map(|(term, sign)| {
+                let product = matches!(made(term).0, Op::Mul(..)) && !self.given.inputs.contains_key(&term);
+                let fused = product && self.dice.as_mut().is_some_and(|dice| dice.below(8) == 0);
+                (if fused { self.made(term, 0.0) } else { self.compute(Traced(term)) }, sign)
+            })
+            .collect();
+        while parts.len() > 1 {
+            let mut any = |n: usize| self.dice.as_mut().map_or(n - 1, |dice| dice.below(n as u32) as usize);
+            let (x, p) = {
+                let n = any(parts.len());
+                parts.swap_remove(n)
+            };
+            let (y, q) = {
+                let n = any(parts.len());
+                parts.swap_remove(n)
+            };
+            // What is added to nothing is not rounded.
+            let units = f64::from(self.value(x) != 0.0 && self.value(y) != 0.0);
+            let step = self.step(p * self.value(x) + q * self.value(y), [(x, p), (y, q)], units);
+            parts.push((step, 1.0));
+        }
+        match parts[..] {
+            [(x, sign)] if sign < 0.0 => self.step(-self.value(x), [(x, -1.0), NOTHING], 0.0),
+            [(x, _)] => x,
+            _ => unreachable!("a sum has terms"),
+        }
+    }
+
+    /// The terms of a sum, of sums in it too where it is taken apart as a whole, with their signs.
+    fn terms(&self, place: u32, sign: f64, whole: bool, to: &mut Vec<(u32, f64)>) {
+        let mut next = |program: &Self, part: u32, sign: f64| match made(part).0 {
+            Op::Neg(_) | Op::Add(..) | Op::Sub(..) if whole && !program.given.inputs.contains_key(&part) => {
+                program.terms(part, sign, whole, to);
+            }
+            _ => to.push((part, sign)),
+        };
+        match made(place).0 {
+            Op::Neg(a) => next(self, a, -sign),
+            Op::Add(a, b) => [a, b].into_iter().for_each(|part| next(self, part, sign)),
+            Op::Sub(a, b) => {
+                next(self, a, sign);
+                next(self, b, -sign);
+            }
+            _ => to.push((place, sign)),
+        }
+    }
+
+    /// d(the sum of these numbers times their factors) / d(each step).
+    fn slopes(&self, of: &[(usize, f64)]) -> Vec<f64> {
+        let mut slopes = vec![0.0; self.steps.len()];
+        of.iter().for_each(|(step, factor)| slopes[*step] += factor);
+        for n in (0..self.steps.len()).rev() {
+            for (part, slope) in self.steps[n].of {
+                slopes[part] += slope * slopes[n];
+            }
+        }
+        slopes
+    }
+
+    /// The most that all roundings together make of each of these combinations of numbers, as a vector: the sum over the
+    /// roundings of the length of what each of them makes, in units.
+    pub(super) fn worst<const N: usize>(&self, of: [&[(usize, f64)]; N]) -> f64 {
+        let slopes = of.map(|of| self.slopes(of));
+        let each = self.steps.iter().enumerate().filter(|(_, step)| step.units > 0.0);
+        let length = |n: usize| slopes.iter().map(|slopes| slopes[n] * slopes[n]).sum::<f64>().sqrt();
+        each.map(|(n, step)| length(n) * step.value.abs() * step.units).sum()
+    }
+}
+
+#[test]
+fn all_roundings_of_a_sum_of_products_are_counted() {
+    rewind();
+    let [a, b, c] = [3.0, -5.0, 7.0].map(Traced::input);
+    let sum = a * b + c;
+    let given = Given::default();
+    let mut program = Program::new(&given, None);
+    let out = program.compute(sum);
+    // The product, 15, and the sum, 8.
+    assert_eq!(program.worst([&[(out, 1.0)]]), 23.0);
+    let mut given = Given::default();
+    given.set(b, 0.5);
+    let mut program = Program::new(&given, None);
+    let out = program.compute(sum);
+    assert_eq!(program.worst([&[(out, 1.0)]]), 23.0 + 7.5, "half a unit of b is half a unit of the product");
+}
+
+#[test]
+fn some_order_of_a_sum_rounds_the_large_terms_first() {
+    rewind();
+    let [a, b, c] = [100.0, 1.0, -100.0].map(Traced::input);
+    let sum = a + b + c;
+    let given = Given::default();
+    let mut found = Vec::new();
+    for n in 0..40 {
+        let mut program = Program::new(&given, Some(Dice(n)));
+        let out = program.compute(sum);
+        found.push(program.worst([&[(out, 1.0)]]));
+    }
+    // (100 - 100) + 1, where nothing is rounded, and the two other trees.
+    assert!([0.0, 102.0, 100.0].iter().all(|worst| found.contains(worst)), "{found:?}");
+}
