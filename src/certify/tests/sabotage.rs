@@ -83,15 +83,15 @@ const CONSTANTS: [Constant; 22] = [
     constant("host", |t| &mut t.host, &[(FrontDisc, Tiny), (FrontDisc, ParallelTiny), (FrontLow, Tiny)], &[]),
 ];
 
-/// Scenes of each family that are judged once and answered under every sabotage.
-const SCENES: u64 = 20;
+/// Scenes of each family that are judged once and answered without every constant, and without every condition.
+const SCENES: [u64; 2] = [20, 60];
 /// Lineages of shots for each quantity and regime; `HALFLINE_LINEAGES` for more.
 fn lineages() -> usize {
     std::env::var("HALFLINE_LINEAGES").map_or(4, |lineages| lineages.parse().expect("a number"))
 }
 
-fn cases() -> Vec<(&'static str, u64, Case)> {
-    let numbered = (0..SCENES).flat_map(|n| FAMILIES.map(|(name, make)| (name, make, n)));
+fn cases(scenes: u64) -> Vec<(&'static str, u64, Case)> {
+    let numbered = (0..scenes).flat_map(|n| FAMILIES.map(|(name, make)| (name, make, n)));
     numbered.filter_map(|(name, make, n)| Some((name, n, case(make, n, &TERMS)?))).collect()
 }
 
@@ -140,8 +140,20 @@ const SURVIVORS: &[Survivor] = &[
     survivor("offset[1]", 0.9, "likewise"),
     survivor("depth[1]", 0.25, "|d|^2 is off by (2 + 6 s)/(1 + s) of itself, not 2 + 6 s: at most 6"),
     survivor("depth[2]", 0.0, "where the slope along the offset counts, depth[1] has room for it"),
+    survivor("depth[3]", 0.9, "6.1 of 6.2 are in use, and the worst of the rest is rare: 1.001 was seen"),
     survivor("power[2]", 0.0, "negative: without it the bound is only wider"),
-    survivor("host", 0.9, "its worst, a centre between two fixed points and the host's own half unit, is rare"),
+    survivor(
+        "root[0]",
+        0.9,
+        "13.1 of 15 are in use, one more where 1 - QUOTIENT is rounded: Gappa refuses 13, this search 11",
+    ),
+    survivor("root[1]", 0.5, "root in four sums and |d| = 1 are rare together: Gappa refuses as much of root[2]"),
+    survivor("root[2]", 0.9, "likewise: Gappa refuses a tenth less, this search half"),
+    survivor(
+        "host",
+        0.5,
+        "a centre between two fixed points with all that f64 may leave is rare: a quarter was caught at 25 lineages",
+    ),
 ];
 
 /// What a sabotage leads to: the family with a false answer, the quantity out of its bound or the worst ratio, and the share
@@ -168,7 +180,7 @@ impl Caught {
 
 #[test]
 fn every_constant_is_missed_when_it_is_gone() {
-    let cases = cases();
+    let cases = cases(SCENES[0]);
     let sabotage = |constant: &Constant, factor: f32| {
         let terms = sabotaged(constant, factor);
         let (sums, times) = constant.sums;
@@ -193,14 +205,17 @@ fn every_constant_is_missed_when_it_is_gone() {
     for (Constant { name, .. }, row) in CONSTANTS.iter().zip(&rows) {
         for (factor, caught) in row {
             let survives = SURVIVORS.iter().any(|s| s.name == *name && *factor >= s.from);
-            assert!(caught.any() != survives, "{name} times {factor}: {}", caught.cell());
+            let cell = caught.cell();
+            assert!(caught.any() || survives, "{name} times {factor}: {cell}");
+            // What is all but at its bound may be found on one platform and not on another.
+            assert!(!survives || caught.share < 1.02, "{name} times {factor} is no survivor: {cell}");
         }
     }
 }
 
 #[test]
 fn every_condition_of_certainty_is_needed() {
-    let cases = cases();
+    let cases = cases(SCENES[1]);
     for (name, checks) in [
         ("hit", Checks { hit: false, ..Checks::ALL }),
         ("normal", Checks { normal: false, ..Checks::ALL }),

@@ -1,0 +1,9 @@
+# c/q (1 - QUOTIENT) is not above the true c/q, nor c/q (1 + QUOTIENT) below it (section 3), q = b + error + sqrt(D + E) of terms of
+# one sign: a sum of such terms is off by a mean of their factors, and the root has the largest.
+#: bound 15
+#: too small 11
+#: sum q = b error root
+q = (1 + 0.5 * under) * (1 + 4.6 * rooted) * @q(root);
+c = (1 + 0.5 * power) * (1 + 2.5 * quotient) * (1 + product);
+{ |under| <= 1b-23 /\ |rooted| <= 1b-23 /\ |power| <= 1b-23 /\ |quotient| <= 1b-23 /\ |product| <= 1b-23 /\ |one| <= 1b-24
+  /\ @sums -> c * ((1 - @bound * 1b-23) * (1 + one)) / q <= 1 /\ c * ((1 + @bound * 1b-23) * (1 + one)) / q >= 1 }
