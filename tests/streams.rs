@@ -8,7 +8,9 @@ mod desk;
 
 use desk::Desk;
 use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 const SCENE: &str = "[camera]\neye = [0.0, 0.0, 0.0]\nview = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n
 [image]\nsize = [40, 30]\n\n[[sphere]]\ncenter = [0.0, 0.0, -3.0]\nradius = 1.0\n";
@@ -154,5 +156,40 @@ fn pipes_and_devices_are_written_as_they_are() {
         use std::os::unix::fs::FileTypeExt;
         assert!(path.metadata().expect("there").file_type().is_fifo(), "{words}: the pipe is still one");
         std::fs::remove_file(path).expect("removed");
+    }
+}
+
+/// A request to end is answered also where the process waits for a reader that never comes.
+#[test]
+fn an_interrupt_ends_what_waits_for_a_reader() {
+    let desk = desk();
+    assert!(Command::new("mkfifo").arg(desk.path("fifo")).status().expect("mkfifo runs").success());
+    // A pipe that nobody opens, and a standard output that is full and not read.
+    for words in ["-o fifo", "--aov position=- --size 400x300 --raw"] {
+        let render = format!("render s.toml --backend cpu {words}");
+        let mut child = command(&desk, &render)
+            .env_remove("RUST_LOG")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("halfline runs");
+        let mut said = BufReader::new(child.stderr.take().expect("a pipe"));
+        let mut line = String::new();
+        said.read_line(&mut line).expect("a line");
+        assert!(line.contains("rendering on"), "{words}: {line}");
+        std::thread::sleep(Duration::from_millis(300));
+        assert!(child.try_wait().expect("its status").is_none(), "{words}: it waits");
+        let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+        assert!(sent.expect("kill runs").success());
+        let start = Instant::now();
+        // Long beside the half second that it has, for a busy machine.
+        while child.try_wait().expect("its status").is_none() && start.elapsed() < Duration::from_secs(20) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let _ = child.kill();
+        assert_eq!(child.wait().expect("an end").code(), Some(130), "{words}");
+        let mut rest = String::new();
+        said.read_to_string(&mut rest).expect("text");
+        assert_eq!(rest, "halfline: interrupted\n", "{words}");
     }
 }

@@ -1,8 +1,12 @@
-//! Signals: the first request to end lets the work end tidily, the second ends the process at once.
+//! Signals: the first request to end lets the work end tidily within [`GRACE`], the second ends the process at once.
 
+#[cfg(unix)]
+use halfline::Error;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(unix)]
+use std::{io, io::Read, os::unix::net::UnixStream, thread, time::Duration};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -11,6 +15,11 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 const ENDS: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
 #[cfg(not(unix))]
 const ENDS: [i32; 2] = [SIGINT, SIGTERM];
+
+/// How long the work may take to end. Passes over many millions of spheres do not look at the request in between. What is
+/// being written has no name yet, so the process can end at any time.
+#[cfg(unix)]
+const GRACE: Duration = Duration::from_millis(500);
 
 /// Takes the signals over. Where the system refuses, its default ends the process, which is right too. Other signals
 /// keep their default, which a user may want (a core file by ctrl-\, say).
@@ -26,7 +35,29 @@ pub(super) fn listen() {
     {
         static BEYOND_FILE_SIZE: AtomicBool = AtomicBool::new(false);
         let _ = register(signal_hook::consts::SIGXFSZ, &BEYOND_FILE_SIZE);
+        // Without a thread the work still ends, later.
+        let _ = end_after_grace();
     }
+}
+
+/// A thread that waits for the first request and ends the process [`GRACE`] later, if it is still there.
+#[cfg(unix)]
+fn end_after_grace() -> io::Result<()> {
+    let (mut requests, request) = UnixStream::pair()?;
+    for signal in ENDS {
+        signal_hook::low_level::pipe::register(signal, request.try_clone()?)?;
+    }
+    let wait = move || {
+        if requests.read_exact(&mut [0]).is_ok() {
+            thread::sleep(GRACE);
+            // A pipe that is full and never read holds the message, not the process.
+            if thread::Builder::new().spawn(|| super::say(format_args!("{}", Error::Interrupted))).is_ok() {
+                thread::sleep(GRACE / 10);
+            }
+            signal_hook::low_level::exit(130);
+        }
+    };
+    thread::Builder::new().name("signals".into()).stack_size(1 << 16).spawn(wait).map(drop)
 }
 
 /// Whether no signal asked the process to end.
