@@ -1,6 +1,7 @@
 //! What a frame needs, what there is, and how many spheres that would do for.
 
 use super::Pool;
+use super::room::GRAIN;
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
@@ -124,14 +125,18 @@ const COLOR: u64 = 12;
 /// # Errors
 /// [`Error::Limits`] with the number that would fit.
 pub(crate) fn check_spheres(spheres: u64, colored: bool) -> Result<()> {
-    check_spheres_in(spheres, colored, free(&Pool::default()))
+    check_spheres_in(spheres, colored, || free(&Pool::default()))
 }
 
-fn check_spheres_in(spheres: u64, colored: bool, free: Option<u64>) -> Result<()> {
+fn check_spheres_in(spheres: u64, colored: bool, free: impl Fn() -> Option<u64>) -> Result<()> {
     let each = SPHERE + if colored { COLOR } else { 0 };
-    match free {
-        Some(free) if spheres.saturating_mul(each) > free => Err(Error::Limits {
-            problem: format!("{spheres} spheres need {} bytes and {free} are free", spheres.saturating_mul(each)),
+    let need = spheres.saturating_mul(each);
+    if need < GRAIN {
+        return Ok(());
+    }
+    match free() {
+        Some(free) if need > free => Err(Error::Limits {
+            problem: format!("{spheres} spheres need {need} bytes and {free} are free"),
             mend: format!("give at most {} spheres", free / each),
         }),
         _ => Ok(()),
@@ -229,9 +234,13 @@ mod tests {
 
     #[test]
     fn a_file_of_too_many_spheres_is_refused_by_number() {
-        assert!(check_spheres_in(1000, true, Some(44_000)).is_ok() && check_spheres_in(u64::MAX, true, None).is_ok());
-        let error = check_spheres_in(1000, true, Some(43_999)).expect_err("a byte too few").to_string();
-        assert!(error.contains("at most 999 "), "{error}");
+        let check_spheres_in = |spheres, colored, free| check_spheres_in(spheres, colored, || free);
+        assert!(check_spheres_in(1000, true, Some(0)).is_ok(), "fewer than the system is asked about");
+        let million = 1_000_000;
+        assert!(check_spheres_in(million, true, Some(44_000_000)).is_ok());
+        assert!(check_spheres_in(u64::MAX, true, None).is_ok());
+        let error = check_spheres_in(million, true, Some(43_999_999)).expect_err("a byte too few").to_string();
+        assert!(error.contains("at most 999999 "), "{error}");
         assert!(check_spheres_in(u64::MAX, false, Some(u64::MAX - 1)).is_err(), "no overflow");
     }
 

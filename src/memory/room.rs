@@ -4,8 +4,8 @@
 use super::{Pool, free};
 use crate::error::{Error, Result};
 
-/// Growth by fewer bytes is not checked: what is left free holds many times as much.
-const GRAIN: u64 = 1 << 20;
+/// Fewer bytes are not checked: what is left free holds many times as much, and the system answers slowly.
+pub(super) const GRAIN: u64 = 1 << 20;
 
 /// Bytes that stay free beside every list: for blocks of text, what they are parsed into, and threads.
 const RESERVE: u64 = 32 << 20;
@@ -106,7 +106,7 @@ impl Ledger {
     /// [`Error::Limits`].
     pub(crate) fn add(&mut self, bytes: usize) -> Result<()> {
         self.bytes = self.bytes.saturating_add(bytes as u64);
-        if self.bytes > self.checked {
+        if self.bytes > self.checked.max(GRAIN) {
             let next = self.bytes.saturating_add(GRAIN);
             check(next.saturating_mul(2), || "the names and texts that are kept of the file".into())?;
             self.checked = next;

@@ -1,0 +1,251 @@
+//! What is fuzzed and what must hold of it, whatever the bytes: no panic, no more memory and time than stated, errors that
+//! a terminal can show, and scenes that can be rendered. `tests/corpus.rs` runs the kept inputs through the same.
+
+#[path = "pictures.rs"]
+mod pictures;
+
+use halfline::error::Error;
+use halfline::scene::style::{Coloring, Scale, Style};
+use halfline::scene::{Format, ReadOptions, Sequence, Shot};
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
+
+/// Something that takes bytes.
+pub struct Target {
+    name: &'static str,
+    kind: Kind,
+}
+
+/// What is done with the bytes.
+enum Kind {
+    /// A scene in this format, or in one that its content tells, compressed or not. The first byte chooses the options.
+    Scene(Option<Format>),
+    /// Files that halfline wrote.
+    Picture(fn(&[u8]) -> Allowed),
+    #[cfg(fuzzing)]
+    Config,
+}
+
+/// What a run may cost at most.
+pub struct Allowed {
+    /// Bytes held at once.
+    pub bytes: usize,
+    /// Seconds of one processor.
+    pub seconds: f64,
+}
+
+/// Bytes that a reader may hold whatever the file: its buffers, blocks of lines, a decompressor, names of columns.
+const FREE: usize = 24 << 20;
+
+/// Bytes for every byte of a file, decompressed. A byte of TOML can be a table (`src/scene/native/room.rs`), a byte of
+/// an array a number that is there in several forms.
+const PER_BYTE: usize = 256;
+const PER_BYTE_OF_TOML: usize = 1500;
+
+/// Seconds for a file, and for every byte of it: a million times what a plain reader takes, on a machine with other work.
+const SECONDS: f64 = 1.0;
+const PER_BYTE_SECONDS: f64 = 1e-4;
+
+/// Decompressed bytes that are run; more only cost time.
+const UNPACKED: u64 = 8 << 20;
+
+/// Characters of an error or a warning: a place, a few quoted words, a list of names.
+const LONGEST: usize = 2000;
+
+impl Target {
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        let scene = |format: &Format| Self { name: format.name(), kind: Kind::Scene(Some(*format)) };
+        let mut all: Vec<Self> = Format::ALL.iter().map(scene).collect();
+        all.push(Self { name: "any", kind: Kind::Scene(None) });
+        let pictures: [(_, fn(&[u8]) -> Allowed); 3] =
+            [("compare", pictures::compare), ("merge", pictures::merge), ("resume", pictures::resume)];
+        all.extend(pictures.map(|(name, run)| Self { name, kind: Kind::Picture(run) }));
+        #[cfg(fuzzing)]
+        all.push(Self { name: "config", kind: Kind::Config });
+        all
+    }
+
+    /// The one of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().into_iter().find(|target| target.name == name)
+    }
+
+    /// The names, which are those of the folders of inputs.
+    pub fn names() -> Vec<&'static str> {
+        Self::all().iter().map(|target| target.name).collect()
+    }
+
+    /// Takes the bytes, and panics where something does not hold; what that may have cost.
+    pub fn run(&self, data: &[u8]) -> Allowed {
+        match self.kind {
+            Kind::Scene(format) => scene(format, data),
+            Kind::Picture(run) => run(data),
+            #[cfg(fuzzing)]
+            Kind::Config => {
+                if let Err(error) = crate::config::run(data) {
+                    check_error(&error);
+                }
+                allowed(data.len(), PER_BYTE_OF_TOML)
+            }
+        }
+    }
+}
+
+/// The folder for files that readers open by name, in memory where the system has such a folder.
+pub fn desk() -> PathBuf {
+    let memory = PathBuf::from("/dev/shm");
+    let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
+    folder.join(format!("halfline-fuzz-{}", std::process::id()))
+}
+
+fn allowed(bytes: usize, per_byte: usize) -> Allowed {
+    Allowed { bytes: FREE + per_byte * bytes, seconds: SECONDS + PER_BYTE_SECONDS * bytes as f64 }
+}
+
+/// Reads all frames of a scene.
+fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
+    let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
+    let Some(length) = unpacked(content) else { return allowed(0, 0) };
+    let options = options(format, *choice);
+    let whole = read(Cursor::new(content.to_vec()), &options, length);
+    // The same bytes in pieces are the same scene: nothing may hang on how they come.
+    if choice & 0x80 != 0 {
+        let pieces = read(Pieces { content: content.to_vec(), at: 0 }, &options, length);
+        assert_eq!(whole, pieces, "read at once, and in pieces");
+    }
+    let per_byte = if matches!(format, Some(Format::Native) | None) { PER_BYTE_OF_TOML } else { PER_BYTE };
+    allowed(length, per_byte)
+}
+
+/// How many bytes these are, decompressed; `None` where they are too many to be run.
+fn unpacked(content: &[u8]) -> Option<usize> {
+    let mut count = 0;
+    let mut pass = |reader: &mut dyn Read| {
+        let mut block = vec![0; 1 << 14];
+        while let Ok(read @ 1..) = reader.read(&mut block) {
+            count += read;
+            if count as u64 > UNPACKED {
+                break;
+            }
+        }
+    };
+    match content {
+        [0x1f, 0x8b, ..] => pass(&mut flate2::bufread::MultiGzDecoder::new(content)),
+        [b'B', b'Z', b'h', ..] => pass(&mut bzip2::bufread::MultiBzDecoder::new(content)),
+        // Arrays of an archive are deflated one by one, each to at most 1032 bytes for one.
+        [b'P', b'K', ..] => count = content.len().saturating_mul(1032),
+        _ => {}
+    }
+    (count as u64 <= UNPACKED).then_some(count.max(content.len()))
+}
+
+/// Options that lead readers other ways, by the bits of a byte.
+fn options(format: Option<Format>, choice: u8) -> ReadOptions {
+    let columns: &[&str] = match choice & 3 {
+        0 => &[],
+        1 => &["x"],
+        2 => &["vx", "vy"],
+        _ => &["chain"],
+    };
+    let mut options = ReadOptions { format, frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
+    if !columns.is_empty() {
+        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        let scale = Scale { columns, map: None, range: None, log: choice & 0x40 != 0 && choice & 3 == 1 };
+        options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+    }
+    if matches!(format, Some(Format::Pdb | Format::Mmcif)) {
+        match choice >> 2 & 7 {
+            1 => options.assembly = Some("1".into()),
+            2 => options.altloc = "highest".parse().expect("an alternate location"),
+            3 => options.altloc = "A".parse().expect("an alternate location"),
+            4 => options.model = Some(2),
+            5 => {
+                options.assembly = Some("1".into());
+                options.frames = "1".parse().expect("frames");
+            }
+            _ => {}
+        }
+    } else if choice & 4 != 0 {
+        options.frames = "2-3".parse().expect("frames");
+    } else if choice & 8 != 0 {
+        options.frames = "1".parse().expect("frames");
+    }
+    options.strict = choice & 0x20 != 0;
+    options
+}
+
+/// What reading came to: a line for every frame, and one for the error that ended them.
+fn read(reader: impl Read + Send + 'static, options: &ReadOptions, length: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut sequence = match Sequence::from_reader(reader, Path::new("fuzzed"), options) {
+        Ok(sequence) => sequence,
+        Err(error) => return vec![check_error(&error)],
+    };
+    loop {
+        match sequence.next_scene() {
+            Ok(None) => return lines,
+            Ok(Some(shot)) => lines.push(check_shot(&shot, options, length)),
+            Err(error) => {
+                lines.push(check_error(&error));
+                return lines;
+            }
+        }
+    }
+}
+
+/// A scene that was read can be rendered; what there is of it, in a line.
+fn check_shot(shot: &Shot, options: &ReadOptions, length: usize) -> String {
+    let (scene, spheres) = (&shot.scene, &shot.scene.spheres);
+    scene.check().expect("a scene that was read can be rendered");
+    assert!(spheres.radii.iter().all(|radius| *radius > 0.0 && radius.is_finite()));
+    assert!(spheres.centers.iter().flatten().all(|x| x.is_finite()));
+    if let Some(colors) = &spheres.colors {
+        assert_eq!(colors.len(), spheres.len());
+        assert!(colors.iter().flatten().all(|c| *c >= 0.0 && c.is_finite()), "colours are light");
+    }
+    // A sphere has three coordinates, and each takes a byte at least; an assembly repeats them.
+    assert!(options.assembly.is_some() || 3 * spheres.len() <= length, "{} spheres of {length} bytes", spheres.len());
+    if let Some(cell) = &shot.cell {
+        assert!(cell.origin.iter().chain(cell.edges.iter().flatten()).all(|x| x.is_finite()), "{cell:?}");
+    }
+    if let Some(legend) = &shot.legend {
+        assert!(
+            legend.categories.is_empty()
+                || legend.categories.iter().map(|c| c.count).sum::<u64>() <= spheres.len() as u64
+        );
+        assert!(legend.range[0] <= legend.range[1], "{:?}", legend.range);
+    }
+    let warnings = scene.skipped.warnings();
+    warnings.iter().for_each(|warning| check_words(warning));
+    format!("{} {} {} {warnings:?}", shot.number, scene.fingerprint(), spheres.len())
+}
+
+/// An error says something, in few words that a terminal can show.
+fn check_error(error: &Error) -> String {
+    let text = error.to_string();
+    check_words(&text);
+    text
+}
+
+fn check_words(text: &str) {
+    let length = text.chars().count();
+    assert!((1..=LONGEST).contains(&length), "{length} characters: {text:?}");
+    assert!(!text.chars().any(|c| c.is_control() && c != '\n'), "{text:?}");
+}
+
+/// Bytes in pieces of awkward lengths.
+struct Pieces {
+    content: Vec<u8>,
+    at: usize,
+}
+
+impl Read for Pieces {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let rest = &self.content[self.at..];
+        let count = (1 + self.at % 7).min(rest.len()).min(bytes.len());
+        bytes[..count].copy_from_slice(&rest[..count]);
+        self.at += count;
+        Ok(count)
+    }
+}

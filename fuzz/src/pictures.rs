@@ -1,0 +1,132 @@
+//! What `compare`, `merge` and `--resume` read: files that halfline wrote, and what became of them.
+
+use super::{Allowed, allowed, check_error, desk};
+use halfline::frame::file::Target;
+use halfline::frame::format::Style;
+use halfline::frame::merge::{Mosaic, Tile};
+use halfline::frame::provenance::Origin;
+use halfline::frame::sheet::Sheet;
+use halfline::measure::Frames;
+use halfline::plan::Backend;
+use halfline::window::Window;
+use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+use std::fs;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+
+/// Bytes for every byte: deflate makes 1032 of one, and a few copies of rows are held.
+const PER_BYTE: usize = 5000;
+
+/// The formats by their endings, and the buffers that a file of each holds here.
+const FORMATS: [(&str, &[Aov]); 7] = [
+    ("png", &[Aov::Color]),
+    ("exr", &[Aov::Color, Aov::Id, Aov::Depth]),
+    ("npy", &[Aov::Depth]),
+    ("npz", &[Aov::Color, Aov::Id]),
+    ("pfm", &[Aov::Normal]),
+    ("npy", &[Aov::Id]),
+    ("png", &[Aov::Mask]),
+];
+
+/// A frame of 6 x 4 pixels in two tiles: the files of both, by [`FORMATS`].
+struct Desk {
+    folder: PathBuf,
+    scene: Scene,
+    left: Vec<PathBuf>,
+    right: Vec<PathBuf>,
+}
+
+const WINDOWS: [Window; 2] = [Window { x0: 0, y0: 0, x1: 4, y1: 4 }, Window { x0: 4, y0: 0, x1: 6, y1: 4 }];
+
+fn settings(window: Window, aovs: &[Aov]) -> Settings {
+    Settings { backend: Backend::Cpu, window: Some(window), aovs: aovs.to_vec(), ..Settings::default() }
+}
+
+static DESK: LazyLock<Desk> = LazyLock::new(|| {
+    let folder = desk();
+    fs::create_dir_all(&folder).expect("a folder");
+    let mut spheres = Spheres::default();
+    spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
+    let image = ImagePlane { width: 6, height: 4, background: [0.0; 3] };
+    let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+    let tiles = |side: &str, window: Window| {
+        let write = |(n, (ending, aovs)): (usize, &(&str, &[Aov]))| {
+            let settings = settings(window, aovs);
+            let frame = halfline::render(&scene, &settings).expect("a frame");
+            let path = folder.join(format!("{side}-{n}.{ending}"));
+            let target = Target::new(aovs, &path, Style::default()).expect("a target");
+            target.write(&frame, &Origin::new(&scene, &settings, &frame.report, window)).expect("written");
+            path
+        };
+        FORMATS.iter().enumerate().map(write).collect()
+    };
+    let (left, right) = (tiles("left", WINDOWS[0]), tiles("right", WINDOWS[1]));
+    Desk { folder, scene, left, right }
+});
+
+/// A picture or an array that `compare` reads.
+pub fn compare(data: &[u8]) -> Allowed {
+    if let Err(error) = Frames::from_bytes(data, "fuzzed") {
+        check_error(&error);
+    }
+    allowed(data.len(), PER_BYTE)
+}
+
+/// The file with the left of a frame; the first byte tells with which right of it.
+pub fn merge(data: &[u8]) -> Allowed {
+    let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
+    let format = usize::from(*choice) % FORMATS.len();
+    let desk = &*DESK;
+    let [left, whole] = ["left", "whole"].map(|name| desk.folder.join(format!("{name}.{}", FORMATS[format].0)));
+    fs::write(&left, content).expect("a file of our own");
+    let _ = fs::remove_file(&whole);
+    let write = || {
+        let mosaic = Mosaic::new(vec![Tile::open(&left)?, Tile::open(&desk.right[format])?])?;
+        mosaic.write(&whole, &|| true)?;
+        Ok(mosaic.size())
+    };
+    match write() {
+        // What was written is a file of halfline again, and holds the pixels of the tile.
+        Ok([width, height]) => {
+            let (_, whole) = Sheet::read(&whole).expect("a whole file");
+            let (_, left) = Sheet::from_bytes(content, "fuzzed").expect("it was merged");
+            assert_eq!((whole.window, whole.full), (Window::full(width, height), [width, height]));
+            for (whole, part) in whole.layers.iter().zip(&left.layers) {
+                let pixel = part.kind.size() * part.channels;
+                let rows = part.bytes.chunks_exact(pixel * left.window.width() as usize);
+                for (row, y) in rows.zip(left.window.y0..) {
+                    let place = (y as usize * width as usize + left.window.x0 as usize) * pixel;
+                    assert_eq!(&whole.bytes[place..place + row.len()], row, "row {y}");
+                }
+            }
+        }
+        Err(error) => {
+            check_error(&error);
+            assert!(!whole.exists(), "a refused merge leaves no file");
+        }
+    }
+    allowed(content.len(), PER_BYTE)
+}
+
+/// The file that `--resume` finds; the first byte tells instead of which one.
+pub fn resume(data: &[u8]) -> Allowed {
+    let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
+    let desk = &*DESK;
+    let format = usize::from(*choice) % FORMATS.len();
+    let (ending, aovs) = FORMATS[format];
+    let found = desk.folder.join(format!("found.{ending}"));
+    fs::write(&found, content).expect("a file of our own");
+    let settings = settings(WINDOWS[0], aovs);
+    let report = &*REPORT;
+    let target = Target::new(aovs, &found, Style::default()).expect("a target");
+    if target.is_there(&Origin::new(&desk.scene, &settings, report, WINDOWS[0])) {
+        assert_eq!(content, fs::read(&desk.left[format]).expect("there"), "another file is taken for the wanted one");
+    }
+    allowed(content.len(), PER_BYTE)
+}
+
+/// What every rendering here reports.
+static REPORT: LazyLock<halfline::report::Report> = LazyLock::new(|| {
+    let settings = settings(WINDOWS[0], &[Aov::Color]);
+    halfline::render(&DESK.scene, &settings).expect("a frame").report
+});
