@@ -6,8 +6,9 @@ use halfline::frame::format::Style;
 use halfline::frame::merge::{Mosaic, Tile};
 use halfline::frame::provenance::Origin;
 use halfline::frame::sheet::Sheet;
-use halfline::measure::Frames;
+use halfline::measure::frames::Frames;
 use halfline::plan::Backend;
+use halfline::report::Report;
 use halfline::window::Window;
 use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
 use std::fs;
@@ -34,6 +35,8 @@ struct Desk {
     scene: Scene,
     left: Vec<PathBuf>,
     right: Vec<PathBuf>,
+    /// What rendering the left tiles reports.
+    reports: Vec<Report>,
 }
 
 const WINDOWS: [Window; 2] = [Window { x0: 0, y0: 0, x1: 4, y1: 4 }, Window { x0: 4, y0: 0, x1: 6, y1: 4 }];
@@ -49,19 +52,19 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
     spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
     let image = ImagePlane { width: 6, height: 4, background: [0.0; 3] };
     let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
-    let tiles = |side: &str, window: Window| {
+    let tiles = |side: &str, window: Window| -> (Vec<PathBuf>, Vec<Report>) {
         let write = |(n, (ending, aovs)): (usize, &(&str, &[Aov]))| {
             let settings = settings(window, aovs);
             let frame = halfline::render(&scene, &settings).expect("a frame");
             let path = folder.join(format!("{side}-{n}.{ending}"));
             let target = Target::new(aovs, &path, Style::default()).expect("a target");
             target.write(&frame, &Origin::new(&scene, &settings, &frame.report, window)).expect("written");
-            path
+            (path, frame.report)
         };
-        FORMATS.iter().enumerate().map(write).collect()
+        FORMATS.iter().enumerate().map(write).unzip()
     };
-    let (left, right) = (tiles("left", WINDOWS[0]), tiles("right", WINDOWS[1]));
-    Desk { folder, scene, left, right }
+    let ((left, reports), (right, _)) = (tiles("left", WINDOWS[0]), tiles("right", WINDOWS[1]));
+    Desk { folder, scene, left, right, reports }
 });
 
 /// A picture or an array that `compare` reads.
@@ -102,6 +105,7 @@ pub fn merge(data: &[u8]) -> Allowed {
         }
         Err(error) => {
             check_error(&error);
+            assert_ne!(content, fs::read(&desk.left[format]).expect("there"), "a good tile is refused");
             assert!(!whole.exists(), "a refused merge leaves no file");
         }
     }
@@ -117,16 +121,9 @@ pub fn resume(data: &[u8]) -> Allowed {
     let found = desk.folder.join(format!("found.{ending}"));
     fs::write(&found, content).expect("a file of our own");
     let settings = settings(WINDOWS[0], aovs);
-    let report = &*REPORT;
     let target = Target::new(aovs, &found, Style::default()).expect("a target");
-    if target.is_there(&Origin::new(&desk.scene, &settings, report, WINDOWS[0])) {
-        assert_eq!(content, fs::read(&desk.left[format]).expect("there"), "another file is taken for the wanted one");
-    }
+    let taken = target.is_there(&Origin::new(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]));
+    let wanted = fs::read(&desk.left[format]).expect("there");
+    assert_eq!(taken, content == wanted, "the wanted file and no other is taken");
     allowed(content.len(), PER_BYTE)
 }
-
-/// What every rendering here reports.
-static REPORT: LazyLock<halfline::report::Report> = LazyLock::new(|| {
-    let settings = settings(WINDOWS[0], &[Aov::Color]);
-    halfline::render(&DESK.scene, &settings).expect("a frame").report
-});
