@@ -20,7 +20,7 @@ static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
 });
 
 /// Reads the file and gives its words to options of the same names.
-pub fn run(data: &[u8]) -> Result<(), Error> {
+pub(crate) fn run(data: &[u8]) -> Result<(), Error> {
     std::fs::write(&*PATH, data).expect("a file of our own");
     let config = real::Config::load()?;
     let option = |name: &'static str| Arg::new(name).long(name);

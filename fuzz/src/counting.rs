@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// The system's allocator, counted.
-pub struct Counting;
+pub(crate) struct Counting;
 
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
@@ -44,13 +44,13 @@ unsafe impl GlobalAlloc for Counting {
 }
 
 /// Begins to count; the bytes held now.
-pub fn begin() -> usize {
+pub(crate) fn begin() -> usize {
     let live = LIVE.load(Relaxed);
     PEAK.store(live, Relaxed);
     live
 }
 
 /// Bytes held at once since, beyond those held then.
-pub fn most_since(begun: usize) -> usize {
+pub(crate) fn most_since(begun: usize) -> usize {
     PEAK.load(Relaxed).saturating_sub(begun)
 }

@@ -11,27 +11,31 @@ use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 /// Something that takes bytes.
-pub struct Target {
+pub(crate) struct Target {
     name: &'static str,
     kind: Kind,
 }
+
+/// Takes bytes, and panics where something does not hold.
+type Run = fn(&[u8]) -> Allowed;
 
 /// What is done with the bytes.
 enum Kind {
     /// A scene in this format, or in one that its content tells, compressed or not. The first byte chooses the options.
     Scene(Option<Format>),
     /// Files that halfline wrote.
-    Picture(fn(&[u8]) -> Allowed),
+    Picture(Run),
     #[cfg(fuzzing)]
     Config,
 }
 
 /// What a run may cost at most.
-pub struct Allowed {
+pub(crate) struct Allowed {
     /// Bytes held at once.
-    pub bytes: usize,
-    /// Seconds of one processor.
-    pub seconds: f64,
+    pub(crate) bytes: usize,
+    /// Seconds of one processor. A test of the suite does not time.
+    #[cfg_attr(not(fuzzing), expect(dead_code, reason = "only the fuzzer looks at it"))]
+    pub(crate) seconds: f64,
 }
 
 /// Bytes that a reader may hold whatever the file: its buffers, blocks of lines, a decompressor, names of columns.
@@ -54,11 +58,11 @@ const LONGEST: usize = 2000;
 
 impl Target {
     /// All of them.
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let scene = |format: &Format| Self { name: format.name(), kind: Kind::Scene(Some(*format)) };
         let mut all: Vec<Self> = Format::ALL.iter().map(scene).collect();
         all.push(Self { name: "any", kind: Kind::Scene(None) });
-        let pictures: [(_, fn(&[u8]) -> Allowed); 3] =
+        let pictures: [(_, Run); 3] =
             [("compare", pictures::compare), ("merge", pictures::merge), ("resume", pictures::resume)];
         all.extend(pictures.map(|(name, run)| Self { name, kind: Kind::Picture(run) }));
         #[cfg(fuzzing)]
@@ -67,17 +71,17 @@ impl Target {
     }
 
     /// The one of this name.
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         Self::all().into_iter().find(|target| target.name == name)
     }
 
     /// The names, which are those of the folders of inputs.
-    pub fn names() -> Vec<&'static str> {
+    pub(crate) fn names() -> Vec<&'static str> {
         Self::all().iter().map(|target| target.name).collect()
     }
 
     /// Takes the bytes, and panics where something does not hold; what that may have cost.
-    pub fn run(&self, data: &[u8]) -> Allowed {
+    pub(crate) fn run(&self, data: &[u8]) -> Allowed {
         match self.kind {
             Kind::Scene(format) => scene(format, data),
             Kind::Picture(run) => run(data),
@@ -93,7 +97,7 @@ impl Target {
 }
 
 /// The folder for files that readers open by name, in memory where the system has such a folder.
-pub fn desk() -> PathBuf {
+pub(crate) fn desk() -> PathBuf {
     let memory = PathBuf::from("/dev/shm");
     let folder = if memory.is_dir() { memory } else { std::env::temp_dir() };
     folder.join(format!("halfline-fuzz-{}", std::process::id()))

@@ -68,7 +68,7 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
 });
 
 /// A picture or an array that `compare` reads.
-pub fn compare(data: &[u8]) -> Allowed {
+pub(crate) fn compare(data: &[u8]) -> Allowed {
     if let Err(error) = Frames::from_bytes(data, "fuzzed") {
         check_error(&error);
     }
@@ -76,7 +76,7 @@ pub fn compare(data: &[u8]) -> Allowed {
 }
 
 /// The file with the left of a frame; the first byte tells with which right of it.
-pub fn merge(data: &[u8]) -> Allowed {
+pub(crate) fn merge(data: &[u8]) -> Allowed {
     let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
     let format = usize::from(*choice) % FORMATS.len();
     let desk = &*DESK;
@@ -113,7 +113,7 @@ pub fn merge(data: &[u8]) -> Allowed {
 }
 
 /// The file that `--resume` finds; the first byte tells instead of which one.
-pub fn resume(data: &[u8]) -> Allowed {
+pub(crate) fn resume(data: &[u8]) -> Allowed {
     let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
     let desk = &*DESK;
     let format = usize::from(*choice) % FORMATS.len();
