@@ -7,8 +7,8 @@ use super::plain::Plain;
 use super::provenance::Provenance;
 use super::sheet::{Form, Head, Input, Rows, Sink, malformed};
 use crate::error::Result;
+use std::cell::Cell;
 use std::io::{self, Read, Write};
-use std::mem::ManuallyDrop;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
@@ -19,8 +19,8 @@ const PROVENANCE: &str = "provenance.json";
 
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
-    // Dropped before it is finished, it would write the end of an archive that is not whole.
-    let mut zip = ManuallyDrop::new(ZipWriter::new_stream(UntilFailure { out, failed: false }));
+    let failed = Cell::new(false);
+    let mut zip = ZipWriter::new_stream(UntilFailure { out, failed: &failed });
     let options = |bytes: usize| {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         // ZIP counts to 2^32, ZIP64 further; the header of an array is short.
@@ -30,14 +30,18 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
             .unix_permissions(0o644)
             .large_file(bytes >= (1 << 32) - 4096)
     };
-    for (layer, form) in head.forms.iter().enumerate() {
-        zip.start_file(member(form), options(head.row(layer) * head.size()[1]))?;
-        npy::write_layer(head, layer, rows, &mut *zip)?;
-    }
-    let json = head.provenance.to_json();
-    zip.start_file(PROVENANCE, options(json.len()))?;
-    zip.write_all(json.as_bytes())?;
-    ManuallyDrop::into_inner(zip).finish()?;
+    let mut write = || {
+        for (layer, form) in head.forms.iter().enumerate() {
+            zip.start_file(member(form), options(head.row(layer) * head.size()[1]))?;
+            npy::write_layer(head, layer, rows, &mut zip)?;
+        }
+        let json = head.provenance.to_json();
+        zip.start_file(PROVENANCE, options(json.len()))?;
+        zip.write_all(json.as_bytes())
+    };
+    // Dropped before it is finished, it writes the end of an archive that is not whole: to nowhere.
+    write().inspect_err(|_| failed.set(true))?;
+    zip.finish()?;
     Ok(())
 }
 
@@ -45,22 +49,22 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
 /// dropped, and prints a second failure to standard error.
 struct UntilFailure<'a> {
     out: &'a mut dyn Sink,
-    failed: bool,
+    failed: &'a Cell<bool>,
 }
 
 impl Write for UntilFailure<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.failed {
+        if self.failed.get() {
             return Ok(bytes.len());
         }
-        self.out.write(bytes).inspect_err(|error| self.failed = error.kind() != io::ErrorKind::Interrupted)
+        self.out.write(bytes).inspect_err(|error| self.failed.set(error.kind() != io::ErrorKind::Interrupted))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if self.failed {
+        if self.failed.get() {
             return Ok(());
         }
-        self.out.flush().inspect_err(|_| self.failed = true)
+        self.out.flush().inspect_err(|_| self.failed.set(true))
     }
 }
 
