@@ -5,8 +5,8 @@ mod tiles;
 
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
+use crate::kernel::Kernel;
 use crate::nearest::nearest;
-use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
 use crate::shade::Surface;

@@ -1,6 +1,7 @@
 //! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
 //! The modules below write them to files.
 
+pub mod array;
 mod atomic;
 mod digest;
 mod encode;

@@ -67,11 +67,6 @@ macro_rules! variants {
                 match self { $(Self::$name => $cost,)* }
             }
 
-            /// The variant's part of a shader: file name and text.
-            pub(crate) fn wgsl(self) -> (&'static str, &'static str) {
-                match self { $(Self::$name => crate::gpu::compose::part!(concat!("intersect/", stringify!($file), ".wgsl")),)* }
-            }
-
             /// Does `work` with the variant's type.
             pub(crate) fn dispatch<W: Visit>(self, work: W) -> W::Output {
                 match self { $(Self::$name => work.visit::<$file::$name>(),)* }

@@ -16,6 +16,7 @@
 //! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their files.
 //! - [`render`](mod@render): one frame the whole way; a [`Renderer`] keeps device and kernels for many.
 //! - [`trace`](mod@trace): the same for given rays.
+//! - [`settings`]: what is asked for besides the scene.
 //! - [`plan`]: the one place that decides what a scene requires.
 //! - [`quote`]: foreign text in messages.
 //! - [`progress`]: who is told how far the work is, and who may end it.
@@ -48,6 +49,7 @@ pub mod exact;
 pub mod frame;
 mod gpu;
 pub mod intersect;
+mod kernel;
 mod listed;
 pub mod measure;
 mod memory;
@@ -64,8 +66,10 @@ pub mod render;
 pub mod report;
 mod sample;
 pub mod scene;
+pub mod settings;
 mod settle;
 pub mod shade;
+mod tile;
 pub mod trace;
 mod tree;
 pub mod view;
@@ -77,10 +81,10 @@ pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::Method;
-pub use plan::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use progress::{Cancel, Progress, Step, Watch};
 pub use render::{Renderer, render};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
 pub use trace::trace;
 /// The wgpu that [`Renderer::with_device`] takes its device from.

@@ -3,11 +3,11 @@
 //! what was hit: its false hits elsewhere do not show, everything else is as if it had asked all.
 
 use crate::certify::stage::Stage;
-use crate::certify::tiles::CHUNK;
 use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::real::Real;
 use crate::scene::Spheres;
+use crate::tile::CHUNK;
 use crate::view::{Sphere, SphereLow, View};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;

@@ -17,117 +17,12 @@ pub mod total;
 pub mod verdict;
 
 use crate::error::{Error, Place, Result};
-use crate::frame::{Buffer, Data, npy, png};
+pub use crate::frame::array::{Array, Number, Values};
+use crate::frame::{npy, png};
 use crate::memory::check;
-use std::fmt;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-
-/// An array of numbers as a file holds it, whoever wrote it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Array {
-    name: String,
-    shape: Vec<usize>,
-    values: Values,
-    picture: bool,
-}
-
-/// The values of an [`Array`], in C order.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Values {
-    /// PNG of 8 bits, masks.
-    U8(Vec<u8>),
-    /// PNG of 16 bits.
-    U16(Vec<u16>),
-    /// Ids.
-    I32(Vec<i32>),
-    /// Wider integers of other programs.
-    I64(Vec<i64>),
-    /// Colour, normal.
-    F32(Vec<f32>),
-    /// Distance, depth, position, bound.
-    F64(Vec<f64>),
-}
-
-impl Values {
-    /// How many.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::U8(values) => values.len(),
-            Self::U16(values) => values.len(),
-            Self::I32(values) => values.len(),
-            Self::I64(values) => values.len(),
-            Self::F32(values) => values.len(),
-            Self::F64(values) => values.len(),
-        }
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Their type, by NumPy's name.
-    pub fn dtype(&self) -> &'static str {
-        match self {
-            Self::U8(_) => "uint8",
-            Self::U16(_) => "uint16",
-            Self::I32(_) => "int32",
-            Self::I64(_) => "int64",
-            Self::F32(_) => "float32",
-            Self::F64(_) => "float64",
-        }
-    }
-
-    /// The value at `index`, exactly; `None` past the end.
-    pub fn get(&self, index: usize) -> Option<Number> {
-        match self {
-            Self::U8(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::U16(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::I32(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::I64(values) => values.get(index).map(|x| Number::Int(*x)),
-            Self::F32(values) => values.get(index).map(|x| Number::Float((*x).into())),
-            Self::F64(values) => values.get(index).map(|x| Number::Float(*x)),
-        }
-    }
-}
-
-/// One value of an [`Array`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Number {
-    /// Of an integer type.
-    Int(i64),
-    /// Of a floating type.
-    Float(f64),
-}
-
-impl Number {
-    /// The nearest f64: itself, for integers up to 2^53.
-    pub fn to_f64(self) -> f64 {
-        match self {
-            Self::Int(x) => x as f64,
-            Self::Float(x) => x,
-        }
-    }
-}
-
-impl fmt::Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Int(x) => write!(f, "{x}"),
-            // Debug turns to exponents where Display writes out three hundred digits.
-            Self::Float(x) => write!(f, "{x:?}"),
-        }
-    }
-}
-
-/// How many values a shape holds; `None` if any product of its sides overflows, even one that a zero would hide.
-pub(crate) fn count(shape: &[usize]) -> Option<usize> {
-    let nonzero = shape.iter().filter(|side| **side > 0).try_fold(1usize, |n, side| n.checked_mul(*side))?;
-    Some(if shape.contains(&0) { 0 } else { nonzero })
-}
 
 /// All bytes of a file, or of standard input for `-`, as long as there is memory for twice as many.
 ///
@@ -151,38 +46,6 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
 }
 
 impl Array {
-    /// An array of plain numbers; `name` is what messages call it.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] if the shape asks for another number of values.
-    pub fn new(name: impl Into<String>, shape: Vec<usize>, values: Values) -> Result<Self> {
-        if count(&shape) != Some(values.len()) {
-            let problem = format!("{} values do not fill the shape {shape:?}", values.len());
-            return Err(Error::settings(problem, "give as many values as the shape holds"));
-        }
-        Ok(Self { name: name.into(), shape, values, picture: false })
-    }
-
-    /// The buffer of a frame, as its .npy file would hold it.
-    ///
-    /// # Errors
-    /// See [`Array::new`].
-    pub fn of_buffer(name: impl Into<String>, buffer: Buffer) -> Result<Self> {
-        let values = match buffer.data {
-            Data::F32(values) => Values::F32(values),
-            Data::F64(values) => Values::F64(values),
-            Data::I32(values) => Values::I32(values),
-            Data::U8(values) => Values::U8(values),
-        };
-        Self::new(name, buffer.shape, values)
-    }
-
-    /// Marks the values as levels of a picture: 0 is black, the greatest of their type is white.
-    pub(crate) fn picture(mut self) -> Self {
-        self.picture = true;
-        self
-    }
-
     /// Reads a .png or .npy file, told apart by content; `-` is standard input.
     ///
     /// # Errors
@@ -202,35 +65,6 @@ impl Array {
             npy::read(bytes, name)
         } else {
             Err(Error::scene(Place::file(name), "neither PNG nor .npy", "give a frame that halfline wrote"))
-        }
-    }
-
-    /// What messages call it: the file's name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The sides, slowest first.
-    pub fn shape(&self) -> &[usize] {
-        &self.shape
-    }
-
-    /// The values, in C order.
-    pub fn values(&self) -> &Values {
-        &self.values
-    }
-
-    /// Whether it was read from a picture, so that its values are levels: 0 black, the greatest of their type white.
-    pub fn is_picture(&self) -> bool {
-        self.picture
-    }
-
-    /// Rows, columns and values per pixel. A list is one row; axes after the second are components.
-    pub fn layout(&self) -> [usize; 3] {
-        match &self.shape[..] {
-            [] => [1, 1, 1],
-            [columns] => [1, *columns, 1],
-            [rows, columns, components @ ..] => [*rows, *columns, components.iter().product()],
         }
     }
 }

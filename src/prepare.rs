@@ -5,10 +5,11 @@ use crate::certify::stage::Stage;
 use crate::error::Result;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
-use crate::plan::{Accuracy, Plan, Search, Settings};
+use crate::plan::Plan;
 use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
+use crate::settings::{Accuracy, Search, Settings};
 use crate::view::View;
 
 /// A plan that can be carried out.
@@ -54,6 +55,11 @@ impl Prepared {
         let (stage, kernel) = (self.stage.as_ref()?, &self.plan.kernel);
         let listed = || Listed::new(&self.view, &scene.spheres, stage, kernel.is_wide(), pool);
         Some(if kernel.certify { Asked::Certified(stage) } else { Asked::Form(listed()) })
+    }
+
+    /// Whether some spheres of a certified frame are not wholly in front of the eye plane.
+    pub(crate) fn has_nears(&self) -> bool {
+        self.certified().is_some_and(|stage| !stage.nears.is_empty())
     }
 
     /// The stage of a certified frame.

@@ -5,8 +5,8 @@
 //! each stratum is asked at one of them, chosen by a hash of row, column, sample and seed.
 
 use crate::error::{Error, Result};
-use crate::plan::Settings;
 use crate::scene::{ImagePlane, MAX_SIDE};
+use crate::settings::Settings;
 use crate::view::ViewRecord;
 use crate::window::Window;
 

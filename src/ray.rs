@@ -2,12 +2,26 @@
 
 use crate::real::Real;
 use crate::view::{Sphere, ViewRecord};
+use bytemuck::{Pod, Zeroable};
 
 /// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts: a ray is half a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray<R> {
     /// Direction.
     pub d: [R; 3],
+}
+
+/// A given ray as the kernel sees it; trace.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct RayRecord {
+    /// Direction, its largest component in [1, 2). The fourth numbers of this and the next two are what rounding took
+    /// from its x, y, z.
+    pub direction: [f32; 4],
+    /// Origin minus the view's eye, in the frame's unit.
+    pub origin: [f32; 4],
+    /// What rounding took from it.
+    pub origin_low: [f32; 4],
 }
 
 /// The closest hit of a ray.

@@ -11,15 +11,17 @@ use crate::gpu::device::{self, AdapterSummary, Open};
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
+use crate::kernel::Kernel;
 use crate::listed::Asked;
 use crate::memory::{self, Need, Pool};
-use crate::plan::{Accuracy, Backend, Kernel, Plan, Search, Settings, Sharing};
+use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::raster::Raster;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::{Scene, point};
+use crate::settings::{Accuracy, Backend, Search, Settings};
 use crate::settle::{self, Settled};
 use crate::shade;
 use crate::window::Window;
@@ -387,8 +389,7 @@ impl Renderer {
         let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
             Place::Gpu(gpu) => {
-                let kernel =
-                    Kernel { sharing: Sharing::on(&gpu.summary), ..plan.kernel }.for_stage(prepared.certified());
+                let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_nears(prepared.has_nears());
                 let input = Input { view, colors, rays: &[], stage, tree: None };
                 gpu.run(&kernel, &input, &mut Output { raw, stages }, &|done| doing.reached(done))?;
             }

@@ -3,13 +3,15 @@
 
 use crate::error::Result;
 use crate::frame::raw::Raw;
-use crate::plan::{Kernel, Plan, Settings};
+use crate::kernel::Kernel;
+use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::raster::Raster;
 use crate::ray::NONE;
 use crate::render::Renderer;
 use crate::report::Stages;
 use crate::scene::Scene;
+use crate::settings::Settings;
 use crate::shade;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -6,37 +6,24 @@
 
 use crate::dd;
 use crate::error::{Error, Place as Where, Result};
-use crate::frame::Aov;
 use crate::frame::raw::Raw;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
+use crate::kernel::{Kernel, Rays};
 use crate::nearest::{nearest_in, nearest_of};
-use crate::plan::{Kernel, Plan, Rays, Search, Settings, Sharing};
-use crate::ray::{Hit, NONE, Ray, center, dot3, radius};
+use crate::plan::Plan;
+use crate::ray::{Hit, NONE, Ray, RayRecord, center, dot3, radius};
 use crate::real::Real;
 use crate::render::{Place, Renderer};
 use crate::report::Stages;
 use crate::scene::{Spheres, check_sphere};
+use crate::settings::{Search, Settings};
 use crate::shade::Surface;
 use crate::tree::{Shape, Slabs, Slack, Tree, coherent};
 use crate::view::{Sphere, SphereLow, View};
-use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
-
-/// A given ray as the kernel sees it; trace.wgsl declares it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
-pub struct RayRecord {
-    /// Direction, its largest component in [1, 2). The fourth numbers of this and the next two are what rounding took
-    /// from its x, y, z.
-    pub direction: [f32; 4],
-    /// Origin minus the view's eye, in the frame's unit.
-    pub origin: [f32; 4],
-    /// What rounding took from it.
-    pub origin_low: [f32; 4],
-}
 
 /// The answers to given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +32,7 @@ pub struct Hits {
     pub id: Vec<i32>,
     /// The hit is at origin + t direction, in the direction's own length; +inf on a miss.
     pub t: Vec<f64>,
-    /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`Aov::Normal`] was asked for.
+    /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] was asked for.
     pub normal: Option<Vec<[f32; 3]>>,
     /// How candidates were found: never `auto`. It does not change an answer.
     pub search: Search,
@@ -78,7 +65,7 @@ impl Renderer {
         settings: &Settings,
     ) -> Result<Hits> {
         check(spheres, origins, directions)?;
-        let plan = Plan::for_rays(settings, spheres.len(), directions.len())?;
+        let plan = Plan::for_given_rays(settings, spheres.len(), directions.len())?;
         let origin = |n: usize| if origins.len() == 1 { origins[0] } else { origins[n] };
         let mut hits = Hits {
             id: vec![-1; directions.len()],
@@ -134,18 +121,6 @@ impl Renderer {
             }
         }
         Ok(hits)
-    }
-}
-
-impl Plan {
-    /// The plan for given rays: no pixels, no colour.
-    fn for_rays(settings: &Settings, spheres: usize, rays: usize) -> Result<Self> {
-        let mut plan = Self::for_method(settings)?;
-        plan.search = settings.search.for_rays(spheres, rays)?;
-        plan.kernel.t = true;
-        plan.kernel.normal = settings.aovs.contains(&Aov::Normal);
-        plan.kernel.sharing = Sharing::None;
-        Ok(plan)
     }
 }
 

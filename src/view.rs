@@ -6,15 +6,15 @@
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
 use crate::camera::{Basis, Viewport};
-use crate::certify::tiles::TILE;
 use crate::dd::{self, Dd, Dd3};
 use crate::error::{Error, Place, Result};
 use crate::exact;
 use crate::intersect::Method;
-use crate::plan::Kernel;
+use crate::kernel::Kernel;
 use crate::raster::Raster;
 use crate::real::Real;
 use crate::scene::Scene;
+use crate::tile::TILE;
 use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;

@@ -19,9 +19,9 @@ use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::measure::suite::Random;
-use halfline::plan::{Accuracy, Search, Settings};
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
 use std::path::Path;
 

@@ -28,9 +28,9 @@ use halfline::camera::Look;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::measure::suite::Random;
 use halfline::measure::suite::extremes::{FAMILIES, Family};
-use halfline::plan::{Accuracy, Settings, Tolerance};
 use halfline::render::Renderer;
 use halfline::scene::Scene;
+use halfline::settings::{Accuracy, Settings, Tolerance};
 use score::{Score, settled};
 
 /// The same cases in every run.

@@ -10,7 +10,7 @@ use halfline::frame::format::{Bits, Format, NoReturn, Style};
 use halfline::frame::sheet::{Kind, Layer, Sheet};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::measure::Array;
-use halfline::plan::Settings;
+use halfline::settings::Settings;
 use std::path::Path;
 use std::process::Command;
 

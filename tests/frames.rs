@@ -14,8 +14,8 @@ mod common;
 use common::{cpu, gpu};
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
-use halfline::plan::{Accuracy, Settings};
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Settings};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

@@ -9,7 +9,7 @@ use frames::{Random, cut, frame, origin};
 use halfline::frame::file::Target;
 use halfline::frame::format::{Bits, Format, Style};
 use halfline::frame::{Aov, Frame};
-use halfline::plan::Settings;
+use halfline::settings::Settings;
 use halfline::window::Window;
 use std::fs;
 use std::path::PathBuf;

@@ -12,9 +12,9 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
 use halfline::measure::suite::Random;
-use halfline::plan::{Accuracy, Settings};
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Settings};
 
 /// Coordinates are whole multiples of this, so that sums with offsets up to 2^32 are exact.
 const GRAIN: f64 = 1.0 / (1u64 << 20) as f64;

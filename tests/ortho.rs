@@ -19,11 +19,12 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::suite::Random;
-use halfline::plan::{Accuracy, Search, Settings, Tolerance, explain};
+use halfline::plan::explain;
 use halfline::predict::Prediction;
 use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Search, Settings, Tolerance};
 
 /// Adapters whose every f32 operation was seen to round as IEEE 754 does: tests/twins.rs.
 const STRICT: [&str; 2] = ["llvmpipe", "SwiftShader"];
@@ -327,7 +328,8 @@ fn what_is_not_certified_is_refused_and_fast_says_what_it_takes() {
         let frame = cpu().render(&scene, &settings).expect("a frame");
         assert_eq!((frame.report.accuracy, frame.report.method), ("certified", "certified"));
         assert!(frame.report.reason.contains(word), "{}", frame.report.reason);
-        let plan = explain(&scene, &Settings { backend: halfline::plan::Backend::Cpu, ..settings }).expect("a plan");
+        let plan =
+            explain(&scene, &Settings { backend: halfline::settings::Backend::Cpu, ..settings }).expect("a plan");
         assert_eq!((plan.accuracy, plan.reason), ("certified", frame.report.reason.clone()));
     }
     let refused = |result: Result<(), Error>| match result {
@@ -337,6 +339,6 @@ fn what_is_not_certified_is_refused_and_fast_says_what_it_takes() {
         other => panic!("{other:?}"),
     };
     refused(Prediction::of(&scene, Method::Stable).map(drop));
-    let options = Options { backend: halfline::plan::Backend::Cpu, ..Options::default() };
+    let options = Options { backend: halfline::settings::Backend::Cpu, ..Options::default() };
     refused(measure(&Subject::scene("a cloud", scene), &options, &Watch::default(), &mut |_| {}).map(drop));
 }

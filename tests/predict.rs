@@ -19,10 +19,10 @@ use halfline::intersect::Method;
 use halfline::measure::score::Truths;
 use halfline::measure::suite::Random;
 use halfline::measure::suite::extremes::FAMILIES;
-use halfline::plan::Settings;
 use halfline::predict::Prediction;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+use halfline::settings::Settings;
 use std::path::{Path, PathBuf};
 
 const SEED: u64 = 0x5eed_0003;

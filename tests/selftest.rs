@@ -13,8 +13,8 @@ use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::measure::suite::Random;
-use halfline::plan::{Accuracy, Settings};
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Settings};
 use std::process::Command;
 
 /// Spheres of radius 1 in a cube of half side 4, seen along (1, 2, 3) from `distance` so that they fill the image.

@@ -13,9 +13,9 @@ use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::measure::suite::Random;
-use halfline::plan::{Accuracy, Search, Settings};
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Search, Settings};
 
 /// What t of a form that is right at all is within, as src/listed.rs says.
 const MARGIN: f64 = 1.0 / 1024.0;

@@ -10,9 +10,9 @@ use halfline::error::Error;
 use halfline::frame::Aov;
 use halfline::intersect::Method;
 use halfline::measure::suite::Random;
-use halfline::plan::{Search, Settings};
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Search, Settings};
 
 /// Adapters whose every f32 operation was seen to round as IEEE 754 does.
 const STRICT: [&str; 2] = ["llvmpipe", "SwiftShader"];

@@ -16,9 +16,9 @@ use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::intersect::Method;
 use halfline::measure::suite::Random;
-use halfline::plan::Settings;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+use halfline::settings::Settings;
 use halfline::shade::Shade;
 use std::path::Path;
 

@@ -5,11 +5,11 @@ pub(super) mod cover;
 pub(super) mod project;
 
 use super::near::NearRecord;
-use super::tiles::TILE;
 use super::{LensRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
 use crate::dd::{self, Dd3};
 use crate::error::Result;
+use crate::tile::TILE;
 use crate::view::{FromEye, View};
 use glam::DVec3;
 use project::Landed;

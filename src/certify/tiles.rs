@@ -7,19 +7,11 @@
 use super::front::{FrontMoreRecord, FrontRecord};
 use crate::memory::Pool;
 use crate::ray::NONE;
+use crate::tile::{CHUNK, TILE, WHOLE};
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::alloc::{Layout, handle_alloc_error};
 use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Pixels along a side of a tile, which is a workgroup; a layout test holds it against the shaders.
-pub(crate) const TILE: u32 = 8;
-
-/// Entries that share a sill, and that lists are padded to: what the largest sharing subgroup loads at once.
-pub(crate) const CHUNK: usize = 8;
-
-/// The level at which every image is one square of tiles.
-pub(crate) const WHOLE: u32 = 31;
 
 /// Entries that may be spent beyond eight for each sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;

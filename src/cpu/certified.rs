@@ -4,12 +4,13 @@
 use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
 use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
-use crate::certify::tiles::{CHUNK, NOTHING, NOTHING_MORE, TILE};
+use crate::certify::tiles::{NOTHING, NOTHING_MORE};
 use crate::certify::{Answer, BEYOND, Certify, NEAR, Slopes};
 use crate::frame::raw::{Piece, Raw};
-use crate::plan::Kernel;
+use crate::kernel::Kernel;
 use crate::ray::{NONE, Ray, UNSURE};
 use crate::shade::{Shade, Surface};
+use crate::tile::{CHUNK, TILE};
 use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -322,9 +323,9 @@ fn write(
 mod tests {
     use super::*;
     use crate::certify::TERMS;
-    use crate::plan::Settings;
     use crate::raster::Raster;
     use crate::scene::{ReadOptions, Scene};
+    use crate::settings::Settings;
     use crate::window::Window;
 
     /// The adversary looks at single rays; what it finds holds for strips because they are the same, bit for bit.
@@ -344,7 +345,7 @@ mod tests {
         let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
         let mut view = View::for_kernel(scene, raster, &kernel).expect("a view");
         view.record.sample = raster.count() / 2;
-        for level in [0, crate::certify::tiles::WHOLE] {
+        for level in [0, crate::tile::WHOLE] {
             let stage = Stage::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
                 .expect("a stage")
                 .expect("a lens");

@@ -1,15 +1,15 @@
 //! Forms by tiles on the CPU path: the twin of shaders/tiles/. The spheres of a tile are moved into the camera as far as
 //! one of its rays asks for them, once for all 64.
 
-use crate::certify::tiles::{CHUNK, TILE};
 use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
+use crate::kernel::Kernel;
 use crate::listed::Listed;
 use crate::nearest::meet;
-use crate::plan::Kernel;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
 use crate::shade::Surface;
+use crate::tile::{CHUNK, TILE};
 use crate::view::Sphere;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -144,8 +144,9 @@ mod tests {
     use crate::certify::stage::Stage;
     use crate::intersect::Method;
     use crate::memory::Pool;
-    use crate::plan::{Plan, Settings};
+    use crate::plan::Plan;
     use crate::scene::{ReadOptions, Scene};
+    use crate::settings::Settings;
     use crate::view::View;
 
     /// What tests/tiles.rs promises would not hold if a list lacked one sphere.

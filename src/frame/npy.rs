@@ -2,13 +2,13 @@
 //! read in any version, byte order and axis order, for the plain number types.
 
 use super::Buffer;
+use super::array::{Array, Values, count};
 use super::encode::Encoder;
 use super::format::{Format, Style};
 use super::plain::{self, Plain};
 use super::provenance::Provenance;
 use super::sheet::{Form, Head, Input, Kind, Rows, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
-use crate::measure::{Array, Values, count};
 use crate::memory::check;
 use npyz::WriterBuilder;
 use std::io::{self, Write};

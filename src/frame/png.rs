@@ -1,12 +1,12 @@
 //! PNG: colour as a picture in sRGB of 8 or 16 bits; alpha, mask and normals as levels; distance and depth in whole steps
 //! of 16 bits. Where a picture came from is written inside, and where a crop lies.
 
+use super::array::{Array, Values};
 use super::format::Format;
 use super::sheet::{Head, Input, Kind, Rows, Sink, invalid, pulled};
 use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
-use crate::measure::{Array, Values};
 use crate::memory::check;
 use png::{BitDepth, ColorType};
 use std::borrow::Cow;

@@ -4,9 +4,9 @@
 use super::Aov;
 use super::format::{BITS, Bits, Format, Style};
 use crate::cpu;
-use crate::plan::Settings;
 use crate::report::Report;
 use crate::scene::Scene;
+use crate::settings::Settings;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};

@@ -1,7 +1,8 @@
 //! WGSL from whole files: explicit part lists, numbers as `override` constants, and a line map so that an error names
 //! the file and the line. A missing or doubled part is an error of naga's.
 
-use crate::plan::{Kernel, Rays, Sharing};
+use crate::intersect::Method;
+use crate::kernel::{Kernel, Rays, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 
@@ -76,9 +77,21 @@ pub(crate) fn compose(kernel: &Kernel) -> Source {
     Source::new(parts)
 }
 
+/// The form of the quadratic, of the same name as its CPU twin.
+fn form(method: Method) -> Part {
+    match method {
+        Method::Textbook => part!("intersect/textbook.wgsl"),
+        Method::Unit => part!("intersect/unit.wgsl"),
+        Method::Geometric => part!("intersect/geometric.wgsl"),
+        Method::Stable => part!("intersect/stable.wgsl"),
+        Method::Native64 => part!("intersect/native64.wgsl"),
+        Method::DoubleFloat => part!("intersect/double_float.wgsl"),
+    }
+}
+
 /// The nearest hit by one form of the quadratic.
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
+    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), form(kernel.method)]);
     parts.extend(match kernel.rays {
         Rays::Camera => vec![part!("origin/shared.wgsl"), part!("render.wgsl")],
         Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
@@ -103,7 +116,7 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
 
 /// The nearest hit by one form among the candidates of a tile.
 fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), kernel.method.wgsl()]);
+    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), form(kernel.method)]);
     parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/consider.wgsl"), part!("tiles/render.wgsl")]);
     parts.extend(match kernel.sharing {
         Sharing::None | Sharing::Shuffle => [part!("tiles/plain.wgsl"), part!("entry/plain.wgsl")],
@@ -117,7 +130,7 @@ fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
 
 /// The same in arithmetic beyond f32.
 fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl"), part!("wide/shared.wgsl")]);
+    parts.extend([part!("opaque.wgsl"), form(kernel.method), part!("lows.wgsl"), part!("wide/shared.wgsl")]);
     parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("tiles/wide/consider.wgsl")]);
     parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/render.wgsl")]);
     parts.extend(match kernel.shares() {
@@ -131,7 +144,7 @@ fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
 
 /// The nearest hit in arithmetic beyond f32.
 fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("opaque.wgsl"), kernel.method.wgsl(), part!("lows.wgsl")]);
+    parts.extend([part!("opaque.wgsl"), form(kernel.method), part!("lows.wgsl")]);
     parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl")]);
     if kernel.tree {
         parts.extend([part!("tree.wgsl"), part!("nearest/tree.wgsl"), part!("wide/meet.wgsl")]);

@@ -1,6 +1,7 @@
 //! Adapters: finding, naming, choosing and opening them.
 
 use crate::error::{Error, Result};
+use crate::kernel::Sharing;
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
 
@@ -28,6 +29,19 @@ pub struct AdapterSummary {
 }
 
 impl AdapterSummary {
+    /// How invocations of this adapter share the spheres they load. Software adapters load a shared address lane by lane, so
+    /// there one load per subgroup pays; a broadcast from a constant lane is cheaper than a shuffle, but needs to know the
+    /// subgroup's size.
+    pub(crate) fn sharing(&self) -> Sharing {
+        match self.subgroup {
+            _ if self.kind != "software" => Sharing::None,
+            None => Sharing::None,
+            Some([4, 4]) => Sharing::Subgroup4,
+            Some([8, 8]) => Sharing::Subgroup8,
+            Some(_) => Sharing::Shuffle,
+        }
+    }
+
     /// What a caller's own device tells of itself.
     pub(crate) fn of_device(device: &wgpu::Device) -> Self {
         summary(0, device.adapter_info(), device.features(), &device.limits())

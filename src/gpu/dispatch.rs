@@ -1,6 +1,5 @@
 //! One frame on the device: upload, dispatch band by band, read back.
 
-use crate::certify::tiles::TILE;
 use crate::error::{Error, Result};
 use crate::frame::raw::Raw;
 use crate::gpu::clock::Clock;
@@ -10,9 +9,10 @@ use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::pace::Pace;
 use crate::gpu::selftest::Verdict;
 use crate::gpu::traffic::{Band, Bands, Entries, Reach, Written, outputs, uploads};
+use crate::kernel::{Kernel, Rays};
 use crate::listed::Asked;
-use crate::plan::{Kernel, Rays};
 use crate::report::Stages;
+use crate::tile::TILE;
 use crate::tree::Tree;
 use crate::view::{View, ViewRecord};
 use std::collections::HashMap;
@@ -49,7 +49,7 @@ pub(crate) struct Input<'a> {
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     /// Records of given rays; empty for viewing rays.
-    pub(crate) rays: &'a [crate::trace::RayRecord],
+    pub(crate) rays: &'a [crate::ray::RayRecord],
     /// What the tiles' rays are asked instead of the view's spheres.
     pub(crate) stage: Option<Asked<'a>>,
     /// What given rays walk.
@@ -374,9 +374,9 @@ mod tests {
     use crate::certify::stage::Stage;
     use crate::gpu::device;
     use crate::intersect::Method;
+    use crate::kernel::Sharing;
     use crate::listed::Listed;
     use crate::memory::Pool;
-    use crate::plan::Sharing;
     use crate::scene::{ReadOptions, Scene};
     use crate::shade::Shade;
     use std::path::Path;

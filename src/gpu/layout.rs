@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
 use crate::intersect::Method;
-use crate::plan::Kernel;
+use crate::kernel::Kernel;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// A buffer that the shader binds in group 0.
@@ -77,15 +77,15 @@ mod tests {
     use crate::certify::LensRecord;
     use crate::certify::front::{FrontMoreRecord, FrontRecord};
     use crate::certify::near::NearRecord;
-    use crate::certify::tiles::{CHUNK, TILE};
     use crate::gpu::compose::{compose, constants};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
+    use crate::kernel::{Rays, Sharing};
     use crate::listed::Candidate;
-    use crate::plan::{Rays, Sharing};
     use crate::ray::NONE;
+    use crate::ray::RayRecord;
     use crate::shade::Shade;
-    use crate::trace::RayRecord;
+    use crate::tile::{CHUNK, TILE};
     use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;

@@ -8,9 +8,9 @@ use crate::frame::raw::Raw;
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
+use crate::kernel::Kernel;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
-use crate::plan::{Kernel, Sharing};
 use crate::report::Stages;
 use crate::scene::{ReadOptions, Scene};
 use crate::shade::Shade;
@@ -76,7 +76,7 @@ fn two() -> Option<[Gpu; 2]> {
 /// A form and a certified kernel.
 fn kernels(gpu: &Gpu) -> [Kernel; 2] {
     let plain = Kernel {
-        sharing: Sharing::on(&gpu.summary),
+        sharing: gpu.summary.sharing(),
         shade: Some(Shade::Flat),
         colors: true,
         t: true,

@@ -4,10 +4,10 @@ use super::dispatch::{GROUP, Input};
 use super::pace::{PIXEL, Pace};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
-use crate::certify::tiles::{CHUNK, TILE};
 use crate::error::Result;
+use crate::kernel::{Kernel, Rays};
 use crate::listed::{Asked, Candidate};
-use crate::plan::{Kernel, Rays};
+use crate::tile::{CHUNK, TILE};
 use crate::view::{SphereLow, SphereRecord, ViewRecord};
 use std::ops::Range;
 

@@ -63,13 +63,13 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
         mean: 0.0,
         at: None,
     };
-    if found.unlike.is_some() || a.values.is_empty() {
+    if found.unlike.is_some() || a.values().is_empty() {
         return found;
     }
     let width = columns * channels;
     let per_row: Vec<Row> = (0..rows)
         .into_par_iter()
-        .map(|row| Row::of(&a.values, &b.values, row * width..(row + 1) * width, channels, tolerance))
+        .map(|row| Row::of(a.values(), b.values(), row * width..(row + 1) * width, channels, tolerance))
         .collect();
     // Summed in the order of the rows, so that the mean does not depend on the threads.
     for row in per_row {
@@ -80,21 +80,22 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
             found.max = row.max;
             found.at = row.at.and_then(|index| {
                 let (row, column, channel) = (index / width, index % width / channels, index % channels);
-                Some(At { row, column, channel, a: a.values.get(index)?, b: b.values.get(index)? })
+                Some(At { row, column, channel, a: a.values().get(index)?, b: b.values().get(index)? })
             });
         }
     }
-    found.mean /= a.values.len() as f64;
+    found.mean /= a.values().len() as f64;
     found
 }
 
 /// Why two arrays have no common pixels to compare.
 fn unlike(a: &Array, b: &Array) -> Option<String> {
-    if a.shape != b.shape {
-        return Some(format!("the shapes are {} and {}", sides(&a.shape), sides(&b.shape)));
+    if a.shape() != b.shape() {
+        return Some(format!("the shapes are {} and {}", sides(a.shape()), sides(b.shape())));
     }
-    let (this, that) = (a.values.dtype(), b.values.dtype());
-    (a.picture && b.picture && this != that).then(|| format!("the pictures hold levels of {this} and of {that}"))
+    let (this, that) = (a.values().dtype(), b.values().dtype());
+    (a.is_picture() && b.is_picture() && this != that)
+        .then(|| format!("the pictures hold levels of {this} and of {that}"))
 }
 
 /// A shape in words: `480 x 640 x 3`.

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
-use crate::plan::{Accuracy, Backend, Search, Settings, Tolerance};
+use crate::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::str::FromStr;
 
 /// A way to an answer.

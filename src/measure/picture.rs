@@ -34,7 +34,7 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
     if let Some(why) = &difference.unlike {
         return Err(Error::settings(format!("no picture of the difference: {why}"), "leave out -o"));
     }
-    if a.values.is_empty() {
+    if a.values().is_empty() {
         return Err(Error::settings("no picture of the difference: there are no pixels", "leave out -o"));
     }
     let scale = Scale::of(a, b);
@@ -48,7 +48,8 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
             let (first, at) = (row * row_values + column * channels, column * 3..column * 3 + 3);
             expected[at.clone()].copy_from_slice(&scale.pixel(a, first, channels));
             actual[at.clone()].copy_from_slice(&scale.pixel(b, first, channels));
-            let farthest = (first..first + channels).map(|i| distance_at(&a.values, &b.values, i)).fold(0.0, f64::max);
+            let farthest =
+                (first..first + channels).map(|i| distance_at(a.values(), b.values(), i)).fold(0.0, f64::max);
             between[at].copy_from_slice(&scale.difference(farthest, difference.tolerance));
         }
         levels
@@ -57,7 +58,7 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
     let provenance = [
         text("Software", concat!("halfline ", env!("CARGO_PKG_VERSION"))),
         text("Title", "expected | difference | actual"),
-        text("Source", &format!("{} | {}", a.name, b.name)),
+        text("Source", &format!("{} | {}", a.name(), b.name())),
     ];
     file::write_atomically(path, |out| {
         png::write_levels([columns * 3, rows], &provenance, out, |out| {
@@ -82,14 +83,14 @@ struct Scale {
 impl Scale {
     fn of(a: &Array, b: &Array) -> Self {
         let finite = |array: &Array| {
-            (0..array.values.len())
-                .filter_map(|i| array.values.get(i))
+            (0..array.values().len())
+                .filter_map(|i| array.values().get(i))
                 .map(super::Number::to_f64)
                 .filter(|x| x.is_finite())
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), x| (least.min(x), greatest.max(x)))
         };
         let ((a_least, a_greatest), (b_least, b_greatest)) = (finite(a), finite(b));
-        let farthest = (0..a.values.len()).map(|i| distance_at(&a.values, &b.values, i)).filter(|x| x.is_finite());
+        let farthest = (0..a.values().len()).map(|i| distance_at(a.values(), b.values(), i)).filter(|x| x.is_finite());
         Self {
             least: a_least.min(b_least),
             greatest: a_greatest.max(b_greatest),
@@ -104,9 +105,9 @@ impl Scale {
     }
 
     fn level(&self, array: &Array, index: usize) -> u8 {
-        match &array.values {
-            Values::U8(values) if array.picture => values[index],
-            Values::U16(values) if array.picture => (values[index] >> 8) as u8,
+        match array.values() {
+            Values::U8(values) if array.is_picture() => values[index],
+            Values::U16(values) if array.is_picture() => (values[index] >> 8) as u8,
             // Halves, so that the span of the largest numbers stays finite; the cast saturates.
             values => {
                 let x = values.get(index).map_or(f64::NAN, super::Number::to_f64);

@@ -11,10 +11,10 @@ use super::suite::{extremes, ladder};
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
 use crate::gpu::device;
-use crate::plan::{Backend, Search, Settings, Tolerance};
 use crate::progress::Watch;
 use crate::render::Renderer;
 use crate::scene::Scene;
+use crate::settings::{Backend, Search, Settings, Tolerance};
 use glam::DVec3;
 use std::path::Path;
 

@@ -1,11 +1,11 @@
 //! Which accuracy and which method, and why.
 
-use super::{Accuracy, Settings};
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::predict::Prediction;
 use crate::scene::Scene;
+use crate::settings::{Accuracy, Settings};
 
 /// What is chosen, and the words for it.
 pub(super) struct Choice {

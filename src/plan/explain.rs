@@ -1,22 +1,24 @@
 //! What a scene requires, as an answer: what would be compiled, uploaded and computed, why, and what is left out.
 //! Nothing is rendered and no device is opened.
 
-use super::{Accuracy, Backend, Kernel, Plan, Settings, Sharing};
+use super::Plan;
 use crate::certify::stage::Stage;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::compose::compose;
-use crate::gpu::device::{self, Found};
+use crate::gpu::device::{self, AdapterSummary, Found};
 use crate::gpu::dispatch::Input;
 use crate::gpu::pace::Pace;
 use crate::gpu::traffic::{Bands, Entries, Reach, outputs, uploads};
 use crate::intersect::Method;
+use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Need, Pool};
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
+use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::ViewRecord;
 use serde::Serialize;
@@ -172,7 +174,7 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     let prepared =
         Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
     let Prepared { plan, view, stage } = &prepared;
-    let kernel = Kernel { sharing: summary.map_or(Sharing::None, Sharing::on), ..plan.kernel };
+    let kernel = Kernel { sharing: summary.map_or(Sharing::None, AdapterSummary::sharing), ..plan.kernel };
     let predicted = match plan.accuracy {
         Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(view, scene, kernel.method)),
         _ => None,
@@ -180,12 +182,12 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
     let on_device = found.as_ref().filter(|_| traced);
     let mut work = on_device
-        .map(|found| Work::of(&kernel.for_stage(prepared.certified()), &prepared, scene, found))
+        .map(|found| Work::of(&kernel.with_nears(prepared.has_nears()), &prepared, scene, found))
         .unwrap_or_default();
     if let (Some(raster), Some(sampled), Some(found)) = (samples, plan.sampled, on_device) {
         let plan = Plan { kernel: Kernel { sharing: kernel.sharing, ..sampled }, ..plan.clone() };
         let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
-        let kernel = passes.plan.kernel.for_stage(passes.certified());
+        let kernel = passes.plan.kernel.with_nears(passes.has_nears());
         work.add(Work::of(&kernel, &passes, scene, found), raster.count());
     }
     Ok(Explanation {

@@ -1,8 +1,7 @@
 //! How the candidates of a ray are found.
 
-use crate::certify::tiles::WHOLE;
 use crate::error::{Error, Result};
-use std::str::FromStr;
+use crate::settings::Search;
 
 /// Spheres up to which a form asks all of them: with 16, lists save a fifth on lavapipe and a third on the CPU path
 /// already (clouds, 1024 x 1024, colour alone; docs/performance.md).
@@ -12,50 +11,14 @@ const FEW: usize = 8;
 pub(crate) const NO_LENS: &str =
     "this lens is too wide or too narrow to bin spheres into tiles, and every ray asks all of them";
 
-/// How the candidates of a ray are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Search {
-    /// What the scene requires.
-    #[default]
-    Auto,
-    /// Every ray asks all spheres.
-    All,
-    /// The spheres are binned into tiles of 8 x 8 pixels by what they surely cover, nearest first; a ray asks those of its
-    /// tile until the rest lies behind what it hit.
-    Tiles,
-    /// A tree of boxes over the spheres, for given rays; it changes no answer.
-    Tree,
-}
-
-impl Search {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Auto, Self::All, Self::Tiles, Self::Tree];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::All => "all",
-            Self::Tiles => "tiles",
-            Self::Tree => "tree",
+/// How viewing rays find candidates where `asked` was asked for, and why.
+pub(super) fn for_viewing_rays(asked: Search, certified: bool, spheres: usize) -> (Search, &'static str) {
+    match asked {
+        Search::Auto if certified || spheres > FEW => {
+            (Search::Tiles, "viewing rays of a tile meet the same spheres: nothing is built but lists, nearest first")
         }
-    }
-
-    /// The level of the lists of candidates: tiles, or one for the whole image.
-    pub(crate) fn level(self) -> u32 {
-        if self == Self::All { WHOLE } else { 0 }
-    }
-
-    /// What is done where this was asked for, and why, in words.
-    pub(super) fn decide(self, certified: bool, spheres: usize) -> (Self, &'static str) {
-        match self {
-            Self::Auto if certified || spheres > FEW => {
-                (Self::Tiles, "viewing rays of a tile meet the same spheres: nothing is built but lists, nearest first")
-            }
-            Self::Auto => (Self::All, "so few spheres are asked sooner than they are binned into tiles"),
-            asked => (asked, "it was asked for"),
-        }
+        Search::Auto => (Search::All, "so few spheres are asked sooner than they are binned into tiles"),
+        asked => (asked, "it was asked for"),
     }
 }
 
@@ -68,18 +31,19 @@ const FEW_SPHERES: usize = 48;
 /// take 37 CPU milliseconds by all and 50 by a tree on lavapipe, 43 and 49 on the CPU path; 256 rays 110 and 49, 113 and 55.
 const FEW_RAYS: usize = 100;
 
-impl Search {
-    /// What given rays search by: `self` if it was asked for, else what costs less.
-    pub(crate) fn for_rays(self, spheres: usize, rays: usize) -> Result<Self> {
-        match self {
-            Self::Tiles => {
-                let problem = "given rays have no pixels that could be tiled";
-                Err(Error::settings(problem, "use the search tree or all, or leave it to auto"))
-            }
-            Self::Auto if spheres > FEW_SPHERES && rays > FEW_RAYS => Ok(Self::Tree),
-            Self::Auto => Ok(Self::All),
-            asked => Ok(asked),
+/// How given rays find candidates: as `asked`, else by what costs less.
+///
+/// # Errors
+/// [`Error::Settings`] for tiles.
+pub(super) fn for_given_rays(asked: Search, spheres: usize, rays: usize) -> Result<Search> {
+    match asked {
+        Search::Tiles => {
+            let problem = "given rays have no pixels that could be tiled";
+            Err(Error::settings(problem, "use the search tree or all, or leave it to auto"))
         }
+        Search::Auto if spheres > FEW_SPHERES && rays > FEW_RAYS => Ok(Search::Tree),
+        Search::Auto => Ok(Search::All),
+        asked => Ok(asked),
     }
 }
 
@@ -87,11 +51,4 @@ impl Search {
 pub(super) fn only_given_rays() -> Error {
     let problem = "the search by a tree is for given rays; viewing rays have tiles, which cost less to make";
     Error::settings(problem, "use --search tiles or all, or leave it out")
-}
-
-impl FromStr for Search {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("search", name, Self::ALL, Self::name)
-    }
 }

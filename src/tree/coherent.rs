@@ -1,7 +1,7 @@
 //! Rays in an order in which neighbours go the same way: those that run side by side on a device then visit the same
 //! boxes. No answer depends on it.
 
-use crate::trace::RayRecord;
+use crate::ray::RayRecord;
 use rayon::prelude::*;
 
 /// The places of `rays` in such an order: along the curve of Lebesgue through origins and directions, 10 bits a number.

@@ -3,10 +3,12 @@
 
 use super::*;
 use crate::frame::raw::Raw;
+use crate::kernel::{Kernel, Rays};
 use crate::measure::suite::Random;
 use crate::memory::Pool;
-use crate::plan::{Kernel, Plan, Rays, Settings};
+use crate::plan::Plan;
 use crate::scene::Spheres;
+use crate::settings::Settings;
 use crate::trace::{farthest, on_cpu, ray_record};
 use glam::DVec3;
 

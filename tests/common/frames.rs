@@ -4,8 +4,8 @@ use halfline::frame::file::Target;
 use halfline::frame::provenance::Origin;
 use halfline::frame::sheet::Sheet;
 use halfline::frame::{Aov, Buffer, Data, Frame};
-use halfline::plan::Settings;
 use halfline::report::Report;
+use halfline::settings::Settings;
 use halfline::window::Window;
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 
 use halfline::error::Error;
 use halfline::intersect::Method;
-use halfline::plan::{Backend, Settings};
 use halfline::render::Renderer;
+use halfline::settings::{Backend, Settings};
 use std::sync::Once;
 
 /// A renderer on the pinned adapter, or `None` where HALFLINE_NO_GPU says that there shall be none. A missing adapter

@@ -2,7 +2,8 @@
 
 use super::Lens;
 use super::project::floor;
-use crate::certify::tiles::{Placed, TILE};
+use crate::certify::tiles::Placed;
+use crate::tile::TILE;
 
 /// What is taken off a disc, in pixels and relative to its radius: with a unit of the fixed point, far more than its record
 /// is off by (2^-24 of a radius, half that unit), far less than keeps a pixel open.

@@ -3,13 +3,13 @@
 use super::wild::Value;
 use crate::certify::near::Near;
 use crate::certify::stage::{Depths, Stage};
-use crate::certify::tiles::TILE;
 use crate::certify::{Certify, Terms};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact::{Judge, Truth};
 use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::scene::Scene;
+use crate::tile::TILE;
 use crate::view::View;
 
 /// What the judge is asked for; the conditions of `certain`, which may be switched off.

@@ -1,9 +1,9 @@
 //! One ray at a time, in any arithmetic: what the adversary looks at. src/cpu/certified.rs holds its strips against it.
 
-use crate::certify::tiles::CHUNK;
 use crate::certify::{Answer, BEYOND, Certify, Slopes};
 use crate::ray::NONE;
 use crate::real::Real;
+use crate::tile::CHUNK;
 
 /// The two smallest lower bounds of depth, and whose the smallest is.
 #[derive(Debug, Clone, Copy)]

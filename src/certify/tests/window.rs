@@ -2,10 +2,10 @@
 
 use crate::certify::TERMS;
 use crate::certify::stage::Stage;
-use crate::certify::tiles::TILE;
+use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::plan::Kernel;
 use crate::raster::Raster;
+use crate::tile::TILE;
 use crate::view::View;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};

@@ -11,11 +11,12 @@ use crate::frame::raw::Raw;
 use crate::gpu::Gpu;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
+use crate::kernel::Kernel;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
-use crate::plan::{Kernel, Sharing, Tolerance};
 use crate::report::Stages;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::settings::Tolerance;
 use crate::view::View;
 
 /// The check's name.
@@ -42,7 +43,7 @@ impl Gpu {
     /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
         let kernel = |certify: bool, tiles: bool| Kernel {
-            sharing: Sharing::on(&self.summary),
+            sharing: self.summary.sharing(),
             t: true,
             normal: true,
             certify,

@@ -1,8 +1,8 @@
 use super::*;
 use crate::camera::{Camera, Lens};
 use crate::frame::{Buffer, Data};
-use crate::plan::{Accuracy, Backend, Settings};
 use crate::scene::{ImagePlane, Spheres};
+use crate::settings::{Accuracy, Backend, Settings};
 
 /// Seen from the origin along -z in 3 x 3 rays of slopes -1, 0, 1: one sphere ahead, a smaller one before it, and one
 /// that only the middle ray of the right column meets.
