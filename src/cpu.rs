@@ -3,12 +3,13 @@
 mod certified;
 mod tiles;
 
-use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::nearest::nearest;
+use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
+use crate::report::CPU_DRIVER;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
 use rayon::prelude::*;
@@ -19,12 +20,9 @@ pub(crate) use tiles::by_tiles;
 /// What the reference path is called where an adapter's name is expected.
 pub(crate) const NAME: &str = "cpu";
 
-/// And where a driver's is, as far as answers depend on it.
-pub(crate) const PATH: &str = "halfline reference path, f32";
-
-/// The same for people.
+/// The driver's name and version of an adapter: here the reference path and its threads.
 pub(crate) fn driver() -> String {
-    format!("{PATH}, {} threads", rayon::current_num_threads())
+    format!("{CPU_DRIVER}, {} threads", rayon::current_num_threads())
 }
 
 /// Fills `raw` by `kernel`'s method. `go_on` is asked before every row; rows after a `false` are left alone.
@@ -54,7 +52,7 @@ impl Visit for Frame<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, colors, raw, go_on } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
         let (record, width) = (&view.record, view.record.columns as usize);
         // t is what the normals of the lecture's forms start from, asked for or not.

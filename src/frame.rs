@@ -23,8 +23,6 @@ use crate::window::Window;
 use std::fmt;
 use std::str::FromStr;
 
-pub(crate) mod raw;
-
 /// The buffers a frame can hold (arbitrary output variables), by the names of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Aov {

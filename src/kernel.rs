@@ -2,6 +2,7 @@
 
 use crate::intersect::Method;
 use crate::shade::Shade;
+use crate::view::Records;
 
 /// Where a kernel's rays come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -102,5 +103,14 @@ impl Kernel {
     /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
     pub(crate) fn is_wide(&self) -> bool {
         !self.certify && self.method.is_wide()
+    }
+
+    /// The records of the spheres that it reads, beside those of candidate lists.
+    pub(crate) fn records(&self) -> Records {
+        match self.certify || self.tiles {
+            true => Records::None,
+            false if self.is_wide() => Records::WithLows,
+            false => Records::Rounded,
+        }
     }
 }

@@ -39,6 +39,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod assemble;
+mod budget;
 pub mod camera;
 mod certify;
 mod cpu;
@@ -46,6 +48,7 @@ mod dd;
 mod dyadic;
 pub mod error;
 pub mod exact;
+pub mod explain;
 pub mod frame;
 mod gpu;
 pub mod intersect;
@@ -60,17 +63,19 @@ mod prepare;
 pub mod progress;
 pub mod quote;
 mod raster;
+mod raw;
 pub mod ray;
 pub mod real;
 pub mod render;
 pub mod report;
-mod sample;
+mod samples;
 pub mod scene;
 pub mod settings;
 mod settle;
 pub mod shade;
 mod tile;
 pub mod trace;
+mod trailer;
 mod tree;
 pub mod view;
 pub mod window;

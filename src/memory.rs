@@ -1,10 +1,10 @@
 //! Memory: what cannot be had is refused before the work, where the system would promise it and later end the process;
 //! and what was had is kept from frame to frame.
 
-mod need;
+mod free;
 mod room;
 
-pub(crate) use need::{Need, check_spheres, free};
+pub(crate) use free::{SPHERE, check_spheres, free};
 pub(crate) use room::{Ledger, check, check_ids, entries, extend_to, reserve};
 
 use crate::error::{Error, Result};

@@ -1,7 +1,6 @@
 //! What a scene requires, decided in one place: which kernel, which sharing, which buffers, which precision.
 
 mod choose;
-mod explain;
 mod search;
 
 use crate::error::{Error, Result};
@@ -12,7 +11,6 @@ use crate::predict::Prediction;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
-pub use explain::{Binding, Explanation, LeftOut, Part, Room, Shown, Staged, explain};
 use serde::Serialize;
 
 /// The decisions for one scene and request, in words that can be printed.

@@ -34,7 +34,7 @@ impl Prepared {
         pool: &Pool,
         stages: &mut Stages,
     ) -> Result<Self> {
-        let view = stages.time("view", || View::for_kernel(scene, raster, &plan.kernel))?;
+        let view = stages.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
         if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
             return Ok(Self { plan, view, stage: None });
         }
@@ -44,7 +44,7 @@ impl Prepared {
         let stage = stages.time("stage", || Stage::new(scene, &view, tolerance, &TERMS, level, pool))?;
         if stage.is_none() && plan.kernel.tiles {
             let plan = plan.without_tiles();
-            let view = stages.time("view", || View::for_kernel(scene, raster, &plan.kernel))?;
+            let view = stages.time("view", || View::for_rays(scene, raster, plan.kernel.records()))?;
             return Ok(Self { plan, view, stage });
         }
         Ok(Self { plan, view, stage })

@@ -6,8 +6,6 @@
 
 use crate::error::{Error, Result};
 use crate::scene::{ImagePlane, MAX_SIDE};
-use crate::settings::Settings;
-use crate::view::ViewRecord;
 use crate::window::Window;
 
 /// Finer pixels along a side of a stratum, at most.
@@ -30,26 +28,26 @@ impl Raster {
         Self { window, strata: 1, jitter: 1, seed: 0 }
     }
 
-    /// The samples that `settings` ask for of an image's pixels, as many as the next square; `None` for one.
+    /// `samples` of each of an image's pixels, as many as the next square, placed by `seed`; `None` for one.
     ///
     /// # Errors
     /// [`Error::Limits`] where the finer frame would have more columns or rows than a frame can have.
-    pub(crate) fn samples(window: Window, settings: &Settings, image: &ImagePlane) -> Result<Option<Self>> {
-        if settings.samples < 2 {
+    pub(crate) fn samples(window: Window, samples: u32, seed: u32, image: &ImagePlane) -> Result<Option<Self>> {
+        if samples < 2 {
             return Ok(None);
         }
-        let strata = u64::from(settings.samples - 1).isqrt() as u32 + 1;
+        let strata = u64::from(samples - 1).isqrt() as u32 + 1;
         let most = MAX_SIDE as u32 / image.width.max(image.height).max(1);
         if strata > most {
             let side = u64::from(most) * u64::from(most);
-            let problem = format!("{} samples of a pixel are more than this image can be cut into", settings.samples);
+            let problem = format!("{samples} samples of a pixel are more than this image can be cut into");
             return Err(Error::Limits { problem, mend: format!("take at most {side}, or a smaller --size") });
         }
         let mut jitter = FINEST;
         while strata * jitter > most {
             jitter /= 2;
         }
-        Ok(Some(Self { window, strata, jitter, seed: settings.seed }))
+        Ok(Some(Self { window, strata, jitter, seed }))
     }
 
     /// K: pixels of the finer frame along a side of a pixel.
@@ -63,50 +61,13 @@ impl Raster {
     }
 }
 
-impl ViewRecord {
-    /// K, 1 for pixel centres.
-    #[inline(always)]
-    pub(crate) fn fine(&self) -> u32 {
-        self.strata * self.jitter
-    }
-
-    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of pixel/sample.wgsl.
-    #[inline(always)]
-    pub(crate) fn aim(&self, row: u32, column: u32) -> [u32; 2] {
-        if self.fine() == 1 {
-            return [row, column];
-        }
-        let [across, down, ..] = pcg4d([column, row, self.sample, self.seed]);
-        let within = |pixel: u32, stratum: u32, hash: u32| {
-            (pixel * self.strata + stratum) * self.jitter + (hash >> 16 & (self.jitter - 1))
-        };
-        let (i, j) = (self.sample / self.strata, self.sample % self.strata);
-        [within(row, i, down), within(column, j, across)]
-    }
-}
-
-/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques 9(3),
-/// 2020: four numbers of four.
-fn pcg4d(v: [u32; 4]) -> [u32; 4] {
-    let mix = |[x, y, z, w]: [u32; 4]| {
-        let x = x.wrapping_add(y.wrapping_mul(w));
-        let y = y.wrapping_add(z.wrapping_mul(x));
-        let z = z.wrapping_add(x.wrapping_mul(y));
-        let w = w.wrapping_add(y.wrapping_mul(z));
-        [x, y, z, w]
-    };
-    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    mix(mix(v).map(|x| x ^ x >> 16))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bytemuck::Zeroable;
 
     fn raster(samples: u32, width: u32, height: u32) -> Result<Option<Raster>> {
         let image = ImagePlane { width, height, background: [0.0; 3] };
-        Raster::samples(Window::full(width, height), &Settings { samples, ..Settings::default() }, &image)
+        Raster::samples(Window::full(width, height), samples, 0, &image)
     }
 
     #[test]
@@ -120,22 +81,5 @@ mod tests {
         raster(u32::MAX, 17, 1).expect_err("2^16 strata of 17 columns");
         let error = raster(17, 1 << 18, 1).expect_err("5 x 2^18").to_string();
         assert!(error.contains("at most 16"), "{error}");
-    }
-
-    #[test]
-    fn each_stratum_is_asked_once_everywhere_alike() {
-        let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
-        let mut counts = [0u32; 16];
-        for sample in 0..9 {
-            for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {
-                let [i, j] = ViewRecord { sample, ..record }.aim(row, column);
-                assert_eq!([i / 48, j / 48], [row, column], "within its pixel");
-                assert_eq!([i % 48 / 16, j % 48 / 16], [sample / 3, sample % 3], "within its stratum");
-                counts[(i % 16) as usize] += 1;
-                counts[(j % 16) as usize] += 1;
-            }
-        }
-        // 180000 in 16 places: 11250 each, with a deviation of 103; five of them.
-        assert!(counts.iter().all(|n| n.abs_diff(11_250) < 515), "{counts:?}");
     }
 }

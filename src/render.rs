@@ -1,10 +1,12 @@
 //! One frame, the whole way: scene, view, nearest hits, colour, frame.
 
+use crate::assemble::Answers;
+use crate::budget::Need;
 use crate::camera::Look;
 use crate::certify::stage::Depths;
 use crate::cpu;
 use crate::error::{Error, Result};
-use crate::frame::raw::{Answers, Raw};
+use crate::frame::provenance::Origin;
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, Open};
@@ -13,22 +15,24 @@ use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::listed::Asked;
-use crate::memory::{self, Need, Pool};
+use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::raster::Raster;
+use crate::raw::Raw;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::{Scene, point};
 use crate::settings::{Accuracy, Backend, Search, Settings};
 use crate::settle::{self, Settled};
-use crate::shade;
 use crate::window::Window;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
+
+mod sample;
 
 /// Renders `scene` once. For many frames keep a [`Renderer`].
 ///
@@ -36,6 +40,20 @@ use std::time::Instant;
 /// Every kind of [`Error`]; nothing is half done.
 pub fn render(scene: &Scene, settings: &Settings) -> Result<Frame> {
     Renderer::new(settings)?.render(scene, settings)
+}
+
+/// Where the files of `window` of `scene` come from: what was asked for, who computed it and how. [`Renderer::foresee`] gives
+/// the report beforehand.
+#[must_use]
+pub fn origin<'a>(scene: &Scene, settings: &Settings, report: &'a Report, window: Window) -> Origin<'a> {
+    Origin {
+        fingerprint: scene.fingerprint(),
+        tolerance: settings.promise().relative(),
+        seed: settings.seed,
+        report,
+        window,
+        full: [scene.image.width, scene.image.height],
+    }
 }
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
@@ -224,7 +242,8 @@ impl Renderer {
     ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
         let window = settings.window_of(scene)?;
-        let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
+        let samples =
+            Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
         let rays = Rays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.admit(plan.kernel.method)?;
@@ -286,7 +305,7 @@ impl Renderer {
             .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
-            stages.time("shade", || shade::settled(shade, scene, view, &settled, &mut raw.color));
+            stages.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, view, prepared.certified()));

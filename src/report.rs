@@ -5,6 +5,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+/// The driver of the CPU reference path, as far as answers depend on it.
+pub(crate) const CPU_DRIVER: &str = "halfline reference path, f32";
+
 /// The report of a frame; the command line prints it as one JSON object.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Report {

@@ -4,9 +4,11 @@ use crate::certify::stage::Stage;
 use crate::certify::{Certify, VANISH};
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
-use crate::ray::UNSURE;
-use crate::scene::{Scene, Spheres};
+use crate::ray::{UNSURE, positive};
+use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
+use crate::shade::Shade;
 use crate::view::View;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// A pixel that was decided again.
@@ -126,4 +128,29 @@ pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync
         pixels.map(decide).collect::<Vec<_>>()
     };
     Ok((0..record.rows).into_par_iter().flat_map_iter(row).collect())
+}
+
+/// Colours what was settled, from its exact normal.
+pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled], color: &mut [f32]) {
+    for s in settled {
+        let rgb = match &s.truth {
+            None => scene.image.background,
+            Some(truth) => {
+                let own = || scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[truth.id as usize]);
+                match shade {
+                    Shade::Flat => own(),
+                    Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
+                    Shade::Headlight => {
+                        let [row, column] = view.record.place(s.pixel);
+                        let [row, column] = view.record.aim(row, column);
+                        let direction = view.direction(row, column);
+                        let along = view.to_world(direction);
+                        let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();
+                        own().map(|x| positive(cosine as f32) * x)
+                    }
+                }
+            }
+        };
+        color[3 * s.pixel as usize..][..3].copy_from_slice(&rgb);
+    }
 }

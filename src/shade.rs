@@ -4,10 +4,8 @@ use crate::error::Error;
 use crate::intersect::Intersect;
 use crate::ray::{Hit, Ray, dot3, positive, unit3};
 use crate::real::Real;
-use crate::scene::{DEFAULT_COLOR, Scene};
-use crate::settle::Settled;
-use crate::view::{Sphere, View, ViewRecord};
-use glam::DVec3;
+use crate::scene::DEFAULT_COLOR;
+use crate::view::{Sphere, ViewRecord};
 use std::str::FromStr;
 
 /// How a hit becomes a colour.
@@ -97,30 +95,5 @@ impl<R: Real> Surface<'_, R> {
                 self.sphere_color(id).map(|x| cosine * x)
             }
         }
-    }
-}
-
-/// Colours what was settled, from its exact normal.
-pub(crate) fn settled(shade: Shade, scene: &Scene, view: &View, settled: &[Settled], color: &mut [f32]) {
-    for s in settled {
-        let rgb = match &s.truth {
-            None => scene.image.background,
-            Some(truth) => {
-                let own = || scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[truth.id as usize]);
-                match shade {
-                    Shade::Flat => own(),
-                    Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
-                    Shade::Headlight => {
-                        let [row, column] = view.record.place(s.pixel);
-                        let [row, column] = view.record.aim(row, column);
-                        let direction = view.direction(row, column);
-                        let along = view.to_world(direction);
-                        let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();
-                        own().map(|x| positive(cosine as f32) * x)
-                    }
-                }
-            }
-        };
-        color[3 * s.pixel as usize..][..3].copy_from_slice(&rgb);
     }
 }

@@ -6,12 +6,12 @@
 
 use crate::dd;
 use crate::error::{Error, Place as Where, Result};
-use crate::frame::raw::Raw;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, Rays};
 use crate::nearest::{nearest_in, nearest_of};
 use crate::plan::Plan;
+use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, RayRecord, center, dot3, radius};
 use crate::real::Real;
 use crate::render::{Place, Renderer};
@@ -241,7 +241,7 @@ impl Visit for Traced<'_> {
 
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, rays, tree, raw } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_of(kernel.method);
+        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
         let wide = kernel.method.is_wide();
         let moved = |ray: &RayRecord, id: usize| match kernel.rays {
             Rays::Spread if wide => wide_sphere(&spheres[id], ray),

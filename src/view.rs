@@ -5,12 +5,13 @@
 //! square of the kernels in range: one for the rays (the largest of vw/2, vh/2, d lies in [1, 2)) and one for each sphere
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
+mod moved;
+
+pub(crate) use moved::FromEye;
+
 use crate::camera::{Basis, Viewport};
-use crate::dd::{self, Dd, Dd3};
+use crate::dd;
 use crate::error::{Error, Place, Result};
-use crate::exact;
-use crate::intersect::Method;
-use crate::kernel::Kernel;
 use crate::raster::Raster;
 use crate::real::Real;
 use crate::scene::Scene;
@@ -18,6 +19,7 @@ use crate::tile::TILE;
 use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
+use moved::Moved;
 use rayon::prelude::*;
 
 /// The uniform of every kernel; view.wgsl declares it.
@@ -88,6 +90,40 @@ impl ViewRecord {
         let of = |first: u32, count: u32| [first / TILE, (first + count - 1) / TILE];
         [of(self.first_column, self.columns), of(self.first_row, self.rows)]
     }
+
+    /// K, 1 for pixel centres.
+    #[inline(always)]
+    pub(crate) fn fine(&self) -> u32 {
+        self.strata * self.jitter
+    }
+
+    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of pixel/sample.wgsl.
+    #[inline(always)]
+    pub(crate) fn aim(&self, row: u32, column: u32) -> [u32; 2] {
+        if self.fine() == 1 {
+            return [row, column];
+        }
+        let [across, down, ..] = pcg4d([column, row, self.sample, self.seed]);
+        let within = |pixel: u32, stratum: u32, hash: u32| {
+            (pixel * self.strata + stratum) * self.jitter + (hash >> 16 & (self.jitter - 1))
+        };
+        let (i, j) = (self.sample / self.strata, self.sample % self.strata);
+        [within(row, i, down), within(column, j, across)]
+    }
+}
+
+/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques 9(3),
+/// 2020: four numbers of four.
+fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+    let mix = |[x, y, z, w]: [u32; 4]| {
+        let x = x.wrapping_add(y.wrapping_mul(w));
+        let y = y.wrapping_add(z.wrapping_mul(x));
+        let z = z.wrapping_add(x.wrapping_mul(y));
+        let w = w.wrapping_add(y.wrapping_mul(z));
+        [x, y, z, w]
+    };
+    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    mix(mix(v).map(|x| x ^ x >> 16))
 }
 
 /// A sphere as the kernels see it; view.wgsl declares it.
@@ -149,6 +185,17 @@ impl<R: Real> Sphere<R> {
     }
 }
 
+/// Which records of the spheres a view holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Records {
+    /// None: candidate lists have their own.
+    None,
+    /// Rounded to f32.
+    Rounded,
+    /// Rounded to f32, and what rounding took.
+    WithLows,
+}
+
 /// The scene in the canonical camera.
 #[derive(Debug, Clone)]
 pub struct View {
@@ -188,15 +235,16 @@ impl View {
         Ok(view)
     }
 
-    /// The rays of `raster` with what `kernel` reads: no sphere records for one that reads lists, which are made of their
-    /// own, and low parts for a method beyond f32.
-    pub(crate) fn for_kernel(scene: &Scene, raster: Raster, kernel: &Kernel) -> Result<Self> {
+    /// The rays of `raster`, and the spheres in these records.
+    ///
+    /// # Errors
+    /// As [`View::new`].
+    pub(crate) fn for_rays(scene: &Scene, raster: Raster, records: Records) -> Result<Self> {
         let mut view = Self::of_raster(scene, raster)?;
-        if kernel.certify || kernel.tiles {
-            return Ok(view);
+        if records != Records::None {
+            view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         }
-        view.move_world(&scene.spheres.centers, &scene.spheres.radii);
-        if kernel.is_wide() {
+        if records == Records::WithLows {
             view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
         }
         Ok(view)
@@ -261,9 +309,9 @@ impl View {
         Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, parallel: false, unit }
     }
 
-    /// The spheres in the arithmetic of `method`'s twin; one beyond f32 wants the lows kept.
-    pub(crate) fn spheres_of<R: Real>(&self, method: Method) -> Vec<Sphere<R>> {
-        match method.is_wide() {
+    /// The spheres in the arithmetic of a CPU twin, with their low parts where `wide`.
+    pub(crate) fn spheres_in<R: Real>(&self, wide: bool) -> Vec<Sphere<R>> {
+        match wide {
             true => self.spheres.iter().zip(&self.lows).map(|(s, low)| Sphere::whole(s, low)).collect(),
             false => self.spheres.iter().map(Sphere::from).collect(),
         }
@@ -369,72 +417,24 @@ fn parallel_pitch(viewport: &Viewport, width: u32, height: u32, unit: i32) -> [f
     [part(viewport.vw, width), part(viewport.vh, height), 1.0]
 }
 
-/// A sphere as it lies from the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into
-/// [1, 2).
-pub(crate) struct FromEye {
-    /// The exponent that was taken out.
-    pub(crate) k: i32,
-    /// c - e along the axes of the world, exact.
-    pub(crate) offset: Dd3,
-    pub(crate) radius: f64,
-    /// The power of the eye |c - e|^2 - r^2: within 2^-50 of itself, with its exact sign.
-    pub(crate) power: Dd,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl FromEye {
-    /// Least power that double-double tells well enough: it is within 2^-92 of sums below 16.
-    const FAINT: f64 = 1.0 / (1u64 << 42) as f64;
-
-    pub(crate) fn new(eye: DVec3, center: [f64; 3], radius: f64) -> Self {
-        let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
-        let k = dd::exponent(away.iter().fold(radius, |most, x| most.max(x.hi.abs())));
-        // Scaled before anything is multiplied: products of subnormal numbers are no products.
-        let offset = away.map(|x| x.ldexp(-k));
-        let radius_scaled = dd::ldexp(radius, -k);
-        let mut power = dd::dot(offset, offset) - Dd::product(radius_scaled, radius_scaled);
-        if power.hi.abs() < Self::FAINT {
-            power = exact::power(center, eye.to_array(), radius, -k);
+    #[test]
+    fn each_stratum_is_asked_once_everywhere_alike() {
+        let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
+        let mut counts = [0u32; 16];
+        for sample in 0..9 {
+            for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {
+                let [i, j] = ViewRecord { sample, ..record }.aim(row, column);
+                assert_eq!([i / 48, j / 48], [row, column], "within its pixel");
+                assert_eq!([i % 48 / 16, j % 48 / 16], [sample / 3, sample % 3], "within its stratum");
+                counts[(i % 16) as usize] += 1;
+                counts[(j % 16) as usize] += 1;
+            }
         }
-        Self { k, offset, radius: radius_scaled, power }
+        // 180000 in 16 places: 11250 each, with a deviation of 103; five of them.
+        assert!(counts.iter().all(|n| n.abs_diff(11_250) < 515), "{counts:?}");
     }
-}
-
-/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power.
-struct Moved {
-    /// The exponent that was taken out.
-    k: i32,
-    ball: [f64; 4],
-    power: Dd,
-}
-
-impl Moved {
-    fn new(basis: &Basis, center: [f64; 3], radius: f64) -> Self {
-        let FromEye { k, offset, radius, power } = FromEye::new(basis.e, center, radius);
-        let p = DVec3::from_array(offset.map(|x| x.hi));
-        Self { k, ball: [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius], power }
-    }
-
-    fn record(&self, unit: i32) -> SphereRecord {
-        SphereRecord {
-            ball: self.ball.map(|x| x as f32),
-            power: nonzero_f32(self.power.value()),
-            scale: f32::from_bits(((self.k - unit + 127) as u32) << 23),
-            unused: [0.0; 2],
-        }
-    }
-
-    /// What rounding took from `s`, this sphere's record.
-    fn low(&self, s: &SphereRecord) -> SphereLow {
-        SphereLow {
-            ball: std::array::from_fn(|n| (self.ball[n] - f64::from(s.ball[n])) as f32),
-            power: (self.power - Dd::from(f64::from(s.power))).value() as f32,
-            unused: [0.0; 3],
-        }
-    }
-}
-
-/// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
-pub(crate) fn nonzero_f32(x: f64) -> f32 {
-    let rounded = x as f32;
-    if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }
 }

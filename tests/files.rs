@@ -43,8 +43,9 @@ fn frame(buffer: &Buffer) -> Frame {
 
 /// Writes it as a rendering of the scene "s".
 fn write_to(target: &Target, frame: &Frame) -> halfline::Result<()> {
-    let (settings, report, fingerprint) = (Settings::default(), &frame.report, "s".to_owned());
-    target.write(frame, &Origin { fingerprint, settings: &settings, report, window: frame.window, full: frame.full })
+    let (report, fingerprint) = (&frame.report, "s".to_owned());
+    let (tolerance, seed) = (Settings::default().promise().relative(), 0);
+    target.write(frame, &Origin { fingerprint, tolerance, seed, report, window: frame.window, full: frame.full })
 }
 
 fn npy_of(buffer: &Buffer) -> Vec<u8> {

@@ -4,9 +4,9 @@
 mod common;
 
 use common::{cpu, gpu};
+use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::plan::{Explanation, explain};
 use halfline::render::Renderer;
 use halfline::scene::{ReadOptions, Scene};
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
@@ -98,7 +98,7 @@ fn the_frame_is_as_large_as_told() {
             let settings = settings(backend, tolerance, &[Aov::Color, Aov::Position, Aov::Mask]);
             let (plan, frame) = (told(&scene, &settings), renderer.render(&scene, &settings).expect("a frame"));
             let made: Vec<_> = frame.buffers.iter().map(|b| (b.aov.name(), b.data.len() as u64)).collect();
-            let of = |shown: &halfline::plan::Shown| (shown.name, shown.shape.iter().product::<u64>());
+            let of = |shown: &halfline::explain::Shown| (shown.name, shown.shape.iter().product::<u64>());
             assert_eq!(plan.frame.iter().map(of).collect::<Vec<_>>(), made);
             assert!(plan.frame.iter().all(|shown| shown.asked != (shown.name == "id")), "{:?}", plan.frame);
         }

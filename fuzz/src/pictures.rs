@@ -4,9 +4,9 @@ use super::{Allowed, allowed, check_error, desk};
 use halfline::frame::file::Target;
 use halfline::frame::format::Style;
 use halfline::frame::merge::{Mosaic, Tile};
-use halfline::frame::provenance::Origin;
 use halfline::frame::sheet::Sheet;
 use halfline::measure::frames::Frames;
+use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
@@ -58,7 +58,7 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
             let frame = halfline::render(&scene, &settings).expect("a frame");
             let path = folder.join(format!("{side}-{n}.{ending}"));
             let target = Target::new(aovs, &path, Style::default()).expect("a target");
-            target.write(&frame, &Origin::new(&scene, &settings, &frame.report, window)).expect("written");
+            target.write(&frame, &origin(&scene, &settings, &frame.report, window)).expect("written");
             (path, frame.report)
         };
         FORMATS.iter().enumerate().map(write).unzip()
@@ -122,7 +122,7 @@ pub(crate) fn resume(data: &[u8]) -> Allowed {
     fs::write(&found, content).expect("a file of our own");
     let settings = settings(WINDOWS[0], aovs);
     let target = Target::new(aovs, &found, Style::default()).expect("a target");
-    let taken = target.is_there(&Origin::new(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]));
+    let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]));
     let wanted = fs::read(&desk.left[format]).expect("there");
     assert_eq!(taken, content == wanted, "the wanted file and no other is taken");
     allowed(content.len(), PER_BYTE)

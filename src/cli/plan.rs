@@ -3,7 +3,7 @@
 use super::print;
 use super::scene_args::SceneArgs;
 use halfline::error::{Error, Result};
-use halfline::plan::{Binding, Explanation, Part, Room, explain};
+use halfline::explain::{Binding, Explanation, Part, Room, explain};
 use std::fmt::{self, Display};
 use std::process::ExitCode;
 
@@ -55,7 +55,7 @@ impl Display for Words<'_> {
             writeln!(f, "crop       columns {x0} to {x1}, rows {y0} to {y1}, ends excluded: {} rays", e.rays)?;
         }
         if let Some(staged) = e.staged {
-            let halfline::plan::Staged { front, near, unseen } = staged;
+            let halfline::explain::Staged { front, near, unseen } = staged;
             writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can meet and nobody uploads")?;
         }
         if e.samples > 1 {

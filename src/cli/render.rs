@@ -12,7 +12,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::file::Target;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
-use halfline::render::Renderer;
+use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Settings};
@@ -102,7 +102,7 @@ impl Render {
         let settings = &self.asked.settings_for(scene, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.foresee(scene, settings)?;
-            let origin = Origin::new(scene, settings, &report, settings.window_of(scene)?);
+            let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {
                 let which = if self.asked.is_many() { format!("picture {}: ", shot.number) } else { String::new() };
@@ -127,7 +127,7 @@ impl Render {
         }
         frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}")));
         if !targets.is_empty() {
-            write(&frame, &targets, &Origin::new(scene, settings, &frame.report, frame.window))?;
+            write(&frame, &targets, &origin(scene, settings, &frame.report, frame.window))?;
         }
         self.write_legend(shot)?;
         if let Some(preview) = self.preview {

@@ -6,8 +6,8 @@ use crate::certify::near::{near_answer, near_low};
 use crate::certify::stage::Stage;
 use crate::certify::tiles::{NOTHING, NOTHING_MORE};
 use crate::certify::{Answer, BEYOND, Certify, NEAR, Slopes};
-use crate::frame::raw::{Piece, Raw};
 use crate::kernel::Kernel;
+use crate::raw::{Piece, Raw};
 use crate::ray::{NONE, Ray, UNSURE};
 use crate::shade::{Shade, Surface};
 use crate::tile::{CHUNK, TILE};
@@ -337,13 +337,14 @@ mod tests {
         let window = Window::full(136, 77);
         same_as_single::<false>(&scene, Raster::centres(window));
         let settings = Settings { samples: 9, seed: 3, ..Settings::default() };
-        let samples = Raster::samples(window, &settings, &scene.image).expect("room").expect("samples");
+        let samples =
+            Raster::samples(window, settings.samples, settings.seed, &scene.image).expect("room").expect("samples");
         same_as_single::<true>(&scene, samples);
     }
 
     fn same_as_single<const SAMPLED: bool>(scene: &Scene, raster: Raster) {
         let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
-        let mut view = View::for_kernel(scene, raster, &kernel).expect("a view");
+        let mut view = View::for_rays(scene, raster, kernel.records()).expect("a view");
         view.record.sample = raster.count() / 2;
         for level in [0, crate::tile::WHOLE] {
             let stage = Stage::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())

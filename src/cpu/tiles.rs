@@ -1,11 +1,11 @@
 //! Forms by tiles on the CPU path: the twin of shaders/tiles/. The spheres of a tile are moved into the camera as far as
 //! one of its rays asks for them, once for all 64.
 
-use crate::frame::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::listed::Listed;
 use crate::nearest::meet;
+use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
 use crate::shade::Surface;

@@ -3,10 +3,8 @@
 
 use super::Aov;
 use super::format::{BITS, Bits, Format, Style};
-use crate::cpu;
-use crate::report::Report;
-use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::report::{CPU_DRIVER, Report};
+use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
@@ -20,34 +18,24 @@ const PIXELS: &str = "halfline:pixels";
 /// What differs between parts of one rendering.
 const OF_THE_PART: [&str; 2] = [WINDOW, PIXELS];
 
-/// What begins the block of formats that have no room for words: it follows the last number, and whoever reads as many
-/// numbers as the header announces does not see it.
-const TRAILER: &str = "\nhalfline ";
-
 /// No provenance is longer; what a damaged file claims is not believed.
 const LONGEST: usize = 1 << 16;
 
-/// A rendering, as far as its files tell of it.
+/// A rendering, as far as its files tell of it; [`crate::render::origin`] makes it.
 #[derive(Debug)]
 pub struct Origin<'a> {
-    /// [`Scene::fingerprint`].
+    /// [`crate::Scene::fingerprint`].
     pub fingerprint: String,
-    /// What was asked for.
-    pub settings: &'a Settings,
+    /// The promised relative error of certified answers.
+    pub tolerance: f64,
+    /// Chooses the places of samples.
+    pub seed: u32,
     /// Who computed it and how; [`crate::Renderer::foresee`] knows it beforehand.
     pub report: &'a Report,
     /// Which part of the full frame.
     pub window: Window,
     /// W and H of the full frame, pixels.
     pub full: [u32; 2],
-}
-
-impl<'a> Origin<'a> {
-    /// The rendering of `window` of `scene`.
-    pub fn new(scene: &Scene, settings: &'a Settings, report: &'a Report, window: Window) -> Self {
-        let full = [scene.image.width, scene.image.height];
-        Self { fingerprint: scene.fingerprint(), settings, report, window, full }
-    }
 }
 
 /// Keywords and their texts, in the order they were written. Two files that were made alike have equal ones.
@@ -57,24 +45,24 @@ pub struct Provenance(Vec<(String, String)>);
 impl Provenance {
     /// That of a file with these buffers.
     pub(super) fn new(origin: &Origin<'_>, format: Format, aovs: &[Aov], style: &Style) -> Self {
-        let Origin { fingerprint, settings, report, window, full: [width, height] } = origin;
+        let Origin { fingerprint, tolerance, seed, report, window, full: [width, height] } = origin;
         let mut words = Self::default();
         words.set("Software", format!("halfline {}", report.halfline));
         words.set("halfline:scene", fingerprint);
         words.set("halfline:adapter", &report.adapter);
         // However many threads there are, they answer alike.
-        words.set("halfline:driver", if report.backend == "cpu" { cpu::PATH } else { &report.driver });
+        words.set("halfline:driver", if report.backend == "cpu" { CPU_DRIVER } else { &report.driver });
         words.set("halfline:method", report.method);
         words.set("halfline:accuracy", report.accuracy);
         if report.accuracy == "certified" {
-            words.set("halfline:tolerance", format!("{:e}", settings.promise().relative()));
+            words.set("halfline:tolerance", format!("{tolerance:e}"));
         }
         if let (Some(shade), true) = (report.shade, aovs.contains(&Aov::Color)) {
             words.set("halfline:shade", shade);
         }
         if report.samples > 1 && aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha)) {
             words.set("halfline:samples", report.samples);
-            words.set("halfline:seed", settings.seed);
+            words.set("halfline:seed", seed);
         }
         words.set(FRAME, format!("{width}x{height}"));
         words.set(WINDOW, window.to_string());
@@ -187,12 +175,12 @@ impl Provenance {
 
     /// The block behind the last number of a format that has no room for words.
     pub(super) fn trailer(&self) -> String {
-        format!("{TRAILER}{}\n", self.to_json())
+        trailer::of(&self.to_json())
     }
 
     /// What [`Provenance::trailer`] wrote; `None` for anything else.
     pub(crate) fn from_trailer(bytes: &[u8]) -> Option<Self> {
-        let words = Self::from_json(bytes.strip_prefix(TRAILER.as_bytes())?.strip_suffix(b"\n")?);
+        let words = Self::from_json(trailer::json(bytes)?);
         words.filter(|words| words.trailer().as_bytes() == bytes)
     }
 }

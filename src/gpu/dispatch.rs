@@ -1,7 +1,6 @@
 //! One frame on the device: upload, dispatch band by band, read back.
 
 use crate::error::{Error, Result};
-use crate::frame::raw::Raw;
 use crate::gpu::clock::Clock;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
@@ -11,6 +10,7 @@ use crate::gpu::selftest::Verdict;
 use crate::gpu::traffic::{Band, Bands, Entries, Reach, Written, outputs, uploads};
 use crate::kernel::{Kernel, Rays};
 use crate::listed::Asked;
+use crate::raw::Raw;
 use crate::report::Stages;
 use crate::tile::TILE;
 use crate::tree::Tree;

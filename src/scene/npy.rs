@@ -7,9 +7,9 @@ mod records;
 use super::input::{Counts, Input};
 use super::{Spheres, check_color, check_sphere, csv::COLUMNS, relocate};
 use crate::error::{Error, Place, Result};
-use crate::frame::provenance::Provenance;
 use crate::memory::{check_spheres, reserve};
 use crate::progress::Watch;
+use crate::trailer;
 use npyz::{NpyFile, NpyHeader, Order};
 use rayon::prelude::*;
 use std::io::{self, BufRead, Read};
@@ -132,7 +132,7 @@ impl<R: BufRead> Npy<'_, R> {
         let mut rest = Vec::new();
         match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
             // Behind an array of ours stands where it comes from.
-            Ok(_) if rest.is_empty() || Provenance::from_trailer(&rest).is_some() => Ok(()),
+            Ok(_) if rest.is_empty() || trailer::json(&rest).is_some() => Ok(()),
             Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows that the header announces"))),
             Err(e) => Err(Error::read(self.path, e)),
         }

@@ -2,11 +2,11 @@
 //! on the CPU; tests/tree.rs holds trees against all spheres on adapters.
 
 use super::*;
-use crate::frame::raw::Raw;
 use crate::kernel::{Kernel, Rays};
 use crate::measure::suite::Random;
 use crate::memory::Pool;
 use crate::plan::Plan;
+use crate::raw::Raw;
 use crate::scene::Spheres;
 use crate::settings::Settings;
 use crate::trace::{farthest, on_cpu, ray_record};

@@ -105,8 +105,15 @@ pub(crate) fn cut(frame: &Frame, window: Window) -> Frame {
 }
 
 /// Where `frame` comes from: the scene `fingerprint`.
-pub(crate) fn origin<'a>(frame: &'a Frame, settings: &'a Settings, fingerprint: &str) -> Origin<'a> {
-    Origin { fingerprint: fingerprint.into(), settings, report: &frame.report, window: frame.window, full: frame.full }
+pub(crate) fn origin<'a>(frame: &'a Frame, settings: &Settings, fingerprint: &str) -> Origin<'a> {
+    Origin {
+        fingerprint: fingerprint.into(),
+        tolerance: settings.promise().relative(),
+        seed: settings.seed,
+        report: &frame.report,
+        window: frame.window,
+        full: frame.full,
+    }
 }
 
 /// Writes the file of `frame` and reads it back.

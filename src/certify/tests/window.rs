@@ -30,7 +30,7 @@ fn a_windows_lists_are_the_full_frames() {
     for (count, radius, shared) in [(900, 0.2, false), (2600, 1.4, true)] {
         let scene = scene(count, radius);
         let stage = |window: Window| {
-            let view = View::for_kernel(&scene, Raster::centres(window), &kernel).expect("a view");
+            let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
             Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
         };
         let (full, part) = (stage(Window::full(256, 256)), stage(window));

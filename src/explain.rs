@@ -1,7 +1,7 @@
 //! What a scene requires, as an answer: what would be compiled, uploaded and computed, why, and what is left out.
 //! Nothing is rendered and no device is opened.
 
-use super::Plan;
+use crate::budget::Need;
 use crate::certify::stage::Stage;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -12,7 +12,8 @@ use crate::gpu::pace::Pace;
 use crate::gpu::traffic::{Bands, Entries, Reach, outputs, uploads};
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
-use crate::memory::{self, Need, Pool};
+use crate::memory::{self, Pool};
+use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::raster::Raster;
@@ -167,7 +168,8 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
         return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
     }
     let window = settings.window_of(scene)?;
-    let samples = Raster::samples(window, settings, &scene.image)?.filter(|_| plan.sampled.is_some());
+    let samples =
+        Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
     let need = Need::of(&plan, settings, scene, window, found.is_some());
     let free = memory::free(&Pool::default());
     need.check(free)?;

@@ -1,0 +1,135 @@
+//! The buffers that a kernel writes.
+
+use crate::error::Result;
+use crate::kernel::Kernel;
+use crate::memory::Pool;
+use crate::ray::{NONE, Ray};
+use crate::real::Real;
+use crate::settle::Settled;
+use crate::shade::{Shade, Surface};
+
+/// The kernel's own buffers, row by row; those nobody asked for are empty.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Raw {
+    /// Index of the sphere, [`NONE`] on a miss.
+    pub(crate) id: Vec<u32>,
+    /// t in the frame's unit; of a certified kernel, the depth relative to the centre's.
+    pub(crate) t: Vec<f32>,
+    /// What t lacks, where the kernel computes in more than f32; else empty.
+    pub(crate) t_low: Vec<f32>,
+    /// World normals, three numbers each.
+    pub(crate) normal: Vec<f32>,
+    /// Linear RGB.
+    pub(crate) color: Vec<f32>,
+    /// How far the depth may be from the true one, in the frame's unit.
+    pub(crate) width: Vec<f32>,
+}
+
+impl Raw {
+    /// Room for `pixels` answers of `kernel`.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] when the memory cannot be had.
+    pub(crate) fn new(kernel: &Kernel, pixels: usize, pool: &Pool) -> Result<Self> {
+        Ok(Self {
+            id: pool.values(pixels)?,
+            t: pool.values(if kernel.t { pixels } else { 0 })?,
+            t_low: pool.values(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
+            normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
+            color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
+            width: pool.values(if kernel.width { pixels } else { 0 })?,
+        })
+    }
+
+    /// Copies what the device wrote into the buffer of that binding.
+    pub(crate) fn store(&mut self, name: &str, first: usize, pixels: usize, bytes: &[u8]) {
+        let (buffer, channels): (&mut [u8], usize) = match name {
+            "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
+            "frame_width" => (bytemuck::cast_slice_mut(&mut self.width), 1),
+            "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
+            "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
+            "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
+            _ => (bytemuck::cast_slice_mut(&mut self.id), 1),
+        };
+        let size = 4 * channels;
+        buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
+    }
+
+    /// The buffers cut after `first` pixels and then after every `pixels`; those nobody asked for stay empty.
+    pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
+        let mut ts = pieces(&mut self.t, first, pixels);
+        let mut lows = pieces(&mut self.t_low, first, pixels);
+        let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
+        let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
+        let mut widths = pieces(&mut self.width, first, pixels);
+        pieces(&mut self.id, first, pixels).map(move |id| Piece {
+            id,
+            t: ts.next().unwrap_or_default(),
+            t_low: lows.next().unwrap_or_default(),
+            normal: normals.next().unwrap_or_default(),
+            color: colors.next().unwrap_or_default(),
+            width: widths.next().unwrap_or_default(),
+        })
+    }
+
+    /// Ids and normals of what was settled.
+    pub(crate) fn settle(&mut self, settled: &[Settled]) {
+        for s in settled {
+            let pixel = s.pixel as usize;
+            self.id[pixel] = s.truth.map_or(NONE, |truth| truth.id);
+            if let Some(normal) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+                normal.copy_from_slice(&s.truth.map_or([0.0; 3], |truth| truth.normal.map(|x| x as f32)));
+            }
+        }
+    }
+
+    /// Leaves its memory to the next frame.
+    pub(crate) fn give_to(self, pool: &Pool) {
+        pool.give(self.id);
+        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.give(unused));
+    }
+
+    /// t of a hit in all its parts; 0 where nobody asked for it.
+    pub(crate) fn t(&self, pixel: usize) -> f64 {
+        let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
+        part(&self.t) + part(&self.t_low)
+    }
+}
+
+/// The first `first` values, and then `count` at a time. An empty buffer has one piece, and that is empty.
+fn pieces<T>(buffer: &mut [T], first: usize, count: usize) -> impl Iterator<Item = &mut [T]> {
+    let (head, rest) = buffer.split_at_mut(first.min(buffer.len()));
+    std::iter::once(head).chain(rest.chunks_mut(count))
+}
+
+/// Some consecutive pixels of a [`Raw`].
+pub(crate) struct Piece<'a> {
+    pub(crate) id: &'a mut [u32],
+    pub(crate) t: &'a mut [f32],
+    pub(crate) t_low: &'a mut [f32],
+    pub(crate) normal: &'a mut [f32],
+    pub(crate) color: &'a mut [f32],
+    pub(crate) width: &'a mut [f32],
+}
+
+impl Piece<'_> {
+    /// Normal and colour of a pixel by its number here, where they are asked for: frame/normal.wgsl and frame/color.wgsl.
+    /// `normal` is that of the canonical camera at a hit.
+    pub(crate) fn shade<R: Real>(
+        &mut self,
+        pixel: usize,
+        shade: Option<Shade>,
+        surface: &Surface<'_, R>,
+        ray: impl FnOnce() -> Ray<R>,
+        hit: Option<([f32; 3], u32)>,
+    ) {
+        if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
+            out.copy_from_slice(&hit.map_or([0.0; 3], |(normal, _)| surface.to_world(normal)));
+        }
+        if let (Some(shade), Some(out)) = (shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
+            let [red, green, blue, _] = surface.view.background;
+            let rgb = hit.map(|(normal, id)| surface.shade_normal(shade, &ray(), normal, id));
+            out.copy_from_slice(&rgb.unwrap_or([red, green, blue]));
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Means over the samples of each pixel.
+
+use crate::error::Result;
+use crate::memory::Pool;
+use crate::raw::Raw;
+use crate::ray::NONE;
+use rayon::prelude::*;
+
+/// The means over all samples of each pixel.
+#[derive(Debug, Default)]
+pub(crate) struct Means {
+    /// Linear RGB, three numbers a pixel; empty where nobody asked.
+    pub(crate) color: Vec<f32>,
+    /// Share of the samples that hit.
+    pub(crate) alpha: Vec<f32>,
+}
+
+/// Sums over samples. f64 holds the sum of equal colours exactly, so that flat areas keep their colour to the last bit.
+pub(crate) struct Sums {
+    color: Vec<f64>,
+    hits: Vec<u32>,
+}
+
+impl Sums {
+    /// Zeros for so many pixels, with colour or without.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limits`] when the memory cannot be had.
+    pub(crate) fn new(pixels: usize, color: bool, pool: &Pool) -> Result<Self> {
+        let mut sums = Self { color: pool.values(if color { 3 * pixels } else { 0 })?, hits: pool.values(pixels)? };
+        sums.color.fill(0.0);
+        sums.hits.fill(0);
+        Ok(sums)
+    }
+
+    /// Adds one sample of every pixel.
+    pub(crate) fn add(&mut self, raw: &Raw) {
+        self.color.par_iter_mut().zip(&raw.color).for_each(|(sum, x)| *sum += f64::from(*x));
+        self.hits.par_iter_mut().zip(&raw.id).for_each(|(hits, id)| *hits += u32::from(*id != NONE));
+    }
+
+    /// The means of `count` samples.
+    pub(crate) fn means(self, count: u32, pool: &Pool) -> Means {
+        let count = f64::from(count);
+        let means = Means {
+            color: self.color.par_iter().map(|sum| (sum / count) as f32).collect(),
+            alpha: self.hits.par_iter().map(|hits| (f64::from(*hits) / count) as f32).collect(),
+        };
+        pool.give(self.color);
+        pool.give(self.hits);
+        means
+    }
+}

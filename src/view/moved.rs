@@ -1,0 +1,77 @@
+//! One sphere moved into the canonical camera.
+
+use super::{SphereLow, SphereRecord};
+use crate::camera::Basis;
+use crate::dd::{self, Dd, Dd3};
+use crate::exact;
+use glam::DVec3;
+
+/// A sphere as it lies from the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into
+/// [1, 2).
+pub(crate) struct FromEye {
+    /// The exponent that was taken out.
+    pub(crate) k: i32,
+    /// c - e along the axes of the world, exact.
+    pub(crate) offset: Dd3,
+    pub(crate) radius: f64,
+    /// The power of the eye |c - e|^2 - r^2: within 2^-50 of itself, with its exact sign.
+    pub(crate) power: Dd,
+}
+
+impl FromEye {
+    /// Least power that double-double tells well enough: it is within 2^-92 of sums below 16.
+    const FAINT: f64 = 1.0 / (1u64 << 42) as f64;
+
+    pub(crate) fn new(eye: DVec3, center: [f64; 3], radius: f64) -> Self {
+        let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
+        let k = dd::exponent(away.iter().fold(radius, |most, x| most.max(x.hi.abs())));
+        // Scaled before anything is multiplied: products of subnormal numbers are no products.
+        let offset = away.map(|x| x.ldexp(-k));
+        let radius_scaled = dd::ldexp(radius, -k);
+        let mut power = dd::dot(offset, offset) - Dd::product(radius_scaled, radius_scaled);
+        if power.hi.abs() < Self::FAINT {
+            power = exact::power(center, eye.to_array(), radius, -k);
+        }
+        Self { k, offset, radius: radius_scaled, power }
+    }
+}
+
+/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power.
+pub(super) struct Moved {
+    /// The exponent that was taken out.
+    k: i32,
+    ball: [f64; 4],
+    power: Dd,
+}
+
+impl Moved {
+    pub(super) fn new(basis: &Basis, center: [f64; 3], radius: f64) -> Self {
+        let FromEye { k, offset, radius, power } = FromEye::new(basis.e, center, radius);
+        let p = DVec3::from_array(offset.map(|x| x.hi));
+        Self { k, ball: [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius], power }
+    }
+
+    pub(super) fn record(&self, unit: i32) -> SphereRecord {
+        SphereRecord {
+            ball: self.ball.map(|x| x as f32),
+            power: nonzero_f32(self.power.value()),
+            scale: f32::from_bits(((self.k - unit + 127) as u32) << 23),
+            unused: [0.0; 2],
+        }
+    }
+
+    /// What rounding took from `s`, this sphere's record.
+    pub(super) fn low(&self, s: &SphereRecord) -> SphereLow {
+        SphereLow {
+            ball: std::array::from_fn(|n| (self.ball[n] - f64::from(s.ball[n])) as f32),
+            power: (self.power - Dd::from(f64::from(s.power))).value() as f32,
+            unused: [0.0; 3],
+        }
+    }
+}
+
+/// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
+fn nonzero_f32(x: f64) -> f32 {
+    let rounded = x as f32;
+    if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }
+}
