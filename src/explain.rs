@@ -1,12 +1,12 @@
 //! What a scene requires, as an answer: what would be compiled, uploaded and computed, why, and what is left out.
-//! Nothing is rendered and no device is opened.
+//! Nothing is rendered.
 
 use crate::budget::Need;
 use crate::certify::stage::Stage;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::Aov;
+use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
-use crate::gpu::device::{self, AdapterSummary, Found};
 use crate::gpu::dispatch::Input;
 use crate::gpu::pace::Pace;
 use crate::gpu::traffic::{Bands, Entries, Reach, outputs, uploads};
@@ -17,6 +17,7 @@ use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::raster::Raster;
+use crate::render::{Place, Rays, Renderer};
 use crate::report::Stages;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Backend, Settings};
@@ -83,6 +84,8 @@ pub struct Explanation {
     pub frame: Vec<Shown>,
     /// What is not needed, and why.
     pub left_out: Vec<LeftOut>,
+    /// Why another adapter or the CPU path is taken than the one that would be expected.
+    pub warnings: Vec<String>,
 }
 
 /// Spheres by what becomes of them.
@@ -154,84 +157,83 @@ pub struct LeftOut {
 /// Explains what `scene` requires on the adapter that `settings` choose, or on the CPU path if there is none.
 ///
 /// # Errors
-/// [`crate::Error::Adapter`] where rendering would find none, else those of [`Plan::new`] and [`crate::view::View::new`].
+/// As [`Renderer::explain`].
 pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
-    scene.check()?;
-    let found = adapter(settings)?;
-    let summary = found.as_ref().map(|found| &found.summary);
-    // What only an open device can tell is not asked: those methods are never the cheapest.
-    let plan = Plan::new(scene, settings, &mut |method| summary.is_none() || !method.is_wide())?;
-    if let (Some(summary), Method::Native64, Accuracy::Fast) = (summary, plan.kernel.method, plan.accuracy)
-        && !summary.f64
-    {
-        let problem = format!("method f64 cannot run on {}: it has no f64 in shaders", summary.name);
-        return Err(Error::Accuracy { problem, mend: "leave out --method, or use --backend cpu".into() });
-    }
-    let window = settings.window_of(scene)?;
-    let samples =
-        Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
-    let need = Need::of(&plan, settings, scene, window, found.is_some());
-    let free = memory::free(&Pool::default());
-    need.check(free)?;
-    let prepared =
-        Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
-    let Prepared { plan, view, stage } = &prepared;
-    let kernel = Kernel { sharing: summary.map_or(Sharing::None, AdapterSummary::sharing), ..plan.kernel };
-    let predicted = match plan.accuracy {
-        Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(view, scene, kernel.method)),
-        _ => None,
-    };
-    let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
-    let on_device = found.as_ref().filter(|_| traced);
-    let mut work = on_device
-        .map(|found| Work::of(&kernel.with_nears(prepared.has_nears()), &prepared, scene, found))
-        .unwrap_or_default();
-    if let (Some(raster), Some(sampled), Some(found)) = (samples, plan.sampled, on_device) {
-        let plan = Plan { kernel: Kernel { sharing: kernel.sharing, ..sampled }, ..plan.clone() };
-        let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
-        let kernel = passes.plan.kernel.with_nears(passes.has_nears());
-        work.add(Work::of(&kernel, &passes, scene, found), raster.count());
-    }
-    Ok(Explanation {
-        schema: "halfline-plan",
-        version: 1,
-        halfline: env!("CARGO_PKG_VERSION"),
-        spheres: scene.spheres.len() as u64,
-        skipped: scene.skipped.total(),
-        size: [view.record.width, view.record.height],
-        window: [window.x0, window.y0, window.x1, window.y1],
-        rays: view.record.pixels() as u64,
-        samples: samples.map_or(1, |raster| raster.count()),
-        backend: if found.is_some() { "gpu" } else { "cpu" },
-        adapter: summary.map_or_else(|| crate::cpu::NAME.to_owned(), |summary| summary.name.clone()),
-        accuracy: plan.accuracy.name(),
-        method: plan.method,
-        precision: precision(plan, traced),
-        tolerance: settings.promise().relative(),
-        predicted,
-        search: plan.search.name(),
-        search_reason: plan.search_reason.to_owned(),
-        staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
-        frame: frame(settings, [window.width(), window.height()]),
-        left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
-        reason: plan.reason.clone(),
-        kernel: work.kernel,
-        uploaded: work.uploaded,
-        written: work.written,
-        dispatches: work.dispatches,
-        room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
-    })
+    Renderer::new(settings)?.explain(scene, settings)
 }
 
-/// The adapter that rendering would take, unopened.
-fn adapter(settings: &Settings) -> Result<Option<Found>> {
-    if settings.backend == Backend::Cpu {
-        return Ok(None);
+impl Renderer {
+    /// Explains what rendering `scene` would do here. It takes the decisions of [`Renderer::render`], the self-test of the
+    /// adapter's arithmetic among them, and traces no ray.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`] that need no ray.
+    pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
+        let explained = |this: &mut Self, plan: Plan, rays: Rays| this.explanation(plan, rays, scene, settings);
+        let (mut explanation, doubt) = self.planned(scene, settings, explained)?;
+        explanation.warnings.extend(doubt);
+        Ok(explanation)
     }
-    let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
-    match device::choose(device::find()?, named.as_deref())? {
-        None if settings.backend == Backend::Gpu => Err(device::none_found()),
-        found => Ok(found),
+
+    /// What is done of this plan, where it was decided to do it.
+    fn explanation(&self, plan: Plan, rays: Rays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
+        let Rays { window, samples } = rays;
+        let gpu = match &self.place {
+            Place::Gpu(gpu) => Some(&**gpu),
+            Place::Cpu => None,
+        };
+        let need = Need::of(&plan, settings, scene, window, gpu.is_some());
+        let free = memory::free(&self.pool);
+        let prepared =
+            Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
+        let Prepared { plan, view, stage } = &prepared;
+        let sharing = gpu.map_or(Sharing::None, |gpu| gpu.summary.sharing());
+        let kernel = Kernel { sharing, ..plan.kernel };
+        let predicted = match plan.accuracy {
+            Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(view, scene, kernel.method)),
+            _ => None,
+        };
+        let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
+        let on_device = gpu.filter(|_| traced);
+        let mut work = on_device
+            .map(|gpu| Work::of(&kernel.with_nears(prepared.has_nears()), &prepared, scene, gpu))
+            .unwrap_or_default();
+        if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
+            let plan = Plan { kernel: Kernel { sharing, ..sampled }, ..plan.clone() };
+            let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
+            let kernel = passes.plan.kernel.with_nears(passes.has_nears());
+            work.add(Work::of(&kernel, &passes, scene, gpu), raster.count());
+        }
+        Ok(Explanation {
+            schema: "halfline-plan",
+            version: 1,
+            halfline: env!("CARGO_PKG_VERSION"),
+            spheres: scene.spheres.len() as u64,
+            skipped: scene.skipped.total(),
+            size: [view.record.width, view.record.height],
+            window: [window.x0, window.y0, window.x1, window.y1],
+            rays: view.record.pixels() as u64,
+            samples: samples.map_or(1, |raster| raster.count()),
+            backend: if gpu.is_some() { "gpu" } else { "cpu" },
+            adapter: self.adapter().to_owned(),
+            accuracy: plan.accuracy.name(),
+            method: plan.method,
+            precision: precision(plan, traced),
+            tolerance: settings.promise().relative(),
+            predicted,
+            search: plan.search.name(),
+            search_reason: plan.search_reason.to_owned(),
+            staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
+            frame: frame(settings, [window.width(), window.height()]),
+            left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
+            reason: plan.reason.clone(),
+            warnings: self.passed_over().to_vec(),
+            kernel: work.kernel,
+            uploaded: work.uploaded,
+            written: work.written,
+            dispatches: work.dispatches,
+            room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
+        })
     }
 }
 
@@ -246,7 +248,7 @@ struct Work {
 }
 
 impl Work {
-    fn of(kernel: &Kernel, prepared: &Prepared, scene: &Scene, found: &Found) -> Self {
+    fn of(kernel: &Kernel, prepared: &Prepared, scene: &Scene, gpu: &Gpu) -> Self {
         let pool = Pool::default();
         let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
@@ -256,7 +258,7 @@ impl Work {
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
         let written = outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
-        let reach = Reach::from(&found.adapter.limits());
+        let reach = Reach::from(&gpu.limits);
         let mut cut = Bands::new(kernel, &input, reach);
         let bands: Vec<_> = std::iter::from_fn(|| cut.next(&Pace::default())).collect();
         if let Some(asked) = stage {

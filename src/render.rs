@@ -234,7 +234,7 @@ impl Renderer {
     }
 
     /// Lets `work` happen as planned, where it may: on the CPU path if the adapter may not certify, with a warning.
-    fn planned<T>(
+    pub(crate) fn planned<T>(
         &mut self,
         scene: &Scene,
         settings: &Settings,
@@ -424,10 +424,10 @@ impl Renderer {
 
 /// Which rays a frame asks.
 #[derive(Clone, Copy)]
-struct Rays {
-    window: Window,
+pub(crate) struct Rays {
+    pub(crate) window: Window,
     /// Where colour and alpha are means.
-    samples: Option<Raster>,
+    pub(crate) samples: Option<Raster>,
 }
 
 /// Hits in the buffer of ids; 0 in any other.
@@ -529,6 +529,9 @@ mod tests {
         let report = renderer.render(&scene, &auto).expect("a frame").report;
         assert_eq!((report.backend, report.accuracy), ("cpu", "certified"));
         assert!(report.warnings.iter().any(|w| w.contains("self-test")), "{:?}", report.warnings);
+        let plan = renderer.explain(&scene, &auto).expect("a plan");
+        assert_eq!((plan.backend, plan.accuracy, &plan.warnings), ("cpu", "certified", &report.warnings));
+        assert!(matches!(renderer.explain(&scene, &gpu), Err(Error::Accuracy { .. })), "as rendering does");
         let fast = Settings { accuracy: Accuracy::Fast, ..gpu };
         assert_eq!(renderer.render(&scene, &fast).expect("a frame").report.backend, "gpu", "fast promises nothing");
     }

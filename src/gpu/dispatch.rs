@@ -26,7 +26,7 @@ pub(crate) const GROUP: u32 = 64;
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
     pub(super) open: device::Open,
-    pub(super) limits: wgpu::Limits,
+    pub(crate) limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
     clock: Option<Clock>,
