@@ -3,7 +3,7 @@
 
 use crate::budget::Need;
 use crate::certify::stage::Stage;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
@@ -84,7 +84,7 @@ pub struct Explanation {
     pub frame: Vec<Shown>,
     /// What is not needed, and why.
     pub left_out: Vec<LeftOut>,
-    /// Why another adapter or the CPU path is taken than the one that would be expected.
+    /// What to be careful about, as the report of the frame will say, as far as it is known before a ray is traced.
     pub warnings: Vec<String>,
 }
 
@@ -162,6 +162,14 @@ pub fn explain(scene: &Scene, settings: &Settings) -> Result<Explanation> {
     Renderer::new(settings)?.explain(scene, settings)
 }
 
+/// The WGSL that `scene` requires, as [`Renderer::wgsl`].
+///
+/// # Errors
+/// As [`Renderer::wgsl`].
+pub fn wgsl(scene: &Scene, settings: &Settings) -> Result<String> {
+    Renderer::new(settings)?.wgsl(scene, settings)
+}
+
 impl Renderer {
     /// Explains what rendering `scene` would do here. It takes the decisions of [`Renderer::render`], the self-test of the
     /// adapter's arithmetic among them, and traces no ray.
@@ -173,6 +181,33 @@ impl Renderer {
         let (mut explanation, doubt) = self.planned(scene, settings, explained)?;
         explanation.warnings.extend(doubt);
         Ok(explanation)
+    }
+
+    /// The WGSL that would be compiled here for the pixels of `scene`, the name of its file above each part. On the CPU path it
+    /// is what an adapter would get that does not share loads.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
+    pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
+        let composed = |this: &mut Self, plan: Plan, rays: Rays| {
+            let raster = Raster::centres(rays.window);
+            let prepared = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
+            if !prepared.is_traced() {
+                let problem = "these answers are made in exact arithmetic on the CPU: there is no kernel";
+                return Err(Error::settings(problem, "use another --accuracy or camera"));
+            }
+            Ok(compose(&this.kernel_of(&prepared)).with_banners())
+        };
+        self.planned(scene, settings, composed).map(|(text, _)| text)
+    }
+
+    /// The kernel of a frame, where it is computed.
+    fn kernel_of(&self, prepared: &Prepared) -> Kernel {
+        let sharing = match &self.place {
+            Place::Gpu(gpu) => gpu.summary.sharing(),
+            Place::Cpu => Sharing::None,
+        };
+        Kernel { sharing, ..prepared.plan.kernel }.with_nears(prepared.has_nears())
     }
 
     /// What is done of this plan, where it was decided to do it.
@@ -187,22 +222,16 @@ impl Renderer {
         let prepared =
             Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
         let Prepared { plan, view, stage } = &prepared;
-        let sharing = gpu.map_or(Sharing::None, |gpu| gpu.summary.sharing());
-        let kernel = Kernel { sharing, ..plan.kernel };
-        let predicted = match plan.accuracy {
-            Accuracy::Fast => plan.predicted.or_else(|| Prediction::of_view(view, scene, kernel.method)),
-            _ => None,
-        };
-        let traced = plan.accuracy == Accuracy::Fast || stage.is_some();
-        let on_device = gpu.filter(|_| traced);
-        let mut work = on_device
-            .map(|gpu| Work::of(&kernel.with_nears(prepared.has_nears()), &prepared, scene, gpu))
-            .unwrap_or_default();
+        let kernel = self.kernel_of(&prepared);
+        let predicted = prepared.predicted(scene);
+        let mut warnings = self.passed_over().to_vec();
+        warnings.extend(prepared.warnings(scene, settings, predicted));
+        let on_device = gpu.filter(|_| prepared.is_traced());
+        let mut work = on_device.map(|gpu| Work::of(&kernel, &prepared, scene, gpu)).unwrap_or_default();
         if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
-            let plan = Plan { kernel: Kernel { sharing, ..sampled }, ..plan.clone() };
+            let plan = Plan { kernel: sampled, ..plan.clone() };
             let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
-            let kernel = passes.plan.kernel.with_nears(passes.has_nears());
-            work.add(Work::of(&kernel, &passes, scene, gpu), raster.count());
+            work.add(Work::of(&self.kernel_of(&passes), &passes, scene, gpu), raster.count());
         }
         Ok(Explanation {
             schema: "halfline-plan",
@@ -218,7 +247,7 @@ impl Renderer {
             adapter: self.adapter().to_owned(),
             accuracy: plan.accuracy.name(),
             method: plan.method,
-            precision: precision(plan, traced),
+            precision: precision(plan, prepared.is_traced()),
             tolerance: settings.promise().relative(),
             predicted,
             search: plan.search.name(),
@@ -227,7 +256,7 @@ impl Renderer {
             frame: frame(settings, [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
-            warnings: self.passed_over().to_vec(),
+            warnings,
             kernel: work.kernel,
             uploaded: work.uploaded,
             written: work.written,

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::plan::Plan;
+use crate::predict::Prediction;
 use crate::raster::Raster;
 use crate::report::Stages;
 use crate::scene::Scene;
@@ -55,6 +56,31 @@ impl Prepared {
         let (stage, kernel) = (self.stage.as_ref()?, &self.plan.kernel);
         let listed = || Listed::new(&self.view, &scene.spheres, stage, kernel.is_wide(), pool);
         Some(if kernel.certify { Asked::Certified(stage) } else { Asked::Form(listed()) })
+    }
+
+    /// Whether a kernel or its twin runs: not for exact answers, nor where f32 cannot bound the lens.
+    pub(crate) fn is_traced(&self) -> bool {
+        self.plan.accuracy == Accuracy::Fast || self.stage.is_some()
+    }
+
+    /// What rounding can do at worst; `None` where answers are certified.
+    pub(crate) fn predicted(&self, scene: &Scene) -> Option<Prediction> {
+        let of_view = || Prediction::of_view(&self.view, scene, self.plan.kernel.method);
+        (self.plan.accuracy == Accuracy::Fast).then(|| self.plan.predicted.or_else(of_view)).flatten()
+    }
+
+    /// What is to be careful about, as far as it is known before a ray is traced.
+    pub(crate) fn warnings(&self, scene: &Scene, settings: &Settings, predicted: Option<Prediction>) -> Vec<String> {
+        let plan = &self.plan;
+        let mut warnings = scene.skipped.warnings();
+        warnings.extend(predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
+        if scene.spheres.is_empty() {
+            warnings.push("the scene has 0 spheres: the picture is background".into());
+        }
+        if settings.search == Search::Tiles && plan.search == Search::All {
+            warnings.push(plan.search_reason.into());
+        }
+        warnings
     }
 
     /// Whether some spheres of a certified frame are not wholly in front of the eye plane.

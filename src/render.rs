@@ -17,14 +17,13 @@ use crate::kernel::Kernel;
 use crate::listed::Asked;
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
-use crate::predict::Prediction;
 use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::raster::Raster;
 use crate::raw::Raw;
 use crate::report::{Report, Stages, milliseconds};
 use crate::scene::{Scene, point};
-use crate::settings::{Accuracy, Backend, Search, Settings};
+use crate::settings::{Accuracy, Backend, Settings};
 use crate::settle::{self, Settled};
 use crate::window::Window;
 use glam::DVec3;
@@ -312,9 +311,7 @@ impl Renderer {
         let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
         let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
-            Accuracy::Fast => plan
-                .predicted
-                .or_else(|| stages.time("predict", || Prediction::of_view(view, scene, plan.kernel.method))),
+            Accuracy::Fast => stages.time("predict", || prepared.predicted(scene)),
             _ => None,
         };
         let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
@@ -328,15 +325,8 @@ impl Renderer {
         report.certified = prepared.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings.extend(warnings(
-            scene,
-            settings.window,
-            report.hits,
-            predicted.and_then(|predicted| predicted.warning(plan.kernel.method)),
-        ));
-        if settings.search == Search::Tiles && plan.search == Search::All {
-            report.warnings.push(plan.search_reason.into());
-        }
+        report.warnings.extend(prepared.warnings(scene, settings, predicted));
+        report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
         report.stages_ms = stages.into_map();
         report.frame_ms = vec![milliseconds(start)];
         report.kernel_ms = kernel_ms.into_iter().collect();
@@ -380,7 +370,7 @@ impl Renderer {
         let watch = self.watch.clone();
         let (view, stage) = (&prepared.view, prepared.certified());
         let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
-        let (settled, doing) = if stage.is_some() || prepared.plan.accuracy == Accuracy::Fast {
+        let (settled, doing) = if prepared.is_traced() {
             self.trace_frame(prepared, scene, raw, stages)?;
             let Some(stage) = stage else { return Ok(Vec::new()) };
             let unsure = stages.time("settle", || settle::unsure(&raw.id));
@@ -449,30 +439,24 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
     }
 }
 
-/// What the picture does not show by itself.
-fn warnings(scene: &Scene, window: Option<Window>, hits: u64, expected: Option<String>) -> Vec<String> {
-    let mut warnings = scene.skipped.warnings();
-    warnings.extend(expected);
-    if scene.spheres.is_empty() {
-        warnings.push("the scene has 0 spheres: the picture is background".into());
-    } else if hits == 0 {
-        let spheres = match scene.spheres.len() {
-            1 => "the 1 sphere".to_owned(),
-            n => format!("any of the {n} spheres"),
-        };
-        let ray = window.map_or("ray".to_owned(), |window| format!("ray of the crop {window}"));
-        let looks = match scene.camera.look {
-            Look::At(at) => format!("at {}", point(at)),
-            Look::View(view) => format!("along {}", point(view)),
-        };
-        warnings.push(format!(
-            "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; {}",
-            point(scene.camera.eye),
-            scene.spheres.extent(),
-            slips_through(scene).unwrap_or_else(|| "--fit frames them".into())
-        ));
-    }
-    warnings
+/// Why no ray hits a sphere, and what would show one; `None` without spheres.
+fn missed(scene: &Scene, window: Option<Window>) -> Option<String> {
+    let spheres = match scene.spheres.len() {
+        0 => return None,
+        1 => "the 1 sphere".to_owned(),
+        n => format!("any of the {n} spheres"),
+    };
+    let ray = window.map_or("ray".to_owned(), |window| format!("ray of the crop {window}"));
+    let looks = match scene.camera.look {
+        Look::At(at) => format!("at {}", point(at)),
+        Look::View(view) => format!("along {}", point(view)),
+    };
+    Some(format!(
+        "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; {}",
+        point(scene.camera.eye),
+        scene.spheres.extent(),
+        slips_through(scene).unwrap_or_else(|| "--fit frames them".into())
+    ))
 }
 
 /// How small the spheres in view are and what would show them, where that is why no ray meets one: a disc that is sqrt(2)

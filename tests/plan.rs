@@ -208,6 +208,94 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// What `plan` says is what `render` does: place, accuracy, method, search, samples and reasons, in every combination.
+#[test]
+fn what_is_planned_is_what_is_rendered() {
+    let mut parallel = weekend();
+    parallel.camera.lens = halfline::Lens::Orthographic { height: 5.0 };
+    let mut wide = weekend();
+    wide.camera.lens = halfline::Lens::Vfov { degrees: 179.999_999, distance: 1.0 };
+    let mut compared = 0;
+    for (backend, mut renderer) in renderers() {
+        for mut scene in [weekend(), scene(), parallel.clone(), wide.clone()] {
+            (scene.image.width, scene.image.height) = (24, 16);
+            let crop = halfline::Window { x0: 3, y0: 2, x1: 19, y1: 11 };
+            let asked = [Accuracy::Auto, Accuracy::Fast, Accuracy::Certified, Accuracy::Exact].map(|a| (a, None));
+            let methods = Method::ALL.iter().map(|method| (Accuracy::Auto, Some(*method)));
+            for (accuracy, method) in asked.into_iter().chain(methods) {
+                for search in [Search::Auto, Search::All, Search::Tiles] {
+                    for (aovs, samples, window) in [
+                        (&[Aov::Color][..], 1, None),
+                        (&[Aov::Color, Aov::Distance, Aov::Bound], 4, None),
+                        (&[Aov::Normal, Aov::Color], 2, Some(crop)),
+                    ] {
+                        let settings = Settings {
+                            backend,
+                            accuracy,
+                            method,
+                            search,
+                            samples,
+                            window,
+                            aovs: aovs.to_vec(),
+                            ..Settings::default()
+                        };
+                        let planned = renderer.explain(&scene, &settings).map(|plan| {
+                            let of_plan =
+                                (plan.backend, plan.adapter, plan.accuracy, plan.method, plan.search, plan.reason);
+                            (of_plan, plan.samples, plan.rays, plan.spheres, plan.predicted, plan.warnings)
+                        });
+                        let rendered = renderer.render(&scene, &settings).map(|frame| {
+                            let mut r = frame.report;
+                            // Only rendering finds out that nothing is hit.
+                            r.warnings.retain(|warning| !warning.contains(" hits "));
+                            let of_frame = (r.backend, r.adapter, r.accuracy, r.method, r.search, r.reason);
+                            (of_frame, r.samples, r.rays, r.spheres, r.predicted, r.warnings)
+                        });
+                        let [planned, rendered] = [planned, rendered].map(|r| r.map_err(|error| error.to_string()));
+                        assert_eq!(planned, rendered, "{settings:?}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{compared} plans are what was rendered");
+}
+
+/// The printed shader is whole: it is valid WGSL, and its banners are the files that the plan names.
+#[test]
+fn the_shader_is_printed_whole() {
+    let colored = [Aov::Color, Aov::Distance, Aov::Id];
+    let settings = |backend, method: Option<Method>, aovs: &[Aov]| Settings {
+        backend,
+        method,
+        aovs: aovs.to_vec(),
+        ..Settings::default()
+    };
+    let methods = Method::ALL.iter().filter(|method| !["f64", "double-float"].contains(&method.name()));
+    let asked = methods.map(|method| Some(*method)).chain([None]);
+    for (method, (backend, mut renderer)) in asked.flat_map(|method| renderers().into_iter().map(move |r| (method, r)))
+    {
+        for aovs in [&colored[..], &[Aov::Id], &[Aov::Normal, Aov::Bound]] {
+            let (scene, settings) = (weekend(), settings(backend, method, aovs));
+            let text = renderer.wgsl(&scene, &settings).expect("a kernel");
+            let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            let (flags, all) = (naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+            naga::valid::Validator::new(flags, all).validate(&module).expect("valid WGSL");
+            let banners: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("// ======== shaders/")).collect();
+            let files: Vec<_> = renderer.explain(&scene, &settings).expect("a plan").kernel;
+            let files: Vec<_> = files.iter().map(|part| format!("{} ========", part.file)).collect();
+            assert!(banners.len() > 5 && (files.is_empty() || banners == files), "{banners:?} {files:?}");
+        }
+    }
+    let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
+    let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
+    assert!(error.contains("no kernel"), "{error}");
+    let said = run(&["plan", "scenes/weekend.toml", "--aov", "depth=z.npy", "--wgsl"], &NO_ADAPTER);
+    assert!(said.status.success(), "{}", text(&said.stderr));
+    naga::front::wgsl::parse_str(&text(&said.stdout)).expect("WGSL");
+}
+
 const NO_ADAPTER: [(&str, &str); 2] = [("VK_DRIVER_FILES", "no-such-driver.json"), ("WGPU_BACKEND", "vulkan")];
 
 #[test]

@@ -1,9 +1,9 @@
 //! `halfline plan SCENE`.
 
-use super::print;
 use super::scene_args::SceneArgs;
+use super::{print, say};
 use halfline::error::{Error, Result};
-use halfline::explain::{Binding, Explanation, Part, Room, explain};
+use halfline::explain::{Binding, Explanation, Part, Room, explain, wgsl};
 use std::fmt::{self, Display};
 use std::process::ExitCode;
 
@@ -14,6 +14,7 @@ use std::process::ExitCode;
 /// Examples:
 ///   halfline plan scenes/weekend.toml -o weekend.png --aov distance=t.npy
 ///   halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
+///   halfline plan scenes/weekend.toml --aov depth=z.npy --wgsl
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct Plan {
@@ -22,6 +23,9 @@ pub(crate) struct Plan {
     /// Prints one JSON object on standard output.
     #[arg(long)]
     json: bool,
+    /// Prints the whole compute shader, with the name of its file above each part.
+    #[arg(long, conflicts_with = "json")]
+    wgsl: bool,
 }
 
 impl Plan {
@@ -29,7 +33,12 @@ impl Plan {
         let targets = self.asked.files.targets(1)?;
         let scene = self.asked.scene()?;
         let settings = self.asked.settings_for(&scene, &self.asked.settings(&targets), &targets)?;
+        if self.wgsl {
+            print(&wgsl(&scene, &settings)?)?;
+            return Ok(ExitCode::SUCCESS);
+        }
         let told = explain(&scene, &settings)?;
+        told.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,
             false => Words(&told).to_string(),

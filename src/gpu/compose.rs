@@ -44,6 +44,18 @@ impl Source {
         self.starts.iter().zip(ends).map(|((first, name), end)| (*name, end - first)).collect()
     }
 
+    /// The whole, with the name of its file above each part; still WGSL.
+    pub(crate) fn with_banners(&self) -> String {
+        let mut lines = self.text.lines();
+        let mut text = String::new();
+        for (name, count) in self.parts() {
+            text.push_str(&format!("// ======== shaders/{name} ========\n\n"));
+            lines.by_ref().take(count).for_each(|line| text.extend([line, "\n"]));
+            text.push('\n');
+        }
+        text
+    }
+
     /// `shaders/FILE:LINE` of a line of the whole, both from 1.
     pub(crate) fn place(&self, line: usize) -> String {
         let (first, name) = self.starts.iter().rfind(|(first, _)| *first <= line).copied().unwrap_or((1, "?"));
