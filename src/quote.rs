@@ -26,7 +26,7 @@ pub fn shortened(text: &str, longest: usize) -> Quote<'_> {
     Quote { text: text.as_bytes(), longest, mark: "" }
 }
 
-/// Names between commas: the first [`LISTED`] of them, and how many more there are.
+/// Names between commas: the first `LISTED` of them, and how many more there are.
 pub fn list<T: AsRef<[u8]>>(names: impl IntoIterator<Item = T>) -> String {
     let mut names = names.into_iter();
     let mut shown: Vec<String> = names.by_ref().take(LISTED).map(|name| unquoted(&name).to_string()).collect();
