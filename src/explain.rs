@@ -1,5 +1,4 @@
-//! What a scene requires, as an answer: what would be compiled, uploaded and computed, why, and what is left out.
-//! Nothing is rendered.
+//! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. Nothing is rendered.
 
 use crate::budget::Need;
 use crate::certify::stage::Stage;
@@ -67,7 +66,7 @@ pub struct Explanation {
     pub search: &'static str,
     /// Why so.
     pub search_reason: String,
-    /// How the spheres are binned into tiles; `None` where all are asked.
+    /// How the spheres are binned into tiles; `None` where every ray tests all of them.
     pub staged: Option<Staged>,
     /// The files that make up the kernel, in their order; empty where no kernel runs.
     pub kernel: Vec<Part>,
@@ -84,7 +83,7 @@ pub struct Explanation {
     pub frame: Vec<Shown>,
     /// What is not needed, and why.
     pub left_out: Vec<LeftOut>,
-    /// What to be careful about, as the report of the frame will say, as far as it is known before a ray is traced.
+    /// The warnings of the frame's report, as far as they are known before a ray is traced.
     pub warnings: Vec<String>,
 }
 
@@ -363,7 +362,7 @@ fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
     Aov::ALL.iter().filter_map(shown).collect()
 }
 
-/// What nobody asked for or the scene does not have, and what is done without it.
+/// What is not requested or not in the scene, and what is therefore left out.
 fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, device: bool) -> Vec<LeftOut> {
     let mut out = Vec::new();
     let mut leave = |what, why: &str| out.push(LeftOut { what, why: why.to_owned() });

@@ -18,7 +18,7 @@ pub(crate) enum Rays {
 /// How invocations share the spheres they load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Sharing {
-    /// Everyone loads for itself. Hardware loads a shared address once by itself.
+    /// Every invocation loads for itself. Hardware combines loads of a shared address.
     None,
     /// Broadcast within subgroups of 4.
     Subgroup4,
@@ -51,18 +51,18 @@ pub(crate) struct Kernel {
     pub(crate) certify: bool,
     /// Some spheres are not wholly in front of the eye plane: only a stage tells.
     pub(crate) nears: bool,
-    /// `method` asks the candidates of a tile, not every sphere. A certified kernel always does.
+    /// `method` tests the candidates of a tile, not every sphere. A certified kernel always does.
     pub(crate) tiles: bool,
     /// The width of the depth's interval is written.
     pub(crate) width: bool,
-    /// Given rays walk a tree instead of asking every sphere.
+    /// Given rays walk a tree instead of testing every sphere.
     pub(crate) tree: bool,
     /// Viewing rays go through samples of their pixels instead of the centres.
     pub(crate) samples: bool,
 }
 
 impl Kernel {
-    /// One for viewing rays that asks every sphere and writes nothing but ids.
+    /// A kernel for viewing rays that tests every sphere and writes ids only.
     pub(crate) fn bare(method: Method) -> Self {
         Self {
             method,

@@ -1,6 +1,6 @@
-//! What the rays of a tile are asked by a form that runs alone: the lists of certified frames, and in their places the
-//! form's own records. A form is thereby asked nothing but spheres that its rays may meet, and that may be nearer than
-//! what was hit: its false hits elsewhere do not show, everything else is as if it had asked all.
+//! Per-tile candidate lists for uncertified methods: the lists of the certified kernel, with the method's own records in
+//! their places. A method tests only the spheres that the rays of a tile may hit and that may be nearer than the current
+//! hit, so its false hits on other spheres do not show; every other answer is that of testing all spheres.
 
 use crate::certify::stage::Stage;
 use crate::memory::Pool;
@@ -27,12 +27,12 @@ pub(crate) struct Candidate {
     pub(crate) unused: u32,
 }
 
-/// How far behind a hit, relative to its t, the rest of a list must begin to be left out: far more than t is off by in
-/// a form that is right at all (half of f32's digits, for the lecture's). A form whose t is off by more may be asked
-/// less than all, and then shows another of its wrong answers or none.
+/// The rest of a list is skipped if it begins farther behind the hit than this share of its t. That is far more than the
+/// error of t in any usable method (half of f32's digits, for the lecture's). A method whose t is off by more may skip a
+/// sphere, and then shows another of its wrong answers or none.
 const MARGIN: f64 = 1.0 / (1 << 10) as f64;
 
-/// Beyond every t of a frame, and below a miss: who has hit nothing leaves no list.
+/// Beyond every t of a frame, and below a miss: without a hit no list is skipped.
 const FAR: f64 = 3.0e38;
 
 /// A scene's spheres as the lists of a stage name them.
@@ -48,17 +48,17 @@ pub(crate) struct Listed<'a> {
     per_depth: f64,
 }
 
-/// What the rays of a tile are asked.
+/// The candidate lists of a frame.
 #[derive(Clone, Copy)]
 pub(crate) enum Asked<'a> {
-    /// With a certificate.
+    /// For the certified kernel.
     Certified(&'a Stage),
-    /// By a form that runs alone.
+    /// For a method without a certificate.
     Form(Listed<'a>),
 }
 
 impl<'a> Asked<'a> {
-    /// The stage that the lists are of.
+    /// The binned scene behind the lists.
     pub(crate) fn stage(&self) -> &'a Stage {
         match self {
             Self::Certified(stage) => stage,

@@ -1,4 +1,4 @@
-//! What a plan needs before it is carried out: the view, and the stage where spheres are binned into tiles.
+//! The setup of one frame: the view, and the spheres binned into tiles.
 
 use crate::certify::TERMS;
 use crate::certify::stage::Stage;
@@ -13,12 +13,12 @@ use crate::scene::Scene;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::view::View;
 
-/// A plan that can be carried out.
+/// A plan with the data that it needs.
 pub(crate) struct Prepared {
-    /// As it was, unless the lens forbids tiles.
+    /// The plan, without tiles where the lens does not allow them.
     pub(crate) plan: Plan,
     pub(crate) view: View,
-    /// The lists of the tiles; `None` where all spheres are asked, and where every pixel is judged exactly.
+    /// The scene binned into tiles; `None` where every ray tests all spheres, and where every pixel is decided exactly.
     pub(crate) stage: Option<Stage>,
 }
 
@@ -51,7 +51,7 @@ impl Prepared {
         Ok(Self { plan, view, stage })
     }
 
-    /// What the rays of a tile are asked; `None` where they are asked all spheres.
+    /// Per-tile candidate lists; `None` where every ray tests all spheres.
     pub(crate) fn asked<'a>(&'a self, scene: &'a Scene, pool: &'a Pool) -> Option<Asked<'a>> {
         let (stage, kernel) = (self.stage.as_ref()?, &self.plan.kernel);
         let listed = || Listed::new(&self.view, &scene.spheres, stage, kernel.is_wide(), pool);

@@ -1,4 +1,4 @@
-//! Who is told how far the work is, and who may end it.
+//! Progress reporting and cancellation.
 
 use crate::error::{Error, Result};
 use std::fmt;
@@ -7,16 +7,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// A part of the work on a frame that may take long, in the order of their turns.
+/// A step of the work on a frame that may take long; the variants are in the order of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Step {
-    /// Spheres are brought before the eye and listed for the rays that may meet them. Told at its beginning and its end.
+    /// Spheres are transformed into camera space and binned into candidate lists. Reported at its beginning and its end.
     Stage,
     /// Rays are traced.
     Trace,
-    /// Pixels are decided in better arithmetic than f32: those that a certified kernel could not prove, or all of them
-    /// where exact answers are asked for.
+    /// Pixels are decided in exact arithmetic: those that a certified kernel could not prove, or all of them with
+    /// [`crate::Accuracy::Exact`].
     Settle,
 }
 
@@ -53,18 +53,18 @@ pub struct Progress {
     pub total: u64,
 }
 
-/// Ends work from another thread, or from the one that is told of it. Clones are the same token.
+/// A token that cancels work, from another thread or from the progress callback. Clones are the same token.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// Whatever watches this ends soon, with [`Error::Interrupted`]: after a band of rows on an adapter, after a few rows
-    /// on the CPU path.
+    /// Work that watches this token ends soon, with [`Error::Interrupted`]: after a band of rows on an adapter, after a few
+    /// rows on the CPU path.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Lets new work begin.
+    /// Clears the token, so that new work can begin.
     pub fn reset(&self) {
         self.0.store(false, Ordering::Relaxed);
     }
@@ -76,13 +76,13 @@ impl Cancel {
     }
 }
 
-/// How long work on another thread is waited for before anybody is asked again whether it is wanted.
+/// The interval at which waiting for another thread checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 type GoOn = dyn Fn() -> bool + Send + Sync;
 type Hear = dyn FnMut(Progress) + Send;
 
-/// An eye on long work: asked whether it shall go on, told how far it is. The default lets all of it happen in silence.
+/// Watches long work: callbacks that report progress and that may cancel it. The default does neither.
 ///
 /// ```
 /// use halfline::{Cancel, Error, Renderer, Settings, Watch};
@@ -120,8 +120,8 @@ impl fmt::Debug for Watch {
 }
 
 impl Watch {
-    /// Asks `go_on` before every band of rows on an adapter, before every row on the CPU path, and between the steps; when
-    /// it says no, the work ends with [`Error::Interrupted`]. All that were given are asked.
+    /// Calls `go_on` before every band of rows on an adapter, before every row on the CPU path, and between the steps. When
+    /// it returns false, the work ends with [`Error::Interrupted`]. Several callbacks are combined: each may end the work.
     #[must_use]
     pub fn while_true(mut self, go_on: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         let others = self.go_on;
@@ -129,33 +129,36 @@ impl Watch {
         self
     }
 
-    /// The same by a token.
+    /// Ends the work when the token is cancelled.
     #[must_use]
     pub fn cancelled_by(self, cancel: &Cancel) -> Self {
         let cancel = cancel.clone();
         self.while_true(move || !cancel.is_cancelled())
     }
 
-    /// Tells `hear` how far the work is: often, from the threads that do it, one at a time; so it should be quick. The last
-    /// one given hears.
+    /// Reports progress to `hear`, often, from the working threads, one call at a time; so it should be quick. A later
+    /// callback replaces an earlier one.
     #[must_use]
     pub fn telling(mut self, hear: impl FnMut(Progress) + Send + 'static) -> Self {
         self.hear = Some(Arc::new(Mutex::new(hear)));
         self
     }
 
-    /// Whether the work shall go on.
+    /// Whether the work may go on.
     pub(crate) fn goes_on(&self) -> bool {
         (self.go_on)()
     }
 
-    /// Whether the work shall go on, as an error if not.
+    /// Checks for cancellation.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`] if the work was cancelled.
     pub(crate) fn check(&self) -> Result<()> {
         if self.goes_on() { Ok(()) } else { Err(Error::Interrupted) }
     }
 
-    /// Does work that cannot be interrupted on a thread of its own, and waits for it no longer than it is wanted; then the
-    /// thread ends with the work, or with the process.
+    /// Runs uninterruptible work on a thread of its own and waits for it until it is done or cancelled. After a cancellation
+    /// the thread runs on until its work or the process ends.
     ///
     /// # Errors
     /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where there is no thread.
@@ -171,7 +174,7 @@ impl Watch {
         worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 
-    /// A step of `total` begins.
+    /// Begins a step of `total` spheres or pixels.
     pub(crate) fn begin(&self, step: Step, total: u64) -> Doing<'_> {
         let doing = Doing { watch: self, step, total, done: AtomicU64::new(0) };
         doing.tell();
@@ -179,7 +182,7 @@ impl Watch {
     }
 }
 
-/// A step under way.
+/// A running step.
 pub(crate) struct Doing<'a> {
     watch: &'a Watch,
     step: Step,
@@ -188,7 +191,7 @@ pub(crate) struct Doing<'a> {
 }
 
 impl Doing<'_> {
-    /// `more` are about to be done; whether to do them.
+    /// Reports that `more` are about to be done; returns whether to do them.
     pub(crate) fn next(&self, more: u64) -> bool {
         let on = self.watch.goes_on();
         if on {
@@ -198,35 +201,35 @@ impl Doing<'_> {
         on
     }
 
-    /// So many are done in all, no fewer than before; whether to do more.
+    /// Reports that `done` are done in all, no fewer than before; returns whether to go on.
     pub(crate) fn reached(&self, done: u64) -> bool {
         self.done.fetch_max(done, Ordering::Relaxed);
         self.tell();
         self.watch.goes_on()
     }
 
-    /// The step is over.
+    /// Ends the step.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] if it was ended early, or has come to its end only now that nobody wants it.
+    /// [`Error::Interrupted`] if the work was cancelled, even if it is complete.
     pub(crate) fn end(self) -> Result<()> {
         self.watch.check()?;
         self.done.store(self.total, Ordering::Relaxed);
-        // The last word is not to be missed.
+        // The last report is not to be dropped.
         if let Some(hear) = &self.watch.hear {
             self.tell_to(&mut *hear.lock().unwrap_or_else(PoisonError::into_inner));
         }
         Ok(())
     }
 
-    /// Nobody waits for another who is telling: what is told next includes this.
+    /// Reporting never blocks a worker: if another thread is reporting, its next report includes this one.
     fn tell(&self) {
         if let Some(Ok(mut hear)) = self.watch.hear.as_ref().map(|hear| hear.try_lock()) {
             self.tell_to(&mut *hear);
         }
     }
 
-    /// Read under the lock, so that nobody hears less than before.
+    /// Reads the count under the lock, so that reports never decrease.
     fn tell_to(&self, hear: &mut Hear) {
         let done = self.done.load(Ordering::Relaxed).min(self.total);
         hear(Progress { step: self.step, done, total: self.total });

@@ -8,7 +8,7 @@ use crate::real::Real;
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 
-/// The kernel's own buffers, row by row; those nobody asked for are empty.
+/// The buffers that a kernel writes, row by row; those that are not requested are empty.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Raw {
     /// Index of the sphere, [`NONE`] on a miss.
@@ -55,7 +55,7 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
-    /// The buffers cut after `first` pixels and then after every `pixels`; those nobody asked for stay empty.
+    /// The buffers cut after `first` pixels and then after every `pixels`; buffers that are not requested stay empty.
     pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
         let mut ts = pieces(&mut self.t, first, pixels);
         let mut lows = pieces(&mut self.t_low, first, pixels);
@@ -83,13 +83,13 @@ impl Raw {
         }
     }
 
-    /// Leaves its memory to the next frame.
+    /// Returns its memory to the pool, for the next frame.
     pub(crate) fn give_to(self, pool: &Pool) {
         pool.give(self.id);
         [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.give(unused));
     }
 
-    /// t of a hit in all its parts; 0 where nobody asked for it.
+    /// t of a hit, the sum of its parts; 0 where it is not requested.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
@@ -113,7 +113,7 @@ pub(crate) struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Normal and colour of a pixel by its number here, where they are asked for: frame/normal.wgsl and frame/color.wgsl.
+    /// Normal and colour of a pixel by its number here, where they are requested: frame/normal.wgsl and frame/color.wgsl.
     /// `normal` is that of the canonical camera at a hit.
     pub(crate) fn shade<R: Real>(
         &mut self,

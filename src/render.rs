@@ -197,7 +197,7 @@ impl Renderer {
         }
     }
 
-    /// Takes back a frame that nobody needs any longer: the next ones are written into its memory.
+    /// Takes back a frame that is no longer needed: later frames are written into its memory.
     pub fn recycle(&mut self, frame: Frame) {
         for buffer in frame.buffers {
             match buffer.data {
@@ -491,7 +491,7 @@ mod tests {
     use super::*;
     use crate::{Aov, Camera, ImagePlane, Spheres};
 
-    /// An adapter whose arithmetic failed the self-test does not certify: the CPU path does, aloud, or nobody.
+    /// An adapter whose arithmetic failed the self-test does not certify: the CPU path does, with a warning, or it is an error.
     #[test]
     fn a_doubtful_adapter_does_not_certify() {
         if std::env::var_os("HALFLINE_NO_GPU").is_some() {

@@ -1,4 +1,4 @@
-//! What is told of a rendering: who computed it, how, how long, and what to be careful about.
+//! The report of a rendering: adapter, method, times, counts, warnings.
 
 use crate::predict::Prediction;
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Report {
     pub accuracy: &'static str,
     /// Why this method and this accuracy.
     pub reason: String,
-    /// How colour was made; `None` when nobody asked for colour.
+    /// The shading; `None` if colour is not requested.
     pub shade: Option<&'static str>,
     /// How candidates were found.
     pub search: &'static str,
@@ -64,16 +64,16 @@ pub struct Report {
     pub stages_ms: BTreeMap<&'static str, f64>,
     /// Whether nothing was rendered, because every file was there already; what only rendering tells is then zero.
     pub resumed: bool,
-    /// What to be careful about, in whole sentences.
+    /// Warnings, in whole sentences.
     pub warnings: Vec<String>,
 }
 
-/// A stopwatch with names.
+/// Wall times by name.
 #[derive(Debug, Default)]
 pub(crate) struct Stages(BTreeMap<&'static str, f64>);
 
 impl Stages {
-    /// Does `work` and adds its wall time to `stage`.
+    /// Runs `work` and adds its wall time to `stage`.
     pub(crate) fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// The means over all samples of each pixel.
 #[derive(Debug, Default)]
 pub(crate) struct Means {
-    /// Linear RGB, three numbers a pixel; empty where nobody asked.
+    /// Linear RGB, three numbers per pixel; empty if colour is not requested.
     pub(crate) color: Vec<f32>,
     /// Share of the samples that hit.
     pub(crate) alpha: Vec<f32>,

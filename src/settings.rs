@@ -1,4 +1,4 @@
-//! What is asked for besides the scene: where to compute, how sure, which buffers, which part.
+//! The settings of a rendering: backend, accuracy, buffers, samples, part of the frame.
 
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -44,7 +44,7 @@ impl FromStr for Backend {
     }
 }
 
-/// How sure the answers must be.
+/// The accuracy of the answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Accuracy {
@@ -82,7 +82,7 @@ impl FromStr for Accuracy {
     }
 }
 
-/// What is asked for besides the scene.
+/// The settings of a rendering, besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Where to compute.
@@ -91,7 +91,7 @@ pub struct Settings {
     pub adapter: Option<String>,
     /// One form of the quadratic and nothing else; `None` leaves the choice to the plan.
     pub method: Option<Method>,
-    /// How sure the answers must be.
+    /// The accuracy of the answers.
     pub accuracy: Accuracy,
     /// How candidates are found.
     pub search: Search,
@@ -99,8 +99,8 @@ pub struct Settings {
     pub shade: Shade,
     /// Which buffers the frame shall hold; ids are always computed.
     pub aovs: Vec<Aov>,
-    /// How many samples of each pixel colour and alpha are the means of: the next square n x n, each of n x n equal squares
-    /// of the pixel asked at one point; 0 and 1 ask the pixel's centre. Everything else is always the answer of the centre.
+    /// Samples of each pixel, which colour and alpha are the means of: the next square n x n, one point in each of n x n equal
+    /// squares of the pixel; 0 and 1 take the pixel's centre. All other buffers are the answers of the centre.
     pub samples: u32,
     /// Chooses these points, together with the pixel's place in the full frame.
     pub seed: u32,
@@ -131,7 +131,7 @@ impl Settings {
         self.window.map_or(Ok(Window::full(width, height)), |window| window.within(width, height))
     }
 
-    /// Whether any of these buffers shall be in the frame.
+    /// Whether any of these buffers is requested.
     pub(crate) fn asks(&self, some: &[Aov]) -> bool {
         some.iter().any(|aov| self.aovs.contains(aov))
     }
@@ -173,10 +173,10 @@ pub enum Search {
     /// What the scene requires.
     #[default]
     Auto,
-    /// Every ray asks all spheres.
+    /// Every ray tests all spheres.
     All,
-    /// The spheres are binned into tiles of 8 x 8 pixels by what they surely cover, nearest first; a ray asks those of its
-    /// tile until the rest lies behind what it hit.
+    /// The spheres are binned into tiles of 8 x 8 pixels that they may cover, nearest first; a ray tests those of its tile
+    /// until the rest lies behind its hit.
     Tiles,
     /// A tree of boxes over the spheres, for given rays; it changes no answer.
     Tree,

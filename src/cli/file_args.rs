@@ -34,7 +34,7 @@ pub(super) struct FileArgs {
     /// Distance and depth where nothing is hit: inf, nan (as ROS wants it), zero (as OpenCV does). In PNG it is 0.
     #[arg(long, value_name = "V", default_value = "inf")]
     no_return: NoReturn,
-    /// Renders before nothing: colour is black behind the spheres, and alpha goes beside it into .png, .exr and .npz.
+    /// Makes the background transparent: colour is black there, and alpha is stored beside it in .png, .exr and .npz.
     // A background on the command line beats a file that always wants none.
     #[arg(long, default_value_if("background", ArgPredicate::IsPresent, "false"))]
     transparent: bool,

@@ -39,7 +39,7 @@ pub(super) struct ReadArgs {
     /// One radius for all spheres, whatever the file says.
     #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     radius: Option<f64>,
-    /// What every radius is multiplied by.
+    /// Multiplies every radius.
     #[arg(long, value_name = "X", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
     radius_scale: f64,
     /// One colour for all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
@@ -55,7 +55,7 @@ pub(super) struct ReadArgs {
     /// The numbers at the ends of the map; else the least and the largest there are.
     #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by", allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
-    /// Makes the logarithm of the numbers even along the map.
+    /// Uses a logarithmic colour scale.
     #[arg(long, requires = "color_by")]
     log: bool,
     /// Where the legend of the colours is written: .svg or .png; of several frames without --range with %d, as -o.

@@ -42,7 +42,7 @@ pub(crate) struct Render {
     /// if all do.
     #[arg(long)]
     resume: bool,
-    /// How far the work is: a line on a terminal, none, lines of JSON on standard error, or the lines of Open Job
+    /// Progress reporting: a line on a terminal, none, lines of JSON on standard error, or the lines of Open Job
     /// Description on standard output.
     #[arg(long, value_name = "P", value_enum, default_value = "auto")]
     progress: Talk,

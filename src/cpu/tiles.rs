@@ -82,7 +82,7 @@ fn candidate<R: Real>(listed: &Listed<'_>, id: u32) -> Candidate<R> {
     (listed.sphere(id), id)
 }
 
-/// What the rays of a tile are asked.
+/// The candidates of one tile.
 struct Tile<'a, R> {
     listed: &'a Listed<'a>,
     nears: &'a [Candidate<R>],

@@ -25,7 +25,7 @@ pub struct Style {
     pub radii: Radii,
     /// One radius for all, whatever the file says.
     pub radius: Option<f64>,
-    /// What every radius is multiplied by.
+    /// Multiplies every radius.
     pub radius_scale: f64,
     /// Where colours come from.
     pub coloring: Coloring,
