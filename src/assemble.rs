@@ -54,7 +54,7 @@ impl Answers<'_> {
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
                 Aov::Position => {
                     let point = |pixel: usize, d, depth| {
-                        let [row, column] = self.row_and_column(pixel);
+                        let [row, column] = self.view.record.place(pixel as u32);
                         self.view.point(self.view.origin(row, column), d, depth)
                     };
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
@@ -89,13 +89,6 @@ impl Answers<'_> {
         Ok(buffers)
     }
 
-    /// Row and column in the full frame of a pixel of the window.
-    fn row_and_column(&self, pixel: usize) -> [u32; 2] {
-        let record = &self.view.record;
-        let width = record.columns as usize;
-        [record.first_row + (pixel / width) as u32, record.first_column + (pixel % width) as u32]
-    }
-
     /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
     /// `truth` where it was settled.
     fn fill<const N: usize>(
@@ -116,7 +109,7 @@ impl Answers<'_> {
                     *values = if id == NONE {
                         [missed; N]
                     } else {
-                        let [row, column] = self.row_and_column(pixel);
+                        let [row, column] = self.view.record.place(pixel as u32);
                         let [u, v, w] = self.view.direction(row, column);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).

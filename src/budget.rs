@@ -83,7 +83,7 @@ impl Need {
         had + (left - had * self.sphere) / (self.sphere + SPHERE)
     }
 
-    /// Refuses what does not fit `free` bytes, if anybody knows how many those are.
+    /// Refuses what does not fit `free` bytes, if that number is known.
     ///
     /// # Errors
     /// [`Error::Limits`] with the numbers, and with what would fit.

@@ -96,7 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Prints a line for people on standard error. That nobody can read it is no failure: `eprintln` panics there.
+/// Prints a line for people on standard error. A standard error that cannot be written is not a failure; `eprintln` would panic.
 pub(crate) fn say(message: fmt::Arguments<'_>) {
     // In one piece, so that lines of several processes do not mix.
     let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());

@@ -30,7 +30,7 @@ pub(super) fn listen() {
         let _ = register(signal, &INTERRUPTED);
     }
     // Its default ends the process in the middle of a write beyond `ulimit -f`. With any handler the write fails, and
-    // the failure is told like that of a full disk.
+    // the failure is reported like that of a full disk.
     #[cfg(unix)]
     {
         static BEYOND_FILE_SIZE: AtomicBool = AtomicBool::new(false);

@@ -49,7 +49,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
     }
 }
 
-/// Lets `fill` write the file at `path` so that nobody ever sees half of it: a file without a name, in the same folder,
+/// Lets `fill` write the file at `path` so that it is never visible half written: a file without a name, in the same folder,
 /// gets the name when it is complete and on the disk. A link is followed and stays, whether its target is there or not;
 /// the permission bits of a file that is replaced are kept. Standard output, pipes and devices are written as they are.
 ///
