@@ -1,6 +1,6 @@
 //! The frame's buffers, made of what the kernel wrote and what was settled.
 
-use crate::certify::stage::Depths;
+use crate::certify::binned::Depths;
 use crate::dd;
 use crate::error::Result;
 use crate::exact::Truth;
@@ -81,7 +81,7 @@ impl Answers<'_> {
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
         for unused in [self.raw.t, self.raw.t_low, self.raw.width] {
-            self.pool.give(unused);
+            self.pool.put_back(unused);
         }
         let ids = bytemuck::allocation::cast_vec(self.raw.id);
         buffers.push(Buffer::new(Aov::Id, w, h, Data::I32(ids))?);

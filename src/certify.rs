@@ -4,10 +4,10 @@
 //! instead of u, v, d, so that t is the planar depth. Spheres wholly in front of the eye plane (nearly all) are given by
 //! their projected centre, the others by centre and power.
 
+pub(crate) mod binned;
 pub(crate) mod front;
 mod lens;
 pub(crate) mod near;
-pub(crate) mod stage;
 #[cfg(test)]
 mod tests;
 pub(crate) mod tiles;
@@ -15,10 +15,10 @@ pub(crate) mod tiles;
 use crate::ray::NONE;
 use crate::real::Real;
 use crate::view::ViewRecord;
+use binned::BinnedScene;
 use bytemuck::{Pod, Zeroable};
 use front::{Front, front_answer, front_low};
 use near::{Near, near_answer, near_low};
-use stage::Stage;
 use std::ops::Range;
 use tiles::Lists;
 
@@ -152,9 +152,9 @@ pub(crate) struct Certify<'a, R> {
 }
 
 impl<'a, R: Real> Certify<'a, R> {
-    pub(crate) fn new(view: &'a ViewRecord, stage: &'a Stage) -> Self {
-        let nears = stage.nears.iter().map(Near::new).collect();
-        Self { view, lens: &stage.lens, lists: &stage.lists, nears, terms: &TERMS }
+    pub(crate) fn new(view: &'a ViewRecord, binned: &'a BinnedScene) -> Self {
+        let nears = binned.nears.iter().map(Near::new).collect();
+        Self { view, lens: &binned.lens, lists: &binned.lists, nears, terms: &TERMS }
     }
 }
 

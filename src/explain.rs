@@ -1,25 +1,25 @@
 //! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. Nothing is rendered.
 
 use crate::budget::Need;
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
 use crate::gpu::dispatch::Input;
-use crate::gpu::pace::Pace;
-use crate::gpu::traffic::{Bands, Entries, Reach, outputs, uploads};
+use crate::gpu::submission_budget::SubmissionBudget;
+use crate::gpu::transfers::{Bands, BindingLimits, Entries, outputs, uploads};
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::predict::Prediction;
-use crate::prepare::Prepared;
 use crate::raster::Raster;
 use crate::render::{Place, Rays, Renderer};
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Backend, Settings};
+use crate::setup::FrameSetup;
 use crate::shade::Shade;
 use crate::view::ViewRecord;
 use serde::Serialize;
@@ -177,8 +177,8 @@ impl Renderer {
     /// Those of [`Renderer::render`] that need no ray.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
         let explained = |this: &mut Self, plan: Plan, rays: Rays| this.explanation(plan, rays, scene, settings);
-        let (mut explanation, doubt) = self.planned(scene, settings, explained)?;
-        explanation.warnings.extend(doubt);
+        let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
+        explanation.warnings.extend(blocker);
         Ok(explanation)
     }
 
@@ -190,23 +190,23 @@ impl Renderer {
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
         let composed = |this: &mut Self, plan: Plan, rays: Rays| {
             let raster = Raster::centres(rays.window);
-            let prepared = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
-            if !prepared.is_traced() {
+            let setup = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
+            if !setup.is_traced() {
                 let problem = "these answers are made in exact arithmetic on the CPU: there is no kernel";
                 return Err(Error::settings(problem, "use another --accuracy or camera"));
             }
-            Ok(compose(&this.kernel_of(&prepared)).with_banners())
+            Ok(compose(&this.kernel_of(&setup)).with_banners())
         };
         self.planned(scene, settings, composed).map(|(text, _)| text)
     }
 
     /// The kernel of a frame, where it is computed.
-    fn kernel_of(&self, prepared: &Prepared) -> Kernel {
+    fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
         let sharing = match &self.place {
             Place::Gpu(gpu) => gpu.summary.sharing(),
             Place::Cpu => Sharing::None,
         };
-        Kernel { sharing, ..prepared.plan.kernel }.with_nears(prepared.has_nears())
+        Kernel { sharing, ..setup.plan.kernel }.with_nears(setup.has_nears())
     }
 
     /// What is done of this plan, where it was decided to do it.
@@ -218,18 +218,18 @@ impl Renderer {
         };
         let need = Need::of(&plan, settings, scene, window, gpu.is_some());
         let free = memory::free(&self.pool);
-        let prepared =
-            Prepared::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Stages::default())?;
-        let Prepared { plan, view, stage } = &prepared;
-        let kernel = self.kernel_of(&prepared);
-        let predicted = prepared.predicted(scene);
+        let setup =
+            FrameSetup::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Timings::default())?;
+        let FrameSetup { plan, view, binned } = &setup;
+        let kernel = self.kernel_of(&setup);
+        let predicted = setup.predicted(scene);
         let mut warnings = self.passed_over().to_vec();
-        warnings.extend(prepared.warnings(scene, settings, predicted));
-        let on_device = gpu.filter(|_| prepared.is_traced());
-        let mut work = on_device.map(|gpu| Work::of(&kernel, &prepared, scene, gpu)).unwrap_or_default();
+        warnings.extend(setup.warnings(scene, settings, predicted));
+        let on_device = gpu.filter(|_| setup.is_traced());
+        let mut work = on_device.map(|gpu| Work::of(&kernel, &setup, scene, gpu)).unwrap_or_default();
         if let (Some(raster), Some(sampled), Some(gpu)) = (samples, plan.sampled, on_device) {
             let plan = Plan { kernel: sampled, ..plan.clone() };
-            let passes = Prepared::new(plan, scene, settings, raster, &Pool::default(), &mut Stages::default())?;
+            let passes = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
             work.add(Work::of(&self.kernel_of(&passes), &passes, scene, gpu), raster.count());
         }
         Ok(Explanation {
@@ -246,12 +246,12 @@ impl Renderer {
             adapter: self.adapter().to_owned(),
             accuracy: plan.accuracy.name(),
             method: plan.method,
-            precision: precision(plan, prepared.is_traced()),
+            precision: precision(plan, setup.is_traced()),
             tolerance: settings.promise().relative(),
             predicted,
             search: plan.search.name(),
             search_reason: plan.search_reason.to_owned(),
-            staged: stage.as_ref().map(|stage| Staged::of(stage, scene)),
+            staged: binned.as_ref().map(|binned| Staged::of(binned, scene)),
             frame: frame(settings, [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
@@ -276,23 +276,23 @@ struct Work {
 }
 
 impl Work {
-    fn of(kernel: &Kernel, prepared: &Prepared, scene: &Scene, gpu: &Gpu) -> Self {
+    fn of(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
         let pool = Pool::default();
-        let (view, stage) = (&prepared.view, prepared.asked(scene, &pool));
+        let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
         let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
         let pixels = view.record.pixels() as u64;
-        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
+        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
         let written = outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
-        let reach = Reach::from(&gpu.limits);
-        let mut cut = Bands::new(kernel, &input, reach);
-        let bands: Vec<_> = std::iter::from_fn(|| cut.next(&Pace::default())).collect();
-        if let Some(asked) = stage {
+        let limits = BindingLimits::from(&gpu.limits);
+        let mut cut = Bands::new(kernel, &input, limits);
+        let bands: Vec<_> = std::iter::from_fn(|| cut.next(&SubmissionBudget::default())).collect();
+        if let Some(candidates) = candidates {
             // Band by band into the same buffers: all of it passes through.
             let mut of_lists: Vec<Binding> = Vec::new();
-            for (name, more) in bands.iter().flat_map(|band| Entries::of(&asked, band).sizes(&asked)) {
+            for (name, more) in bands.iter().flat_map(|band| Entries::of(&candidates, band).sizes(&candidates)) {
                 match of_lists.iter_mut().find(|b| b.name == name) {
                     Some(b) => b.bytes += more,
                     None => of_lists.push(Binding { name, bytes: more }),
@@ -300,7 +300,7 @@ impl Work {
             }
             uploaded.extend(of_lists);
         }
-        let spheres = Some(reach.spheres(kernel, &input));
+        let spheres = Some(limits.spheres(kernel, &input));
         Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
     }
 }
@@ -325,8 +325,8 @@ impl Work {
 }
 
 impl Staged {
-    fn of(stage: &Stage, scene: &Scene) -> Self {
-        let (front, near) = (stage.seen, stage.nears.len() as u64);
+    fn of(binned: &BinnedScene, scene: &Scene) -> Self {
+        let (front, near) = (binned.seen, binned.nears.len() as u64);
         Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
     }
 }

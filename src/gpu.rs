@@ -5,10 +5,10 @@ pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
 pub(crate) mod layout;
-pub(crate) mod pace;
 pub(crate) mod selftest;
+pub(crate) mod submission_budget;
 #[cfg(test)]
 mod tests;
-pub(crate) mod traffic;
+pub(crate) mod transfers;
 
 pub(crate) use dispatch::Gpu;

@@ -55,7 +55,7 @@ impl Pool {
     }
 
     /// Keeps a vector for a later frame.
-    pub(crate) fn give<T: Send + 'static>(&self, vector: Vec<T>) {
+    pub(crate) fn put_back<T: Send + 'static>(&self, vector: Vec<T>) {
         if vector.capacity() > 0 {
             let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let bytes = (vector.capacity() * size_of::<T>()) as u64;
@@ -70,7 +70,7 @@ impl Pool {
     }
 
     /// A frame begins: what was of no use for some frames is let go.
-    pub(crate) fn turn(&self) {
+    pub(crate) fn next_frame(&self) {
         let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         spares.retain_mut(|spare| {
             spare.age += 1;
@@ -86,14 +86,14 @@ mod tests {
     #[test]
     fn vectors_come_back_and_are_let_go() {
         let pool = Pool::default();
-        pool.give(vec![7u32; 100]);
-        pool.give(vec![7.0f32; 100]);
+        pool.put_back(vec![7u32; 100]);
+        pool.put_back(vec![7.0f32; 100]);
         assert_eq!(pool.kept(), 800);
         assert_eq!(pool.take::<f64>(1), [0.0; 0], "none of that type");
         assert_eq!(pool.take::<u32>(101), [0; 0], "none as large");
         assert_eq!(pool.values::<u32>(100).expect("room"), [7; 100], "as it was left");
         assert_eq!(pool.values::<u32>(3).expect("room"), [0; 3], "taken already");
-        (0..=STALE).for_each(|_| pool.turn());
+        (0..=STALE).for_each(|_| pool.next_frame());
         assert_eq!(pool.take::<f32>(1), [0.0; 0], "nobody asked for frames");
     }
 }

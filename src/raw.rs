@@ -84,9 +84,9 @@ impl Raw {
     }
 
     /// Returns its memory to the pool, for the next frame.
-    pub(crate) fn give_to(self, pool: &Pool) {
-        pool.give(self.id);
-        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.give(unused));
+    pub(crate) fn put_back(self, pool: &Pool) {
+        pool.put_back(self.id);
+        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.put_back(unused));
     }
 
     /// t of a hit, the sum of its parts; 0 where it is not requested.

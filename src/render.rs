@@ -3,7 +3,7 @@
 use crate::assemble::Answers;
 use crate::budget::Need;
 use crate::camera::Look;
-use crate::certify::stage::Depths;
+use crate::certify::binned::Depths;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::provenance::Origin;
@@ -14,17 +14,17 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::kernel::Kernel;
-use crate::listed::Asked;
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
-use crate::prepare::Prepared;
 use crate::progress::{Step, Watch};
 use crate::raster::Raster;
 use crate::raw::Raw;
-use crate::report::{Report, Stages, milliseconds};
+use crate::report::{Report, Timings, milliseconds};
 use crate::scene::{Scene, point};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::settle::{self, Settled};
+use crate::setup::FrameSetup;
+use crate::tile_candidates::CandidateList;
 use crate::window::Window;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ pub fn render(scene: &Scene, settings: &Settings) -> Result<Frame> {
     Renderer::new(settings)?.render(scene, settings)
 }
 
-/// Where the files of `window` of `scene` come from: what was asked for, who computed it and how. [`Renderer::foresee`] gives
+/// Where the files of `window` of `scene` come from: what was asked for, who computed it and how. [`Renderer::dry_run`] gives
 /// the report beforehand.
 #[must_use]
 pub fn origin<'a>(scene: &Scene, settings: &Settings, report: &'a Report, window: Window) -> Origin<'a> {
@@ -165,9 +165,9 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it; what measuring it runs into.
-    pub fn admit(&mut self, method: Method) -> Result<()> {
+    pub fn check_method(&mut self, method: Method) -> Result<()> {
         match &mut self.place {
-            Place::Gpu(gpu) => gpu.admit(method),
+            Place::Gpu(gpu) => gpu.check_method(method),
             Place::Cpu => Ok(()),
         }
     }
@@ -202,9 +202,9 @@ impl Renderer {
         for buffer in frame.buffers {
             match buffer.data {
                 // The kernels' ids are the same bits.
-                Data::I32(v) => self.pool.give(bytemuck::allocation::cast_vec::<i32, u32>(v)),
-                Data::F32(v) => self.pool.give(v),
-                Data::F64(v) => self.pool.give(v),
+                Data::I32(v) => self.pool.put_back(bytemuck::allocation::cast_vec::<i32, u32>(v)),
+                Data::F32(v) => self.pool.put_back(v),
+                Data::F64(v) => self.pool.put_back(v),
                 Data::U8(_) => {}
             }
         }
@@ -218,8 +218,8 @@ impl Renderer {
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let work = |this: &mut Self, plan: Plan, rays: Rays| this.frame(plan, rays, scene, settings);
-        let (mut frame, doubt) = self.planned(scene, settings, work)?;
-        frame.report.warnings.extend(doubt);
+        let (mut frame, blocker) = self.planned(scene, settings, work)?;
+        frame.report.warnings.extend(blocker);
         Ok(frame)
     }
 
@@ -227,7 +227,7 @@ impl Renderer {
     ///
     /// # Errors
     /// Those of [`Renderer::render`] that need no ray.
-    pub fn foresee(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
+    pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
         let known = |this: &mut Self, plan: Plan, rays: Rays| Ok(this.report(&plan, scene, rays.samples));
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
@@ -239,40 +239,40 @@ impl Renderer {
         settings: &Settings,
         work: impl FnOnce(&mut Self, Plan, Rays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
-        let plan = Plan::new(scene, settings, &mut |method| self.admit(method).is_ok())?;
+        let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let window = settings.window_of(scene)?;
         let samples =
             Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
         let rays = Rays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
-        self.admit(plan.kernel.method)?;
-        let Some(doubt) = self.doubt(&plan)? else {
+        self.check_method(plan.kernel.method)?;
+        let Some(blocker) = self.certification_blocker(&plan)? else {
             return work(self, plan, rays).map(|done| (done, None));
         };
         if settings.backend == Backend::Gpu {
             return Err(Error::Accuracy {
-                problem: doubt,
+                problem: blocker,
                 mend: "use --backend auto or cpu, or --accuracy fast".into(),
             });
         }
         let adapter = std::mem::replace(&mut self.place, Place::Cpu);
         let done = work(self, plan, rays);
         self.place = adapter;
-        done.map(|done| (done, Some(format!("{doubt}: the CPU path answered instead"))))
+        done.map(|done| (done, Some(format!("{blocker}: the CPU path answered instead"))))
     }
 
     /// Why this adapter may not certify, if it may not.
-    fn doubt(&mut self, plan: &Plan) -> Result<Option<String>> {
+    fn certification_blocker(&mut self, plan: &Plan) -> Result<Option<String>> {
         match &mut self.place {
             Place::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
                 let passed = gpu.verdict()?.f32;
                 let name = &gpu.summary.name;
-                let doubt = || {
+                let blocker = || {
                     format!(
                         "{name} did not pass the self-test of its f32 arithmetic (halfline adapters), cannot certify"
                     )
                 };
-                Ok((!passed).then(doubt))
+                Ok((!passed).then(blocker))
             }
             _ => Ok(None),
         }
@@ -283,35 +283,35 @@ impl Renderer {
         let Rays { window, samples } = rays;
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
-        pool.turn();
-        let mut stages = Stages::default();
+        pool.next_frame();
+        let mut timings = Timings::default();
         let watch = self.watch.clone();
         watch.check()?;
         let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
-        let prepared = Prepared::new(plan, scene, settings, Raster::centres(window), &pool, &mut stages)?;
+        let setup = FrameSetup::new(plan, scene, settings, Raster::centres(window), &pool, &mut timings)?;
         staging.end()?;
-        let Prepared { plan, view, .. } = &prepared;
+        let FrameSetup { plan, view, .. } = &setup;
         let pixels = view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
         // What ran before, a self-test say, is not this frame's.
         self.kernel_ms();
-        let settled = self.answer(&prepared, scene, &mut raw, &mut stages)?;
+        let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
         watch.check()?;
         let sampled = samples
             .zip(plan.sampled)
-            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut stages))
+            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut timings))
             .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
-            stages.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
+            timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
         }
         let certify = plan.kernel.certify;
-        let depths = certify.then(|| Depths::new(scene, view, prepared.certified()));
+        let depths = certify.then(|| Depths::new(scene, view, setup.certified()));
         let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
-        let buffers = stages.time("assemble", || answers.assemble(&settings.aovs))?;
+        let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
-            Accuracy::Fast => stages.time("predict", || prepared.predicted(scene)),
+            Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
             _ => None,
         };
         let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
@@ -322,16 +322,16 @@ impl Renderer {
         report.hits = frame.buffers.iter().map(hits).sum();
         report.settled = settled.len() as u64;
         let proved = (pixels - settled.len()) as f64 / pixels as f64;
-        report.certified = prepared.certified().map_or(0.0, |_| proved);
+        report.certified = setup.certified().map_or(0.0, |_| proved);
         report.bound = certify.then(|| bound(&frame.buffers, tolerance));
         report.predicted = predicted;
-        report.warnings.extend(prepared.warnings(scene, settings, predicted));
+        report.warnings.extend(setup.warnings(scene, settings, predicted));
         report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
-        report.stages_ms = stages.into_map();
+        report.stages_ms = timings.into_map();
         report.frame_ms = vec![milliseconds(start)];
         report.kernel_ms = kernel_ms.into_iter().collect();
-        if let Some(stage) = prepared.stage {
-            stage.give_to(&pool);
+        if let Some(binned) = setup.binned {
+            binned.put_back(&pool);
         }
         Ok(frame)
     }
@@ -362,50 +362,52 @@ impl Renderer {
     /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
     pub(crate) fn answer(
         &mut self,
-        prepared: &Prepared,
+        setup: &FrameSetup,
         scene: &Scene,
         raw: &mut Raw,
-        stages: &mut Stages,
+        timings: &mut Timings,
     ) -> Result<Vec<Settled>> {
         let watch = self.watch.clone();
-        let (view, stage) = (&prepared.view, prepared.certified());
+        let (view, binned) = (&setup.view, setup.certified());
         let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
-        let (settled, doing) = if prepared.is_traced() {
-            self.trace_frame(prepared, scene, raw, stages)?;
-            let Some(stage) = stage else { return Ok(Vec::new()) };
-            let unsure = stages.time("settle", || settle::unsure(&raw.id));
+        let (settled, doing) = if setup.is_traced() {
+            self.trace_frame(setup, scene, raw, timings)?;
+            let Some(binned) = binned else { return Ok(Vec::new()) };
+            let unsure = timings.time("settle", || settle::unsure(&raw.id));
             if unsure.is_empty() {
                 return Ok(Vec::new());
             }
             let doing = settle(unsure.len());
             let go_on = || doing.next(1);
-            (stages.time("settle", || settle::settle(scene, view, stage, &unsure, &go_on)), doing)
+            (timings.time("settle", || settle::settle(scene, view, binned, &unsure, &go_on)), doing)
         } else {
             let doing = settle(raw.id.len());
             let go_on = || doing.next(u64::from(view.record.columns));
-            (stages.time("settle", || settle::exact(scene, view, &go_on)), doing)
+            (timings.time("settle", || settle::exact(scene, view, &go_on)), doing)
         };
         doing.end()?;
         settled
     }
 
     /// The kernel's answers into `raw`.
-    fn trace_frame(&mut self, prepared: &Prepared, scene: &Scene, raw: &mut Raw, stages: &mut Stages) -> Result<()> {
-        let Prepared { plan, view, .. } = prepared;
+    fn trace_frame(&mut self, setup: &FrameSetup, scene: &Scene, raw: &mut Raw, timings: &mut Timings) -> Result<()> {
+        let FrameSetup { plan, view, .. } = setup;
         let pool = Arc::clone(&self.pool);
-        let (colors, stage) = (scene.spheres.colors.as_deref(), prepared.asked(scene, &pool));
+        let (colors, candidates) = (scene.spheres.colors.as_deref(), setup.candidates(scene, &pool));
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
             Place::Gpu(gpu) => {
-                let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_nears(prepared.has_nears());
-                let input = Input { view, colors, rays: &[], stage, tree: None };
-                gpu.run(&kernel, &input, &mut Output { raw, stages }, &|done| doing.reached(done))?;
+                let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_nears(setup.has_nears());
+                let input = Input { view, colors, rays: &[], candidates, tree: None };
+                gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
             }
-            Place::Cpu => stages.time("trace", || match stage {
+            Place::Cpu => timings.time("trace", || match candidates {
                 None => cpu::render(&plan.kernel, view, colors, raw, &row),
-                Some(Asked::Form(listed)) => cpu::by_tiles(&plan.kernel, &listed, colors, raw, &row),
-                Some(Asked::Certified(stage)) => cpu::certified(&plan.kernel, view, stage, colors, raw, &row),
+                Some(CandidateList::Uncertified(tile_candidates)) => {
+                    cpu::by_tiles(&plan.kernel, &tile_candidates, colors, raw, &row)
+                }
+                Some(CandidateList::Certified(binned)) => cpu::certified(&plan.kernel, view, binned, colors, raw, &row),
             }),
         }
         doing.end()

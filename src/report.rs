@@ -70,9 +70,9 @@ pub struct Report {
 
 /// Wall times by name.
 #[derive(Debug, Default)]
-pub(crate) struct Stages(BTreeMap<&'static str, f64>);
+pub(crate) struct Timings(BTreeMap<&'static str, f64>);
 
-impl Stages {
+impl Timings {
     /// Runs `work` and adds its wall time to `stage`.
     pub(crate) fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();

@@ -46,8 +46,8 @@ impl Sums {
             color: self.color.par_iter().map(|sum| (sum / count) as f32).collect(),
             alpha: self.hits.par_iter().map(|hits| (f64::from(*hits) / count) as f32).collect(),
         };
-        pool.give(self.color);
-        pool.give(self.hits);
+        pool.put_back(self.color);
+        pool.put_back(self.hits);
         means
     }
 }

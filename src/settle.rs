@@ -1,6 +1,6 @@
 //! Settle: what f32 could not prove is decided again, in double-double with proven bounds and then exactly.
 
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::certify::{Certify, VANISH};
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
@@ -34,11 +34,11 @@ const AT_ONCE: usize = 1 << 24;
 pub(crate) fn settle(
     scene: &Scene,
     view: &View,
-    stage: &Stage,
+    binned: &BinnedScene,
     unsure: &[u32],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let settler = Settler { scene, twin: Certify::new(&view.record, stage), go_on };
+    let settler = Settler { scene, twin: Certify::new(&view.record, binned), go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let mut left = unsure;
     while !left.is_empty() {

@@ -15,7 +15,7 @@ use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, RayRecord, center, dot3, radius};
 use crate::real::Real;
 use crate::render::{Place, Renderer};
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::scene::{Spheres, check_sphere};
 use crate::settings::{Search, Settings};
 use crate::shade::Surface;
@@ -99,9 +99,10 @@ impl Renderer {
             let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
             match &mut self.place {
                 Place::Gpu(gpu) => {
-                    gpu.admit(kernel.method)?;
-                    let input = Input { view: &view, colors: None, rays: &records, stage: None, tree: tree.as_ref() };
-                    let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
+                    gpu.check_method(kernel.method)?;
+                    let input =
+                        Input { view: &view, colors: None, rays: &records, candidates: None, tree: tree.as_ref() };
+                    let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
                 }
                 Place::Cpu => {

@@ -17,7 +17,7 @@ use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
-/// What t of a form that is right at all is within, as src/listed.rs says.
+/// What t of a form that is right at all is within, as src/tile_candidates.rs says.
 const MARGIN: f64 = 1.0 / 1024.0;
 
 const AOVS: [Aov; 4] = [Aov::Color, Aov::Distance, Aov::Normal, Aov::Id];

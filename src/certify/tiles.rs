@@ -97,7 +97,7 @@ impl Lists {
         let grid = Grid::new(level, tiles);
         let (keys, starts) = grid.scatter(bins, pool);
         let lists = Self::gather(grid, &keys, &starts, placing, pool);
-        pool.give(keys);
+        pool.put_back(keys);
         lists
     }
 
@@ -160,7 +160,7 @@ impl Lists {
             fronts.copy_from_slice(&row.fronts);
             mores.copy_from_slice(&row.mores);
             sills.copy_from_slice(&row.sills);
-            row.give_to(pool);
+            row.put_back(pool);
         });
         Self { grid, ends, fronts, mores, sills }
     }
@@ -184,10 +184,10 @@ impl Row {
         }
     }
 
-    fn give_to(self, pool: &Pool) {
-        pool.give(self.fronts);
-        pool.give(self.mores);
-        pool.give(self.sills);
+    fn put_back(self, pool: &Pool) {
+        pool.put_back(self.fronts);
+        pool.put_back(self.mores);
+        pool.put_back(self.sills);
     }
 
     /// Adds the list of these keys: in their order, as far as it is needed, padded.

@@ -101,7 +101,7 @@ impl Render {
         let mut targets = self.asked.files.targets(shot.number)?;
         let settings = &self.asked.settings_for(scene, settings, &targets)?;
         if self.resume && !targets.is_empty() {
-            let report = renderer.foresee(scene, settings)?;
+            let report = renderer.dry_run(scene, settings)?;
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {

@@ -1,9 +1,9 @@
 //! The certified frame on the CPU path: eight pixels of a row at a time, written so that the compiler may take them
 //! together, in the widest vectors this processor has. Vectors round like the device's scalars: same operations, same bits.
 
+use crate::certify::binned::BinnedScene;
 use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
 use crate::certify::near::{near_answer, near_low};
-use crate::certify::stage::Stage;
 use crate::certify::tiles::{NOTHING, NOTHING_MORE};
 use crate::certify::{Answer, BEYOND, Certify, NEAR, Slopes};
 use crate::kernel::Kernel;
@@ -23,14 +23,14 @@ const LANES: usize = TILE as usize;
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
-    stage: &Stage,
+    binned: &BinnedScene,
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
     match view.record.fine() {
-        1 => certified_by::<false>(kernel, view, stage, colors, raw, go_on),
-        _ => certified_by::<true>(kernel, view, stage, colors, raw, go_on),
+        1 => certified_by::<false>(kernel, view, binned, colors, raw, go_on),
+        _ => certified_by::<true>(kernel, view, binned, colors, raw, go_on),
     }
 }
 
@@ -38,12 +38,12 @@ pub(crate) fn certified(
 fn certified_by<const SAMPLED: bool>(
     kernel: &Kernel,
     view: &View,
-    stage: &Stage,
+    binned: &BinnedScene,
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    let certify = Certify::new(&view.record, stage);
+    let certify = Certify::new(&view.record, binned);
     let surface = Surface { view: &view.record, spheres: &[], colors };
     let record = &view.record;
     let width = record.columns as usize;
@@ -347,10 +347,10 @@ mod tests {
         let mut view = View::for_rays(scene, raster, kernel.records()).expect("a view");
         view.record.sample = raster.count() / 2;
         for level in [0, crate::tile::WHOLE] {
-            let stage = Stage::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
+            let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
                 .expect("a stage")
                 .expect("a lens");
-            let certify = Certify::<f32>::new(&view.record, &stage);
+            let certify = Certify::<f32>::new(&view.record, &binned);
             let mut hits = 0;
             for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {
                 let (kept, answers) = Strip::<SAMPLED> { certify: &certify, place: [i, first] }.call();

@@ -3,13 +3,13 @@
 
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
-use crate::listed::Listed;
 use crate::nearest::meet;
 use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::real::Real;
 use crate::shade::Surface;
 use crate::tile::{CHUNK, TILE};
+use crate::tile_candidates::TileCandidates;
 use crate::view::Sphere;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -17,17 +17,17 @@ use std::ops::Range;
 /// Fills `raw` by `kernel`'s method. `go_on` is asked before every row of tiles; rows after a `false` are left alone.
 pub(crate) fn by_tiles(
     kernel: &Kernel,
-    listed: &Listed<'_>,
+    tile_candidates: &TileCandidates<'_>,
     colors: Option<&[[f32; 3]]>,
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    kernel.method.dispatch(Frame { kernel, listed, colors, raw, go_on });
+    kernel.method.dispatch(Frame { kernel, tile_candidates, colors, raw, go_on });
 }
 
 struct Frame<'a> {
     kernel: &'a Kernel,
-    listed: &'a Listed<'a>,
+    tile_candidates: &'a TileCandidates<'a>,
     colors: Option<&'a [[f32; 3]]>,
     raw: &'a mut Raw,
     go_on: &'a (dyn Fn() -> bool + Sync),
@@ -37,18 +37,19 @@ impl Visit for Frame<'_> {
     type Output = ();
 
     fn visit<V: Intersect>(self) {
-        let Self { kernel, listed, colors, raw, go_on } = self;
-        let view = &listed.view.record;
+        let Self { kernel, tile_candidates, colors, raw, go_on } = self;
+        let view = &tile_candidates.view.record;
         let width = view.columns as usize;
         let surface = Surface::<V::Number> { view, spheres: &[], colors };
-        let nears: Vec<_> = listed.stage.nears.iter().map(|near| candidate(listed, near.id)).collect();
+        let nears: Vec<_> =
+            tile_candidates.binned.nears.iter().map(|near| candidate(tile_candidates, near.id)).collect();
         let [[left, right], [top, _]] = view.tiles();
         let columns = view.first_column..view.first_column + view.columns;
         let foremost = (top + 1) * TILE - view.first_row;
         let bands: Vec<_> = raw.cut(foremost as usize * width, TILE as usize * width).collect();
-        let asked = || Tile::<V::Number> { listed, nears: &nears, entries: 0..0, made: Vec::new() };
+        let empty = || Tile::<V::Number> { tile_candidates, nears: &nears, entries: 0..0, made: Vec::new() };
         let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
-        bands.for_each_init(asked, |tile, (band, mut rows)| {
+        bands.for_each_init(empty, |tile, (band, mut rows)| {
             let first = view.first_row.max((top + band as u32) * TILE);
             let count = rows.id.len() / width;
             for left in (left..=right).map(|tile| tile * TILE) {
@@ -78,13 +79,13 @@ impl Visit for Frame<'_> {
 /// A sphere and its id.
 type Candidate<R> = (Sphere<R>, u32);
 
-fn candidate<R: Real>(listed: &Listed<'_>, id: u32) -> Candidate<R> {
-    (listed.sphere(id), id)
+fn candidate<R: Real>(tile_candidates: &TileCandidates<'_>, id: u32) -> Candidate<R> {
+    (tile_candidates.sphere(id), id)
 }
 
 /// The candidates of one tile.
 struct Tile<'a, R> {
-    listed: &'a Listed<'a>,
+    tile_candidates: &'a TileCandidates<'a>,
     nears: &'a [Candidate<R>],
     entries: Range<usize>,
     /// Those of its list that some ray asked for.
@@ -94,7 +95,7 @@ struct Tile<'a, R> {
 impl<R: Real> Tile<'_, R> {
     /// Begins the tile that holds the pixel of `row` and `column`.
     fn enter(&mut self, row: u32, column: u32) {
-        let [first, end] = self.listed.stage.lists.range(row, column).map(|n| n as usize);
+        let [first, end] = self.tile_candidates.binned.lists.range(row, column).map(|n| n as usize);
         if self.entries != (first..end) {
             self.entries = first..end;
             self.made.clear();
@@ -107,14 +108,14 @@ impl<R: Real> Tile<'_, R> {
         consider_all::<V, R>(&mut found, ray, self.nears);
         let Range { start, end } = self.entries;
         for first in (start..end).step_by(CHUNK) {
-            if found.0.t.parts().0 < self.listed.limit(first / CHUNK) {
+            if found.0.t.parts().0 < self.tile_candidates.limit(first / CHUNK) {
                 break;
             }
             let from = first - start;
             if from == self.made.len() {
-                let chunk = self.listed.ids(first..first + CHUNK);
+                let chunk = self.tile_candidates.ids(first..first + CHUNK);
                 // What fills the list up is left out at its end.
-                self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.listed, id)));
+                self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.tile_candidates, id)));
             }
             let to = self.made.len().min(from + CHUNK);
             consider_all::<V, R>(&mut found, ray, &self.made[from..to]);
@@ -141,7 +142,7 @@ fn consider_all<V: Intersect, R: Real>(
 mod tests {
     use super::*;
     use crate::certify::TERMS;
-    use crate::certify::stage::Stage;
+    use crate::certify::binned::BinnedScene;
     use crate::intersect::Method;
     use crate::memory::Pool;
     use crate::plan::Plan;
@@ -156,25 +157,31 @@ mod tests {
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
-        let mut stage = Stage::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+        let mut binned = BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
         let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
         let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
-        let ids = |stage: &Stage| {
+        let ids = |binned: &BinnedScene| {
             let mut raw = Raw::new(&kernel, 131 * 74, &pool).expect("room");
-            by_tiles(&kernel, &Listed::new(&view, &scene.spheres, stage, false, &pool), None, &mut raw, &|| true);
+            by_tiles(
+                &kernel,
+                &TileCandidates::new(&view, &scene.spheres, binned, false, &pool),
+                None,
+                &mut raw,
+                &|| true,
+            );
             raw.id
         };
         let mut all = Raw::new(&kernel, 131 * 74, &pool).expect("room");
         crate::cpu::render(&kernel, &view, None, &mut all, &|| true);
-        let before = ids(&stage);
+        let before = ids(&binned);
         assert_eq!(before, all.id);
-        let near = |id: u32| stage.nears.iter().any(|near| near.id == id);
+        let near = |id: u32| binned.nears.iter().any(|near| near.id == id);
         let pixel = before.iter().position(|id| *id != NONE && !near(*id)).expect("a sphere in a list");
-        let [first, end] = stage.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
-        let entry = (first..end).find(|n| stage.lists.mores[*n].id == before[pixel]).expect("it is in the list");
+        let [first, end] = binned.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
+        let entry = (first..end).find(|n| binned.lists.mores[*n].id == before[pixel]).expect("it is in the list");
         // The near ones are asked anyway: the list holds one of them instead.
-        stage.lists.mores[entry].id = stage.nears[0].id;
-        let after = ids(&stage);
+        binned.lists.mores[entry].id = binned.nears[0].id;
+        let after = ids(&binned);
         assert!(after != before && after[pixel] != before[pixel]);
     }
 }

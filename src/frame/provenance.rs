@@ -30,7 +30,7 @@ pub struct Origin<'a> {
     pub tolerance: f64,
     /// Chooses the places of samples.
     pub seed: u32,
-    /// Who computed it and how; [`crate::Renderer::foresee`] knows it beforehand.
+    /// Who computed it and how; [`crate::Renderer::dry_run`] reports it without rendering.
     pub report: &'a Report,
     /// Which part of the full frame.
     pub window: Window,

@@ -5,14 +5,14 @@ use crate::gpu::clock::Clock;
 use crate::gpu::compose::{compose, constants};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
-use crate::gpu::pace::Pace;
 use crate::gpu::selftest::Verdict;
-use crate::gpu::traffic::{Band, Bands, Entries, Reach, Written, outputs, uploads};
+use crate::gpu::submission_budget::SubmissionBudget;
+use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, Written, outputs, uploads};
 use crate::kernel::{Kernel, Rays};
-use crate::listed::Asked;
 use crate::raw::Raw;
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::tile::TILE;
+use crate::tile_candidates::CandidateList;
 use crate::tree::Tree;
 use crate::view::{View, ViewRecord};
 use std::collections::HashMap;
@@ -33,14 +33,14 @@ pub(crate) struct Gpu {
     /// What kernels write is read where it lies.
     direct: bool,
     /// Of kernels that have not run yet.
-    pub(super) pace: Pace,
+    pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
 }
 
 struct Pipeline {
     compute: wgpu::ComputePipeline,
     bindings: Vec<Binding>,
-    pace: Pace,
+    budget: SubmissionBudget,
 }
 
 /// What the kernels read besides the view, by the name of the binding.
@@ -51,7 +51,7 @@ pub(crate) struct Input<'a> {
     /// Records of given rays; empty for viewing rays.
     pub(crate) rays: &'a [crate::ray::RayRecord],
     /// What the tiles' rays are asked instead of the view's spheres.
-    pub(crate) stage: Option<Asked<'a>>,
+    pub(crate) candidates: Option<CandidateList<'a>>,
     /// What given rays walk.
     pub(crate) tree: Option<&'a Tree>,
 }
@@ -60,8 +60,10 @@ impl Input<'_> {
     /// The view, and how many spheres every ray is asked.
     fn record(&self) -> ViewRecord {
         let record = self.view.record;
-        match &self.stage {
-            Some(Asked::Form(listed)) => ViewRecord { spheres: listed.nears() as u32, ..record },
+        match &self.candidates {
+            Some(CandidateList::Uncertified(tile_candidates)) => {
+                ViewRecord { spheres: tile_candidates.nears() as u32, ..record }
+            }
             _ => record,
         }
     }
@@ -70,7 +72,7 @@ impl Input<'_> {
 /// What a run leaves behind.
 pub(crate) struct Output<'a> {
     pub(crate) raw: &'a mut Raw,
-    pub(crate) stages: &'a mut Stages,
+    pub(crate) timings: &'a mut Timings,
 }
 
 impl Gpu {
@@ -79,7 +81,17 @@ impl Gpu {
         let clock = Clock::new(&open);
         let (pipelines, buffers) = (HashMap::new(), HashMap::new());
         let direct = open.is_direct(&summary);
-        Self { clock, summary, open, limits, pipelines, buffers, direct, pace: Pace::default(), verdict: None }
+        Self {
+            clock,
+            summary,
+            open,
+            limits,
+            pipelines,
+            buffers,
+            direct,
+            budget: SubmissionBudget::default(),
+            verdict: None,
+        }
     }
 
     /// Fills `output` by `kernel`. `go_on` is told before every band how many pixels are done, and ends the work by a `false`.
@@ -136,37 +148,37 @@ impl Gpu {
         output: &mut Output<'_>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<()> {
-        let Output { raw, stages } = output;
+        let Output { raw, timings } = output;
         let record = input.record();
         self.check_limits(kernel, input)?;
-        stages.time("pipeline", || self.pipeline(kernel))?;
-        stages.time("upload", || self.upload(kernel, input))?;
-        let mut bands = Bands::new(kernel, input, Reach::from(&self.limits));
-        while let Some(band) = bands.next(&self.pipelines[kernel].pace) {
+        timings.time("pipeline", || self.pipeline(kernel))?;
+        timings.time("upload", || self.upload(kernel, input))?;
+        let mut bands = Bands::new(kernel, input, BindingLimits::from(&self.limits));
+        while let Some(band) = bands.next(&self.pipelines[kernel].budget) {
             if !go_on(band.before(kernel, &record)) {
                 return Err(Error::Interrupted);
             }
-            if let Some(asked) = &input.stage {
-                let entries = Entries::of(asked, &band);
-                stages.time("upload", || entries.upload(asked, |name, parts| self.fill_parts(name, parts)))?;
+            if let Some(candidates) = &input.candidates {
+                let entries = Entries::of(candidates, &band);
+                timings.time("upload", || entries.upload(candidates, |name, parts| self.fill_parts(name, parts)))?;
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
-            stages.time("trace", || self.dispatch(kernel, &record, &band))?;
+            timings.time("trace", || self.dispatch(kernel, &record, &band))?;
             // The wall clock counts uploads that the submission waited for, and the first time the driver's compiler.
             let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
             let seconds = clocked.unwrap_or_else(|| start.elapsed().as_secs_f64());
             tracing::debug!(band.first, band.count, tests, seconds, "submitted");
             if let Some(pipeline) = self.pipelines.get_mut(kernel) {
-                pipeline.pace.took(tests, seconds);
+                pipeline.budget.took(tests, seconds);
             }
-            stages.time("readback", || self.read_back(kernel, &record, &band, raw))?;
+            timings.time("readback", || self.read_back(kernel, &record, &band, raw))?;
         }
         Ok(())
     }
 
     /// Refuses, before any work, what the adapter cannot hold.
     fn check_limits(&self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        let (record, reach) = (&input.view.record, Reach::from(&self.limits));
+        let (record, reach) = (&input.view.record, BindingLimits::from(&self.limits));
         let (largest, fit) = (reach.binding, reach.spheres(kernel, input));
         if u64::from(record.spheres) > fit {
             return Err(Error::Limits {
@@ -212,7 +224,7 @@ impl Gpu {
             },
             cache: None,
         });
-        self.pipelines.insert(*kernel, Pipeline { compute, bindings: bindings(&module, &info), pace: self.pace });
+        self.pipelines.insert(*kernel, Pipeline { compute, bindings: bindings(&module, &info), budget: self.budget });
         Ok(())
     }
 
@@ -371,14 +383,14 @@ pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.unio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::stage::Stage;
+    use crate::certify::binned::BinnedScene;
     use crate::gpu::device;
     use crate::intersect::Method;
     use crate::kernel::Sharing;
-    use crate::listed::Listed;
     use crate::memory::Pool;
     use crate::scene::{ReadOptions, Scene};
     use crate::shade::Shade;
+    use crate::tile_candidates::TileCandidates;
     use std::path::Path;
 
     /// Whichever way invocations share the spheres they load, the answers are the same bits.
@@ -399,7 +411,7 @@ mod tests {
         // The low parts are there for those that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
-        let stage = Stage::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
+        let binned = BinnedScene::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
             .expect("a stage")
             .expect("a lens");
         let pool = Pool::default();
@@ -426,14 +438,22 @@ mod tests {
             let all = [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64);
             for kernel in all.chain([tiles(kernel), tiles(wide(Method::DoubleFloat))]) {
                 let mut raw = Raw::new(&kernel, 131 * 74, &Pool::default()).expect("room");
-                let listed = || Asked::Form(Listed::new(&view, &scene.spheres, &stage, kernel.is_wide(), &pool));
-                let stage = match kernel.certify {
-                    true => Some(Asked::Certified(&stage)),
-                    false => kernel.tiles.then(listed),
+                let tile_candidates = || {
+                    CandidateList::Uncertified(TileCandidates::new(
+                        &view,
+                        &scene.spheres,
+                        &binned,
+                        kernel.is_wide(),
+                        &pool,
+                    ))
+                };
+                let candidates = match kernel.certify {
+                    true => Some(CandidateList::Certified(&binned)),
+                    false => kernel.tiles.then(tile_candidates),
                 };
                 let input =
-                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
-                let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
+                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
+                let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
                 raws.push(raw);
             }

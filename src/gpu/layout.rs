@@ -81,11 +81,11 @@ mod tests {
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
     use crate::kernel::{Rays, Sharing};
-    use crate::listed::Candidate;
     use crate::ray::NONE;
     use crate::ray::RayRecord;
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
+    use crate::tile_candidates::Candidate;
     use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::view::{SphereLow, SphereRecord, ViewRecord};
     use std::collections::BTreeSet;

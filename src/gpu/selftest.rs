@@ -183,7 +183,7 @@ impl Gpu {
     ///
     /// # Errors
     /// [`Error::Accuracy`] with the reason where it may not, and what the measurement runs into.
-    pub(crate) fn admit(&mut self, method: Method) -> Result<()> {
+    pub(crate) fn check_method(&mut self, method: Method) -> Result<()> {
         let reason = match method {
             Method::Native64 if !self.has_f64() => no_f64().reason,
             Method::Native64 => self.verdict()?.f64.reason.clone(),

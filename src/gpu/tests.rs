@@ -1,19 +1,19 @@
 //! However a frame is cut into bands, by time or by what a binding holds, its answers are the same bits.
 
-use super::pace::Pace;
+use super::submission_budget::SubmissionBudget;
 use crate::certify::TERMS;
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::error::Error;
 use crate::gpu::dispatch::{Input, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
-use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::raw::Raw;
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::scene::{ReadOptions, Scene};
 use crate::shade::Shade;
+use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 use std::cell::Cell;
 
@@ -33,15 +33,17 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut view = View::new(&scene).expect("a view");
     view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();
-    let stage = Stage::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
+    let binned = BinnedScene::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
-    let listed = |stage| Asked::Form(Listed::new(&view, &scene.spheres, stage, kernel.is_wide(), &pool));
-    let stage = match kernel.certify {
-        true => stage.as_ref().map(Asked::Certified),
-        false => stage.as_ref().filter(|_| kernel.tiles).map(listed),
+    let tile_candidates = |binned| {
+        CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, kernel.is_wide(), &pool))
     };
-    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], stage, tree: None };
-    let mut output = Output { raw: &mut raw, stages: &mut Stages::default() };
+    let candidates = match kernel.certify {
+        true => binned.as_ref().map(CandidateList::Certified),
+        false => binned.as_ref().filter(|_| kernel.tiles).map(tile_candidates),
+    };
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
+    let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
     let told = Cell::new(Vec::new());
     let next = |done| {
         let mut all = told.take();
@@ -89,7 +91,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
 #[test]
 fn bands_leave_no_trace() {
     let Some([mut whole, mut cut]) = two() else { return };
-    cut.pace = Pace::creeping();
+    cut.budget = SubmissionBudget::minimal();
     let [plain, certified] = kernels(&whole);
     let wide = Kernel { method: Method::DoubleFloat, ..plain };
     for kernel in [plain, certified, wide, Kernel { tiles: true, ..plain }, Kernel { tiles: true, ..wide }] {
@@ -115,7 +117,7 @@ fn bands_leave_no_trace() {
 fn a_lost_device_is_reported() {
     for last in 0..4 {
         let Some([mut gpu, _]) = two() else { return };
-        gpu.pace = Pace::creeping();
+        gpu.budget = SubmissionBudget::minimal();
         let [plain, certified] = kernels(&gpu);
         for kernel in [plain, certified] {
             frame(&mut gpu, &kernel, usize::MAX).0.expect("a frame");
@@ -137,7 +139,7 @@ fn a_lost_device_is_reported() {
             }
             let Some([another, _]) = two() else { return };
             gpu = another;
-            gpu.pace = Pace::creeping();
+            gpu.budget = SubmissionBudget::minimal();
         }
     }
 }

@@ -98,7 +98,7 @@ mod tests {
         let pool = Pool::default();
         assert!(free(&pool).is_some_and(|bytes| bytes > 1 << 20));
         // Nothing is written, so the system has given nothing.
-        pool.give(Vec::<u64>::with_capacity(1 << 27));
+        pool.put_back(Vec::<u64>::with_capacity(1 << 27));
         assert!(pool.kept() >= GIB && free(&pool).is_some_and(|bytes| bytes >= pool.kept()));
     }
 

@@ -5,14 +5,14 @@ use super::Renderer;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::plan::Plan;
-use crate::prepare::Prepared;
 use crate::raster::Raster;
 use crate::raw::Raw;
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::samples::{Means, Sums};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::settle;
+use crate::setup::FrameSetup;
 use std::sync::Arc;
 
 impl Renderer {
@@ -24,28 +24,28 @@ impl Renderer {
         scene: &Scene,
         settings: &Settings,
         raster: Raster,
-        stages: &mut Stages,
+        timings: &mut Timings,
     ) -> Result<Means> {
         let pool = Arc::clone(&self.pool);
         let plan = Plan { kernel, ..plan.clone() };
         // The spheres are binned once for all passes: only the rays within a pixel differ.
-        let mut prepared = Prepared::new(plan, scene, settings, raster, &pool, stages)?;
-        let pixels = prepared.view.record.pixels();
-        let mut raw = Raw::new(&prepared.plan.kernel, pixels, &pool)?;
+        let mut setup = FrameSetup::new(plan, scene, settings, raster, &pool, timings)?;
+        let pixels = setup.view.record.pixels();
+        let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
         let mut sums = Sums::new(pixels, kernel.shade.is_some(), &pool)?;
         for sample in 0..raster.count() {
-            prepared.view.record.sample = sample;
-            let settled = self.answer(&prepared, scene, &mut raw, stages)?;
+            setup.view.record.sample = sample;
+            let settled = self.answer(&setup, scene, &mut raw, timings)?;
             raw.settle(&settled);
             if let Some(shade) = kernel.shade {
-                stages.time("shade", || settle::shade(shade, scene, &prepared.view, &settled, &mut raw.color));
+                timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
             }
-            stages.time("samples", || sums.add(&raw));
+            timings.time("samples", || sums.add(&raw));
         }
         let means = sums.means(raster.count(), &pool);
-        raw.give_to(&pool);
-        if let Some(stage) = prepared.stage {
-            stage.give_to(&pool);
+        raw.put_back(&pool);
+        if let Some(binned) = setup.binned {
+            binned.put_back(&pool);
         }
         Ok(means)
     }

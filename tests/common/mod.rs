@@ -30,10 +30,10 @@ pub(crate) fn admitted(renderer: &mut Renderer) -> Vec<Method> {
     if renderer.adapter().contains("SwiftShader") {
         admitted.retain(|method| *method != Method::Native64);
     } else if !renderer.adapter().contains("llvmpipe") {
-        admitted.retain(|method| renderer.admit(*method).is_ok());
+        admitted.retain(|method| renderer.check_method(*method).is_ok());
     }
     for &method in Method::ALL {
-        match renderer.admit(method) {
+        match renderer.check_method(method) {
             Ok(()) => assert!(admitted.contains(&method), "{} runs on {}", method.name(), renderer.adapter()),
             Err(Error::Accuracy { problem, .. }) if !admitted.contains(&method) => println!("refused: {problem}"),
             Err(error) => panic!("{}: {error}", method.name()),

@@ -5,9 +5,9 @@ use super::claims::Exact;
 use super::wild::{Dice, Mode, Value, Wild, climb, under};
 use super::worlds::Site;
 use crate::camera::{Camera, Lens, Look};
+use crate::certify::binned::BinnedScene;
 use crate::certify::front::{self, Front};
 use crate::certify::near::{self, Near};
-use crate::certify::stage::Stage;
 use crate::certify::{Certify, TERMS, Terms};
 use crate::dd::{self, Dd};
 use crate::scene::Scene;
@@ -60,7 +60,7 @@ pub(super) struct Shot {
 pub(super) struct Staged {
     pub(super) scene: Scene,
     pub(super) view: View,
-    pub(super) stage: Stage,
+    pub(super) binned: BinnedScene,
     pub(super) pixel: [u32; 2],
     b: f64,
     g: [f64; 3],
@@ -89,7 +89,7 @@ impl Shot {
             site.scene.spheres.push(second, self.r * 1e-3, None);
         }
         let view = View::new(&site.scene).ok()?;
-        let stage = Stage::new(
+        let binned = BinnedScene::new(
             &site.scene,
             &view,
             1e-5,
@@ -100,13 +100,13 @@ impl Shot {
         .ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
-        let unit = match stage.nears.first() {
-            _ if self.parallel => dd::ldexp(stage.lens.size.into(), view.unit),
+        let unit = match binned.nears.first() {
+            _ if self.parallel => dd::ldexp(binned.lens.size.into(), view.unit),
             Some(n) => dd::ldexp(1.0, dd::exponent(n.scale.into()) + view.unit),
             // The front's unit of offsets is z times the slope of one.
-            None => f64::from(stage.lens.unit),
+            None => f64::from(binned.lens.unit),
         };
-        let length = if stage.nears.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
+        let length = if binned.nears.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
         let power = dd::dot(e.p, e.p) - e.r * e.r;
         let root = disc.sqrt();
         let depth = match (disc.hi >= 0.0, power.hi > 0.0, b.hi > 0.0) {
@@ -116,7 +116,7 @@ impl Shot {
             (_, _, true) => Some((b + root) / e.a),
             (_, _, false) => Some(-power / (root - b)),
         };
-        let relative = |t: Dd| (t.ldexp(-view.unit) - f64::from(stage.lens.depth).into()).value();
+        let relative = |t: Dd| (t.ldexp(-view.unit) - f64::from(binned.lens.depth).into()).value();
         Some(Staged {
             b: (b / length).value(),
             g: e.g().map(|g| (g / length).value()),
@@ -125,7 +125,7 @@ impl Shot {
             pixel: self.pixel,
             scene: site.scene,
             view,
-            stage,
+            binned,
         })
     }
 
@@ -159,7 +159,7 @@ impl Shot {
 
 impl Staged {
     pub(super) fn is_near(&self) -> bool {
-        !self.stage.nears.is_empty()
+        !self.binned.nears.is_empty()
     }
 
     /// What f64 may leave in the depth of a front sphere's centre, in the frame's unit.
@@ -173,14 +173,19 @@ impl Staged {
     /// Error over bound; NaN where the quantity is not there.
     fn ratio<R: Value>(&self, quantity: Quantity, terms: &Terms) -> f64 {
         use Quantity::*;
-        let stage = &self.stage;
+        let binned = &self.binned;
         let near = matches!(quantity, NearAlong | NearCross | NearDisc | NearDepth);
-        let there = stage.lists.mores.first().is_some_and(|more| more.id == 0);
+        let there = binned.lists.mores.first().is_some_and(|more| more.id == 0);
         if near != self.is_near() || !near && !there {
             return f64::NAN;
         }
-        let twin =
-            Certify::<R> { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears: Vec::new(), terms };
+        let twin = Certify::<R> {
+            view: &self.view.record,
+            lens: &binned.lens,
+            lists: &binned.lists,
+            nears: Vec::new(),
+            terms,
+        };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);
         let over = |error: f64, bound: R| error.abs() / bound.value();
         let between = |low: R, high: R| {
@@ -189,7 +194,7 @@ impl Staged {
         };
         let less = |disc: R| (Dd::from(disc.value()) - self.disc).value();
         if near {
-            let n = Near::new(&stage.nears[0]);
+            let n = Near::new(&binned.nears[0]);
             let w = near::near_weigh(&s, &n, terms);
             return match quantity {
                 NearAlong => over(w.b.value() - self.b, w.b_error),
@@ -201,20 +206,20 @@ impl Staged {
                 }
             };
         }
-        let f = Front::new(&stage.lists.fronts[0], &stage.lists.mores[0]);
+        let f = Front::new(&binned.lists.fronts[0], &binned.lists.mores[0]);
         match quantity {
             FrontDisc => {
-                let w = front::front_weigh(&s, &stage.lens, &f, terms);
+                let w = front::front_weigh(&s, &binned.lens, &f, terms);
                 over(less(w.disc), w.error)
             }
             FrontDepth => {
-                let answer = front::front_answer(&s, &stage.lens, &f, terms);
+                let answer = front::front_answer(&s, &binned.lens, &f, terms);
                 if answer.hits { between(answer.low, answer.high) } else { f64::NAN }
             }
             _ => {
                 let Some(z) = self.depth else { return f64::NAN };
-                let low = front::front_low(&s, &stage.lens, &f).value();
-                let taken = f64::from(stage.lists.mores[0].center) - f64::from(stage.lists.fronts[0].low);
+                let low = front::front_low(&s, &binned.lens, &f).value();
+                let taken = f64::from(binned.lists.mores[0].center) - f64::from(binned.lists.fronts[0].low);
                 if low < f64::from(f32::MAX) { 1.0 + (low - z) / taken } else { f64::INFINITY }
             }
         }

@@ -1,8 +1,8 @@
 //! What the certified kernel claims of a pixel, held against the judge.
 
 use super::wild::Value;
+use crate::certify::binned::{BinnedScene, Depths};
 use crate::certify::near::Near;
-use crate::certify::stage::{Depths, Stage};
 use crate::certify::{Certify, Terms};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact::{Judge, Truth};
@@ -29,7 +29,7 @@ impl Checks {
 pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) view: View,
-    pub(super) stage: Stage,
+    pub(super) binned: BinnedScene,
     pub(super) tolerance: f64,
     pub(super) judged: Vec<Judged>,
 }
@@ -42,10 +42,11 @@ pub(super) struct Judged {
 }
 
 impl Case {
-    /// `None` where the stage leaves the scene to the judge.
+    /// `None` where binning leaves the scene to the judge.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
-        let stage = Stage::new(&scene, &view, tolerance, terms, coarse(&scene), &Pool::default()).expect("a stage")?;
+        let binned =
+            BinnedScene::new(&scene, &view, tolerance, terms, coarse(&scene), &Pool::default()).expect("a stage")?;
         let judge = Judge::new(&scene).expect("a judge");
         let judged = |&[i, j]: &[u32; 2]| Judged {
             at: [i, j],
@@ -53,24 +54,30 @@ impl Case {
             each: (0..scene.spheres.len() as u32).map(|id| judge.among(i, j, &[id])).collect(),
         };
         let judged = pixels.iter().map(judged).collect();
-        Some(Self { scene, view, stage, tolerance, judged })
+        Some(Self { scene, view, binned, tolerance, judged })
     }
 
-    /// The stage for other constants.
-    pub(super) fn restaged(&self, terms: &Terms) -> Stage {
-        let stage = Stage::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene), &Pool::default());
-        stage.expect("a stage").expect("a lens")
+    /// The scene binned for other constants.
+    pub(super) fn restaged(&self, terms: &Terms) -> BinnedScene {
+        let binned =
+            BinnedScene::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene), &Pool::default());
+        binned.expect("a stage").expect("a lens")
     }
 
     /// Calls `f` with the twin in the arithmetic R.
-    pub(super) fn with<R: Value, T>(&self, stage: &Stage, terms: &Terms, f: impl FnOnce(&Certify<'_, R>) -> T) -> T {
-        let nears: Vec<_> = stage.nears.iter().map(Near::new).collect();
-        f(&Certify { view: &self.view.record, lens: &stage.lens, lists: &stage.lists, nears, terms })
+    pub(super) fn with<R: Value, T>(
+        &self,
+        binned: &BinnedScene,
+        terms: &Terms,
+        f: impl FnOnce(&Certify<'_, R>) -> T,
+    ) -> T {
+        let nears: Vec<_> = binned.nears.iter().map(Near::new).collect();
+        f(&Certify { view: &self.view.record, lens: &binned.lens, lists: &binned.lists, nears, terms })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.
     pub(super) fn depth(&self, truth: &Truth) -> f64 {
-        dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.stage.lens.depth)
+        dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.binned.lens.depth)
     }
 
     /// What the judge's own rounding may take, in the frame's unit: a step of f64 or two, also of its subnormal numbers, and
@@ -150,7 +157,7 @@ pub(super) fn check<R: Value>(
         return Err(format!("pixel {i} {j}: certain of {}, truth {:?}", answer.id, judged.nearest.map(|t| t.id)));
     };
     let depth = case.depth(&truth);
-    let center = Depths::new(&case.scene, &case.view, Some(&case.stage)).of(answer.id);
+    let center = Depths::new(&case.scene, &case.view, Some(&case.binned)).of(answer.id);
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
     let spare = case.spare(&truth);

@@ -18,8 +18,8 @@ fn canonical(half: f64, size: [u32; 2]) -> Site {
 
 fn held(site: Site, tolerance: f64, pixels: &[[u32; 2]]) -> [u64; 2] {
     let case = Case::new(site.scene, tolerance, pixels, &TERMS).expect("a lens for f32");
-    hold(&case, &case.stage, &TERMS, Checks::ALL, 1)
-        .unwrap_or_else(|e| panic!("{e}\n{:?}\n{:?}", case.scene, case.stage))
+    hold(&case, &case.binned, &TERMS, Checks::ALL, 1)
+        .unwrap_or_else(|e| panic!("{e}\n{:?}\n{:?}", case.scene, case.binned))
 }
 
 /// The power of an eye 2^-k from a surface: what double-double leaves of it must be exact to far less than f32's ulp.

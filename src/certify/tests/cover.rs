@@ -3,9 +3,9 @@
 use super::wild::Dice;
 use crate::camera::Lens::{Orthographic, Viewport};
 use crate::certify::TERMS;
+use crate::certify::binned::BinnedScene;
 use crate::certify::lens::cover::Cover;
 use crate::certify::lens::{Lens, Staged};
-use crate::certify::stage::Stage;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::ray::NONE;
@@ -110,7 +110,7 @@ fn a_disc_closes_its_pixels_and_no_others() {
 #[test]
 fn nobody_who_is_seen_is_left_out() {
     let mut dice = Dice(77);
-    let (mut listed, mut binned, mut hits) = (0, 0, 0);
+    let (mut listed, mut spheres_seen, mut hits) = (0, 0, 0);
     for round in 0..16 {
         let mut spheres = Spheres::default();
         // Far and compact in every other round, so that depths are kept relative to a reference.
@@ -129,19 +129,20 @@ fn nobody_who_is_seen_is_left_out() {
         let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };
         let scene = Scene { camera, image, spheres, skipped: Default::default() };
         let view = View::new(&scene).expect("a view");
-        let stage = Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
-        assert_eq!(stage.lens.depth > 0.0, round % 2 == 1, "the reference");
+        let binned =
+            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
+        assert_eq!(binned.lens.depth > 0.0, round % 2 == 1, "the reference");
         let judge = Judge::new(&scene).expect("a judge");
-        let entries = |[first, end]: [u32; 2]| &stage.lists.mores[first as usize..end as usize];
+        let entries = |[first, end]: [u32; 2]| &binned.lists.mores[first as usize..end as usize];
         for (i, j) in (0..image.height).flat_map(|i| (0..image.width).map(move |j| (i, j))) {
             let Some(truth) = judge.pixel(i, j) else { continue };
-            let there = entries(stage.lists.range(i, j)).iter().any(|more| more.id == truth.id);
-            assert!(there || stage.nears.iter().any(|near| near.id == truth.id), "row {i}, column {j}: {truth:?}");
+            let there = entries(binned.lists.range(i, j)).iter().any(|more| more.id == truth.id);
+            assert!(there || binned.nears.iter().any(|near| near.id == truth.id), "row {i}, column {j}: {truth:?}");
             hits += 1;
         }
-        listed += stage.lists.mores.iter().filter(|more| more.id != NONE).count();
-        binned += stage.seen;
+        listed += binned.lists.mores.iter().filter(|more| more.id != NONE).count();
+        spheres_seen += binned.seen;
     }
-    println!("{hits} hits, {listed} entries for {binned} spheres");
-    assert!(hits > 30_000 && listed < binned as usize, "{listed} entries, {binned} spheres, {hits} hits");
+    println!("{hits} hits, {listed} entries for {spheres_seen} spheres");
+    assert!(hits > 30_000 && listed < spheres_seen as usize, "{listed} entries, {spheres_seen} spheres, {hits} hits");
 }

@@ -91,21 +91,21 @@ impl Look<'_> {
     /// The share of a bound that a check finds; NaN where it does not apply.
     fn share(&self, check: Check) -> f64 {
         rewind();
-        let Staged { view, stage, pixel: [i, j], .. } = self.staged;
+        let Staged { view, binned, pixel: [i, j], .. } = self.staged;
         let twin =
-            Certify { view: &view.record, lens: &stage.lens, lists: &stage.lists, nears: vec![], terms: self.terms };
+            Certify { view: &view.record, lens: &binned.lens, lists: &binned.lists, nears: vec![], terms: self.terms };
         let s = twin.slopes(*i, *j);
         let mut given = Given::default();
-        given.set_known(stage.lens.slope_x, ONCE);
-        given.set_known(stage.lens.slope_y, ONCE);
+        given.set_known(binned.lens.slope_x, ONCE);
+        given.set_known(binned.lens.slope_y, ONCE);
         if self.staged.is_near() {
             return if OF_NEAR.contains(&check) { self.near(check, given, &s) } else { f64::NAN };
         }
-        let there = stage.lists.mores.first().is_some_and(|more| more.id == 0);
+        let there = binned.lists.mores.first().is_some_and(|more| more.id == 0);
         if !there || !OF_FRONT.contains(&check) {
             return f64::NAN;
         }
-        let (record, more) = (&stage.lists.fronts[0], &stage.lists.mores[0]);
+        let (record, more) = (&binned.lists.fronts[0], &binned.lists.mores[0]);
         let f = Front {
             x: record.x,
             y: record.y,
@@ -118,8 +118,8 @@ impl Look<'_> {
         given.set(f.rho, ONCE);
         given.set(f.center, ONCE);
         match check {
-            CandidateDisc | CandidateMost | CandidateLow => self.candidate(check, given, &s, &stage.lens, &f),
-            _ => self.winner(check, given, &s, &stage.lens, &f),
+            CandidateDisc | CandidateMost | CandidateLow => self.candidate(check, given, &s, &binned.lens, &f),
+            _ => self.winner(check, given, &s, &binned.lens, &f),
         }
     }
 
@@ -226,7 +226,7 @@ impl Look<'_> {
 
     /// Section 3.
     fn near(&self, check: Check, mut given: Given, s: &Slopes<Traced>) -> f64 {
-        let record = &self.staged.stage.nears[0];
+        let record = &self.staged.binned.nears[0];
         let n = Near {
             ball: record.ball.map(Traced::input),
             power: Traced::input(record.power),

@@ -3,7 +3,7 @@
 use super::claims::{Case, Checks, check};
 use super::wild::{Dice, Mode, Wild, under};
 use super::worlds::{FAMILIES, Make};
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::certify::{TERMS, Terms};
 
 /// Scenes of each family; `HALFLINE_SCENES` for more.
@@ -25,13 +25,19 @@ pub(super) fn case(make: Make, n: u64, terms: &Terms) -> Option<Case> {
 }
 
 /// Certain pixels and all of them; or the first false claim.
-pub(super) fn hold(case: &Case, stage: &Stage, terms: &Terms, checks: Checks, seed: u64) -> Result<[u64; 2], String> {
+pub(super) fn hold(
+    case: &Case,
+    binned: &BinnedScene,
+    terms: &Terms,
+    checks: Checks,
+    seed: u64,
+) -> Result<[u64; 2], String> {
     let mut count = [0, 0];
     let mut add = |certain: bool| count = [count[0] + u64::from(certain), count[1] + 1];
-    case.with::<f32, _>(stage, terms, |twin| -> Result<(), String> {
+    case.with::<f32, _>(binned, terms, |twin| -> Result<(), String> {
         case.judged.iter().try_for_each(|judged| check(case, twin, judged, checks).map(&mut add))
     })?;
-    case.with::<Wild, _>(stage, terms, |twin| -> Result<(), String> {
+    case.with::<Wild, _>(binned, terms, |twin| -> Result<(), String> {
         for judged in &case.judged {
             for (k, mode) in (0..).zip(Mode::BLIND.into_iter().chain([Mode::Random; 3])) {
                 let claim = under(mode, seed.wrapping_add(k), || check(case, twin, judged, checks));
@@ -48,7 +54,7 @@ fn family(k: usize) {
     let (mut certain, mut all, mut staged) = (0, 0, 0);
     for n in 0..scenes() {
         let Some(case) = case(make, n, &TERMS) else { continue };
-        let [some, every] = hold(&case, &case.stage, &TERMS, Checks::ALL, n)
+        let [some, every] = hold(&case, &case.binned, &TERMS, Checks::ALL, n)
             .unwrap_or_else(|e| panic!("{name} {n}: {e}\n{:?}", case.scene));
         (certain, all, staged) = (certain + some, all + every, staged + 1);
     }

@@ -1,7 +1,7 @@
 //! A window's lists are those of the full frame, also where tiles share them.
 
 use crate::certify::TERMS;
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::raster::Raster;
@@ -29,19 +29,19 @@ fn a_windows_lists_are_the_full_frames() {
     // Single tiles that are covered, and cells of several tiles.
     for (count, radius, shared) in [(900, 0.2, false), (2600, 1.4, true)] {
         let scene = scene(count, radius);
-        let stage = |window: Window| {
+        let binned = |window: Window| {
             let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
-            Stage::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
+            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
         };
-        let (full, part) = (stage(Window::full(256, 256)), stage(window));
+        let (full, part) = (binned(Window::full(256, 256)), binned(window));
         assert_eq!((full.lens, &full.nears), (part.lens, &part.nears));
         assert_eq!((full.lists.level() > 0, part.lists.level()), (shared, full.lists.level()));
         let mut entries = 0;
         for (row, column) in (window.y0..window.y1).flat_map(|i| (window.x0..window.x1).map(move |j| (i, j))) {
-            let of = |stage: &Stage| {
-                let [first, end] = stage.lists.range(row, column).map(|n| n as usize);
-                let sills = &stage.lists.sills[first / TILE as usize..end / TILE as usize];
-                (stage.lists.fronts[first..end].to_vec(), stage.lists.mores[first..end].to_vec(), sills.to_vec())
+            let of = |binned: &BinnedScene| {
+                let [first, end] = binned.lists.range(row, column).map(|n| n as usize);
+                let sills = &binned.lists.sills[first / TILE as usize..end / TILE as usize];
+                (binned.lists.fronts[first..end].to_vec(), binned.lists.mores[first..end].to_vec(), sills.to_vec())
             };
             let (full, part) = (of(&full), of(&part));
             entries += part.0.len();

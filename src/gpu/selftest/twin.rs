@@ -4,19 +4,19 @@
 use super::Check;
 use crate::camera::Camera;
 use crate::certify::TERMS;
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::cpu;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
-use crate::listed::{Asked, Listed};
 use crate::memory::Pool;
 use crate::raw::Raw;
-use crate::report::Stages;
+use crate::report::Timings;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::settings::Tolerance;
+use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 
 /// The check's name.
@@ -59,27 +59,31 @@ impl Gpu {
         let scene = scene();
         let pool = Pool::default();
         let view = View::new(&scene)?;
-        let stage = Stage::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
+        let binned = BinnedScene::new(&scene, &view, Tolerance::default().relative(), &TERMS, 0, &pool)?;
         let (mut values, mut different) = (0.0, 0.0);
         for kernel in self.twin_kernels() {
             let pixels = (SIDE * SIDE) as usize;
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
-            let asked = match &stage {
-                Some(stage) if kernel.tiles => {
-                    Some(Asked::Form(Listed::new(&view, &scene.spheres, stage, false, &pool)))
+            let candidates = match &binned {
+                Some(binned) if kernel.tiles => {
+                    Some(CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, false, &pool)))
                 }
-                Some(stage) if kernel.certify => Some(Asked::Certified(stage)),
-                // This scene has a stage; without one there is nothing to compare.
+                Some(binned) if kernel.certify => Some(CandidateList::Certified(binned)),
+                // This scene can be binned; without one there is nothing to compare.
                 None if kernel.tiles || kernel.certify => continue,
                 _ => None,
             };
-            match &asked {
-                Some(Asked::Certified(stage)) => cpu::certified(&kernel, &view, stage, None, &mut host, &|| true),
-                Some(Asked::Form(listed)) => cpu::by_tiles(&kernel, listed, None, &mut host, &|| true),
+            match &candidates {
+                Some(CandidateList::Certified(binned)) => {
+                    cpu::certified(&kernel, &view, binned, None, &mut host, &|| true)
+                }
+                Some(CandidateList::Uncertified(tile_candidates)) => {
+                    cpu::by_tiles(&kernel, tile_candidates, None, &mut host, &|| true)
+                }
                 None => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
-            let input = Input { view: &view, colors: None, rays: &[], stage: asked, tree: None };
-            let mut output = Output { raw: &mut device, stages: &mut Stages::default() };
+            let input = Input { view: &view, colors: None, rays: &[], candidates, tree: None };
+            let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {
                 let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());

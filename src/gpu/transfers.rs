@@ -1,13 +1,13 @@
 //! What goes to the device, what it writes, and in how many pieces: told by `halfline plan`, done by dispatch.rs.
 
 use super::dispatch::{GROUP, Input};
-use super::pace::{PIXEL, Pace};
+use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::front::{FrontMoreRecord, FrontRecord};
 use crate::certify::near::NearRecord;
 use crate::error::Result;
 use crate::kernel::{Kernel, Rays};
-use crate::listed::{Asked, Candidate};
 use crate::tile::{CHUNK, TILE};
+use crate::tile_candidates::{Candidate, CandidateList};
 use crate::view::{SphereLow, SphereRecord, ViewRecord};
 use std::ops::Range;
 
@@ -16,14 +16,14 @@ const TREE_TESTS: f64 = (1 << 12) as f64;
 
 /// What an adapter can take at once.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reach {
+pub(crate) struct BindingLimits {
     /// Bytes in one binding.
     pub(crate) binding: u64,
     /// Workgroups along one dimension of a dispatch.
     pub(crate) groups: u32,
 }
 
-impl From<&wgpu::Limits> for Reach {
+impl From<&wgpu::Limits> for BindingLimits {
     fn from(limits: &wgpu::Limits) -> Self {
         Self {
             binding: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
@@ -32,18 +32,18 @@ impl From<&wgpu::Limits> for Reach {
     }
 }
 
-impl Reach {
+impl BindingLimits {
     /// How many spheres it can hold for this frame. All of a form's lie in one binding, and so do colours; of a certified
     /// kernel's, those in the fullest row of tiles, so the number is what spheres spread like these would have room for.
     pub(crate) fn spheres(&self, kernel: &Kernel, input: &Input<'_>) -> u64 {
         let of_colors = if kernel.colors { self.binding / size_of::<[f32; 3]>() as u64 } else { u64::MAX };
         // Frames keep ids as i32.
         let most = of_colors.min(i32::MAX as u64);
-        let Some(asked) = &input.stage else {
+        let Some(candidates) = &input.candidates else {
             return most.min(self.binding / size_of::<SphereRecord>() as u64);
         };
         let [_, [top, bottom]] = input.view.record.tiles();
-        let largest = |row: u32| largest(asked, &Band { first: row * TILE, count: TILE });
+        let largest = |row: u32| largest(candidates, &Band { first: row * TILE, count: TILE });
         let fullest = (top..=bottom).map(largest).max().unwrap_or(0).max(1);
         let spheres = u128::from(input.view.record.spheres) * u128::from(self.binding) / u128::from(fullest);
         most.min(u64::try_from(spheres).unwrap_or(u64::MAX))
@@ -71,7 +71,7 @@ impl Band {
 pub(crate) struct Bands<'a> {
     kernel: &'a Kernel,
     input: &'a Input<'a>,
-    reach: Reach,
+    limits: BindingLimits,
     /// The first row or ray of all; bands begin at multiples of the least piece, so the first may be a part of one.
     start: u32,
     /// The first one that is in no band yet, and the one past the last.
@@ -80,32 +80,32 @@ pub(crate) struct Bands<'a> {
 }
 
 impl<'a> Bands<'a> {
-    pub(crate) fn new(kernel: &'a Kernel, input: &'a Input<'a>, reach: Reach) -> Self {
+    pub(crate) fn new(kernel: &'a Kernel, input: &'a Input<'a>, limits: BindingLimits) -> Self {
         let record = &input.view.record;
         let (start, end) = match kernel.rays {
             Rays::Camera => (record.first_row, record.first_row + record.rows),
             _ => (0, input.rays.len() as u32),
         };
-        let mut bands = Self { kernel, input, reach, start, first: start, end };
+        let mut bands = Self { kernel, input, limits, start, first: start, end };
         bands.first -= start % bands.unit().0;
         bands
     }
 
-    /// The next one, as heavy as `pace` allows.
-    pub(crate) fn next(&mut self, pace: &Pace) -> Option<Band> {
+    /// The next one, as heavy as `budget` allows.
+    pub(crate) fn next(&mut self, budget: &SubmissionBudget) -> Option<Band> {
         let (first, left) = (self.first, self.end - self.first);
         if left == 0 {
             return None;
         }
         let (unit, pixels) = self.unit();
-        let units = (self.reach.binding / (12 * pixels)).clamp(1, u64::from(self.reach.groups));
+        let units = (self.limits.binding / (12 * pixels)).clamp(1, u64::from(self.limits.groups));
         let mut count = left.min(units.min(u64::from(left)) as u32 * unit);
-        let tests = pace.next(self.tests(&Band { first, count: left }));
+        let tests = budget.next(self.tests(&Band { first, count: left }));
         if self.tests(&Band { first, count }) > tests {
             count = self.within(first, count, tests);
         }
-        if let Some(asked) = &self.input.stage {
-            count = rows_that_fit(asked, first, count, self.reach.binding);
+        if let Some(candidates) = &self.input.candidates {
+            count = rows_that_fit(candidates, first, count, self.limits.binding);
         }
         self.first += count;
         let cut = self.start.saturating_sub(first);
@@ -141,12 +141,13 @@ impl<'a> Bands<'a> {
         let width = if self.kernel.rays == Rays::Camera { record.columns } else { 1 };
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
-        let all = match &self.input.stage {
+        let all = match &self.input.candidates {
             // A ray asks its tile's list and every near sphere.
-            Some(asked) => {
-                let stage = asked.stage();
-                let listed: u64 = stage.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
-                listed as f64 * f64::from(TILE * TILE) + pixels * stage.nears.len() as f64
+            Some(candidates) => {
+                let binned = candidates.binned();
+                let tile_candidates: u64 =
+                    binned.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
+                tile_candidates as f64 * f64::from(TILE * TILE) + pixels * binned.nears.len() as f64
             }
             None if self.kernel.tree => pixels * TREE_TESTS,
             None => pixels * f64::from(record.spheres),
@@ -156,17 +157,17 @@ impl<'a> Bands<'a> {
 }
 
 /// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
-fn rows_that_fit(asked: &Asked<'_>, first: u32, most: u32, binding: u64) -> u32 {
+fn rows_that_fit(candidates: &CandidateList<'_>, first: u32, most: u32, binding: u64) -> u32 {
     let mut rows = most;
-    while rows > TILE && largest(asked, &Band { first, count: rows }) > binding {
+    while rows > TILE && largest(candidates, &Band { first, count: rows }) > binding {
         rows = (rows / 2).next_multiple_of(TILE);
     }
     rows
 }
 
 /// Bytes of the largest binding that holds lists of a band.
-fn largest(asked: &Asked<'_>, band: &Band) -> u64 {
-    Entries::of(asked, band).sizes(asked).into_iter().map(|(_, bytes)| bytes).max().unwrap_or(0)
+fn largest(candidates: &CandidateList<'_>, band: &Band) -> u64 {
+    Entries::of(candidates, band).sizes(candidates).into_iter().map(|(_, bytes)| bytes).max().unwrap_or(0)
 }
 
 /// The list entries of a band.
@@ -178,8 +179,8 @@ pub(crate) struct Entries {
 }
 
 impl Entries {
-    pub(crate) fn of(asked: &Asked<'_>, band: &Band) -> Self {
-        let mut tiles: Vec<_> = asked.stage().lists.rows(band.first, band.count).collect();
+    pub(crate) fn of(candidates: &CandidateList<'_>, band: &Band) -> Self {
+        let mut tiles: Vec<_> = candidates.binned().lists.rows(band.first, band.count).collect();
         let some = tiles.iter().filter(|[first, end]| first < end);
         let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
         let first = first.min(end);
@@ -190,21 +191,21 @@ impl Entries {
     }
 
     /// What the rays of the band may meet, and its bytes, by the names of the bindings.
-    pub(crate) fn sizes(&self, asked: &Asked<'_>) -> Vec<(&'static str, u64)> {
+    pub(crate) fn sizes(&self, candidates: &CandidateList<'_>) -> Vec<(&'static str, u64)> {
         let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
-        let all = match asked {
-            Asked::Certified(stage) => vec![
+        let all = match candidates {
+            CandidateList::Certified(binned) => vec![
                 ("fronts", entries * size_of::<FrontRecord>()),
-                ("others", size_of_val(&stage.nears[..]) + entries * size_of::<FrontMoreRecord>()),
+                ("others", size_of_val(&binned.nears[..]) + entries * size_of::<FrontMoreRecord>()),
                 ("lists", tiles + entries / CHUNK * size_of::<f32>()),
             ],
-            Asked::Form(listed) => {
-                let places = listed.nears() + entries;
+            CandidateList::Uncertified(tile_candidates) => {
+                let places = tile_candidates.nears() + entries;
                 let mut all = vec![
                     ("candidates", places * size_of::<Candidate>()),
                     ("lists", tiles + places / CHUNK * size_of::<f32>()),
                 ];
-                all.extend(listed.wide.then_some(("candidate_lows", places * size_of::<SphereLow>())));
+                all.extend(tile_candidates.wide.then_some(("candidate_lows", places * size_of::<SphereLow>())));
                 all
             }
         };
@@ -214,32 +215,32 @@ impl Entries {
     /// The bytes themselves, part by part; `upload` hears each binding.
     pub(crate) fn upload(
         mut self,
-        asked: &Asked<'_>,
+        candidates: &CandidateList<'_>,
         mut upload: impl FnMut(&'static str, &[&[u8]]) -> Result<()>,
     ) -> Result<()> {
         let all = self.all;
-        match asked {
-            Asked::Certified(stage) => {
-                let lists = &stage.lists;
+        match candidates {
+            CandidateList::Certified(binned) => {
+                let lists = &binned.lists;
                 let sills = &lists.sills[all.start / CHUNK..all.end / CHUNK];
                 upload("fronts", &[bytemuck::cast_slice(&lists.fronts[all.clone()])])?;
                 let mores = bytemuck::cast_slice(&lists.mores[all]);
-                upload("others", &[bytemuck::cast_slice::<NearRecord, u8>(&stage.nears), mores])?;
+                upload("others", &[bytemuck::cast_slice::<NearRecord, u8>(&binned.nears), mores])?;
                 upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(sills)])
             }
-            Asked::Form(listed) => {
+            CandidateList::Uncertified(tile_candidates) => {
                 // The near spheres lie before the lists.
-                let nears = listed.nears() as u32;
+                let nears = tile_candidates.nears() as u32;
                 self.tiles.iter_mut().flatten().for_each(|n| *n += nears);
-                let limits = listed.limits(all.clone());
+                let limits = tile_candidates.limits(all.clone());
                 upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&limits)])?;
-                let candidates = listed.candidates(all.clone());
+                let candidates = tile_candidates.candidates(all.clone());
                 upload("candidates", &[bytemuck::cast_slice(&candidates)])?;
-                listed.give(candidates);
-                if listed.wide {
-                    let lows = listed.lows(all);
+                tile_candidates.put_back(candidates);
+                if tile_candidates.wide {
+                    let lows = tile_candidates.lows(all);
                     upload("candidate_lows", &[bytemuck::cast_slice(&lows)])?;
-                    listed.give(lows);
+                    tile_candidates.put_back(lows);
                 }
                 Ok(())
             }
@@ -250,9 +251,9 @@ impl Entries {
 /// What a kernel reads besides the view and the lists of a band, by the name of its binding.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
-    match input.stage {
-        Some(Asked::Certified(stage)) => all.push(("lens", bytemuck::bytes_of(&stage.lens))),
-        Some(Asked::Form(_)) => {}
+    match input.candidates {
+        Some(CandidateList::Certified(binned)) => all.push(("lens", bytemuck::bytes_of(&binned.lens))),
+        Some(CandidateList::Uncertified(_)) => {}
         None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
     if let (true, Some(colors)) = (kernel.colors, input.colors) {

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 /// The scene as the certified kernel sees it.
 #[derive(Debug, Clone)]
-pub(crate) struct Stage {
+pub(crate) struct BinnedScene {
     pub(crate) lens: LensRecord,
     pub(crate) lists: Lists,
     pub(crate) nears: Vec<NearRecord>,
@@ -25,12 +25,12 @@ pub(crate) struct Stage {
     pub(crate) seen: u64,
 }
 
-impl Stage {
+impl BinnedScene {
     /// Leaves its memory to the next frame.
-    pub(crate) fn give_to(self, pool: &Pool) {
-        pool.give(self.lists.fronts);
-        pool.give(self.lists.mores);
-        pool.give(self.lists.sills);
+    pub(crate) fn put_back(self, pool: &Pool) {
+        pool.put_back(self.lists.fronts);
+        pool.put_back(self.lists.mores);
+        pool.put_back(self.lists.sills);
     }
 }
 
@@ -44,8 +44,8 @@ pub(crate) struct Depths<'a> {
 
 impl<'a> Depths<'a> {
     /// Of the spheres of `scene`, some of them staged as near ones.
-    pub(crate) fn new(scene: &'a Scene, view: &View, stage: Option<&'a Stage>) -> Self {
-        let nears = stage.map_or(&[][..], |stage| &stage.nears);
+    pub(crate) fn new(scene: &'a Scene, view: &View, binned: Option<&'a BinnedScene>) -> Self {
+        let nears = binned.map_or(&[][..], |binned| &binned.nears);
         Self {
             rotation: Rotation::new(&view.basis, view.unit),
             unit: view.unit,
@@ -65,11 +65,11 @@ impl<'a> Depths<'a> {
     }
 }
 
-/// Spheres that are binned by one job.
+/// Spheres that one job bins.
 const TOGETHER: usize = 1 << 14;
 
 /// Where all spheres belong.
-struct Binned {
+struct SphereBins {
     /// Of every sphere, by its id.
     bins: Vec<Bin>,
     nears: Vec<NearRecord>,
@@ -79,7 +79,7 @@ struct Binned {
     seen: u64,
 }
 
-impl Stage {
+impl BinnedScene {
     /// Prepares `scene`; `None` when its lens is too wide or too narrow for f32, and everything must be judged exactly.
     /// Tiles share the lists of candidates from `level` on ([`Lists::new`]).
     pub(crate) fn new(
@@ -96,33 +96,33 @@ impl Stage {
         if !lens.is_bounded() {
             return Ok(None);
         }
-        let mut binned = lens.binned(scene, 0.0, pool);
-        let reference = reference(&binned);
+        let mut sphere_bins = lens.bin_spheres(scene, 0.0, pool);
+        let reference = reference(&sphere_bins);
         if reference > 0.0 {
-            pool.give(binned.bins);
-            binned = lens.binned(scene, reference.into(), pool);
+            pool.put_back(sphere_bins.bins);
+            sphere_bins = lens.bin_spheres(scene, reference.into(), pool);
         }
         let mut record = lens.record(reference, tolerance);
-        record.nears = binned.nears.len() as u32;
+        record.nears = sphere_bins.nears.len() as u32;
         let placing = Scenery { lens: &lens, scene, size: [width, height], reference: reference.into() };
-        let lists = Lists::new(&binned.bins, view.record.tiles(), level, &placing, pool);
-        pool.give(binned.bins);
-        Ok(Some(Self { lens: record, lists, nears: binned.nears, seen: binned.seen }))
+        let lists = Lists::new(&sphere_bins.bins, view.record.tiles(), level, &placing, pool);
+        pool.put_back(sphere_bins.bins);
+        Ok(Some(Self { lens: record, lists, nears: sphere_bins.nears, seen: sphere_bins.seen }))
     }
 }
 
 /// A depth to keep the others relative to: where all spheres are far and close together, so that their order survives.
-fn reference(binned: &Binned) -> f32 {
-    match binned.range {
+fn reference(sphere_bins: &SphereBins) -> f32 {
+    match sphere_bins.range {
         // The nearest surface is no nearer than a quarter of the nearest centre's depth.
-        Some([least, most]) if binned.nears.is_empty() && least > 4.0 * (most - least) => least as f32,
+        Some([least, most]) if sphere_bins.nears.is_empty() && least > 4.0 * (most - least) => least as f32,
         _ => 0.0,
     }
 }
 
 impl Lens {
     /// Bins all spheres; depths of front spheres are kept relative to `reference`.
-    fn binned(&self, scene: &Scene, reference: f64, pool: &Pool) -> Binned {
+    fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         let mut bins = pool.take(scene.spheres.len());
         bins.resize(scene.spheres.len(), Bin::NOWHERE);
@@ -137,7 +137,7 @@ impl Lens {
         let seen = done.iter().map(|job| job.seen).sum();
         let ranges = done.iter().filter_map(|job| job.range);
         let range = ranges.reduce(|[a, b], [least, most]| [a.min(least), b.max(most)]);
-        Binned { bins, nears: done.into_iter().flat_map(|job| job.nears).collect(), range, seen }
+        SphereBins { bins, nears: done.into_iter().flat_map(|job| job.nears).collect(), range, seen }
     }
 }
 

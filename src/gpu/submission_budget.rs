@@ -21,7 +21,7 @@ pub(super) const PIXEL: f64 = 64.0;
 /// How fast a kernel is on this device, as far as it has been seen. It bounds how much is submitted, and nothing else: the
 /// answers do not depend on it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pace {
+pub(crate) struct SubmissionBudget {
     /// Of the last band.
     seconds_per_test: Option<f64>,
     /// What may be submitted whatever the speed.
@@ -30,16 +30,16 @@ pub(crate) struct Pace {
     bound: f64,
 }
 
-impl Default for Pace {
+impl Default for SubmissionBudget {
     fn default() -> Self {
         Self { seconds_per_test: None, trusted: FIRST, bound: BOUND }
     }
 }
 
-impl Pace {
-    /// A pace at which nothing but the least is given at once.
+impl SubmissionBudget {
+    /// A budget at which only the smallest band is submitted at once.
     #[cfg(test)]
-    pub(crate) fn creeping() -> Self {
+    pub(crate) fn minimal() -> Self {
         Self { seconds_per_test: Some(1.0), trusted: 0.0, bound: 0.0 }
     }
 
@@ -64,13 +64,13 @@ mod tests {
     use super::*;
 
     /// Submits `tests` to a device that does `speed` of them a second; how long each submission took.
-    fn submit(pace: &mut Pace, tests: f64, speed: f64) -> Vec<f64> {
+    fn submit(budget: &mut SubmissionBudget, tests: f64, speed: f64) -> Vec<f64> {
         let mut times = Vec::new();
         let mut left = tests;
         while left > 0.0 {
-            let next = pace.next(left).min(left);
+            let next = budget.next(left).min(left);
             times.push(next / speed);
-            pace.took(next, next / speed);
+            budget.took(next, next / speed);
             left -= next;
         }
         times
@@ -79,9 +79,9 @@ mod tests {
     #[test]
     fn light_frames_are_one_submission() {
         for speed in [1e8, 1e12] {
-            assert_eq!(submit(&mut Pace::default(), FIRST, speed).len(), 1);
+            assert_eq!(submit(&mut SubmissionBudget::default(), FIRST, speed).len(), 1);
         }
-        let mut seen = Pace::default();
+        let mut seen = SubmissionBudget::default();
         submit(&mut seen, 1e11, 1e12);
         assert_eq!(submit(&mut seen, 4e11, 1e12).len(), 1, "0.4 s at the speed that was seen");
     }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn heavy_frames_are_many_none_of_them_long() {
         for speed in [1.2e9, 1e10, 1e12] {
-            let times = submit(&mut Pace::default(), 20.0 * speed, speed);
+            let times = submit(&mut SubmissionBudget::default(), 20.0 * speed, speed);
             assert!(times.iter().all(|t| *t <= BOUND), "{speed}: {times:?}");
             assert!((40..120).contains(&times.len()), "{speed}: {} submissions", times.len());
         }
@@ -97,9 +97,9 @@ mod tests {
 
     #[test]
     fn a_device_that_slows_down_is_given_less() {
-        let mut pace = Pace::default();
-        submit(&mut pace, 1e12, 1e12);
-        let times = submit(&mut pace, 1e12, 1e10);
+        let mut budget = SubmissionBudget::default();
+        submit(&mut budget, 1e12, 1e12);
+        let times = submit(&mut budget, 1e12, 1e10);
         assert!(times[1..].iter().all(|t| *t <= BOUND), "{times:?}");
     }
 }

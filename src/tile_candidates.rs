@@ -2,7 +2,7 @@
 //! their places. A method tests only the spheres that the rays of a tile may hit and that may be nearer than the current
 //! hit, so its false hits on other spheres do not show; every other answer is that of testing all spheres.
 
-use crate::certify::stage::Stage;
+use crate::certify::binned::BinnedScene;
 use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::real::Real;
@@ -35,12 +35,12 @@ const MARGIN: f64 = 1.0 / (1 << 10) as f64;
 /// Beyond every t of a frame, and below a miss: without a hit no list is skipped.
 const FAR: f64 = 3.0e38;
 
-/// A scene's spheres as the lists of a stage name them.
+/// A scene's spheres as the lists of a binned scene name them.
 #[derive(Clone, Copy)]
-pub(crate) struct Listed<'a> {
+pub(crate) struct TileCandidates<'a> {
     pub(crate) view: &'a View,
     pub(crate) spheres: &'a Spheres,
-    pub(crate) stage: &'a Stage,
+    pub(crate) binned: &'a BinnedScene,
     /// Low parts are read too.
     pub(crate) wide: bool,
     pool: &'a Pool,
@@ -50,27 +50,33 @@ pub(crate) struct Listed<'a> {
 
 /// The candidate lists of a frame.
 #[derive(Clone, Copy)]
-pub(crate) enum Asked<'a> {
+pub(crate) enum CandidateList<'a> {
     /// For the certified kernel.
-    Certified(&'a Stage),
+    Certified(&'a BinnedScene),
     /// For a method without a certificate.
-    Form(Listed<'a>),
+    Uncertified(TileCandidates<'a>),
 }
 
-impl<'a> Asked<'a> {
+impl<'a> CandidateList<'a> {
     /// The binned scene behind the lists.
-    pub(crate) fn stage(&self) -> &'a Stage {
+    pub(crate) fn binned(&self) -> &'a BinnedScene {
         match self {
-            Self::Certified(stage) => stage,
-            Self::Form(listed) => listed.stage,
+            Self::Certified(binned) => binned,
+            Self::Uncertified(tile_candidates) => tile_candidates.binned,
         }
     }
 }
 
-impl<'a> Listed<'a> {
-    pub(crate) fn new(view: &'a View, spheres: &'a Spheres, stage: &'a Stage, wide: bool, pool: &'a Pool) -> Self {
+impl<'a> TileCandidates<'a> {
+    pub(crate) fn new(
+        view: &'a View,
+        spheres: &'a Spheres,
+        binned: &'a BinnedScene,
+        wide: bool,
+        pool: &'a Pool,
+    ) -> Self {
         // t is the planar depth over d.
-        Self { view, spheres, stage, wide, pool, per_depth: (1.0 - MARGIN) / view.pitch[2] }
+        Self { view, spheres, binned, wide, pool, per_depth: (1.0 - MARGIN) / view.pitch[2] }
     }
 
     /// Centre and radius of the sphere of that id.
@@ -90,19 +96,19 @@ impl<'a> Listed<'a> {
 
     /// The ids of a run of list entries; [`NONE`] is what fills a list up.
     pub(crate) fn ids(&self, entries: Range<usize>) -> impl Iterator<Item = u32> + '_ {
-        self.stage.lists.mores[entries].iter().map(|more| more.id)
+        self.binned.lists.mores[entries].iter().map(|more| more.id)
     }
 
     /// A ray that has hit something at a smaller t, in the frame's unit, is not asked this chunk, nor what is behind it
     /// in its list.
     pub(crate) fn limit(&self, chunk: usize) -> f32 {
-        let depth = f64::from(self.stage.lens.depth) + f64::from(self.stage.lists.sills[chunk]);
+        let depth = f64::from(self.binned.lens.depth) + f64::from(self.binned.lists.sills[chunk]);
         (depth * self.per_depth).min(FAR) as f32
     }
 
     /// How many places of a band the near spheres take.
     pub(crate) fn nears(&self) -> usize {
-        self.stage.nears.len().next_multiple_of(CHUNK)
+        self.binned.nears.len().next_multiple_of(CHUNK)
     }
 
     /// The near spheres and then some list entries, each followed by its like where a chunk is to be filled up: what
@@ -126,8 +132,8 @@ impl<'a> Listed<'a> {
     }
 
     /// Leaves what was uploaded to the next band or frame.
-    pub(crate) fn give<T: Send + 'static>(&self, vector: Vec<T>) {
-        self.pool.give(vector);
+    pub(crate) fn put_back<T: Send + 'static>(&self, vector: Vec<T>) {
+        self.pool.put_back(vector);
     }
 
     fn places<T: Pod + Send + Sync>(
@@ -150,10 +156,10 @@ impl<'a> Listed<'a> {
             }
         };
         let (of_nears, of_lists) = places.split_at_mut(nears);
-        for (chunk, nears) in of_nears.chunks_mut(CHUNK).zip(self.stage.nears.chunks(CHUNK)) {
+        for (chunk, nears) in of_nears.chunks_mut(CHUNK).zip(self.binned.nears.chunks(CHUNK)) {
             fill(chunk, std::array::from_fn(|n| nears.get(n).map_or(NONE, |near| near.id)));
         }
-        let mores = &self.stage.lists.mores[entries];
+        let mores = &self.binned.lists.mores[entries];
         of_lists.par_chunks_mut(CHUNK).zip(mores.par_chunks(CHUNK)).for_each(|(chunk, mores)| {
             fill(chunk, std::array::from_fn(|n| mores.get(n).map_or(NONE, |more| more.id)));
         });
