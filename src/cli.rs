@@ -30,7 +30,8 @@ use signals::go_on;
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::prelude::*;
 
 /// Renders spheres, from atoms to planets, and says how far from exact the answers are.
 #[derive(Debug, Parser)]
@@ -77,11 +78,12 @@ fn end(told: &clap::Error) -> ! {
 
 /// Runs the chosen subcommand.
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("off"));
+    // RUST_LOG: a level, or TARGET=LEVEL between commas. Without it, or where it cannot be read, nothing is logged.
+    let levels = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok()).unwrap_or_default();
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let log = tracing_subscriber::fmt().with_env_filter(filter).with_ansi(colored).with_writer(io::stderr);
-    // Where standard error takes nothing, the subscriber would report that to standard error, and panic.
-    log.log_internal_errors(false).init();
+    // Where standard error cannot be written, the subscriber would report that to standard error, and panic.
+    let log = tracing_subscriber::fmt::layer().with_ansi(colored).with_writer(io::stderr).log_internal_errors(false);
+    tracing_subscriber::registry().with(log.with_filter(levels)).init();
     signals::listen();
     threads::start();
     match &arguments.command {

@@ -56,6 +56,7 @@ mod kernel;
 pub mod measure;
 mod memory;
 mod nearest;
+mod npy;
 pub mod plan;
 pub mod predict;
 pub mod progress;

@@ -33,8 +33,8 @@ pub(super) fn file(asked: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
 
 /// Writes a legend whole or not at all.
 pub(super) fn write(legend: &Legend, path: &Path) -> Result<()> {
-    let plot = legend.plot();
-    let bytes = if is_png(path) { plot.png()? } else { plot.svg.into_bytes() };
+    let plot = legend.plot()?;
+    let bytes = if is_png(path) { plot.png } else { plot.svg.into_bytes() };
     write_atomically(path, |out| out.write_all(&bytes))
 }
 

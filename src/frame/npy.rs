@@ -2,7 +2,7 @@
 //! read in any version, byte order and axis order, for the plain number types.
 
 use super::Buffer;
-use super::array::{Array, Values, count};
+use super::array::{Array, Values};
 use super::encode::Encoder;
 use super::format::{Format, Style};
 use super::plain::{self, Plain};
@@ -10,11 +10,10 @@ use super::provenance::Provenance;
 use super::sheet::{Form, Head, Input, Kind, Rows, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
-use npyz::WriterBuilder;
+use crate::npy::{DType, Header};
 use std::io::{self, Write};
 
-/// The bytes every .npy file begins with.
-pub const MAGIC: &[u8] = b"\x93NUMPY";
+pub(crate) use crate::npy::MAGIC;
 
 /// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`, and nothing behind it.
 ///
@@ -57,22 +56,16 @@ pub(super) fn header(form: Form, [width, height]: [usize; 2]) -> io::Result<Vec<
     if form.channels > 1 {
         shape.push(form.channels as u64);
     }
-    let mut bytes = Vec::new();
-    npyz::WriteOptions::new_header_only()
-        .dtype(npyz::DType::new_scalar(descr.parse().map_err(io::Error::other)?))
-        .shape(&shape)
-        .writer(&mut bytes)
-        .write_header_only()?;
-    Ok(bytes)
+    Ok(Header::bytes(descr, &shape))
 }
 
 /// Opens what [`write_sheet`] wrote; `None` where it does not say where it comes from.
 pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let (bytes, length) = plain::start(&mut *input, name)?;
-    let (found, numbers) = Header::of(&bytes, name)?;
-    let (first, size) = ((bytes.len() - numbers.len()) as u64, found.bytes());
-    let Some(end) = size.and_then(|size| first.checked_add(size)).filter(|end| *end <= length) else {
-        return Err(found.short(length.saturating_sub(first), name));
+    let (array, numbers) = Layout::of(&bytes, name)?;
+    let (first, size) = ((bytes.len() - numbers.len()) as u64, array.bytes);
+    let Some(end) = first.checked_add(size).filter(|end| *end <= length) else {
+        return Err(array.short(length.saturating_sub(first), name));
     };
     let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
     let Some(head) = words.and_then(|words| Head::new(Format::Npy, words)) else { return Ok(None) };
@@ -91,126 +84,105 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
 /// # Errors
 /// [`Error::Scene`] at the file for anything malformed, truncated or not made of plain numbers.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let (header, data, rest) = parts(bytes, name)?;
+    let (array, data) = Layout::of(bytes, name)?;
+    let size = usize::try_from(array.bytes).ok();
+    let Some((data, rest)) = size.and_then(|size| data.split_at_checked(size)) else {
+        return Err(array.short(data.len() as u64, name));
+    };
     // Integers may become wider ones, and the order of the axes another.
     check(4 * data.len() as u64, || format!("the numbers of {name}"))?;
-    let values = header.values(data).ok_or_else(|| header.unknown(name))?;
+    let values = array.values(data);
     if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {
         return Err(malformed(name, format!("{} bytes follow the last value", rest.len())));
     }
-    Array::new(name, header.shape, values)
+    Array::new(name, array.shape, values)
 }
 
 fn malformed(name: &str, problem: String) -> Error {
     Error::scene(Place::file(name), problem, "give a .npy file of plain numbers")
 }
 
-/// The header, the bytes of the values, and what follows them.
-fn parts<'b>(bytes: &'b [u8], name: &str) -> Result<(Header<'b>, &'b [u8], &'b [u8])> {
-    let (header, data) = Header::of(bytes, name)?;
-    let needed = header.bytes().and_then(|n| usize::try_from(n).ok());
-    let Some((data, rest)) = needed.and_then(|n| data.split_at_checked(n)) else {
-        return Err(header.short(data.len() as u64, name));
-    };
-    Ok((header, data, rest))
+/// Number types that are read: NumPy's letter and size.
+#[derive(Clone, Copy)]
+enum Type {
+    Bool,
+    U8,
+    I8,
+    U16,
+    I16,
+    I32,
+    U32,
+    I64,
+    F32,
+    F64,
 }
 
-/// The header's text and the data behind it.
-fn split(bytes: &[u8]) -> Option<(&str, &[u8])> {
-    let rest = bytes.strip_prefix(MAGIC)?;
-    let (version, rest) = rest.split_first_chunk::<2>()?;
-    let (length, rest) = match version[0] {
-        1 => rest.split_first_chunk::<2>().map(|(n, rest)| (usize::from(u16::from_le_bytes(*n)), rest))?,
-        2 | 3 => rest.split_first_chunk::<4>().map(|(n, rest)| (u32::from_le_bytes(*n) as usize, rest))?,
-        _ => return None,
-    };
-    let (text, data) = rest.split_at_checked(length)?;
-    Some((str::from_utf8(text).ok()?, data))
-}
-
-/// What the header's Python dictionary says. npyz's own reader overflows on absurd shapes and recurses on nested
-/// literals, so the three entries of a plain array are read here.
-struct Header<'a> {
-    descr: &'a str,
+/// How the numbers of an array lie in its file.
+struct Layout {
+    of: Type,
+    big_endian: bool,
     fortran: bool,
     shape: Vec<usize>,
+    /// Bytes of all values.
+    bytes: u64,
 }
 
-impl<'a> Header<'a> {
-    /// That of the file which begins with `bytes`, and those behind it.
-    fn of(bytes: &'a [u8], name: &str) -> Result<(Self, &'a [u8])> {
-        let (text, data) =
-            split(bytes).ok_or_else(|| malformed(name, "the .npy header is cut short or malformed".into()))?;
-        let header =
-            Self::parse(text).ok_or_else(|| malformed(name, "the .npy header is not that of a plain array".into()))?;
-        header.size().ok_or_else(|| header.unknown(name))?;
-        Ok((header, data))
-    }
-
-    /// Bytes of all values; `None` for more than there can be.
-    fn bytes(&self) -> Option<u64> {
-        count(&self.shape)?.checked_mul(self.size()?).map(|n| n as u64)
+impl Layout {
+    /// That of the file which begins with `bytes`, and those behind the header.
+    fn of<'b>(bytes: &'b [u8], name: &str) -> Result<(Self, &'b [u8])> {
+        let mut data = bytes;
+        let header = Header::read(&mut data).map_err(|fault| malformed(name, fault.to_string()))?;
+        let unknown = || malformed(name, format!("values of type {} cannot be read", header.dtype));
+        let DType::Plain(text) = &header.dtype else { return Err(unknown()) };
+        let (order, kind) = text.split_at_checked(1).ok_or_else(unknown)?;
+        let (of, size) = match kind {
+            "b1" => (Type::Bool, 1),
+            "u1" => (Type::U8, 1),
+            "i1" => (Type::I8, 1),
+            "u2" => (Type::U16, 2),
+            "i2" => (Type::I16, 2),
+            "i4" => (Type::I32, 4),
+            "u4" => (Type::U32, 4),
+            "i8" => (Type::I64, 8),
+            "f4" => (Type::F32, 4),
+            "f8" => (Type::F64, 8),
+            _ => return Err(unknown()),
+        };
+        let big_endian = match order {
+            "<" | "|" => false,
+            ">" => true,
+            _ => return Err(unknown()),
+        };
+        let large = || malformed(name, format!("an array of shape {:?} is too large", header.shape));
+        let bytes = header.count().and_then(|count| count.checked_mul(size)).ok_or_else(large)?;
+        let shape = header.shape.iter().map(|side| usize::try_from(*side).ok()).collect::<Option<_>>();
+        Ok((Self { of, big_endian, fortran: header.fortran, shape: shape.ok_or_else(large)?, bytes }, data))
     }
 
     /// The fault of a file that has only so many bytes for the values.
     fn short(&self, found: u64, name: &str) -> Error {
-        malformed(name, format!("{found} bytes do not hold {:?} of {:?}", self.shape, self.descr))
+        malformed(name, format!("{found} bytes cannot hold the {} bytes of shape {:?}", self.bytes, self.shape))
     }
 
-    fn parse(text: &'a str) -> Option<Self> {
-        let entry = |key: &str| {
-            let at = [format!("'{key}'"), format!("\"{key}\"")].iter().find_map(|k| Some(text.find(k)? + k.len()))?;
-            Some(text[at..].trim_start().strip_prefix(':')?.trim_start())
-        };
-        let descr = entry("descr")?;
-        let quote = descr.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
-        let (descr, _) = descr[1..].split_once(quote)?;
-        let fortran = match entry("fortran_order")? {
-            order if order.starts_with("False") => false,
-            order if order.starts_with("True") => true,
-            _ => return None,
-        };
-        let (shape, _) = entry("shape")?.strip_prefix('(')?.split_once(')')?;
-        let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
-        let shape = sides.map(|side| side.trim_end_matches('L').parse().ok()).collect::<Option<_>>()?;
-        Some(Self { descr, fortran, shape })
+    fn values(&self, data: &[u8]) -> Values {
+        match self.of {
+            Type::Bool => Values::U8(self.ordered(data.iter().map(|x| u8::from(*x != 0)).collect())),
+            Type::U8 => Values::U8(self.ordered(data.to_vec())),
+            Type::I8 => Values::I32(self.ordered(data.iter().map(|x| i32::from(*x as i8)).collect())),
+            Type::U16 => Values::U16(self.numbers(data, u16::from_le_bytes)),
+            Type::I16 => Values::I32(self.numbers(data, |b| i16::from_le_bytes(b).into())),
+            Type::I32 => Values::I32(self.numbers(data, i32::from_le_bytes)),
+            Type::U32 => Values::I64(self.numbers(data, |b| u32::from_le_bytes(b).into())),
+            Type::I64 => Values::I64(self.numbers(data, i64::from_le_bytes)),
+            Type::F32 => Values::F32(self.numbers(data, f32::from_le_bytes)),
+            Type::F64 => Values::F64(self.numbers(data, f64::from_le_bytes)),
+        }
     }
 
-    fn unknown(&self, name: &str) -> Error {
-        malformed(name, format!("values of type {:?} are not read", self.descr))
-    }
-
-    /// Bytes of one value.
-    fn size(&self) -> Option<usize> {
-        self.descr.get(2..)?.parse().ok().filter(|size| [1, 2, 4, 8].contains(size))
-    }
-
-    fn values(&self, data: &[u8]) -> Option<Values> {
-        let big = match self.descr.as_bytes().first()? {
-            b'<' | b'|' => false,
-            b'>' => true,
-            b'=' => cfg!(target_endian = "big"),
-            _ => return None,
-        };
-        Some(match self.descr.get(1..)? {
-            "b1" => Values::U8(self.ordered(data.iter().map(|x| u8::from(*x != 0)).collect())),
-            "u1" => Values::U8(self.ordered(data.to_vec())),
-            "i1" => Values::I32(self.ordered(data.iter().map(|x| i32::from(*x as i8)).collect())),
-            "u2" => Values::U16(self.numbers(data, big, u16::from_le_bytes)),
-            "i2" => Values::I32(self.numbers(data, big, |b| i16::from_le_bytes(b).into())),
-            "i4" => Values::I32(self.numbers(data, big, i32::from_le_bytes)),
-            "u4" => Values::I64(self.numbers(data, big, |b| u32::from_le_bytes(b).into())),
-            "i8" => Values::I64(self.numbers(data, big, i64::from_le_bytes)),
-            "f4" => Values::F32(self.numbers(data, big, f32::from_le_bytes)),
-            "f8" => Values::F64(self.numbers(data, big, f64::from_le_bytes)),
-            _ => return None,
-        })
-    }
-
-    fn numbers<T: Copy, const N: usize>(&self, data: &[u8], big: bool, little: impl Fn([u8; N]) -> T) -> Vec<T> {
+    fn numbers<T: Copy, const N: usize>(&self, data: &[u8], little: impl Fn([u8; N]) -> T) -> Vec<T> {
         let (values, _) = data.as_chunks::<N>();
         let native = |mut bytes: [u8; N]| {
-            if big {
+            if self.big_endian {
                 bytes.reverse();
             }
             little(bytes)

@@ -1,4 +1,4 @@
-//! Plots of a measurement, as SVG and as PNG of the very same. They read nothing but the record; [`growth`] has one of its own.
+//! Plots of a measurement, each as SVG and as PNG. They read nothing but the record; [`growth`] has a plot of its own.
 
 mod axis;
 mod canvas;
@@ -25,8 +25,10 @@ pub struct Plot {
     pub name: &'static str,
     /// How to read it.
     pub caption: &'static str,
-    /// The picture.
+    /// The picture as an SVG file.
     pub svg: String,
+    /// The picture as a PNG file, 2000 pixels wide.
+    pub png: Vec<u8>,
 }
 
 /// One kind of plot.
@@ -35,7 +37,7 @@ struct Kind {
     caption: &'static str,
     /// Whether the record has what it shows.
     applies: fn(&Record) -> bool,
-    draw: fn(&Record) -> canvas::Drawn<String>,
+    draw: fn(&Record) -> canvas::Drawn<canvas::Drawing>,
 }
 
 /// THE list of plots, and of what each one needs of the record.
@@ -103,21 +105,13 @@ fn has_distances(record: &Record) -> bool {
 /// [`Error::Io`] at the plot's name, should it fail to be drawn.
 pub fn plots(record: &Record) -> Result<Vec<Plot>> {
     let drawn = |kind: &Kind| {
-        let svg = (kind.draw)(record).map_err(|error| Error::write(kind.name, io::Error::other(error)))?;
-        Ok(Plot { name: kind.name, caption: kind.caption, svg })
+        let drawing = (kind.draw)(record).map_err(|error| Error::write(kind.name, io::Error::other(error)))?;
+        Ok(Plot { name: kind.name, caption: kind.caption, svg: drawing.svg, png: drawing.png })
     };
     KINDS.iter().filter(|kind| (kind.applies)(record)).map(drawn).collect()
 }
 
 impl Plot {
-    /// The picture as a PNG file.
-    ///
-    /// # Errors
-    /// [`Error::Io`] at the plot's name.
-    pub fn png(&self) -> Result<Vec<u8>> {
-        raster::png(&self.svg).map_err(|error| Error::write(self.name, io::Error::other(error)))
-    }
-
     /// Writes `NAME.svg` and `NAME.png` into a folder that exists.
     ///
     /// # Errors
@@ -125,8 +119,7 @@ impl Plot {
     pub fn write(&self, dir: &Path) -> Result<[PathBuf; 2]> {
         let paths = ["svg", "png"].map(|ending| dir.join(format!("{}.{ending}", self.name)));
         file::write_atomically(&paths[0], |out| out.write_all(self.svg.as_bytes()))?;
-        let png = self.png()?;
-        file::write_atomically(&paths[1], |out| out.write_all(&png))?;
+        file::write_atomically(&paths[1], |out| out.write_all(&self.png))?;
         Ok(paths)
     }
 }

@@ -1,6 +1,7 @@
-//! The sheet that a plot is drawn on: header, marks, lines, and cells of pixels.
+//! The page that a plot is drawn on: header, marks, lines, and cells of colour.
 
 use super::look::{FAINT, Look, Mark, QUIET, bold, font};
+use super::raster::{self, SvgAndPixels};
 use crate::error::Source;
 use crate::measure::record::Record;
 use plotters::coord::Shift;
@@ -8,9 +9,17 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use tiny_skia::Pixmap;
 
-/// plotters' area of a whole plot; its units are halves of a CSS pixel, since it rounds to whole ones.
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// plotters' area of a whole plot; its units are pixels of the PNG and halves of a CSS pixel of the SVG.
+pub(super) type Area<'a> = DrawingArea<SvgAndPixels<'a>, Shift>;
+
+/// A plot as an SVG and as a PNG file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Drawing {
+    pub(super) svg: String,
+    pub(super) png: Vec<u8>,
+}
 
 /// Drawing fails only where the text grows out of memory, or by a mistake.
 pub(super) type Drawn<T = ()> = Result<T, Source>;
@@ -21,21 +30,23 @@ pub(super) const WIDTH: i32 = 2000;
 /// From the edge of the sheet to anything on it.
 pub(super) const MARGIN: i32 = 40;
 
-/// The SVG of what `draw` draws on white; the text it returns lies on top, as SVG.
-pub(super) fn svg(height: i32, draw: impl FnOnce(&Area<'_>) -> Drawn<String>) -> Drawn<String> {
+/// What `draw` draws on white; the cells that it returns lie on top.
+pub(super) fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) -> Drawn<Vec<Cells>>) -> Drawn<Drawing> {
     let mut svg = String::new();
-    let area = SVGBackend::with_string(&mut svg, (WIDTH as u32, height as u32)).into_drawing_area();
+    let mut pixels = Pixmap::new(width as u32, height as u32).ok_or("the plot is too large")?;
+    let area = SvgAndPixels::new(&mut svg, &mut pixels).into_drawing_area();
     area.fill(&WHITE)?;
     let over = draw(&area)?;
     area.present()?;
     drop(area);
     let end = svg.rfind("</svg>").ok_or("the SVG has no end")?;
-    svg.insert_str(end, &over);
-    let (doubled, size) = (size(WIDTH, height), size(WIDTH / 2, height / 2));
+    svg.insert_str(end, &over.iter().map(Cells::svg).collect::<String>());
+    over.iter().for_each(|cells| raster::fill_cells(&mut pixels, cells));
+    let (doubled, size) = (size(width, height), size(width / 2, height / 2));
     if !svg.contains(&doubled) {
         return Err("the SVG has no size".into());
     }
-    Ok(svg.replacen(&doubled, &size, 1))
+    Ok(Drawing { svg: svg.replacen(&doubled, &size, 1), png: raster::png(&pixels)? })
 }
 
 fn size(width: i32, height: i32) -> String {
@@ -155,36 +166,52 @@ pub(super) fn frame(area: &Area<'_>, (x, y): (i32, i32), (width, height): (i32, 
     Ok(area.draw(&Rectangle::new([(x, y), (x + width, y + height)], FAINT.filled()))?)
 }
 
-/// Square cells of colour as SVG: the runs of a row in one path a colour, since a rectangle a cell would be megabytes.
-pub(super) fn cells(
-    at: (i32, i32),
-    side: f64,
-    [columns, rows]: [usize; 2],
-    color: impl Fn(usize) -> [u8; 3],
-) -> String {
-    let mut paths: BTreeMap<[u8; 3], (usize, String)> = BTreeMap::new();
-    for row in 0..rows {
-        let mut first = 0;
-        while first < columns {
-            let this = color(row * columns + first);
-            let run = (first..columns).take_while(|column| color(row * columns + column) == this).count();
-            let (covered, path) = paths.entry(this).or_default();
-            *covered += run;
-            // Writing to a String cannot fail.
-            let _ = write!(path, "M{first} {row}h{run}v1h-{run}z");
-            first += run;
+/// A grid of square cells of colour.
+pub(super) struct Cells {
+    /// The upper left corner.
+    pub(super) at: (i32, i32),
+    /// The side of a cell.
+    pub(super) side: f64,
+    /// Columns and rows.
+    pub(super) size: [usize; 2],
+    /// sRGB, row by row.
+    pub(super) colors: Vec<[u8; 3]>,
+}
+
+impl Cells {
+    pub(super) fn new(at: (i32, i32), side: f64, size: [usize; 2], color: impl Fn(usize) -> [u8; 3]) -> Self {
+        Self { at, side, size, colors: (0..size[0] * size[1]).map(color).collect() }
+    }
+
+    /// As SVG: the runs of a row in one path a colour, since a rectangle a cell would be megabytes.
+    pub(super) fn svg(&self) -> String {
+        let [columns, rows] = self.size;
+        let mut paths: BTreeMap<[u8; 3], (usize, String)> = BTreeMap::new();
+        for row in 0..rows {
+            let colors = &self.colors[row * columns..][..columns];
+            let mut first = 0;
+            while first < columns {
+                let run = colors[first..].iter().take_while(|color| **color == colors[first]).count();
+                let (covered, path) = paths.entry(colors[first]).or_default();
+                *covered += run;
+                // Writing to a String cannot fail.
+                let _ = write!(path, "M{first} {row}h{run}v1h-{run}z");
+                first += run;
+            }
         }
+        let mut svg = format!(
+            "<g transform=\"translate({} {}) scale({:.5})\" shape-rendering=\"crispEdges\">\n",
+            self.at.0, self.at.1, self.side
+        );
+        // The most frequent colour is drawn first and whole, so that its path need not be written.
+        let ground = paths.iter().max_by_key(|(_, (covered, _))| *covered).map(|(color, _)| *color);
+        let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
+        if let Some(ground) = ground {
+            let _ = writeln!(svg, "<path fill=\"{}\" d=\"M0 0h{columns}v{rows}h-{columns}z\"/>", hex(ground));
+        }
+        for (color, (_, path)) in paths.iter().filter(|(color, _)| Some(**color) != ground) {
+            let _ = writeln!(svg, "<path fill=\"{}\" d=\"{path}\"/>", hex(*color));
+        }
+        svg + "</g>\n"
     }
-    let mut svg =
-        format!("<g transform=\"translate({} {}) scale({side:.5})\" shape-rendering=\"crispEdges\">\n", at.0, at.1);
-    // The commonest colour lies under all the others, so that its path need not be written.
-    let ground = paths.iter().max_by_key(|(_, (covered, _))| *covered).map(|(color, _)| *color);
-    let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
-    if let Some(ground) = ground {
-        let _ = writeln!(svg, "<path fill=\"{}\" d=\"M0 0h{columns}v{rows}h-{columns}z\"/>", hex(ground));
-    }
-    for (color, (_, path)) in paths.iter().filter(|(color, _)| Some(**color) != ground) {
-        let _ = writeln!(svg, "<path fill=\"{}\" d=\"{path}\"/>", hex(*color));
-    }
-    svg + "</g>\n"
 }

@@ -1,7 +1,7 @@
 //! What the methods show at growing distance: crops of the pictures themselves, wrong pixels marked.
 
 use super::axis::rounded;
-use super::canvas::{Drawn, MARGIN, WIDTH, cells, frame, header, header_height, mark, svg, text};
+use super::canvas::{Cells, Drawing, Drawn, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
 use super::look::{KINDS, QUIET, bold, centered, font, look};
 use crate::measure::record::{Crop, Record, Run};
 use crate::measure::total::{main_place, methods};
@@ -19,7 +19,7 @@ const RUNGS: i32 = 80;
 const COLUMNS: usize = 10;
 
 /// The crops of the main place.
-pub(super) fn draw(record: &Record) -> Drawn<String> {
+pub(super) fn draw(record: &Record) -> Drawn<Drawing> {
     let place = place(record).ok_or("no crops")?;
     let runs: Vec<(&Run, &Crop)> = cropped(record).filter(|(run, _)| run.place == place).collect();
     let names = methods(runs.iter().map(|(run, _)| *run));
@@ -32,9 +32,9 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
     let top = header_height(&[place]) + 10;
     let pitch = side + SHARE + GAP;
     let bottom = top + RUNGS + pitch * names.len() as i32;
-    svg(bottom + 80, |area| {
+    drawing([WIDTH, bottom + 80], |area| {
         header(area, record, "What each method shows", &[place], false)?;
-        let mut over = String::new();
+        let mut over = Vec::new();
         let column = |rung: usize| MARGIN + NAMES + rung as i32 * (side + GAP);
         text(area, "distance / radius", &font(24).color(&QUIET), (MARGIN, top + 50))?;
         for (rung, scene) in rungs.iter().enumerate() {
@@ -53,7 +53,7 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
                 let words = match found {
                     None => "not run".into(),
                     Some((run, crop)) => {
-                        over += &picture(crop, at, side);
+                        over.push(picture(crop, at, side));
                         percent(run.errors.wrong_share())
                     }
                 };
@@ -93,12 +93,12 @@ fn cropped(record: &Record) -> impl Iterator<Item = (&Run, &Crop)> {
     })
 }
 
-fn picture(crop: &Crop, (x, y): (i32, i32), side: i32) -> String {
+fn picture(crop: &Crop, (x, y): (i32, i32), side: i32) -> Cells {
     let [columns, rows] = crop.size.map(|side| side as usize);
     let (shade, verdict) = (crop.shade.as_bytes(), crop.verdict.as_bytes());
     let cell = f64::from(side) / columns.max(rows) as f64;
     let spare = |pixels: usize| (f64::from(side) - cell * pixels as f64) as i32 / 2;
-    cells((x + spare(columns), y + spare(rows)), cell, [columns, rows], |pixel| {
+    Cells::new((x + spare(columns), y + spare(rows)), cell, [columns, rows], |pixel| {
         if let Some((.., color)) = KINDS.iter().find(|(letter, ..)| *letter == char::from(verdict[pixel])) {
             return *color;
         }

@@ -2,7 +2,7 @@
 
 use super::Plot;
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawn, WIDTH, header, header_height, line, mark, svg, text};
+use super::canvas::{Area, Drawing, Drawn, WIDTH, drawing, header, header_height, line, mark, text};
 use super::look::{Look, Mark, bold, font};
 use crate::error::{Error, Result};
 use crate::measure::record::{PlaceRecord, Record};
@@ -67,8 +67,8 @@ impl Growth {
     pub fn plot(&self) -> Result<Plot> {
         let name = "growth";
         let caption = "Straight is a power law; its exponent over the last two decades is written at each curve.";
-        let svg = draw(self).map_err(|error| Error::write(name, io::Error::other(error)))?;
-        Ok(Plot { name, caption, svg })
+        let Drawing { svg, png } = draw(self).map_err(|error| Error::write(name, io::Error::other(error)))?;
+        Ok(Plot { name, caption, svg, png })
     }
 }
 
@@ -76,14 +76,14 @@ impl Growth {
 const LOOKS: [([u8; 3], Mark); 3] =
     [([0x00, 0x9e, 0x73], Mark::Circle), ([0xd5, 0x5e, 0x00], Mark::Diamond), ([0x00, 0x72, 0xb2], Mark::Square)];
 
-fn draw(growth: &Growth) -> Drawn<String> {
+fn draw(growth: &Growth) -> Drawn<Drawing> {
     let places: Vec<usize> = (0..growth.places.len()).collect();
     let record = Record { subject: growth.subject.clone(), places: growth.places.clone(), ..Record::default() };
     let times = growth.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
     let times: Vec<Option<f64>> = times.map(|[_, ms]| Some(*ms)).collect();
     let top = header_height(&places);
     let each = WIDTH / growth.panels.len().max(1) as i32;
-    svg(top + 900, |area| {
+    drawing([WIDTH, top + 900], |area| {
         header(area, &record, "How a frame's time grows", &places, true)?;
         for (column, panel) in growth.panels.iter().enumerate() {
             let n = panel.curves.iter().flat_map(|curve| &curve.points).map(|[n, _]| Some(*n));
@@ -98,7 +98,7 @@ fn draw(growth: &Growth) -> Drawn<String> {
             let chart = chart(&sheet, axes, top + 20 + 34 * most_names(growth), SIDE)?;
             draw_panel(&sheet, &chart, growth, panel, top)?;
         }
-        Ok(String::new())
+        Ok(Vec::new())
     })
 }
 

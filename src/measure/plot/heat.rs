@@ -1,7 +1,9 @@
 //! Errors over the image: a map a method, all on one scale.
 
 use super::axis::{Unit, number, rounded};
-use super::canvas::{Area, Drawn, MARGIN, WIDTH, cells, frame, header, header_height, shortened, svg, text};
+use super::canvas::{
+    Area, Cells, Drawing, Drawn, MARGIN, WIDTH, drawing, frame, header, header_height, shortened, text,
+};
 use super::look::{INK, QUIET, bold, centered, font};
 use crate::measure::record::{Map, Record, Run};
 use crate::measure::total::main_place;
@@ -53,7 +55,7 @@ impl Scale {
 }
 
 /// The maps of the first place that has any.
-pub(super) fn draw(record: &Record) -> Drawn<String> {
+pub(super) fn draw(record: &Record) -> Drawn<Drawing> {
     let place = place(record).ok_or("no maps")?;
     let runs: Vec<(&Run, Map)> = record
         .runs
@@ -78,9 +80,9 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
     let top = header_height(&[place]) + 20;
     let pitch = height + WORDS + GAP;
     let rows = maps.len().div_ceil(columns) as i32;
-    svg(top + (rows * pitch).max(460) + 90, |area| {
+    drawing([WIDTH, top + (rows * pitch).max(460) + 90], |area| {
         header(area, record, "Error of the hit distance t over the image", &[place], false)?;
-        let mut over = String::new();
+        let mut over = Vec::new();
         for (index, (run, map)) in runs.iter().enumerate() {
             let x = MARGIN + (index % columns) as i32 * (width + GAP);
             let y = top + (index / columns) as i32 * pitch;
@@ -91,15 +93,15 @@ pub(super) fn draw(record: &Record) -> Drawn<String> {
             let at = (x, y + WORDS);
             frame(area, at, (width, height))?;
             let [columns, rows] = map.size.map(|side| side as usize);
-            over += &cells(at, f64::from(width) / columns as f64, [columns, rows], |cell| {
+            over.push(Cells::new(at, f64::from(width) / columns as f64, [columns, rows], |cell| {
                 match (map.wrong[cell], map.error[cell]) {
                     (0, error) if error > 0.0 => scale.color(f64::from(error).log10()),
                     (0, _) => NONE,
                     _ => WRONG,
                 }
-            });
+            }));
         }
-        over += &bar(area, &scale, top + WORDS, ((rows * pitch).max(460) - WORDS - GAP).min(900))?;
+        over.push(bar(area, &scale, top + WORDS, ((rows * pitch).max(460) - WORDS - GAP).min(900))?);
         let y = top + (rows * pitch).max(460) + 24;
         let mut x = MARGIN;
         for (color, words) in [(WRONG, "a wrong pixel in the cell"), (NONE, "nothing hit, or no error at all")] {
@@ -145,13 +147,13 @@ fn coarse(map: &Map) -> Map {
 }
 
 /// The scale of colours at the right edge.
-fn bar(area: &Area<'_>, scale: &Scale, top: i32, height: i32) -> Drawn<String> {
+fn bar(area: &Area<'_>, scale: &Scale, top: i32, height: i32) -> Drawn<Cells> {
     let (x, steps) = (WIDTH - MARGIN - 120, 96usize);
     let side = f64::from(height) / steps as f64;
     let decades = scale.high - scale.low;
     // One column of cells, made wider by drawing several.
     let columns = (34.0 / side).ceil().max(1.0) as usize;
-    let svg = cells((x, top), side, [columns, steps], |cell| {
+    let cells = Cells::new((x, top), side, [columns, steps], |cell| {
         scale.color(scale.high - decades * ((cell / columns) as f64 + 0.5) / steps as f64)
     });
     let right = x + (columns as f64 * side) as i32;
@@ -164,5 +166,5 @@ fn bar(area: &Area<'_>, scale: &Scale, top: i32, height: i32) -> Drawn<String> {
     }
     let turned = centered(&font(24)).transform(FontTransform::Rotate270);
     text(area, "largest |t \u{2212} t*| / t* in a cell", &turned, (x - 24, top + height / 2))?;
-    Ok(svg)
+    Ok(cells)
 }

@@ -1,7 +1,7 @@
 //! Errors against distance over radius: a line a method along a ladder, marks alone over any other set of scenes.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawn, header, header_height, line, mark, svg, text};
+use super::canvas::{Area, Drawing, Drawn, WIDTH, drawing, header, header_height, line, mark, text};
 use super::look::{INK, Look, QUIET, font, lane, look, width};
 use crate::measure::record::{Record, Run};
 use crate::measure::total::{main_place, methods};
@@ -59,7 +59,7 @@ const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;
 const SIDE: i32 = 300;
 
 /// Each method where errors are looked at; see [`main_place`].
-pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
+pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     let place = main_place(record).ok_or("nothing ran")?;
     let far = |run: &&Run| record.scenes.get(run.scene).is_some_and(|scene| scene.farthest.is_some());
     let runs: Vec<&Run> =
@@ -81,7 +81,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
     let top = header_height(&[place]);
     let zeros = methods(runs.iter().copied().filter(|run| against.seen(run) == Some(0.0)));
     let connected = is_ladder(record);
-    svg(top + 1120, |area| {
+    drawing([WIDTH, top + 1120], |area| {
         header(area, record, title, &[place], false)?;
         let chart = chart(area, (x, y), top, SIDE)?;
         let mut ends = Vec::new();
@@ -110,7 +110,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
         if dotted && connected {
             text(area, "dotted: predicted", &font(22).color(&QUIET), (chart.right + 24, chart.bottom - 14))?;
         }
-        Ok(String::new())
+        Ok(Vec::new())
     })
 }
 

@@ -2,28 +2,34 @@
 //! them.
 
 use super::Plot;
-use super::canvas::plain;
-use super::look::FONT;
+use super::canvas::{Area, Drawing, Drawn, drawing, shortened, text};
+use super::look::{INK, bold, centered, font};
+use crate::error::{Error, Result};
 use crate::scene::style::Legend;
-use std::fmt::Write;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::io;
 
-/// Size of the picture, and of the bar in it: left, top, width, height.
-const SIZE: [u32; 2] = [480, 84];
-const BAR: [f64; 4] = [24.0, 30.0, 432.0, 22.0];
+/// Width of the picture; left, top, width and height of the bar in it.
+const WIDTH: i32 = 960;
+const BAR: [i32; 4] = [48, 60, 864, 44];
 
-/// Strips that the bar is drawn in, and numbers under it.
-const STRIPS: usize = 216;
-const TICKS: usize = 5;
+/// Strips that the bar is drawn in, each of whole pixels, and numbers under it.
+const STRIPS: i32 = 216;
+const TICKS: i32 = 5;
 
-/// Side of a swatch, height of a row of them, and what stands between a swatch, its label and the next.
-const SWATCH: f64 = 14.0;
-const ROW: f64 = 22.0;
-const GAPS: [f64; 2] = [6.0, 18.0];
+/// Side of a swatch, height of a row of them, between a swatch and its label, and between a label and the next swatch.
+const SWATCH: i32 = 28;
+const ROW: i32 = 44;
+const GAPS: [i32; 2] = [12, 36];
 
 /// Width of a letter of a label at most, but for few; letters of a label, and labels, that are shown.
-const LETTER: f64 = 8.0;
-const LETTERS: usize = 40;
+const LETTER: i32 = 16;
+const LETTERS: usize = 41;
 const LABELS: usize = 120;
+
+/// Height of a label.
+const SIZE: i32 = 24;
 
 impl Legend {
     /// The number at a part of the bar.
@@ -32,103 +38,75 @@ impl Legend {
         if self.log { (low.ln() + part * (high.ln() - low.ln())).exp() } else { low + part * (high - low) }
     }
 
-    /// The drawn legend.
-    #[must_use]
-    pub fn plot(&self) -> Plot {
-        let svg = if self.categories.is_empty() { self.bar() } else { self.swatches() };
-        Plot { name: "legend", caption: "What the colours stand for.", svg }
+    /// The legend as a picture.
+    ///
+    /// # Errors
+    /// [`Error::Io`] at the plot's name, should it fail to be drawn.
+    pub fn plot(&self) -> Result<Plot> {
+        let name = "legend";
+        let drawn = if self.categories.is_empty() { self.bar() } else { self.swatches() };
+        let Drawing { svg, png } = drawn.map_err(|error| Error::write(name, io::Error::other(error)))?;
+        Ok(Plot { name, caption: "The numbers or categories that the colours show.", svg, png })
     }
 
-    /// The beginning of the picture, up to its title.
-    fn begin(&self, height: u32) -> String {
-        let width = SIZE[0];
-        let left = BAR[0];
-        let title = escaped(&self.name);
+    fn title(&self, area: &Area<'_>) -> Drawn {
         let log = if self.log { " (logarithmic)" } else { "" };
-        format!(
-            "<svg width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\" font-family=\"{FONT}\">\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\
-             <text x=\"{left}\" y=\"20\" font-size=\"14\" font-weight=\"bold\">{title}{log}</text>"
-        )
+        text(area, &format!("{}{log}", self.name), &bold(28), (BAR[0], 30))
     }
 
     /// A swatch and a label for every category, in columns that fit the longest.
-    fn swatches(&self) -> String {
+    fn swatches(&self) -> Drawn<Drawing> {
         let [left, top, wide, _] = BAR;
         let labels: Vec<String> =
-            self.categories.iter().take(LABELS).map(|category| short_label(&category.label)).collect();
+            self.categories.iter().take(LABELS).map(|category| shortened(&category.label, LETTERS)).collect();
         let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
-        let column = SWATCH + GAPS[0] + LETTER * longest as f64 + GAPS[1];
-        let columns = ((wide + GAPS[1]) / column).floor().max(1.0) as usize;
-        let rows = labels.len().div_ceil(columns);
+        let column = SWATCH + GAPS[0] + LETTER * longest as i32 + GAPS[1];
+        let columns = ((wide + GAPS[1]) / column).max(1);
+        let rows = labels.len().div_ceil(columns as usize) as i32;
         let more = self.categories.len() - labels.len();
-        let height = top + ROW * (rows + usize::from(more > 0)) as f64 + 8.0;
-        let mut svg = self.begin(height as u32);
-        for (n, (label, category)) in labels.iter().zip(&self.categories).enumerate() {
-            let (x, y) = (left + column * (n % columns) as f64, top + ROW * (n / columns) as f64);
-            let [red, green, blue] = category.color;
-            let (at, base, label) = (x + SWATCH + GAPS[0], y + 11.5, escaped(label));
-            // An outline, for white on white.
-            svg += &format!(
-                "<rect x=\"{x}\" y=\"{y}\" width=\"{SWATCH}\" height=\"{SWATCH}\" \
-                 fill=\"#{red:02x}{green:02x}{blue:02x}\" stroke=\"#808080\"/>\
-                 <text x=\"{at}\" y=\"{base}\" font-size=\"12\">{label}</text>"
-            );
-        }
-        if more > 0 {
-            let y = top + ROW * rows as f64 + 11.5;
-            svg += &format!("<text x=\"{left}\" y=\"{y}\" font-size=\"12\">and {more} more</text>");
-        }
-        svg + "</svg>"
+        drawing([WIDTH, top + ROW * (rows + i32::from(more > 0)) + 16], |area| {
+            self.title(area)?;
+            for (n, (label, category)) in (0..).zip(labels.iter().zip(&self.categories)) {
+                let (x, y) = (left + column * (n % columns), top + ROW * (n / columns));
+                let [red, green, blue] = category.color;
+                let (right, bottom) = (x + SWATCH, y + SWATCH);
+                area.draw(&Rectangle::new([(x, y), (right, bottom)], RGBColor(red, green, blue).filled()))?;
+                // An outline, for white on white.
+                let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y), (right, y)];
+                area.draw(&PathElement::new(outline, RGBColor(0x80, 0x80, 0x80).stroke_width(2)))?;
+                text(area, label, &font(SIZE), (right + GAPS[0], y + SWATCH / 2))?;
+            }
+            if more > 0 {
+                text(area, &format!("and {more} more"), &font(SIZE), (left, top + ROW * rows + SWATCH / 2))?;
+            }
+            Ok(Vec::new())
+        })
     }
 
     /// The map from one end to the other, with numbers under it.
-    fn bar(&self) -> String {
+    fn bar(&self) -> Drawn<Drawing> {
         let [left, top, wide, high] = BAR;
-        let mut svg = self.begin(SIZE[1]);
-        let mut add = |text: std::fmt::Arguments<'_>| {
-            // A string takes whatever is written.
-            let _ = svg.write_fmt(text);
-        };
-        for strip in 0..STRIPS {
-            let part = strip as f64 / (STRIPS - 1) as f64;
-            let [red, green, blue] = self.map.srgb(part);
-            let x = left + wide * strip as f64 / STRIPS as f64;
-            // A little wider than its place, so that no seam shows between strips.
-            let w = wide / STRIPS as f64 + if strip + 1 < STRIPS { 0.5 } else { 0.0 };
-            add(format_args!(
-                "<rect x=\"{x}\" y=\"{top}\" width=\"{w}\" height=\"{high}\" fill=\"#{red:02x}{green:02x}{blue:02x}\"/>"
-            ));
-        }
-        for tick in 0..TICKS {
-            let part = tick as f64 / (TICKS - 1) as f64;
-            let x = left + part * wide;
-            let anchor = match tick {
-                0 => "start",
-                _ if tick + 1 == TICKS => "end",
-                _ => "middle",
-            };
-            let (y, number) = (top + high, short(self.at(part)));
-            add(format_args!("<path d=\"M{x} {y}v4\" stroke=\"#000000\"/>"));
-            let below = y + 19.0;
-            add(format_args!(
-                "<text x=\"{x}\" y=\"{below}\" font-size=\"12\" text-anchor=\"{anchor}\">{number}</text>"
-            ));
-        }
-        svg + "</svg>"
-    }
-}
-
-/// Text between tags of XML.
-fn escaped(text: &str) -> String {
-    plain(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
-/// A label that fits a row.
-fn short_label(label: &str) -> String {
-    match label.char_indices().nth(LETTERS) {
-        Some((end, _)) => format!("{}\u{2026}", &label[..end]),
-        None => label.to_owned(),
+        drawing([WIDTH, 168], |area| {
+            self.title(area)?;
+            for strip in 0..STRIPS {
+                let [red, green, blue] = self.map.srgb(f64::from(strip) / f64::from(STRIPS - 1));
+                let edge = |strip| left + wide * strip / STRIPS;
+                let corners = [(edge(strip), top), (edge(strip + 1), top + high)];
+                area.draw(&Rectangle::new(corners, RGBColor(red, green, blue).filled()))?;
+            }
+            for tick in 0..TICKS {
+                let (x, y) = (left + wide * tick / (TICKS - 1), top + high);
+                area.draw(&PathElement::new(vec![(x, y), (x, y + 8)], INK.stroke_width(2)))?;
+                let style = match tick {
+                    0 => font(SIZE),
+                    _ if tick + 1 == TICKS => font(SIZE).pos(Pos::new(HPos::Right, VPos::Center)),
+                    _ => centered(&font(SIZE)),
+                };
+                let number = self.at(f64::from(tick) / f64::from(TICKS - 1));
+                text(area, &short(number), &style, (x, y + 30))?;
+            }
+            Ok(Vec::new())
+        })
     }
 }
 
@@ -147,6 +125,12 @@ mod tests {
     use super::*;
     use crate::scene::style::{Category, ColorMap};
 
+    fn texts(plot: &Plot) -> Vec<String> {
+        let document = roxmltree::Document::parse(&plot.svg).expect("SVG");
+        let texts = document.descendants().filter(|node| node.is_text()).filter_map(|node| node.text());
+        texts.map(str::trim).filter(|text| !text.is_empty()).map(str::to_owned).collect()
+    }
+
     #[test]
     fn categories_have_swatches_with_bare_labels() {
         let label = |n: usize| ["A", "B<&", "(blank)", &"long ".repeat(20)][n % 4].to_owned();
@@ -159,36 +143,38 @@ mod tests {
                 .map(|n| Category { label: label(n), color: [n as u8, 0x80, 0xff], count: 1 })
                 .collect(),
         };
-        let plot = legend(3).plot();
-        for part in [">chain<", ">A<", ">B&lt;&amp;<", ">(blank)<", "#0080ff", "#0180ff", "#0280ff"] {
-            assert!(plot.svg.contains(part), "{part} in {}", plot.svg);
+        let plot = |count| legend(count).plot().expect("a picture");
+        assert_eq!(texts(&plot(3)), ["chain", "A", "B<&", "(blank)"], "no numbers of a bar");
+        for color in ["#0080FF", "#0180FF", "#0280FF"] {
+            assert!(plot(3).svg.contains(color), "{color} in {}", plot(3).svg);
         }
-        assert!(!plot.svg.contains(">0<") && !plot.svg.contains("<path"), "no bar, no ticks: {}", plot.svg);
-        let picture = |count| {
-            let bytes = legend(count).plot().png().expect("a picture");
-            image::load_from_memory(&bytes).expect("a PNG").to_rgb8()
-        };
-        // A row of one swatch, in a picture of twice the size: its middle has its colour.
+        let picture = |count| image::load_from_memory(&plot(count).png).expect("a PNG").to_rgb8();
         let one = picture(1);
-        let middle = 2.0 * (SWATCH / 2.0);
-        assert_eq!(one.get_pixel((2.0 * BAR[0] + middle) as u32, (2.0 * BAR[1] + middle) as u32).0, [0, 0x80, 0xff]);
+        let middle = SWATCH / 2;
+        assert_eq!(one.get_pixel((BAR[0] + middle) as u32, (BAR[1] + middle) as u32).0, [0, 0x80, 0xff]);
         assert!(picture(4).height() > one.height(), "long labels take a row each");
-        let many = legend(200).plot().svg;
-        assert!(many.contains(">and 80 more<") && many.contains("long long") && many.contains('\u{2026}'), "{many}");
+        let many = texts(&plot(200));
+        assert!(many.iter().any(|text| text == "and 80 more"), "{many:?}");
+        assert!(many.iter().any(|text| text.starts_with("long long") && text.ends_with('\u{2026}')), "{many:?}");
     }
 
     #[test]
     fn a_legend_names_its_ends_and_is_drawn() {
         let legend =
             Legend { name: "a<b".into(), map: ColorMap::Viridis, range: [1.0, 100.0], log: true, categories: vec![] };
-        let plot = legend.plot();
+        let plot = legend.plot().expect("a picture");
         assert_eq!([0.0, 123.456, -0.5, 6.02e23, 99999.0].map(short), ["0", "123.5", "-0.5", "6.020e23", "99999"]);
-        for part in ["a&lt;b (logarithmic)", ">1<", ">10<", ">100<", "#440154", "#fde725"] {
-            assert!(plot.svg.contains(part), "{part} in {}", plot.svg);
+        let texts = texts(&plot);
+        assert_eq!(
+            (&texts[..2], &texts[3..4], &texts[5..]),
+            (&["a<b (logarithmic)".into(), "1".into()][..], &["10".into()][..], &["100".into()][..])
+        );
+        for color in ["#440154", "#FDE725"] {
+            assert!(plot.svg.contains(color), "{color} in {}", plot.svg);
         }
-        // Numbers are drawn too: dark pixels under the bar's marks, in a picture of twice the size.
-        let picture = image::load_from_memory(&plot.png().expect("a picture")).expect("a PNG").to_luma8();
-        let below = 2 * (BAR[1] + BAR[3] + 6.0) as u32;
+        // Numbers are drawn too: dark pixels under the bar's marks.
+        let picture = image::load_from_memory(&plot.png).expect("a PNG").to_luma8();
+        let below = (BAR[1] + BAR[3] + 12) as u32;
         let dark = picture.enumerate_pixels().filter(|(_, y, p)| *y >= below && p.0[0] < 64).count();
         assert!(dark > 50, "{dark} dark pixels in the numbers");
     }

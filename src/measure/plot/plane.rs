@@ -1,7 +1,9 @@
 //! The plane of speed against error, and its Pareto front.
 
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawn, MARGIN, WIDTH, header, header_height, header_row, line, mark, svg, text};
+use super::canvas::{
+    Area, Drawing, Drawn, MARGIN, WIDTH, drawing, header, header_height, header_row, line, mark, text,
+};
 use super::look::{INK, Look, Mark, QUIET, font, lane, look, width};
 use crate::measure::record::Record;
 use crate::measure::total::{Total, totals};
@@ -27,7 +29,7 @@ struct Point<'a> {
 }
 
 /// The methods that were timed, one mark a place.
-pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
+pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     let mut points: Vec<Point<'_>> = totals(record)
         .into_iter()
         .filter_map(|total| {
@@ -61,7 +63,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
         ),
     };
     let top = header_height(&places);
-    svg(top + 1120, |area| {
+    drawing([WIDTH, top + 1120], |area| {
         header(area, record, title, &places, true)?;
         let chart = chart(area, (x, y), top, 60)?;
         for point in &mut points {
@@ -89,7 +91,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<String> {
             mark(area, &look, point.at, 13, is_filled(record, &point.total))?;
         }
         labels(area, record, &chart, &points, &lines)?;
-        Ok(String::new())
+        Ok(Vec::new())
     })
 }
 

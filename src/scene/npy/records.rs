@@ -3,11 +3,11 @@
 use super::Npy;
 use crate::error::{Error, Result};
 use crate::memory::{check, reserve};
+use crate::npy::{DType, Field, Header};
 use crate::scene::input::Input;
 use crate::scene::particles::{Frames, Layout, Particles, Role, Scalar, wanted};
 use crate::scene::source::Source;
 use crate::scene::{ReadOptions, Spheres, relocate};
-use npyz::{DType, Field, NpyHeader, Order};
 use std::io::{self, BufRead, Read};
 
 /// The reader.
@@ -28,11 +28,11 @@ impl Frames for Array {
         let (bytes, counts) = (reader.length(), reader.counts());
         let mut npy = Npy { path: &path, reader, bytes, counts };
         let header = npy.header()?;
-        if let DType::Record(fields) = header.dtype() {
-            return npy.records(&header, &fields, &self.wanted).map(Some);
+        if let DType::Record(fields) = &header.dtype {
+            return npy.records(&header, fields, &self.wanted).map(Some);
         }
         let mut spheres = Spheres::default();
-        let width = npy.read(header, &[3, 4, 7], &mut spheres)?;
+        let width = npy.read(&header, &[3, 4, 7], &mut spheres)?;
         let Spheres { centers, radii, colors } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii };
         Ok(Some(Particles { positions: centers, radii, colors: colors.unwrap_or_default(), ..Particles::default() }))
@@ -46,14 +46,14 @@ const MOST: usize = 1 << 16;
 const BLOCK: usize = 1 << 16;
 
 impl Npy<'_, Input> {
-    fn records(&mut self, header: &NpyHeader, fields: &[Field], wanted: &[String]) -> Result<Particles> {
-        let rows = match *header.shape() {
+    fn records(&mut self, header: &Header, fields: &[Field], wanted: &[String]) -> Result<Particles> {
+        let rows = match header.shape[..] {
             [n] => n,
-            ref other => return Err(self.fail("shape", format!("found records in {other:?}, wanted (n,)"))),
+            ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
         };
         let (mut layout, mut places, mut size) = (Layout::default(), Vec::new(), 0usize);
         for field in fields {
-            let bytes = bytes_of(&field.dtype).filter(|bytes| size + bytes <= MOST);
+            let bytes = field.dtype.bytes().filter(|bytes| *bytes <= MOST - size);
             let Some(bytes) = bytes else {
                 return Err(self.fail("dtype", format!("records have more than {MOST} bytes or hold objects")));
             };
@@ -87,15 +87,17 @@ impl Npy<'_, Input> {
 
 impl<R: BufRead> Npy<'_, R> {
     /// The numbers of an array of one or two dimensions, row by row. Memory grows with what is there.
-    pub(in crate::scene) fn numbers(&mut self, header: &NpyHeader) -> Result<Vec<f64>> {
-        let DType::Plain(name) = header.dtype() else { return Err(self.fail("dtype", "records are no numbers")) };
-        let Some(scalar) = Scalar::of_numpy(&name) else {
-            return Err(self.fail("dtype", format!("found {name}, wanted whole numbers, float32 or float64")));
+    pub(in crate::scene) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
+        let DType::Plain(name) = &header.dtype else {
+            return Err(self.fail("dtype", format!("found {}, expected numbers", header.dtype)));
         };
-        let (rows, width) = match *header.shape() {
+        let Some(scalar) = Scalar::of_numpy(name) else {
+            return Err(self.fail("dtype", format!("found {}, expected integers, float32 or float64", header.dtype)));
+        };
+        let (rows, width) = match header.shape[..] {
             [n] => (n, 1),
             [n, width @ 1..=16] => (n, width),
-            ref other => return Err(self.fail("shape", format!("found {other:?}, wanted (n,) or (n, 3)"))),
+            ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
         };
         let total = rows.saturating_mul(width);
         let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
@@ -111,7 +113,7 @@ impl<R: BufRead> Npy<'_, R> {
                 return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), found, rows));
             }
         }
-        if header.order() == Order::Fortran && width > 1 {
+        if header.fortran && width > 1 {
             let (rows, width) = (rows as usize, width as usize);
             check(8 * total, || "the array in the order of its rows".into())?;
             numbers = (0..rows * width).map(|at| numbers[at % width * rows + at / width]).collect();
@@ -125,18 +127,6 @@ impl<R: BufRead> Npy<'_, R> {
             _ => Error::read(self.path, error),
         }
     }
-}
-
-/// Bytes of a value, if that is not absurd.
-fn bytes_of(dtype: &DType) -> Option<usize> {
-    let bytes = match dtype {
-        DType::Plain(name) => name.num_bytes()?,
-        DType::Array(n, inner) => bytes_of(inner)?.checked_mul(usize::try_from(*n).ok()?)?,
-        DType::Record(fields) => {
-            fields.iter().try_fold(0usize, |sum, field| sum.checked_add(bytes_of(&field.dtype)?))?
-        }
-    };
-    (bytes <= MOST).then_some(bytes)
 }
 
 /// The numbers in a field: where in it, of which type, what they are called, and what they are. None of what is no number.

@@ -5,6 +5,7 @@ use super::layout::wanted;
 use super::{Column, Frames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
+use crate::npy::{DType, Header};
 use crate::quote::{list, quote, unquoted};
 use crate::scene::ReadOptions;
 use crate::scene::check_color;
@@ -13,7 +14,6 @@ use crate::scene::npy::Npy;
 use crate::scene::source::Source;
 use flate2::CrcReader;
 use flate2::bufread::DeflateDecoder;
-use npyz::{DType, NpyHeader};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -63,19 +63,13 @@ impl Npz {
 }
 
 impl Found {
-    fn take<R: BufRead>(
-        &mut self,
-        name: &str,
-        header: &NpyHeader,
-        npy: &mut Npy<'_, R>,
-        wanted: &[String],
-    ) -> Result<()> {
+    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<'_, R>, wanted: &[String]) -> Result<()> {
         let name = name.to_lowercase();
-        let shape = header.shape().to_vec();
+        let shape = header.shape.clone();
         if self.one.len() < MOST
             && name.len() <= LONGEST_NAME
             && shape.len() == 1
-            && matches!(header.dtype(), DType::Plain(_))
+            && matches!(header.dtype, DType::Plain(_))
         {
             self.one.push((name.clone(), shape[0]));
         }

@@ -1,7 +1,6 @@
 //! Numbers in binary files: what PLY and NumPy call their types, and how each is read.
 
 use crate::scene::style::linear;
-use npyz::{Endianness, TypeChar, TypeStr};
 use std::sync::LazyLock;
 
 /// A type of number in bytes.
@@ -37,17 +36,27 @@ impl Scalar {
         Some(Self { kind, size, big })
     }
 
-    /// A type of NumPy; none for what is no real number, and for halves and the long doubles of some processors.
-    pub(crate) fn of_numpy(name: &TypeStr) -> Option<Self> {
-        let kind = match name.type_char() {
-            TypeChar::Int => Kind::Signed,
-            TypeChar::Uint | TypeChar::Bool => Kind::Unsigned,
-            TypeChar::Float => Kind::Float,
+    /// A type string of NumPy, such as `<f8`; `None` for what is not a real number, for halves, and for the long doubles
+    /// of some processors.
+    pub(crate) fn of_numpy(name: &str) -> Option<Self> {
+        let (order, rest) = name.split_at_checked(1)?;
+        let (kind, size) = rest.split_at_checked(1)?;
+        let kind = match kind {
+            "i" => Kind::Signed,
+            "u" | "b" => Kind::Unsigned,
+            "f" => Kind::Float,
             _ => return None,
         };
-        let size = usize::try_from(name.size_field()).ok()?;
+        let size = size.parse().ok()?;
         let sizes: &[usize] = if kind == Kind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
-        sizes.contains(&size).then_some(Self { kind, size, big: name.endianness() == Endianness::Big })
+        let big = match order {
+            "<" => false,
+            ">" => true,
+            // A single byte has no order.
+            "|" if size == 1 => false,
+            _ => return None,
+        };
+        sizes.contains(&size).then_some(Self { kind, size, big })
     }
 
     /// Bytes of one.
@@ -115,8 +124,12 @@ mod tests {
             ("<f2", None),
             ("<c16", None),
             ("|S4", None),
+            ("|f8", None),
+            ("f8", None),
+            ("", None),
+            ("\u{fc}", None),
         ] {
-            let found = Scalar::of_numpy(&name.parse().expect("a type"));
+            let found = Scalar::of_numpy(name);
             assert_eq!(found.map(Scalar::size), size, "{name}");
         }
     }
