@@ -143,7 +143,7 @@ mod tests {
     const GIB: u64 = 1 << 30;
 
     #[test]
-    fn the_number_that_would_fit_fits_and_one_more_does_not() {
+    fn the_number_that_fits_fits_and_one_more_does_not() {
         let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5 };
         assert!(need.check(Some(need.bytes())).is_ok() && need.check(None).is_ok());
         let error = need.check(Some(need.bytes() - 1)).expect_err("a byte too few").to_string();

@@ -73,6 +73,8 @@ pub mod settings;
 mod settle;
 mod setup;
 pub mod shade;
+#[cfg(test)]
+mod testing;
 mod tile;
 mod tile_candidates;
 pub mod trace;

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn vectors_come_back_and_are_let_go() {
+    fn vectors_are_reused_and_released() {
         let pool = Pool::default();
         pool.put_back(vec![7u32; 100]);
         pool.put_back(vec![7.0f32; 100]);

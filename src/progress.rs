@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn many_threads_are_heard_in_order_and_to_the_end() {
+    fn progress_of_many_threads_is_reported_in_order_and_completely() {
         let (watch, heard) = listener();
         let doing = watch.begin(Step::Trace, 7000);
         (0..1000).into_par_iter().for_each(|_| assert!(doing.next(7)));
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_told_at_both_ends() {
+    fn a_step_is_reported_at_both_ends() {
         let (watch, heard) = listener();
         watch.begin(Step::Stage, 3).end().expect("nobody minds");
         let of = |done| Progress { step: Step::Stage, done, total: 3 };
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn everyone_may_end_it_and_a_token_may_be_used_again() {
+    fn any_clone_cancels_and_a_token_can_be_reset() {
         let cancel = Cancel::default();
         let watch = Watch::default().while_true(|| true).cancelled_by(&cancel);
         assert!(watch.begin(Step::Settle, 1).next(1));

@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_keep_their_lines_and_lose_their_escapes() {
+    fn messages_keep_line_breaks_and_lose_escapes() {
         assert!(matches!(printable("two\nlines"), Cow::Borrowed(_)));
         assert_eq!(printable("a\u{1b}]0;title\u{7}\nb"), "a\\u{1b}]0;title\\u{7}\nb");
     }

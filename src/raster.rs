@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_the_next_square_as_fine_as_a_frame_can_be() {
+    fn samples_are_the_next_square_within_the_limits_of_a_frame() {
         let cut = |samples, side| raster(samples, side, 5).expect("room").map(|r| [r.count(), r.jitter]);
         assert_eq!([cut(0, 64), cut(1, 64)], [None; 2]);
         assert_eq!([cut(2, 64), cut(4, 64), cut(5, 64)], [Some([4, 16]), Some([4, 16]), Some([9, 16])]);

@@ -495,11 +495,8 @@ mod tests {
 
     /// An adapter whose arithmetic failed the self-test does not certify: the CPU path does, with a warning, or it is an error.
     #[test]
-    fn a_doubtful_adapter_does_not_certify() {
-        if std::env::var_os("HALFLINE_NO_GPU").is_some() {
-            println!("SKIPPED: HALFLINE_NO_GPU is set");
-            return;
-        }
+    fn an_adapter_that_failed_the_self_test_does_not_certify() {
+        let Some(_) = crate::testing::adapter_or_skip() else { return };
         let mut spheres = Spheres::default();
         spheres.push([0.0, 0.0, -3.0], 1.0, None);
         let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };

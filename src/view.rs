@@ -422,7 +422,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_stratum_is_asked_once_everywhere_alike() {
+    fn each_stratum_has_one_sample_in_every_window() {
         let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
         let mut counts = [0u32; 16];
         for sample in 0..9 {

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_tile_is_refused() {
+    fn an_invalid_tile_is_refused() {
         for (number, count, width, height) in [(0, 4, 8, 8), (5, 4, 8, 8), (1, 0, 8, 8), (1, 11, 10, 10)] {
             Window::tile(number, count, width, height).expect_err("no tile");
         }

@@ -23,11 +23,11 @@ fn is_test(text: &str, name: &str) -> bool {
     before.trim_end().ends_with("#[test]")
 }
 
-/// What is wrong with the rows of the tables, and how many there are.
+/// The errors in the rows of the tables, and the number of rows.
 fn faults(claims: &str) -> (Vec<String>, usize) {
     let mut faults = Vec::new();
     let mut rows = 0;
-    // What follows are other tables.
+    // Other tables follow.
     let claims = claims.split("## How much").next().unwrap_or_default();
     for line in claims.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| section")) {
         rows += 1;
@@ -57,19 +57,19 @@ fn every_claim_names_code_and_a_test_that_exist() {
     let (faults, rows) = faults(&claims);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(rows > 40, "{rows} rows");
-    // Every theorem stands in a row.
+    // Every theorem is named in a row.
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gappa");
     let theorems = std::fs::read_dir(folder).expect("tests/gappa").map(|entry| entry.expect("a file").path());
     for theorem in theorems.filter(|path| path.extension().is_some_and(|ending| ending == "g")) {
         let name = format!("tests/gappa/{}", theorem.file_name().expect("a name").to_string_lossy());
-        assert!(claims.contains(&name), "{name} is in no row");
+        assert!(claims.contains(&name), "no row names {name}");
     }
 }
 
 #[test]
-fn a_row_that_names_nothing_is_found() {
+fn a_row_without_code_or_test_is_found() {
     let row = |code: &str, test: &str| faults(&format!("| 1 | a claim | `{code}` | `{test}` |\n")).0.len();
-    let test = "tests/claims.rs#a_row_that_names_nothing_is_found";
+    let test = "tests/claims.rs#a_row_without_code_or_test_is_found";
     assert_eq!(row("src/camera.rs#axes", test), 0);
     assert_eq!(row("src/camera.rs#axe", test), 1);
     assert_eq!(row("src/cameras.rs#axes", test), 1);

@@ -1,7 +1,7 @@
-//! The promise: what fuzzing once found out stays so. Every input that was kept, the shortest for each way through the
-//! readers, goes through the harness of the fuzzer again; fuzz/README.md says more.
+//! The promise: errors that fuzzing found stay repaired. Every input of the corpus, the shortest for each path through the
+//! readers, runs through the harness of the fuzzer again: see fuzz/README.md.
 
-#![expect(unsafe_code, reason = "a global allocator that counts cannot be written without")]
+#![expect(unsafe_code, reason = "a global allocator needs it")]
 
 #[path = "../fuzz/src/counting.rs"]
 mod counting;
@@ -26,7 +26,7 @@ fn inputs(target: &str) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_kept_input_is_read_or_refused() {
+fn every_input_of_the_corpus_is_read_or_refused() {
     let mut faults = Vec::new();
     for name in Target::names() {
         let (target, inputs) = (Target::named(name).expect("a target"), inputs(name));
@@ -36,8 +36,10 @@ fn every_kept_input_is_read_or_refused() {
             let held = counting::begin();
             match panic::catch_unwind(AssertUnwindSafe(|| target.run(&data))) {
                 Ok(allowed) if counting::most_since(held) <= allowed.bytes => {}
-                Ok(allowed) => faults.push(format!("{}: more than {} bytes were held", path.display(), allowed.bytes)),
-                Err(_) => faults.push(format!("{}: it panics, see above", path.display())),
+                Ok(allowed) => {
+                    faults.push(format!("{}: more than {} bytes were allocated", path.display(), allowed.bytes))
+                }
+                Err(_) => faults.push(format!("{}: it panics, as printed above", path.display())),
             }
         }
         println!("{name}: {} inputs", inputs.len());

@@ -25,7 +25,7 @@ fn floors(architecture: &str) -> Vec<(String, Vec<String>)> {
     rows.map(row).collect()
 }
 
-/// Every .rs file under a folder but those of tests.
+/// Every .rs file under a folder except those of tests.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut found = Vec::new();
@@ -98,7 +98,7 @@ fn upward(room: &str, code: &str, order: &[String], exported: &BTreeMap<String, 
             None => faults.push(format!("{room} imports {name}, which is in no floor")),
             Some(_) if target == room => {}
             Some(at) if Some(at) < place(room) => {}
-            Some(_) => faults.push(format!("{room} imports {target}, which does not stand before it")),
+            Some(_) => faults.push(format!("{room} imports {target}, which is not below it")),
         }
     }
     faults
@@ -111,6 +111,7 @@ fn rooms_import_only_downwards() {
     let library = read("src/lib.rs");
     let exported = exported(&library);
     let modules: BTreeSet<_> = library
+        .replace("#[cfg(test)]\nmod testing;\n", "")
         .lines()
         .filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';'))
         .map(str::to_owned)
@@ -120,14 +121,14 @@ fn rooms_import_only_downwards() {
         modules,
         "the table has every room of lib.rs and no other"
     );
-    assert_eq!(order.len(), modules.len(), "each room stands on one floor");
+    assert_eq!(order.len(), modules.len(), "each room is on one floor");
     let (mut faults, mut count) = (Vec::new(), 0);
     let source = root().join("src");
     for path in files(&source) {
         let relative = path.strip_prefix(&source).expect("within src");
         let first = relative.components().next().expect("a name").as_os_str().to_string_lossy();
         let room = first.trim_end_matches(".rs");
-        if ["lib", "main", "cli"].contains(&room) {
+        if ["lib", "main", "cli", "testing"].contains(&room) {
             continue;
         }
         count += 1;
@@ -143,7 +144,7 @@ fn rooms_import_only_downwards() {
 }
 
 #[test]
-fn an_arrow_that_points_upwards_is_found() {
+fn an_import_that_points_upwards_is_found() {
     let order: Vec<String> = ["error", "view", "render"].map(str::to_owned).to_vec();
     let exported = exported("pub use render::{Renderer, render};\npub use view::View;\n");
     let count = |text: &str| upward("view", &code(text), &order, &exported).len();

@@ -1,37 +1,50 @@
-//! The promise: whatever a file holds, a reader makes a scene of it or an error. No panic, no memory that the file does
-//! not fill, no endless work. Seeds are fixed; `HALFLINE_FUZZ_RUNS=100000` runs longer than the suite does, and
+//! The promise: from any file a reader makes a scene or an error. It does not panic, its memory is bounded by the size of the
+//! file, and it ends in bounded time. Seeds are fixed; `HALFLINE_FUZZ_RUNS=100000` runs longer than the suite does, and
 //! `HALFLINE_FUZZ_FORMAT=ply` only one format.
 
-#![expect(unsafe_code, reason = "a global allocator that counts cannot be written without")]
+#![expect(unsafe_code, reason = "a global allocator needs it")]
 
+#[path = "common/damage.rs"]
+mod damage;
+#[path = "common/data.rs"]
+#[expect(dead_code, reason = "seeds are optional: no test is skipped without them")]
+mod data;
+#[path = "common/rng.rs"]
+#[expect(dead_code, reason = "files need no real numbers")]
+mod rng;
+#[path = "common/skip.rs"]
+mod skip;
+
+use damage::damage;
 use flate2::Compression;
 use flate2::write::{DeflateEncoder, GzEncoder};
 use halfline::scene::style::{Coloring, Scale, Style};
 use halfline::scene::{Format, ReadOptions, Sequence};
+use rng::Rng;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Counts what is allocated, and the most there was at once.
+/// Counts the bytes that are allocated, and their largest number.
 struct Counting;
 
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: every call is handed on to the system's allocator as it is.
+// SAFETY: every call is passed to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         PEAK.fetch_max(LIVE.fetch_add(layout.size(), Relaxed) + layout.size(), Relaxed);
-        // SAFETY: the caller's promise is handed on.
+        // SAFETY: the caller's promise is passed on.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         LIVE.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller's promise is handed on.
+        // SAFETY: the caller's promise is passed on.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -42,26 +55,10 @@ static ALLOCATOR: Counting = Counting;
 /// Bytes that a reader may hold beyond [`PER_BYTE`] for every byte of the file: buffers and decompressors.
 const FREE: usize = 64 << 20;
 const PER_BYTE: usize = 64;
-/// What no file of this size takes.
+/// Longer than any file of this size takes.
 const SLOWEST: Duration = Duration::from_secs(10);
 
-/// xorshift64, Marsaglia 2003.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % n.max(1) as u64) as usize
-    }
-
-    fn one<'a, T: ?Sized>(&mut self, of: &[&'a T]) -> &'a T {
-        of[self.below(of.len())]
-    }
-}
-
-/// What stands around a file's content.
+/// What a file's content is wrapped in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wrap {
     Plain,
@@ -100,7 +97,7 @@ impl Wrap {
     }
 }
 
-/// A file of an archive: name, bytes, and what the bytes were before they were deflated.
+/// A file of an archive: name, bytes, and the bytes before deflation.
 type Member<'a> = (&'a str, &'a [u8], Option<&'a [u8]>);
 
 /// A zip file of these members.
@@ -215,7 +212,7 @@ const DATA: &str = "by hand\n\n2 atoms\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\
 const CSV: &str =
     "# a table\nname,x_km,y_km,z_km,radius_km,vx,red,green,blue\n\"a, b\",1,2,3,0.5,7,1,0.5,0\nc,4,5,6,1.5,8,0,0,1\n";
 
-/// Small files of a format that are whole.
+/// Small valid files of a format.
 fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
     let text = |texts: &[&str]| texts.iter().map(|text| (text.as_bytes().to_vec(), Wrap::Plain)).collect::<Vec<_>>();
     let arrays = || {
@@ -269,126 +266,39 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
 
 /// The beginnings of real files, where there are any.
 fn real(format: Format) -> Vec<(Vec<u8>, Wrap)> {
-    let beside = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data"));
-    let folder = std::env::var_os("HALFLINE_DATA").map_or(beside, PathBuf::from);
-    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
-    let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.sort();
-    let of_format = |path: &PathBuf| path.extension().is_some_and(|ending| ending == format.name());
-    let start = |path: PathBuf| {
-        let bytes = std::fs::read(path).ok()?;
+    const NAMES: [&str; 9] = [
+        "1IHM.pdb",
+        "1tii.pdb",
+        "3SN6.cif",
+        "balls_s2.nff",
+        "balls_s4.nff",
+        "jacks.nff",
+        "shells.nff",
+        "solar_system.csv",
+        "1hvr.pdb",
+    ];
+    let of_format = |name: &&str| name.ends_with(&format!(".{}", format.name()));
+    let start = |name: &str| {
+        let bytes = std::fs::read(data::real(name)?).ok()?;
         Some((bytes[..bytes.len().min(4096)].to_vec(), Wrap::Plain))
     };
-    paths.into_iter().filter(of_format).filter_map(start).collect()
+    NAMES.into_iter().filter(of_format).filter_map(start).collect()
 }
 
-/// What readers stumble over.
-const SCRAPS: [&[u8]; 40] = [
-    b"\n",
-    b"\r\n",
-    b" ",
-    b"-",
-    b"nan",
-    b"inf",
-    b"1e999",
-    b"-1e308",
-    b"1e-320",
-    b"0",
-    b"[",
-    b"]",
-    b"\"",
-    b"'",
-    b"\xff",
-    b"\xc3",
-    b"9999999999999999999",
-    b"18446744073709551615",
-    b"9223372036854775808",
-    b"4294967296",
-    b"-1",
-    b"#",
-    b",",
-    b";",
-    b"\t",
-    b"\0",
-    b"(",
-    b"{",
-    b"ITEM:",
-    b"element vertex 99999999999",
-    b"property list int int q",
-    b"p 3",
-    b"loop_",
-    b"_atom_site.",
-    b"ATOM",
-    b"Atoms",
-    b"MODEL",
-    b"Properties=pos:R:4000000000",
-    b"'",
-    b"0x",
-];
-
-/// Damages bytes in the ways that files are damaged.
-fn damage(bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
-    let at = random.below(bytes.len() + 1);
-    let to = (at + random.below(16)).min(bytes.len());
-    let lines = |bytes: &[u8], from: usize| {
-        bytes[from..].iter().position(|b| *b == b'\n').map_or(bytes.len(), |k| from + k + 1)
-    };
-    match random.below(12) {
-        0 => bytes.truncate(at),
-        1 => drop(bytes.drain(at..to)),
-        2 => bytes.extend_from_within(at..to),
-        3 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
-        4 if at < bytes.len() => bytes[at] = random.below(256) as u8,
-        5 => {
-            // Another digit for a digit.
-            let digits: Vec<usize> = (0..bytes.len()).filter(|k| bytes[*k].is_ascii_digit()).collect();
-            if !digits.is_empty() {
-                bytes[digits[random.below(digits.len())]] = b'0' + random.below(10) as u8;
-            }
-        }
-        6 => {
-            // A scrap for a number.
-            let digit = (at..bytes.len()).find(|k| bytes[*k].is_ascii_digit()).unwrap_or(at);
-            let end = (digit..bytes.len()).find(|k| !b"0123456789.+-eE".contains(&bytes[*k])).unwrap_or(bytes.len());
-            drop(bytes.splice(digit..end, random.one(&SCRAPS).iter().copied()));
-        }
-        7 => {
-            // A line many times over.
-            let end = lines(bytes, at);
-            let block = bytes[at..end].repeat(1 + random.below(64));
-            drop(bytes.splice(end..end, block));
-        }
-        8 => drop(bytes.drain(at..lines(bytes, at))),
-        9 => {
-            // A piece of another file.
-            let from = random.below(other.len() + 1);
-            let piece = &other[from..(from + random.below(200)).min(other.len())];
-            drop(bytes.splice(at..at, piece.iter().copied()));
-        }
-        10 => {
-            // Largest and smallest words.
-            let word = random.one(&[&[0xff; 8][..], &[0; 8], &[0xff, 0xff, 0xff, 0x7f], &[0, 0, 0, 0x80]]);
-            let end = (at + word.len()).min(bytes.len());
-            bytes[at..end].copy_from_slice(&word[..end - at]);
-        }
-        _ => drop(bytes.splice(at..at, random.one(&SCRAPS).iter().copied())),
-    }
-}
-
-/// Options that make the readers go other ways.
-fn options(format: Format, random: &mut Random) -> ReadOptions {
+/// Options under which readers do different things.
+fn options(format: Format, rng: &mut Rng) -> ReadOptions {
     let mut options = ReadOptions { frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
-    options.format = (random.below(4) > 0).then_some(format);
-    options.strict = random.below(8) == 0;
-    if random.below(2) == 0 {
+    options.format = (rng.below(4) > 0).then_some(format);
+    options.strict = rng.below(8) == 0;
+    if rng.below(2) == 0 {
         let columns = ["vx", "vel", "radius", "z", "id", "red", "b_iso_or_equiv", "bfactor", "t", "x"];
-        let columns = (0..=random.below(3)).map(|_| random.one(&columns).to_owned()).collect();
-        let scale = Scale { columns, map: Default::default(), range: None, log: random.below(2) == 0 };
+        let columns = (0..=rng.below(3)).map(|_| rng.pick(&columns).to_owned()).collect();
+        let scale = Scale { columns, map: Default::default(), range: None, log: rng.below(2) == 0 };
         options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     }
-    match random.below(8) {
-        0 => options.model = Some(random.below(4) as i64),
-        1 => options.altloc = ["highest", "A"][random.below(2)].parse().expect("an alternate location"),
+    match rng.below(8) {
+        0 => options.model = Some(rng.below(4) as i64),
+        1 => options.altloc = ["highest", "A"][rng.below(2)].parse().expect("an alternate location"),
         2 => options.assembly = Some("1".into()),
         3 => options.frames = "2-".parse().expect("frames"),
         _ => {}
@@ -396,7 +306,7 @@ fn options(format: Format, random: &mut Random) -> ReadOptions {
     options
 }
 
-/// Reads all of a file; whether there was something.
+/// Reads all of a file; whether it has a frame.
 fn read(path: &Path, options: &ReadOptions) -> bool {
     let Ok(mut sequence) = Sequence::open(path, options) else { return false };
     let mut found = false;
@@ -408,7 +318,7 @@ fn read(path: &Path, options: &ReadOptions) -> bool {
 }
 
 #[test]
-fn nothing_makes_a_reader_panic_or_grow() {
+fn no_file_makes_a_reader_panic_or_hold_too_much_memory() {
     let runs: usize = std::env::var("HALFLINE_FUZZ_RUNS").map_or(300, |runs| runs.parse().expect("a number of runs"));
     let only = std::env::var("HALFLINE_FUZZ_FORMAT").ok();
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -428,21 +338,21 @@ fn nothing_makes_a_reader_panic_or_grow() {
             seeds.extend([(seeds[0].0.clone(), Wrap::Gzip), (seeds[0].0.clone(), Wrap::Bzip2)]);
         }
         seeds.extend(real(format));
-        let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ format.name().len() as u64);
+        let mut rng = Rng::new(0x9e37_79b9_7f4a_7c15 ^ format.name().len() as u64);
         let (begun, mut read_some, mut most) = (Instant::now(), 0, 0);
         for run in 0..runs {
-            let (content, wrap) = &seeds[random.below(seeds.len())];
+            let (content, wrap) = &seeds[rng.below(seeds.len())];
             let mut content = content.clone();
-            let inside = *wrap == Wrap::Plain || random.below(2) == 0;
+            let inside = *wrap == Wrap::Plain || rng.below(2) == 0;
             let mut bytes = if inside { Vec::new() } else { wrap.around(&content) };
             let target = if inside { &mut content } else { &mut bytes };
-            for _ in 0..=random.below(4) {
-                let other = &all[random.below(all.len())].0;
-                damage(target, other, &mut random);
+            for _ in 0..=rng.below(4) {
+                let other = &all[rng.below(all.len())].0;
+                damage(target, other, &mut rng);
             }
             let bytes = if inside { wrap.around(&content) } else { bytes };
             std::fs::write(&path, &bytes).expect("a temporary file");
-            let options = options(format, &mut random);
+            let options = options(format, &mut rng);
             let (started, live) = (Instant::now(), LIVE.load(Relaxed));
             PEAK.store(live, Relaxed);
             let outcome = panic::catch_unwind(AssertUnwindSafe(|| read(&path, &options)));

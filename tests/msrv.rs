@@ -1,5 +1,5 @@
-//! The promise: no dependency asks for a newer Rust than Cargo.toml does. What no crate declares, the CI job that
-//! builds with that very Rust finds out.
+//! The promise: no dependency declares a newer Rust than Cargo.toml. A CI job builds with that Rust, for crates that declare
+//! none.
 
 use serde_json::Value;
 use std::process::Command;

@@ -1,7 +1,7 @@
-//! The bounds under attack. f32 as the worst device would compute it (`wild`), scenes that hurt (`worlds`), the claims
-//! held against the judge (`claims`, `sound`) and each bound against the very quantity it bounds (`bounds`); then every
-//! constant is taken away in turn, and somebody must notice (`sabotage`). Single suspicions are in `corners`, what lists leave
-//! out in `cover`, what the host rounds in `host`. Truths have axes of their own (`axes`).
+//! Adversarial tests of the bounds. `wild` is f32 as the worst legal device computes it, `worlds` makes hard scenes, `claims` and
+//! `sound` compare certified claims with exact arithmetic, `bounds` and `first_order` compare each bound with the quantity that
+//! it bounds, and `sabotage` removes each constant in turn, which a test must detect. `corners` has single doubtful cases, `cover`
+//! what lists may leave out, `host` the rounding of the host. `axes` computes a camera's axes independently.
 
 mod axes;
 mod bounds;

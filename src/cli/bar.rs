@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_words_are_a_rate_and_a_time() {
+    fn a_message_has_a_rate_and_a_time() {
         let at = |step, done| Progress { step, done, total: 8_294_400 };
         let [none, two] = [0, 2].map(Duration::from_secs);
         assert_eq!(words(at(Step::Trace, 2_073_600), two, none), "trace 1.04 Mpixels/s, 0:06 left");
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_begins_with_its_first_step() {
+    fn progress_begins_with_the_first_step_of_a_frame() {
         let mut notes = Notes::default();
         let mut hear = |step, done| {
             notes.hear(Progress { step, done, total: 10 });

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbered_names_that_meet_are_refused() {
+    fn numbered_names_that_collide_are_refused() {
         let check = |names: &[&str], last: u64| {
             let names: Vec<_> = names.iter().map(Path::new).collect();
             check_numbered(&names, 1..=last)
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn files_are_known_through_links() {
+    fn files_are_identified_through_links() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("a"), "a").expect("written");

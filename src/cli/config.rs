@@ -181,7 +181,7 @@ mod tests {
     use clap::CommandFactory;
 
     #[test]
-    fn a_flag_beats_the_file() {
+    fn a_flag_overrides_the_file() {
         let config = Config::parse("backend = \"cpu\"\nsearch = \"all\"\nradius_scale = 2\n", "c.toml").expect("good");
         let of = |arguments: &[&str], id: &str| {
             let matches =
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_file_cannot_mean_is_refused_at_its_place() {
+    fn an_invalid_value_in_the_file_is_refused_at_its_place() {
         for (text, place) in [
             ("backend = \"cpu\"\neye = [0, 0, 1]\n", "c.toml:2:1"),
             ("size = [1, 2]\n", "c.toml:1:8"),

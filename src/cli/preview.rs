@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_pixels_are_a_character() {
+    fn two_pixels_are_one_character() {
         let color = [[1.0f32, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].concat();
         let expected = "\x1b[38;2;255;0;0;48;2;0;255;0m▀\x1b[0m\n\x1b[38;2;0;0;255;49m▀\x1b[0m\n";
         assert_eq!(blocks(&color, [1, 3], [80, 48]), expected);

@@ -330,7 +330,7 @@ mod tests {
 
     /// The adversary looks at single rays; what it finds holds for strips because they are the same, bit for bit.
     #[test]
-    fn a_strip_answers_like_single_rays() {
+    fn a_strip_answers_as_single_rays() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (136, 77);

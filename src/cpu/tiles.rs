@@ -150,9 +150,9 @@ mod tests {
     use crate::settings::Settings;
     use crate::view::View;
 
-    /// What tests/tiles.rs promises would not hold if a list lacked one sphere.
+    /// What tests/answers/tiles.rs promises would not hold if a list lacked one sphere.
     #[test]
-    fn a_sphere_that_a_list_lacks_shows() {
+    fn a_sphere_missing_from_a_list_is_found() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);

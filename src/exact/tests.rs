@@ -1,10 +1,11 @@
-//! Decisions whose answer is known by construction, and the filter against the exact signs it stands in for.
+//! Decisions whose answer is known by construction, and the filter compared with the exact signs.
 
 mod parallel;
 
 use super::*;
 use crate::camera::{Camera, Look};
 use crate::scene::{ImagePlane, Skipped};
+use crate::testing::Rng;
 
 type Ball = ([f64; 3], f64);
 
@@ -27,7 +28,7 @@ fn ahead(balls: &[Ball]) -> Option<Truth> {
 }
 
 /// View (1, 1, 0) and up z make alpha = beta = sqrt(2). The right pixel of three looks along A3 + 2 view = (3, 1, 0)
-/// in whole numbers, but its discriminants have a part with alpha beta that only a squaring can weigh.
+/// in whole numbers, but its discriminants have a part with alpha beta, whose sign needs a squaring.
 fn oblique(balls: &[Ball]) -> Option<Truth> {
     slanted([5.0, -7.0, 11.0], balls).pixel(0, 2)
 }
@@ -65,49 +66,37 @@ fn exactly(bench: &Bench, rays: &Rays) -> Option<Truth> {
     answer::slow(name, &bench.frame, rays, &meeting, body.radius)
 }
 
-/// SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.
-struct Dice(u64);
+/// In [-1, 1).
+fn signed(rng: &mut Rng) -> f64 {
+    2.0 * rng.unit() - 1.0
+}
 
-impl Dice {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
+fn vector(rng: &mut Rng, scale: f64) -> [f64; 3] {
+    std::array::from_fn(|_| signed(rng) * scale)
+}
 
-    /// In [-1, 1).
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+/// An oblique camera at `scale` and spheres of all kinds: near, far, around the eye, shells, coincident ones.
+fn random_scene(rng: &mut Rng, scale: f64) -> Scene {
+    let eye = vector(rng, 3.0 * scale);
+    let camera = Camera {
+        eye: eye.into(),
+        look: Look::At(vector(rng, scale).into()),
+        up: vector(rng, 1.0).into(),
+        lens: crate::camera::Lens::Vfov { degrees: 20.0 + 60.0 * signed(rng).abs(), distance: 1.5 },
+    };
+    let mut balls = Vec::new();
+    for _ in 0..12 {
+        let far = 10f64.powf(4.0 + 4.0 * signed(rng));
+        balls.push((vector(rng, scale), 0.3 * scale * signed(rng).abs() + 1e-3 * scale));
+        balls.push((vector(rng, far * scale), 0.3 * far * scale * signed(rng).abs() + 1e-3 * scale));
     }
-
-    fn vector(&mut self, scale: f64) -> [f64; 3] {
-        std::array::from_fn(|_| self.unit() * scale)
-    }
-
-    /// An oblique camera at `scale` and spheres of all kinds: near, far, around the eye, shells, coincident ones.
-    fn scene(&mut self, scale: f64) -> Scene {
-        let eye = self.vector(3.0 * scale);
-        let camera = Camera {
-            eye: eye.into(),
-            look: Look::At(self.vector(scale).into()),
-            up: self.vector(1.0).into(),
-            lens: crate::camera::Lens::Vfov { degrees: 20.0 + 60.0 * self.unit().abs(), distance: 1.5 },
-        };
-        let mut balls = Vec::new();
-        for _ in 0..12 {
-            let far = 10f64.powf(4.0 + 4.0 * self.unit());
-            balls.push((self.vector(scale), 0.3 * scale * self.unit().abs() + 1e-3 * scale));
-            balls.push((self.vector(far * scale), 0.3 * far * scale * self.unit().abs() + 1e-3 * scale));
-        }
-        balls.push((eye, 2.0 * scale));
-        balls.push(([eye[0] + scale, eye[1], eye[2]], scale));
-        let (center, radius) = balls[0];
-        balls.push((center, radius * (1.0 - 1e-15)));
-        balls.push((center, radius));
-        balls.push((center, radius));
-        scene(camera, [7, 5], &balls)
-    }
+    balls.push((eye, 2.0 * scale));
+    balls.push(([eye[0] + scale, eye[1], eye[2]], scale));
+    let (center, radius) = balls[0];
+    balls.push((center, radius * (1.0 - 1e-15)));
+    balls.push((center, radius));
+    balls.push((center, radius));
+    scene(camera, [7, 5], &balls)
 }
 
 fn pixels(scene: &Scene) -> impl Iterator<Item = (u32, u32)> + use<> {
@@ -186,12 +175,12 @@ fn from_inside_the_far_root_is_the_hit() {
 
 #[test]
 fn the_filter_says_what_exact_signs_say() {
-    let mut dice = Dice(1);
+    let mut rng = Rng(1);
     for scale in [1.0, 1e-30, 1e30, 1e-140, 1e150] {
         for n in 0..8 {
-            let mut scene = dice.scene(scale);
+            let mut scene = random_scene(&mut rng, scale);
             if n % 2 == 1 {
-                let height = scale * 10f64.powf(3.0 * dice.unit());
+                let height = scale * 10f64.powf(3.0 * signed(&mut rng));
                 scene.camera.lens = crate::camera::Lens::Orthographic { height };
             }
             let judge = Judge::new(&scene).expect("a scene");
@@ -240,7 +229,7 @@ fn the_filter_leaves_close_calls_to_exact_signs() {
 }
 
 #[test]
-fn an_eye_a_hair_off_the_surface_is_on_its_side() {
+fn an_eye_just_off_the_surface_is_on_its_side() {
     // |p|^2 - r^2 is the square of the shift, which no double-double keeps beside 1.
     for k in [-30, -60, -500] {
         let spheres = Spheres { centers: vec![[1.0, 2f64.powi(k), 0.0]], radii: vec![1.0], colors: None };
@@ -262,12 +251,12 @@ fn an_eye_a_hair_off_the_surface_is_on_its_side() {
 }
 
 #[test]
-fn underflow_is_no_decision() {
+fn underflow_leaves_the_decision_to_exact_arithmetic() {
     // The squares of the central ray, (0, 0, -2^-520), are subnormal beside a viewport of 1.
     let lens = crate::camera::Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2f64.powi(-520) };
-    let mut dice = Dice(6);
+    let mut rng = Rng(6);
     for n in 0..200 {
-        let [x, y, _] = dice.vector(1.0);
+        let [x, y, _] = vector(&mut rng, 1.0);
         let radius = x.hypot(y) * (1.0 + f64::from(n % 2 * 2 - 1) * 2f64.powi(-40));
         let truth = judge(Camera { lens, ..Camera::CANONICAL }, [1, 1], &[([x, y, -5.0], radius)]).pixel(0, 0);
         assert_eq!(truth.is_some(), n % 2 == 1, "{x:e} {y:e}");
@@ -275,9 +264,9 @@ fn underflow_is_no_decision() {
 }
 
 #[test]
-fn powers_of_two_scale_the_answer_and_nothing_else() {
-    let mut dice = Dice(2);
-    let scene = dice.scene(1.0);
+fn powers_of_two_scale_the_answer_exactly() {
+    let mut rng = Rng(2);
+    let scene = random_scene(&mut rng, 1.0);
     scaled_by_powers_of_two(&scene);
     let lens = crate::camera::Lens::Orthographic { height: 1.7 };
     scaled_by_powers_of_two(&Scene { camera: Camera { lens, ..scene.camera }, ..scene });
@@ -314,14 +303,14 @@ fn scaled_by_powers_of_two(scene: &Scene) {
 
 #[test]
 fn the_order_of_the_spheres_matters_only_to_ties() {
-    let mut dice = Dice(3);
-    let scene = dice.scene(1.0);
+    let mut rng = Rng(3);
+    let scene = random_scene(&mut rng, 1.0);
     let judge = Judge::new(&scene).expect("a scene");
     let count = scene.spheres.len() as u32;
     let mut shuffled: Vec<u32> = (0..count).collect();
     for (i, j) in pixels(&scene) {
         for n in (1..shuffled.len()).rev() {
-            shuffled.swap(n, dice.bits() as usize % (n + 1));
+            shuffled.swap(n, rng.bits() as usize % (n + 1));
         }
         assert_eq!(judge.among(i, j, &shuffled), judge.pixel(i, j));
         assert_eq!(judge.among(i, j, &[count, u32::MAX]), None, "no such spheres");
@@ -329,9 +318,9 @@ fn the_order_of_the_spheres_matters_only_to_ties() {
 }
 
 #[test]
-fn a_ray_of_its_own_agrees_with_the_pixel_it_goes_through() {
-    let mut dice = Dice(4);
-    let mut scene = dice.scene(1.0);
+fn a_given_ray_agrees_with_the_pixel_that_it_passes() {
+    let mut rng = Rng(4);
+    let mut scene = random_scene(&mut rng, 1.0);
     scene.camera = Camera { eye: scene.camera.eye, ..Camera::CANONICAL };
     scene.image = ImagePlane { width: 8, height: 8, ..ImagePlane::default() };
     let judge = Judge::new(&scene).expect("a scene");
@@ -348,7 +337,7 @@ fn a_ray_of_its_own_agrees_with_the_pixel_it_goes_through() {
 
 #[test]
 fn rows_may_be_judged_in_parallel() {
-    let scene = Dice(7).scene(1.0);
+    let scene = random_scene(&mut Rng(7), 1.0);
     let judge = Judge::new(&scene).expect("a scene");
     let row = |i: u32| -> Vec<_> { (0..scene.image.width).map(|j| judge.pixel(i, j)).collect() };
     let together: Vec<_> = (0..scene.image.height).into_par_iter().map(row).collect();

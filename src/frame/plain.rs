@@ -77,7 +77,7 @@ mod tests {
     use super::reverse;
 
     #[test]
-    fn rows_are_put_upside_down() {
+    fn rows_are_reversed() {
         for (samples, reversed) in [(vec![1, 2], vec![1, 2]), (vec![1, 2, 3, 4, 5, 6], vec![5, 6, 3, 4, 1, 2])] {
             let mut turned = samples.clone();
             reverse(&mut turned, 2);

@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn words_survive_json_and_trailer_in_their_order() {
+    fn provenance_survives_json_and_trailer_in_order() {
         let json = words().to_json();
         assert!(json.is_ascii() && !json.contains('\n'), "{json}");
         assert_eq!(Provenance::from_json(json.as_bytes()), Some(words()));
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn the_window_is_read_only_where_it_can_be() {
+    fn an_invalid_window_is_not_read() {
         assert_eq!(words().full(), Some([30, 20]));
         assert_eq!(words().window(), Some(Window { x0: 1, y0: 2, x1: 30, y1: 20 }));
         assert_eq!(words().buffers(), Some(vec![Aov::Id, Aov::Mask]));
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_is_named() {
+    fn the_difference_is_named() {
         let whole = words().of_window(Window::full(30, 20));
         assert_eq!(words().foreign(&whole), None, "another window is no other rendering");
         let mut other = whole.clone();

@@ -396,13 +396,7 @@ mod tests {
     /// Whichever way invocations share the spheres they load, the answers are the same bits.
     #[test]
     fn every_way_of_sharing_gives_the_same_frame() {
-        if std::env::var_os("HALFLINE_NO_GPU").is_some() {
-            println!("SKIPPED: HALFLINE_NO_GPU is set");
-            return;
-        }
-        let found = device::choose(device::find().expect("adapters"), None).expect("a choice");
-        let found = found.expect("an adapter; tests/run installs and pins one");
-        println!("adapter: {} ({})", found.summary.name, found.summary.driver);
+        let Some(found) = crate::testing::adapter_or_skip() else { return };
         let lanes = found.summary.subgroup.map_or(0, |[least, _]| least);
         let mut gpu = Gpu::new(device::open(&found).expect("a device"), found.summary);
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
@@ -418,7 +412,7 @@ mod tests {
         let mut answers = Vec::new();
         for (sharing, least) in Sharing::ALL.into_iter().zip([0, 4, 8, 1]) {
             if lanes < least {
-                println!("SKIPPED: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
+                println!("not tested: {sharing:?} needs subgroups of {least}, this adapter has {lanes}");
                 continue;
             }
             let kernel = Kernel {

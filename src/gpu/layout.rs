@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn subgroups_are_asked_of_the_device_exactly_where_they_are_used() {
+    fn subgroups_are_requested_exactly_where_they_are_used() {
         let sharing = kernels().into_iter().filter(Kernel::shares);
         for kernel in sharing {
             validate(&compose(&kernel), Capabilities::empty()).expect_err("subgroups without the capability");
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn f64_is_asked_of_the_device_exactly_where_it_is_used() {
+    fn f64_is_requested_exactly_where_it_is_used() {
         for kernel in kernels() {
             let without = validate(&compose(&kernel), Capabilities::SUBGROUP);
             assert_eq!(without.is_err(), kernel.method == Method::Native64, "{kernel:?}");

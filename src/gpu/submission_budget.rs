@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn heavy_frames_are_many_none_of_them_long() {
+    fn heavy_frames_are_split_into_short_submissions() {
         for speed in [1.2e9, 1e10, 1e12] {
             let times = submit(&mut SubmissionBudget::default(), 20.0 * speed, speed);
             assert!(times.iter().all(|t| *t <= BOUND), "{speed}: {times:?}");

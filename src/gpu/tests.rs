@@ -1,4 +1,4 @@
-//! However a frame is cut into bands, by time or by what a binding holds, its answers are the same bits.
+//! A frame that is split into bands, by time or by the size of a binding, has the same bits.
 
 use super::submission_budget::SubmissionBudget;
 use crate::certify::TERMS;
@@ -13,6 +13,7 @@ use crate::raw::Raw;
 use crate::report::Timings;
 use crate::scene::{ReadOptions, Scene};
 use crate::shade::Shade;
+use crate::testing::adapter_or_skip;
 use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 use std::cell::Cell;
@@ -20,12 +21,12 @@ use std::cell::Cell;
 /// Columns and rows: neither a multiple of a tile's.
 const SIZE: [u32; 2] = [67, 45];
 
-/// A frame of weekend, if nobody ends it after so many bands; and how many it took.
+/// A frame of weekend, cancelled after this many bands; and the number of its bands.
 fn frame(gpu: &mut Gpu, kernel: &Kernel, bands: usize) -> (Result<Raw, Error>, usize) {
     frame_while(gpu, kernel, &|begun| begun <= bands)
 }
 
-/// The same; `go_on` is asked before every band, with its number from 1.
+/// The same; `go_on` is called before every band, with its number from 1.
 fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) -> (Result<Raw, Error>, usize) {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
     let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
@@ -63,19 +64,14 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     (outcome.map(|()| raw), told.len())
 }
 
-/// The pinned adapter, opened twice; `None` where there shall be none.
+/// The pinned adapter, opened twice.
 fn two() -> Option<[Gpu; 2]> {
-    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
-        println!("SKIPPED: HALFLINE_NO_GPU is set");
-        return None;
-    }
-    let found = device::choose(device::find().expect("adapters"), None).expect("a choice");
-    let found = found.expect("an adapter; tests/run installs and pins one");
+    let found = adapter_or_skip()?;
     let open = || Gpu::new(device::open(&found).expect("a device"), found.summary.clone());
     Some([open(), open()])
 }
 
-/// A form and a certified kernel.
+/// A kernel of an uncertified method and a certified kernel.
 fn kernels(gpu: &Gpu) -> [Kernel; 2] {
     let plain = Kernel {
         sharing: gpu.summary.sharing(),
@@ -87,9 +83,9 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
     [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
 }
 
-/// However a frame is cut, its answers are the same bits; and a frame that was ended leaves the next one whole.
+/// A frame in bands has the same bits, also after a cancelled frame.
 #[test]
-fn bands_leave_no_trace() {
+fn a_frame_of_several_bands_has_the_same_bits() {
     let Some([mut whole, mut cut]) = two() else { return };
     cut.budget = SubmissionBudget::minimal();
     let [plain, certified] = kernels(&whole);
@@ -111,8 +107,8 @@ fn bands_leave_no_trace() {
     }
 }
 
-/// A device that goes away before a frame, or between any two of its bands, is reported as lost, and so is every frame that is
-/// asked of it afterwards.
+/// A device that is lost before a frame or between any two of its bands is reported as lost, for that frame and all later
+/// ones.
 #[test]
 fn a_lost_device_is_reported() {
     for last in 0..4 {
@@ -144,13 +140,10 @@ fn a_lost_device_is_reported() {
     }
 }
 
-/// An adapter that is listed and does not open is passed over, and why is kept.
+/// An adapter that is listed and does not open is skipped, and the reason is kept.
 #[test]
-fn an_adapter_that_does_not_open_is_passed_over() {
-    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
-        println!("SKIPPED: HALFLINE_NO_GPU is set");
-        return;
-    }
+fn an_adapter_that_does_not_open_is_skipped() {
+    let Some(_) = adapter_or_skip() else { return };
     let found = || device::find().expect("adapters");
     let count = found().len();
     let shut = |found: &device::Found| -> Result<device::Open, Error> {
@@ -170,9 +163,9 @@ fn an_adapter_that_does_not_open_is_passed_over() {
     assert!(device::open_first(all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
 }
 
-/// Lists that no binding holds are cut; a scene that cannot be is refused, with the number that would fit.
+/// Lists that exceed a binding are split; a scene that cannot be split is refused with the number of spheres that fits.
 #[test]
-fn what_no_binding_holds_is_cut_or_refused_by_number() {
+fn lists_beyond_a_binding_are_split_or_refused_with_the_number_that_fits() {
     let Some([mut whole, mut small]) = two() else { return };
     let [plain, certified] = kernels(&whole);
     for kernel in [certified, Kernel { tiles: true, ..plain }] {

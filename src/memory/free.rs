@@ -81,7 +81,7 @@ mod tests {
     const GIB: u64 = 1 << 30;
 
     #[test]
-    fn a_file_of_too_many_spheres_is_refused_by_number() {
+    fn a_file_of_too_many_spheres_is_refused_with_the_number_that_fits() {
         let check_spheres_in = |spheres, colored, free| check_spheres_in(spheres, colored, || free);
         assert!(check_spheres_in(1000, true, Some(0)).is_ok(), "fewer than the system is asked about");
         let million = 1_000_000;
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn linux_tells_its_memory_and_what_is_kept_counts() {
+    fn free_memory_is_read_on_linux_and_pooled_memory_counts() {
         let pool = Pool::default();
         assert!(free(&pool).is_some_and(|bytes| bytes > 1 << 20));
         // Nothing is written, so the system has given nothing.
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_found_behind_their_names() {
+    fn numbers_are_found_behind_their_keys() {
         let text = "MemTotal: 7 kB\nMemAvailable:   42 kB\nMax address space         unlimited\n";
         assert_eq!(number(text, "MemAvailable:"), Some(42));
         assert_eq!((number(text, "SwapFree:"), number(text, "Max address space ")), (None, None));

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ledger_refuses_what_no_machine_has() {
+    fn a_memory_budget_refuses_what_no_machine_has() {
         let mut ledger = Ledger::default();
         assert!(ledger.add(1000).is_ok());
         assert!(cfg!(not(target_os = "linux")) || matches!(ledger.add(usize::MAX / 4), Err(Error::Limits { .. })));

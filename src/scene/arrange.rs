@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_of_nothing_are_nothing_and_copying_can_be_ended() {
+    fn copies_of_no_spheres_are_none_and_copying_can_be_cancelled() {
         let cancelled = Watch::default().while_true(|| false);
         let many = Arrangement { copies: [100_000; 3], ..Arrangement::default() };
         many.apply(&mut Spheres::default(), Some(&CELL), &cancelled).expect("nothing to do");

@@ -135,7 +135,7 @@ mod tests {
 
     /// Every sphere inside of all four planes, and the tighter pair of planes touched, whatever the place and the scale.
     #[test]
-    fn no_sphere_is_cut_and_none_is_farther_than_it_must_be() {
+    fn framing_cuts_no_sphere_and_is_tight() {
         let mut state = 1u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn parallel_rays_see_all_and_no_more() {
+    fn orthographic_framing_is_tight() {
         let mut spheres = Spheres::default();
         spheres.push([1.0, 2.0, -5.0], 1.0, None);
         spheres.push([4.0, 2.0, 3.0], 0.5, None);

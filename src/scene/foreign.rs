@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn formats_that_are_not_read_are_recognised() {
+    fn unsupported_formats_are_recognised() {
         for (text, what) in [
             ("TITLE\n    a trajectory\nEND\nTIMESTEP\n", "a GROMOS file"),
             ("PSF CMAP\n\n", "a CHARMM topology"),

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn an_endless_stream_that_holds_nothing_is_refused_also_inside_of_its_compression() {
+    fn an_endless_empty_stream_is_refused_also_when_compressed() {
         let watch = Watch::default();
         let plain = Input::of(Box::new(io::repeat(b'\n')), &watch).expect("opened");
         assert!(matches!(error_of(plain), Error::Limits { .. }));
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn what_holds_something_goes_on_and_ends_when_it_is_cancelled() {
+    fn a_stream_with_content_is_read_until_it_is_cancelled() {
         let cancel = Cancel::default();
         let watch = Watch::default().cancelled_by(&cancel);
         let mut input = Input::of(Box::new(io::repeat(b'\n')), &watch).expect("opened");
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_bytes_are_delivered_again() {
+    fn the_first_bytes_are_read_again() {
         let mut input = Input::of(Box::new(Cursor::new(gz(b"abcdef"))), &Watch::default()).expect("opened");
         assert_eq!(input.look(4).expect("bytes"), b"abcd");
         let mut all = Vec::new();
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_becomes_shorter_is_an_error() {
+    fn a_file_that_shrinks_while_it_is_read_is_an_error() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.csv");
         std::fs::write(&path, vec![b'\n'; 1 << 20]).expect("a file");

@@ -345,7 +345,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_are_told_by_content() {
+    fn formats_are_recognised_by_content() {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn names_decide_where_content_does_not_and_what_is_not_read_is_named() {
+    fn names_decide_where_content_does_not_and_unsupported_formats_are_named() {
         let header = "REMARK   1\n".repeat(80);
         let of = |text: &str, name: &str| recognise(text.as_bytes(), Path::new(name)).map_err(|(problem, _)| problem);
         assert_eq!(of(&header, "a.pqr"), Ok(Format::Pqr));
@@ -405,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_that_is_longer_than_the_look_is_one_wherever_that_ends() {
+    fn a_scene_is_recognised_wherever_its_beginning_is_cut() {
         let text = "# \u{e9}\n[camera]\n";
         assert_eq!(native(text.as_bytes()), Some(Format::Native));
         let within = format!("{text}# \u{e9}");

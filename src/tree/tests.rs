@@ -1,5 +1,4 @@
-//! What the boxes are padded with is needed: a tree with less of it, or walked in the wrong way, is found out. By the twin
-//! on the CPU; tests/tree.rs holds trees against all spheres on adapters.
+//! The padding of the boxes is needed: a tree with less of it, or traversed wrongly, loses hits. By the twin on the CPU; tests/answers/tree.rs holds trees against all spheres on adapters.
 
 use super::*;
 use crate::kernel::{Kernel, Rays};
@@ -43,7 +42,7 @@ impl Case {
         raw
     }
 
-    /// How many rays `tree` answers differently from all spheres.
+    /// The number of rays for which `tree` and a search of all spheres differ.
     fn differing(&self, tree: &Tree) -> usize {
         let (a, b) = (self.answers(Some(tree)), self.answers(None));
         assert!(b.id.iter().any(|id| *id != crate::ray::NONE), "something is hit");
@@ -51,8 +50,8 @@ impl Case {
     }
 }
 
-/// Rays in planes that touch spheres of radius 1 about `far`, or all but touch them, and boxes with them: there is no room but
-/// the padding. From the origin, or from points in those planes.
+/// Rays in planes that touch spheres of radius 1 about `far`, or almost touch them, and so their boxes: only the padding
+/// makes the rays hit. From the origin, or from points in those planes.
 fn grazing(method: Method, far: f64, kind: Rays) -> Case {
     let random = &mut Random(21);
     let mut spheres = Spheres::default();
@@ -63,7 +62,7 @@ fn grazing(method: Method, far: f64, kind: Rays) -> Case {
             p[n % 3] = height;
             DVec3::from_array(p)
         };
-        // Too low by one or two ulp: right is to miss it.
+        // Too low by one or two ulp: a miss is right.
         let rim = 1.0 + f64::from(f32::EPSILON) * (1 + n / 3 % 2) as f64;
         let about = DVec3::new(far, 0.8 * far, -0.6 * far) + DVec3::from_array(random.cube()) * 30.0;
         let c = with(about, -rim);
@@ -80,7 +79,7 @@ fn grazing(method: Method, far: f64, kind: Rays) -> Case {
 const BOTH: [Rays; 2] = [Rays::SharedOrigin, Rays::Spread];
 
 #[test]
-fn padded_boxes_hold_whatever_a_form_reports() {
+fn padded_boxes_contain_every_hit_of_every_method() {
     for &method in Method::ALL {
         for far in [3.0, 40.0, 1e3, 1e5] {
             for kind in BOTH {
@@ -92,11 +91,11 @@ fn padded_boxes_hold_whatever_a_form_reports() {
     }
 }
 
-/// Negative control: boxes that fit the spheres tightly lose hits of the lecture's forms, and boxes padded like those of the
-/// stable form still lose some. Of the stable form itself these rays lose nothing by tight boxes: its padding is derived
-/// (docs/tree.md) and nobody here misses it.
+/// Negative control: tight boxes lose hits of the lecture's methods, and boxes with the padding of the stable method still lose
+/// some. The stable method itself loses none of these rays with tight boxes: its padding is derived in docs/tree.md, and no
+/// test needs it.
 #[test]
-fn less_padding_is_found_out() {
+fn less_padding_loses_hits() {
     let lecture = Method::ALL.iter().copied().filter(|method| Slack::of(*method).square > 0.0);
     for method in lecture {
         let both = Slack::of(method);
@@ -110,9 +109,9 @@ fn less_padding_is_found_out() {
     }
 }
 
-/// Negative control: a tree that lost a sphere, or whose boxes are swapped, is found out.
+/// Negative control: a tree without one sphere, or with swapped boxes.
 #[test]
-fn a_broken_tree_is_found_out() {
+fn a_broken_tree_is_found() {
     let case = grazing(Method::Stable, 3.0, Rays::Spread);
     let whole = case.tree(Slack::of(Method::Stable));
     let mut without = whole.clone();
@@ -126,7 +125,7 @@ fn a_broken_tree_is_found_out() {
     assert!(case.differing(&swapped) > 0, "links are swapped");
 }
 
-/// Every sphere is in one leaf, every node has one parent that comes before it, and nobody has to wait in vain.
+/// Every sphere is in one leaf, every node has one parent that precedes it, and the stack is deep enough.
 fn check(shape: &Shape, spheres: usize) {
     let mut order = shape.order.clone();
     order.sort_unstable();
@@ -152,7 +151,7 @@ fn check(shape: &Shape, spheres: usize) {
 }
 
 #[test]
-fn shapes_are_trees_that_fit_the_stack() {
+fn all_shapes_are_trees_that_fit_the_stack() {
     let random = &mut Random(22);
     for count in [1, 2, 3, 4, 5, 6, 7, 8, 9, 100, 1000, 4000, 100_000] {
         let cloud: Vec<_> = (0..count).map(|_| random.cube()).collect();
@@ -170,9 +169,9 @@ fn shapes_are_trees_that_fit_the_stack() {
     assert_eq!(Shape::new(&[], &[]), None);
 }
 
-/// A chain, as deep as it has spheres, gives way to halves.
+/// A chain as deep as its number of spheres is replaced by a tree of halves.
 #[test]
-fn what_is_too_deep_is_halved() {
+fn a_tree_that_is_too_deep_is_halved() {
     let leaf = |n: u32| IS_LEAF | 1 << 27 | n;
     let count = 2 * STACK;
     let mut links: Vec<_> = (0..count - 1).map(|n| [leaf(n), n + 1]).collect();
@@ -184,9 +183,9 @@ fn what_is_too_deep_is_halved() {
     assert_eq!(shape.depth(), 4, "64 spheres are 16 leaves");
 }
 
-/// A direction along an axis is divided by nothing that is zero, on either side of zero.
+/// Directions along an axis, with zeros of both signs.
 #[test]
-fn zero_components_miss_boxes_beside_them_and_meet_those_ahead() {
+fn zero_components_of_a_direction_miss_boxes_beside_the_ray_and_hit_those_ahead() {
     let ray = |direction: [f32; 3]| {
         let [x, y, z] = direction;
         Slabs::of(&RayRecord { direction: [x, y, z, 0.0], origin: [0.0; 4], origin_low: [0.0; 4] })

@@ -1,5 +1,5 @@
-//! A camera's axes for the truths of these tests. They are made of integers on one fixed grid, so that no claim is held
-//! against the very code that it is about ([`Camera::axes`]).
+//! A camera's axes for the exact values of these tests, in integers on one fixed grid: independent of the code under test,
+//! [`Camera::axes`].
 
 use crate::camera::{Camera, Look};
 use crate::dd::{Dd, Dd3};
@@ -9,7 +9,7 @@ use std::cell::Cell;
 
 /// Bits after the point.
 const POINT: usize = 140;
-/// What roots and quotients have beyond that.
+/// Additional bits of roots and quotients.
 const SPARE: usize = 60;
 
 /// x 2^1074: every finite f64 is one of these.
@@ -43,7 +43,7 @@ fn unit(a: &Vector) -> Dd3 {
 }
 
 thread_local! {
-    /// The last camera that was asked for: every pixel of a scene has the same.
+    /// The last camera and its axes: every pixel of a scene has the same.
     static LAST: Cell<Option<(Camera, [Dd3; 3])>> = const { Cell::new(None) };
 }
 

@@ -1,8 +1,8 @@
-//! Each bound against the very quantity it bounds. A shot is one sphere before one pixel; shots and roundings are
-//! evolved together until the error comes as near to its bound as it will. 1 would be a false bound.
+//! Each bound against the quantity that it bounds. A shot is one sphere before one pixel. Shots and roundings are evolved
+//! together to bring the error as near to its bound as possible; a ratio above 1 is a false bound.
 
 use super::claims::Exact;
-use super::wild::{Dice, Mode, Value, Wild, climb, under};
+use super::wild::{Mode, Value, Wild, climb, under};
 use super::worlds::Site;
 use crate::camera::{Camera, Lens, Look};
 use crate::certify::binned::BinnedScene;
@@ -11,20 +11,21 @@ use crate::certify::near::{self, Near};
 use crate::certify::{Certify, TERMS, Terms};
 use crate::dd::{self, Dd};
 use crate::scene::Scene;
+use crate::testing::Rng;
 use crate::view::View;
 use glam::DVec3;
 
 /// Mutations without an improvement after which a lineage ends.
 const PATIENCE: usize = 400;
 
-/// What a bound is about.
+/// The quantity of a bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Quantity {
     /// The discriminant of a winner.
     FrontDisc,
     /// Its depth between low and high.
     FrontDepth,
-    /// A candidate's lower bound of depth, by its share of what was taken off; a hit must not be a miss.
+    /// A candidate's lower bound of depth, by the share of its margin that is used; a hit must not be a miss.
     FrontLow,
     /// p.d
     NearAlong,
@@ -56,7 +57,7 @@ pub(super) struct Shot {
     second: f64,
 }
 
-/// A shot, staged; with the true numbers in the units of its record.
+/// A binned shot, with the exact numbers in the units of its record.
 pub(super) struct Staged {
     pub(super) scene: Scene,
     pub(super) view: View,
@@ -130,28 +131,28 @@ impl Shot {
     }
 
     /// Numbers just above powers of two lose most where they are rounded.
-    fn snap(&mut self, dice: &mut Dice) {
+    fn snap(&mut self, rng: &mut Rng) {
         let width = f64::from(self.width);
-        self.half = just_above_power(dice, self.half / width) * width;
-        self.r = just_above_power(dice, self.r);
+        self.half = just_above_power(rng, self.half / width) * width;
+        self.r = just_above_power(rng, self.r);
         self.pixel = self.pixel.map(|k| {
             let odd = 2.0 * f64::from(k) + 1.0 - width;
-            let snapped = odd.signum() * just_above_power(dice, odd.abs());
+            let snapped = odd.signum() * just_above_power(rng, odd.abs());
             ((snapped + width - 1.0) / 2.0).round().clamp(0.0, width - 1.0) as u32
         });
     }
 
-    /// A little to the side; most often only the last digits.
-    pub(super) fn mutated(&self, dice: &mut Dice) -> Self {
+    /// A small change, most often of the last digits only.
+    pub(super) fn mutated(&self, rng: &mut Rng) -> Self {
         let mut next = self.clone();
-        let mut nudge = |x: f64| match dice.below(3) {
+        let mut nudge = |x: f64| match rng.below(3) {
             0 => x,
-            _ => x * (1.0 + dice.between(-1.0, 1.0) * dice.decade(-6.0, -0.5)),
+            _ => x * (1.0 + rng.between(-1.0, 1.0) * rng.decade(-6.0, -0.5)),
         };
         (next.half, next.z, next.r, next.turn) = (nudge(self.half), nudge(self.z), nudge(self.r), nudge(self.turn));
         // Silhouettes stay silhouettes.
         next.impact = 1.0 + nudge(self.impact - 1.0);
-        let mut step = |k: u32| (k + dice.below(7)).saturating_sub(3).min(self.width - 1);
+        let mut step = |k: u32| (k + rng.below(7)).saturating_sub(3).min(self.width - 1);
         next.pixel = self.pixel.map(&mut step);
         next
     }
@@ -162,7 +163,7 @@ impl Staged {
         !self.binned.nears.is_empty()
     }
 
-    /// What f64 may leave in the depth of a front sphere's centre, in the frame's unit.
+    /// The error of f64 in the depth of a projected sphere's centre, in the frame's unit.
     pub(super) fn depth_error(&self) -> f64 {
         let away = glam::DVec3::from_array(self.scene.spheres.centers[0]) - self.view.basis.e;
         let [x, y, z] = away.abs().to_array();
@@ -249,13 +250,13 @@ pub(super) enum Regime {
     BesideWide,
     /// Outside, close to a large surface.
     Ground,
-    /// Within.
+    /// Inside the sphere.
     Inside,
     /// Ahead, less than two radii away, and met nearly at the centre.
     Ahead,
     /// Small, in an image too wide for projected centres, and missed by much.
     Missed,
-    /// The eye all but in the centre.
+    /// The eye almost in the centre.
     Center,
     /// The eye close to a surface, looking to or from the centre through a long lens: p.d hardly changes.
     Axis,
@@ -288,94 +289,94 @@ impl Regime {
         Self::Axis,
     ];
 
-    pub(super) fn shot(self, dice: &mut Dice) -> Shot {
+    pub(super) fn shot(self, rng: &mut Rng) -> Shot {
         use Regime::*;
         // Through wide lenses only large images have offsets that are known better than they are rounded.
-        let width = if matches!(self, Wide | Edge) { 500_000 + dice.below(500_000) } else { 2 + dice.below(2000) };
-        let any = |dice: &mut Dice| [dice.below(width), dice.below(width)];
-        let graze = |dice: &mut Dice| 1.0 + dice.sign() * dice.decade(-9.0, -5.5);
+        let width = if matches!(self, Wide | Edge) { 500_000 + rng.below(500_000) } else { 2 + rng.below(2000) };
+        let any = |rng: &mut Rng| [rng.below(width), rng.below(width)];
+        let graze = |rng: &mut Rng| 1.0 + rng.sign() * rng.decade(-9.0, -5.5);
         // On the axis, halfway, or grazing.
-        let impact = match dice.below(4) {
-            0 => dice.decade(-6.0, -1.0),
-            1 => dice.between(0.0, 0.999),
+        let impact = match rng.below(4) {
+            0 => rng.decade(-6.0, -1.0),
+            1 => rng.between(0.0, 0.999),
             // Missed, yet within the zone where a candidate's bound is needed.
-            2 => dice.between(1.0, 1.4),
-            _ => graze(dice),
+            2 => rng.between(1.0, 1.4),
+            _ => graze(rng),
         };
-        let turn = dice.between(0.0, std::f64::consts::TAU);
-        let second = [0.0, 0.85, 1.2, 10.0][dice.below(4) as usize];
+        let turn = rng.between(0.0, std::f64::consts::TAU);
+        let second = [0.0, 0.85, 1.2, 10.0][rng.below(4) as usize];
         let shot = |half, pixel, z, r| {
             let oblique = if matches!(self, Tiny | ParallelTiny) { 0.7 } else { 0.0 };
             let parallel = matches!(self, Parallel | ParallelTiny);
             Shot { half, width, pixel, z, r, impact, turn, oblique, parallel, second }
         };
         let mut shot = match self {
-            Middle => shot(dice.decade(-4.0, -1.5), any(dice), dice.decade(0.5, 3.0), 1.0),
-            Close => shot(dice.decade(-2.0, -0.2), any(dice), dice.between(1.8, 4.0), 1.0),
+            Middle => shot(rng.decade(-4.0, -1.5), any(rng), rng.decade(0.5, 3.0), 1.0),
+            Close => shot(rng.decade(-2.0, -0.2), any(rng), rng.between(1.8, 4.0), 1.0),
             Pierced => {
-                let shot = shot(dice.decade(-3.0, -0.3), any(dice), dice.decade(0.35, 2.0), 1.0);
-                Shot { impact: dice.decade(-6.0, -2.0), second: 0.0, ..shot }
+                let shot = shot(rng.decade(-3.0, -0.3), any(rng), rng.decade(0.35, 2.0), 1.0);
+                Shot { impact: rng.decade(-6.0, -2.0), second: 0.0, ..shot }
             }
             Passed => {
-                let shot = shot(dice.decade(-4.0, -1.5), any(dice), dice.decade(0.5, 3.0), 1.0);
-                Shot { impact: dice.between(1.35, 1.41), ..shot }
+                let shot = shot(rng.decade(-4.0, -1.5), any(rng), rng.decade(0.5, 3.0), 1.0);
+                Shot { impact: rng.between(1.35, 1.41), ..shot }
             }
             Edge => {
-                let pixel = [width / 2, dice.below(2) * (width - 1)];
+                let pixel = [width / 2, rng.below(2) * (width - 1)];
                 // As large as a front sphere may be before so wide a lens: offsets of many pixels.
-                let half = dice.decade(0.5, 1.34);
-                let shot = shot(half, pixel, 1.0, dice.between(0.05, 0.25) / (half * half));
-                if dice.below(2) == 0 {
-                    Shot { impact: dice.decade(-6.0, -0.5), second: 0.0, ..shot }
+                let half = rng.decade(0.5, 1.34);
+                let shot = shot(half, pixel, 1.0, rng.between(0.05, 0.25) / (half * half));
+                if rng.below(2) == 0 {
+                    Shot { impact: rng.decade(-6.0, -0.5), second: 0.0, ..shot }
                 } else {
                     // Sideways to the slope, where the ray's obliqueness counts most.
-                    Shot { impact: dice.between(1.3, 1.41), turn: dice.decade(-6.0, -1.0), second: 0.0, ..shot }
+                    Shot { impact: rng.between(1.3, 1.41), turn: rng.decade(-6.0, -1.0), second: 0.0, ..shot }
                 }
             }
             Wide => {
-                let pixel = any(dice).map(|k| if k % 2 == 0 { k / 8 } else { width - 1 - k / 8 });
-                shot(dice.decade(-0.3, 1.3), pixel, 1.0, dice.decade(-4.0, -2.0))
+                let pixel = any(rng).map(|k| if k % 2 == 0 { k / 8 } else { width - 1 - k / 8 });
+                shot(rng.decade(-0.3, 1.3), pixel, 1.0, rng.decade(-4.0, -2.0))
             }
             Tiny => {
-                let half = dice.decade(-8.0, -2.0);
-                shot(half, any(dice), 1.0, half / f64::from(width) * dice.decade(-5.0, -1.0))
+                let half = rng.decade(-8.0, -2.0);
+                shot(half, any(rng), 1.0, half / f64::from(width) * rng.decade(-5.0, -1.0))
             }
             Parallel => {
-                let half = dice.decade(-2.0, 2.0);
-                let r = half * dice.decade(-2.0, 0.3);
-                shot(half, any(dice), r * dice.decade(0.1, 4.0), r)
+                let half = rng.decade(-2.0, 2.0);
+                let r = half * rng.decade(-2.0, 0.3);
+                shot(half, any(rng), r * rng.decade(0.1, 4.0), r)
             }
             ParallelTiny => {
-                let half = dice.decade(-3.0, 3.0);
-                shot(half, any(dice), half * dice.decade(0.0, 6.0), half / f64::from(width) * dice.decade(-5.0, -1.0))
+                let half = rng.decade(-3.0, 3.0);
+                shot(half, any(rng), half * rng.decade(0.0, 6.0), half / f64::from(width) * rng.decade(-5.0, -1.0))
             }
-            Beside => shot(dice.decade(-1.0, 0.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 1.0)),
-            BesideWide => shot(dice.decade(0.5, 2.0), any(dice), dice.between(-0.2, 1.0), dice.decade(-1.0, 2.0)),
+            Beside => shot(rng.decade(-1.0, 0.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 1.0)),
+            BesideWide => shot(rng.decade(0.5, 2.0), any(rng), rng.between(-0.2, 1.0), rng.decade(-1.0, 2.0)),
             Ground => {
-                let z = dice.between(0.01, 1.0);
-                let mut shot = shot(dice.decade(-2.0, 0.5), any(dice), z, 1.0);
+                let z = rng.between(0.01, 1.0);
+                let mut shot = shot(rng.decade(-2.0, 0.5), any(rng), z, 1.0);
                 // So that the eye is outside by little: |centre|^2 = z^2 a + impact^2.
-                shot.impact = (1.0 - z * z).abs().sqrt() * (1.0 + dice.decade(-6.0, -0.5));
+                shot.impact = (1.0 - z * z).abs().sqrt() * (1.0 + rng.decade(-6.0, -0.5));
                 shot
             }
             Inside => {
-                let mut shot = shot(dice.decade(-2.0, 0.5), any(dice), dice.between(-0.7, 0.7), 1.0);
-                shot.impact = dice.between(0.0, 0.7);
+                let mut shot = shot(rng.decade(-2.0, 0.5), any(rng), rng.between(-0.7, 0.7), 1.0);
+                shot.impact = rng.between(0.0, 0.7);
                 shot
             }
             Ahead => {
-                let mut shot = shot(dice.decade(-3.0, -0.5), any(dice), dice.between(1.45, 1.95), 1.0);
-                shot.impact = dice.decade(-6.0, -1.0);
+                let mut shot = shot(rng.decade(-3.0, -0.5), any(rng), rng.between(1.45, 1.95), 1.0);
+                shot.impact = rng.decade(-6.0, -1.0);
                 shot
             }
             Missed => {
-                let r = dice.decade(-6.0, -2.0);
+                let r = rng.decade(-6.0, -2.0);
                 let half =
-                    just_above_power(dice, dice.clone().between(35.0, 100.0) / f64::from(width)) * f64::from(width);
-                let steps = dice.decade(-0.7, 0.7) / half * f64::from(width);
-                let row = (f64::from(width) - just_above_power(dice, steps)) / 2.0;
+                    just_above_power(rng, rng.clone().between(35.0, 100.0) / f64::from(width)) * f64::from(width);
+                let steps = rng.decade(-0.7, 0.7) / half * f64::from(width);
+                let row = (f64::from(width) - just_above_power(rng, steps)) / 2.0;
                 let row = row as u32;
-                let z = 1.0 + dice.decade(-6.0, -1.0);
+                let z = 1.0 + rng.decade(-6.0, -1.0);
                 let mut shot = shot(half, [row, width / 2], z, r);
                 // Sideways and back to the axis, so that slopes decide all of p x d.
                 let y = (1.0 - (2.0 * f64::from(row) + 1.0) / f64::from(width)) * half;
@@ -384,21 +385,21 @@ impl Regime {
             }
             Center => {
                 // |d|^2 just below a power of two: its reciprocal has its largest ulp.
-                let edge = [dice.below(width), dice.below(2) * (width - 1)];
-                let half = if dice.below(2) == 0 { dice.between(0.3, 1.1) } else { dice.decade(-3.0, -0.5) };
-                let mut shot = shot(half, edge, dice.decade(-4.0, -1.0), 1.0);
-                shot.impact = dice.decade(-6.0, -1.0);
+                let edge = [rng.below(width), rng.below(2) * (width - 1)];
+                let half = if rng.below(2) == 0 { rng.between(0.3, 1.1) } else { rng.decade(-3.0, -0.5) };
+                let mut shot = shot(half, edge, rng.decade(-4.0, -1.0), 1.0);
+                shot.impact = rng.decade(-6.0, -1.0);
                 shot
             }
             Axis => {
-                let z = 1.0 + dice.sign() * dice.decade(-9.0, -1.0);
-                let mut shot = shot(dice.decade(-11.0, -6.0), any(dice), z, 1.0);
-                shot.impact = dice.decade(-7.0, -1.0);
+                let z = 1.0 + rng.sign() * rng.decade(-9.0, -1.0);
+                let mut shot = shot(rng.decade(-11.0, -6.0), any(rng), z, 1.0);
+                shot.impact = rng.decade(-7.0, -1.0);
                 shot
             }
         };
-        if self != Missed && dice.below(2) == 0 {
-            shot.snap(dice);
+        if self != Missed && rng.below(2) == 0 {
+            shot.snap(rng);
         }
         if Self::NEAR.contains(&self) {
             shot.second = 0.0;
@@ -407,16 +408,16 @@ impl Regime {
     }
 }
 
-fn just_above_power(dice: &mut Dice, x: f64) -> f64 {
-    dd::ldexp(1.0 + dice.decade(-6.0, -2.0), dd::exponent(x * 1.4))
+fn just_above_power(rng: &mut Rng, x: f64) -> f64 {
+    dd::ldexp(1.0 + rng.decade(-6.0, -2.0), dd::exponent(x * 1.4))
 }
 
-/// The largest ratio that evolution finds in so many lineages; it stops at `enough`.
+/// The largest ratio that evolution finds in this many lineages; it stops at `enough`.
 pub(super) fn worst(quantity: Quantity, regime: Regime, terms: &Terms, lineages: usize, enough: f64) -> f64 {
-    let mut dice = Dice(0x5eed ^ (quantity as u64) << 8 ^ (regime as u64) << 16);
+    let mut rng = Rng(0x5eed ^ (quantity as u64) << 8 ^ (regime as u64) << 16);
     let mut found = f64::NEG_INFINITY;
     for _ in 0..lineages {
-        found = found.max(evolved(quantity, regime, terms, &mut dice, enough));
+        found = found.max(evolved(quantity, regime, terms, &mut rng, enough));
         if found > enough {
             break;
         }
@@ -424,9 +425,9 @@ pub(super) fn worst(quantity: Quantity, regime: Regime, terms: &Terms, lineages:
     found
 }
 
-/// The end of one lineage; it starts from the best of a few and is left when it fails to improve.
-fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, dice: &mut Dice, enough: f64) -> f64 {
-    // A shot that is no better under its parent's roundings is not worth a climb.
+/// The best shot of one lineage, which starts from the best of a few and ends when it fails to improve.
+fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, rng: &mut Rng, enough: f64) -> f64 {
+    // Only a shot that is better under its parent's roundings is optimised.
     let climbed = |shot: &Shot, chosen: &mut Vec<bool>, least: f64| match shot.staged(terms) {
         Some(staged) => {
             let probe = || staged.ratio::<Wild>(quantity, terms);
@@ -435,10 +436,10 @@ fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, dice: &mut Dice, e
         }
         None => f64::NAN,
     };
-    let mut best = (f64::NEG_INFINITY, regime.shot(dice), vec![]);
+    let mut best = (f64::NEG_INFINITY, regime.shot(rng), vec![]);
     for _ in 0..10 {
-        let (shot, mut chosen) = (regime.shot(dice), vec![]);
-        chosen.resize_with(200, || dice.bits() & 1 == 0);
+        let (shot, mut chosen) = (regime.shot(rng), vec![]);
+        chosen.resize_with(200, || rng.bits() & 1 == 0);
         let ratio = climbed(&shot, &mut chosen, f64::NEG_INFINITY);
         if ratio > best.0 {
             best = (ratio, shot, chosen);
@@ -446,7 +447,7 @@ fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, dice: &mut Dice, e
     }
     let mut patience = PATIENCE;
     while patience > 0 && best.0 <= enough && best.0 > f64::NEG_INFINITY {
-        let (shot, mut chosen) = (best.1.mutated(dice), best.2.clone());
+        let (shot, mut chosen) = (best.1.mutated(rng), best.2.clone());
         let ratio = climbed(&shot, &mut chosen, best.0);
         patience -= 1;
         if ratio > best.0 {
@@ -459,10 +460,10 @@ fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, dice: &mut Dice, e
 
 /// The same in plain f32 and under the blind modes, over random shots.
 fn ordinary(quantity: Quantity, regime: Regime) -> [f64; 2] {
-    let mut dice = Dice(99);
+    let mut rng = Rng(99);
     let mut found = [f64::NEG_INFINITY; 2];
     for n in 0..400 {
-        let Some(staged) = regime.shot(&mut dice).staged(&TERMS) else { continue };
+        let Some(staged) = regime.shot(&mut rng).staged(&TERMS) else { continue };
         found[0] = found[0].max(staged.ratio::<f32>(quantity, &TERMS));
         for mode in Mode::BLIND {
             found[1] = found[1].max(under(mode, n, || staged.ratio::<Wild>(quantity, &TERMS)));

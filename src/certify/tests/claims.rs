@@ -1,4 +1,4 @@
-//! What the certified kernel claims of a pixel, held against the judge.
+//! The claims of the certified kernel about a pixel, compared with exact arithmetic.
 
 use super::wild::Value;
 use crate::certify::binned::{BinnedScene, Depths};
@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::tile::TILE;
 use crate::view::View;
 
-/// What the judge is asked for; the conditions of `certain`, which may be switched off.
+/// The tolerance, and the conditions of `certain`, which may be switched off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Checks {
     pub(super) hit: bool,
@@ -34,7 +34,7 @@ pub(super) struct Case {
     pub(super) judged: Vec<Judged>,
 }
 
-/// The truth at a pixel: the nearest hit, and every sphere by itself.
+/// The exact answer at a pixel: the nearest hit, and the hit of every sphere alone.
 pub(super) struct Judged {
     pub(super) at: [u32; 2],
     nearest: Option<Truth>,
@@ -42,7 +42,7 @@ pub(super) struct Judged {
 }
 
 impl Case {
-    /// `None` where binning leaves the scene to the judge.
+    /// `None` where the scene cannot be binned, so that every pixel is settled.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
         let binned =
@@ -108,7 +108,7 @@ pub(super) fn check<R: Value>(
             *place = Some(low.value());
         }
     }
-    // (a) What is hit is shown, and not too far.
+    // (a) A hit is found, and not too deep.
     for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {
         let Some(truth) = truth else { continue };
         let depth = case.depth(truth);
@@ -128,7 +128,7 @@ pub(super) fn check<R: Value>(
     let answer = twin.judge(&s, &kept);
     let truth = judged.each.get(answer.id as usize).copied().flatten();
     let (low, high) = (answer.low.value(), answer.high.value());
-    // (c) A certain hit is one.
+    // (c) A certain hit is a hit.
     if checks.hit && answer.hits {
         let Some(truth) = truth else {
             return Err(format!("pixel {i} {j}: sphere {} is missed and counted as hit", answer.id));
@@ -145,14 +145,14 @@ pub(super) fn check<R: Value>(
     } else {
         let sharp = answer.width < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };
-        // A wrong hit is a wrong answer, not a wrong normal: take both away.
+        // A wrong hit is a wrong answer, not a wrong normal: both conditions are left out.
         let hit = hit || !checks.hit;
         hit && (!checks.order || answer.high < kept.second) && (!checks.sharp || sharp)
     };
     if !certain {
         return Ok(false);
     }
-    // (b) A certain answer is right in every respect.
+    // (b) A certain answer has the exact id, and distance and normal within their bounds.
     let Some(truth) = judged.nearest.filter(|truth| truth.id == answer.id) else {
         return Err(format!("pixel {i} {j}: certain of {}, truth {:?}", answer.id, judged.nearest.map(|t| t.id)));
     };

@@ -1,6 +1,5 @@
-//! What hides what: pixels that count as covered are hit, and no deeper than was said.
+//! Occlusion culling: pixels that count as covered are hit, no deeper than their limit.
 
-use super::wild::Dice;
 use crate::camera::Lens::{Orthographic, Viewport};
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
@@ -10,43 +9,44 @@ use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::scene::Scene;
+use crate::testing::Rng;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::{Camera, ImagePlane, Spheres};
 use glam::DVec3;
 
 /// Small and large spheres at all distances before an oblique camera.
-fn scene(dice: &mut Dice) -> Scene {
+fn scene(rng: &mut Rng) -> Scene {
     let mut spheres = Spheres::default();
     let camera = Camera { eye: DVec3::new(1e3, -20.0, 7.0), ..Camera::CANONICAL };
     for _ in 0..400 {
-        let depth = dice.decade(0.0, 6.0);
-        let [x, y] = [0, 1].map(|_| dice.between(-1.1, 1.1) * depth);
-        spheres.push((camera.eye + DVec3::new(x, y, -depth)).to_array(), depth * dice.decade(-3.5, -0.2), None);
+        let depth = rng.decade(0.0, 6.0);
+        let [x, y] = [0, 1].map(|_| rng.between(-1.1, 1.1) * depth);
+        spheres.push((camera.eye + DVec3::new(x, y, -depth)).to_array(), depth * rng.decade(-3.5, -0.2), None);
     }
     let image = ImagePlane { width: 93, height: 61, background: [0.0; 3] };
     Scene { camera, image, spheres, skipped: Default::default() }
 }
 
 /// The same before parallel rays, some across the plane of the eye.
-fn parallel_scene(dice: &mut Dice) -> Scene {
-    let mut scene = scene(dice);
+fn parallel_scene(rng: &mut Rng) -> Scene {
+    let mut scene = scene(rng);
     scene.camera.lens = Orthographic { height: 100.0 };
     for (center, radius) in scene.spheres.centers.iter_mut().zip(&mut scene.spheres.radii) {
-        let [x, y] = [0, 1].map(|_| dice.between(-80.0, 80.0));
-        *center = (scene.camera.eye + DVec3::new(x, y, -dice.decade(-1.0, 4.0))).to_array();
-        *radius = dice.decade(-1.0, 1.5);
+        let [x, y] = [0, 1].map(|_| rng.between(-80.0, 80.0));
+        *center = (scene.camera.eye + DVec3::new(x, y, -rng.decade(-1.0, 4.0))).to_array();
+        *radius = rng.decade(-1.0, 1.5);
     }
     scene
 }
 
-/// Every closed pixel is hit, exactly, and no deeper than was said.
+/// Every closed pixel is hit, exactly, and no deeper than its limit.
 #[test]
-fn what_is_covered_is_hit() {
-    let mut dice = Dice(5);
+fn covered_pixels_are_hit() {
+    let mut rng = Rng(5);
     let (mut closed, mut deep) = (0, 0.0f64);
     for make in [scene, parallel_scene].repeat(8) {
-        let scene = make(&mut dice);
+        let scene = make(&mut rng);
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height).expect("a viewport");
@@ -76,11 +76,11 @@ fn what_is_covered_is_hit() {
     assert!(deep < 1.0, "the bound says something");
 }
 
-/// A disc of 5.1 pixels about the corner of four tiles: of each it closes what lies inside, and nothing outside the image.
+/// A disc of 5.1 pixels about the corner of four tiles: in each it closes the pixels inside it, and none outside the image.
 #[test]
 fn a_disc_closes_its_pixels_and_no_others() {
     let mut spheres = Spheres::default();
-    // 16 columns for 0.005 of slope: the radius is 5.1 of them, and so small that its outline is a disc.
+    // 16 columns for a slope of 0.005: the radius is 5.1 columns, and so small that its outline is a disc.
     spheres.push([0.0, 0.0, -100.0], 0.159, None);
     let image = ImagePlane { width: 16, height: 13, background: [0.0; 3] };
     let camera = Camera { lens: Viewport { vw: 0.005, vh: 0.005, distance: 1.0 }, ..Camera::CANONICAL };
@@ -106,25 +106,25 @@ fn a_disc_closes_its_pixels_and_no_others() {
     }
 }
 
-/// Crowds that close tiles: what every pixel's ray hits is in its list still, though most of the crowd is not.
+/// Crowds that cover tiles: the sphere that each pixel's ray hits is still in its list, though most of the crowd is not.
 #[test]
-fn nobody_who_is_seen_is_left_out() {
-    let mut dice = Dice(77);
+fn no_visible_sphere_is_culled() {
+    let mut rng = Rng(77);
     let (mut listed, mut spheres_seen, mut hits) = (0, 0, 0);
     for round in 0..16 {
         let mut spheres = Spheres::default();
-        // Far and compact in every other round, so that depths are kept relative to a reference.
-        let eye = DVec3::new(dice.between(-9.0, 9.0), 3.0, 1.0) * if round % 2 == 0 { 1.0 } else { 1e6 };
+        // Far and compact in every other round, so that depths are stored relative to a reference.
+        let eye = DVec3::new(rng.between(-9.0, 9.0), 3.0, 1.0) * if round % 2 == 0 { 1.0 } else { 1e6 };
         let (far, spread) = if round % 2 == 0 { (1.5, 8.0) } else { (1e6, 2e5) };
         // Parallel rays in the last rounds.
         let parallel = round >= 12;
         let lens = if parallel { Orthographic { height: far + spread } } else { Camera::CANONICAL.lens };
         let camera = Camera { eye, lens, ..Camera::CANONICAL };
         for _ in 0..6000 {
-            let depth = far + spread * dice.part();
+            let depth = far + spread * rng.unit();
             let wide = if parallel { far + spread } else { depth };
-            let [x, y] = [0, 1].map(|_| dice.between(-0.6, 0.6) * wide);
-            spheres.push((eye + DVec3::new(x, y, -depth)).to_array(), depth * dice.decade(-2.0, -1.2), None);
+            let [x, y] = [0, 1].map(|_| rng.between(-0.6, 0.6) * wide);
+            spheres.push((eye + DVec3::new(x, y, -depth)).to_array(), depth * rng.decade(-2.0, -1.2), None);
         }
         let image = ImagePlane { width: 61, height: 45, background: [0.0; 3] };
         let scene = Scene { camera, image, spheres, skipped: Default::default() };

@@ -12,22 +12,22 @@
 
 use super::bounds::{Regime, Shot, Staged};
 use super::tape::{Given, Program, Traced, rewind};
-use super::wild::Dice;
 use crate::certify::front::{self, Front};
 use crate::certify::near::{self, Near};
 use crate::certify::{Certify, DEPTH, FAR, INFLATE, LensRecord, Slopes, TERMS, Terms, UNIT, VANISH};
 use crate::ray::{cross3, minus, negated, times};
 use crate::real::Real;
+use crate::testing::Rng;
 use rayon::prelude::*;
 
-/// What is checked.
+/// The quantity that is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Check {
     /// The discriminant of a winner, with its error added, with it taken off.
     Disc,
     DiscMost,
     DiscLeast,
-    /// A lower bound of depth, an upper one, and the depth that is given out beside its width.
+    /// A lower bound of depth, an upper one, and the reported depth with its interval.
     Low,
     High,
     Shown,
@@ -55,9 +55,9 @@ const OF_NEAR: [Check; 11] = [Along, AlongMost, AlongLeast, Cross, Disc, DiscMos
 
 /// A share that is no more than this is within its bound: what rounds in the bound itself is INFLATE's, and is counted here.
 pub(super) const WHOLE: f64 = 1.0 + 1.0 / 4096.0;
-/// What the host rounds once is off by half an ulp.
+/// The error of one rounding of the host: half an ulp.
 const ONCE: f64 = 0.5;
-/// What the host's own bounds are multiplied by.
+/// The factor of the host's own bounds.
 const HOST_INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Of a bound, what its own evaluation rounds: fewer than 100 units, which `INFLATE` pays for.
 const OWN: f64 = 1.0 / (1u64 << 16) as f64;
@@ -83,7 +83,7 @@ impl Look<'_> {
 
     /// The same of a vector.
     fn worst_of<const N: usize>(&self, given: &Given, of: [&[(Traced, f64)]; N]) -> f64 {
-        let mut program = Program::new(given, self.order.map(Dice));
+        let mut program = Program::new(given, self.order.map(Rng));
         let of = of.map(|of| of.iter().map(|(number, by)| (program.compute(*number), *by)).collect::<Vec<_>>());
         f64::from(UNIT) * program.worst(of.each_ref().map(Vec::as_slice))
     }
@@ -201,7 +201,7 @@ impl Look<'_> {
         let record = &self.staged.view.record;
         let edge = |slope: f32, n: u32| f64::from(slope) * f64::from(n);
         let widest = 1.0 + edge(lens.slope_x, record.width).powi(2) + edge(lens.slope_y, record.height).powi(2);
-        // Farther away a miss is certain by much more than rounds.
+        // Farther away the margin of a miss is much larger than its rounding.
         if o > (2.0 * widest).sqrt() * rho + 16.0 * widest * e {
             return f64::NAN;
         }
@@ -327,24 +327,24 @@ impl Look<'_> {
 
 /// The largest share of a bound in a regime: orders of random shots, and then of the worst of them, mutated.
 fn worst(check: Check, regime: Regime, terms: &Terms, shots: u32) -> (f64, Option<Shot>) {
-    let mut dice = Dice(0x5eed_0061 ^ (check as u64) << 8 ^ (regime as u64) << 16);
-    let look = |shot: &Shot, dice: &mut Dice| -> f64 {
+    let mut rng = Rng(0x5eed_0061 ^ (check as u64) << 8 ^ (regime as u64) << 16);
+    let look = |shot: &Shot, rng: &mut Rng| -> f64 {
         let Some(staged) = shot.staged(terms) else { return f64::NAN };
-        let orders = [None; 1].into_iter().chain((0..6).map(|_| Some(dice.bits())));
+        let orders = [None; 1].into_iter().chain((0..6).map(|_| Some(rng.bits())));
         orders.map(|order| Look { staged: &staged, terms, order }.share(check)).fold(f64::NAN, f64::max)
     };
     let mut best = (f64::NEG_INFINITY, None);
     for _ in 0..shots {
-        let shot = regime.shot(&mut dice);
-        let share = look(&shot, &mut dice);
+        let shot = regime.shot(&mut rng);
+        let share = look(&shot, &mut rng);
         if share > best.0 {
             best = (share, Some(shot));
         }
     }
     for _ in 0..shots {
         let Some(shot) = &best.1 else { return (f64::NAN, None) };
-        let next = shot.mutated(&mut dice);
-        let share = look(&next, &mut dice);
+        let next = shot.mutated(&mut rng);
+        let share = look(&next, &mut rng);
         if share > best.0 {
             best = (share, Some(next));
         }
@@ -390,8 +390,8 @@ pub(super) fn largest(aims: &[(Check, Regime)], terms: &Terms, times: u32) -> f6
     aims.par_iter().map(share).reduce(|| 0.0, f64::max)
 }
 
-/// What was wrong once is found: the quotient c/q from inside takes more than eleven units, where p.d all but vanishes and
-/// its terms are added one by one to a root that is all of the sum.
+/// Negative control, once an error of the derivation: from inside, the quotient c/q takes more than eleven units where p.d
+/// almost vanishes and its terms are added one by one to the root.
 #[test]
 fn eleven_units_are_too_few_for_a_quotient() {
     let mut terms = TERMS;

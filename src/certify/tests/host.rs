@@ -1,8 +1,7 @@
-//! What the host leaves in its records, against the numbers that it rounds: at every scale that f64 has, the subnormal one
-//! included. The truth is double-double, scaled by a power of two before anything is multiplied, along axes of its own.
+//! The records of the host against the numbers that it rounds, at every scale of f64 including the subnormal numbers. The
+//! exact values are double-double, scaled by a power of two before any product, along axes that are computed independently.
 
 use super::axes::axes;
-use super::wild::Dice;
 use crate::camera::{Camera, Lens as Lenses, Look};
 use crate::certify::lens::{Lens, Staged};
 use crate::certify::near::NearRecord;
@@ -10,6 +9,7 @@ use crate::certify::{HOST, TERMS};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact;
 use crate::scene::{ImagePlane, Scene, Spheres};
+use crate::testing::Rng;
 use crate::view::View;
 use glam::DVec3;
 
@@ -26,38 +26,38 @@ struct Sight {
     r: f64,
 }
 
-fn vector(dice: &mut Dice) -> DVec3 {
-    DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0))
+fn vector(rng: &mut Rng) -> DVec3 {
+    DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0))
 }
 
 impl Sight {
     /// In a unit of 2^`scale`; `None` where rounding to it left no sphere.
-    fn new(dice: &mut Dice, scale: i32, parallel: bool) -> Option<Self> {
+    fn new(rng: &mut Rng, scale: i32, parallel: bool) -> Option<Self> {
         let size = |x: DVec3| DVec3::from_array(x.to_array().map(|x| dd::ldexp(x, scale)));
-        // The eye from far outside to all but nothing.
-        let eye = size(vector(dice) * dice.decade(-20.0, 6.0));
-        let view = vector(dice);
-        let up = view + vector(dice) * dice.decade(-13.0, 0.0);
-        let look = if dice.below(2) == 0 { Look::View(view) } else { Look::At(eye + size(view)) };
-        let half = dice.decade(-9.0, 0.3);
+        // The eye from far outside to almost in the centre.
+        let eye = size(vector(rng) * rng.decade(-20.0, 6.0));
+        let view = vector(rng);
+        let up = view + vector(rng) * rng.decade(-13.0, 0.0);
+        let look = if rng.below(2) == 0 { Look::View(view) } else { Look::At(eye + size(view)) };
+        let half = rng.decade(-9.0, 0.3);
         let lens = match parallel {
-            true => Lenses::Orthographic { height: dd::ldexp(dice.decade(-3.0, 1.0), scale) },
+            true => Lenses::Orthographic { height: dd::ldexp(rng.decade(-3.0, 1.0), scale) },
             false => Lenses::Viewport { vw: 2.0 * half, vh: 2.0 * half, distance: 1.0 },
         };
         let camera = Camera { eye, look, up, lens };
         let basis = camera.basis().ok()?;
         let aside = if parallel { 1.0 } else { half };
-        let ahead = basis.u * dice.between(-aside, aside) + basis.v * dice.between(-aside, aside) - basis.w;
+        let ahead = basis.u * rng.between(-aside, aside) + basis.v * rng.between(-aside, aside) - basis.w;
         // Before the eye, or anywhere about it.
-        let way = if dice.below(3) > 0 { ahead } else { vector(dice) };
+        let way = if rng.below(3) > 0 { ahead } else { vector(rng) };
         let center = (eye + size(way)).to_array();
-        let radius = dd::ldexp(dice.decade(-4.0, 0.4), scale);
+        let radius = dd::ldexp(rng.decade(-4.0, 0.4), scale);
         if !(radius > 0.0 && radius.is_finite() && center.iter().all(|x| x.is_finite())) {
             return None;
         }
         let mut spheres = Spheres::default();
         spheres.push(center, radius, None);
-        let image = ImagePlane { width: 1 + dice.below(3000), height: 1 + dice.below(3000), background: [0.0; 3] };
+        let image = ImagePlane { width: 1 + rng.below(3000), height: 1 + rng.below(3000), background: [0.0; 3] };
         let scene = Scene { camera, image, spheres, skipped: Default::default() };
         scene.check().ok()?;
         let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
@@ -83,8 +83,8 @@ impl Sight {
         [part(2.0 * column + 1.0 - w, viewport.vw, width), part(h - 1.0 - 2.0 * row, viewport.vh, height)]
     }
 
-    /// The largest share of its bound that anything in a near sphere's record is off by.
-    fn near(&self, record: &NearRecord, dice: &mut Dice) -> f64 {
+    /// The largest ratio of error to bound in the record of a general sphere.
+    fn near(&self, record: &NearRecord, rng: &mut Rng) -> f64 {
         let host = f64::from(HOST);
         let off = |stored: f32, real: Dd| (Dd::from(f64::from(stored)) - real).value().abs();
         let parts = self.p.iter().zip(record.ball).map(|(p, stored)| off(stored, *p) / (HALF * p.hi.abs() + host));
@@ -99,7 +99,7 @@ impl Sight {
             assert!(power.hi == 0.0 || record.blur > 1e9, "a power of {:e} is forgotten", power.hi);
         }
         let ImagePlane { width, height, .. } = self.scene.image;
-        let [column, row] = [dice.below(width), dice.below(height)].map(f64::from);
+        let [column, row] = [rng.below(width), rng.below(height)].map(f64::from);
         let [x, y] = self.slopes(column, row);
         let [across, down] = [column - f64::from(record.column), row - f64::from(record.row)];
         let steps = [f64::from(record.start), across * f64::from(record.by_column), down * f64::from(record.by_row)];
@@ -110,7 +110,7 @@ impl Sight {
         worst.max((b - real).value().abs() / bound)
     }
 
-    /// The same of a front sphere: its place, its radius, its depth.
+    /// The same of a projected sphere: its position, radius and depth.
     fn front(&self, view: &View, lens: &Lens, reference: f64, staged: &Staged) -> f64 {
         let Staged::Front(landed) = staged else { return 0.0 };
         let (front, more) = (&landed.placed.front, &landed.placed.more);
@@ -156,25 +156,25 @@ impl Sight {
 
 #[test]
 fn records_are_within_what_the_host_may_leave() {
-    let mut dice = Dice(0x5eed_0051);
+    let mut rng = Rng(0x5eed_0051);
     let mut worst = [0.0f64; 2];
     let mut staged_as = [0u32; 2];
     for n in 0..40_000 {
-        // From the last steps of f64 up to where squares overflow.
+        // From the smallest subnormal numbers up to where squares overflow.
         let scale = [-1072, -1068, -1060, -1040, -1000, -500, -3, 0, 5, 511, 700, 950][n % 12];
-        let parallel = dice.below(3) == 0;
-        let Some(sight) = Sight::new(&mut dice, scale, parallel) else { continue };
+        let parallel = rng.below(3) == 0;
+        let Some(sight) = Sight::new(&mut rng, scale, parallel) else { continue };
         let Some((view, lens)) = sight.lens() else { continue };
         let (center, radius) = (sight.scene.spheres.centers[0], sight.scene.spheres.radii[0]);
         if !parallel {
             let record = lens.near(0, center, radius);
-            let share = sight.near(&record, &mut dice);
+            let share = sight.near(&record, &mut rng);
             assert!(share <= 1.0, "near, {share}: {:?}", sight.scene);
             worst[0] = worst[0].max(share);
             staged_as[0] += 1;
         }
         let depth = -sight.p[2].ldexp(sight.k - view.unit).hi;
-        let reference = if dice.below(2) == 0 { 0.0 } else { f64::from((depth * 0.99) as f32).max(0.0) };
+        let reference = if rng.below(2) == 0 { 0.0 } else { f64::from((depth * 0.99) as f32).max(0.0) };
         let staged = lens.stage(0, center, radius, reference);
         let share = sight.front(&view, &lens, reference, &staged);
         assert!(share <= 1.0, "front, {share}: {:?}", sight.scene);

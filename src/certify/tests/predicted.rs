@@ -1,6 +1,6 @@
-//! Predictions under the adversary: no rounding that WGSL allows makes a method worse than src/predict.rs says.
+//! Predictions under the adversary: no rounding that WGSL allows makes a method worse than src/predict.rs predicts.
 
-use super::wild::{Dice, Mode, Wild, under};
+use super::wild::{Mode, Wild, under};
 use crate::camera::{Camera, Lens, Look};
 use crate::dd;
 use crate::exact::Judge;
@@ -8,6 +8,7 @@ use crate::intersect::{Intersect, Method, Visit};
 use crate::predict::Prediction;
 use crate::ray::viewing_ray;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::testing::Rng;
 use crate::view::{Sphere, View};
 use glam::DVec3;
 
@@ -35,19 +36,19 @@ impl Visit for Shot<'_> {
 }
 
 /// One sphere, from almost on its surface to far away, outside and inside; a lens as wide as it, aimed at its limb.
-fn world(dice: &mut Dice) -> Scene {
-    let gap = dice.decade(-5.0, 4.0);
-    let outside = gap > 0.9 || dice.sign() > 0.0;
+fn world(rng: &mut Rng) -> Scene {
+    let gap = rng.decade(-5.0, 4.0);
+    let outside = gap > 0.9 || rng.sign() > 0.0;
     let k = if outside { 1.0 + gap } else { 1.0 - gap };
-    let mut axis = || DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0)).normalize();
+    let mut axis = || DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0)).normalize();
     let (away, aside, up) = (axis(), axis(), axis());
-    let radius = dice.decade(-3.0, 3.0);
-    let eye = DVec3::new(dice.between(-1.0, 1.0), 2.0, 3.0) * radius;
+    let radius = rng.decade(-3.0, 3.0);
+    let eye = DVec3::new(rng.between(-1.0, 1.0), 2.0, 3.0) * radius;
     let center = eye + k * radius * away;
     let limb = center + radius * aside.cross(away).normalize();
     let reach = if outside { 1.0 / k } else { 1.0 };
-    let look = Look::View((limb - eye) + 0.3 * dice.part() * aside * radius);
-    let half = reach * dice.decade(-2.0, 0.3);
+    let look = Look::View((limb - eye) + 0.3 * rng.unit() * aside * radius);
+    let half = reach * rng.decade(-2.0, 0.3);
     let camera = Camera { eye, look, up, lens: Lens::Viewport { vw: 2.0 * half, vh: 2.0 * half, distance: 1.0 } };
     let mut spheres = Spheres::default();
     spheres.push(center.to_array(), radius, None);
@@ -55,19 +56,19 @@ fn world(dice: &mut Dice) -> Scene {
     Scene { camera, image, spheres, skipped: Skipped::default() }
 }
 
-/// The sphere made as large as the pixel's ray passes it, within what is predicted of the form that is off least.
-fn grazed(mut scene: Scene, [i, j]: [u32; 2], dice: &mut Dice) -> Scene {
+/// The sphere with the radius at which the pixel's ray passes it, within the smallest predicted outline of all methods.
+fn grazed(mut scene: Scene, [i, j]: [u32; 2], rng: &mut Rng) -> Scene {
     let view = View::new(&scene).expect("a good scene");
     let off = Prediction::of(&scene, Method::Stable).expect("a good scene").expect("a sphere").outline;
     let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
     let d = view.to_world(view.direction(i, j)).normalize();
     if p.dot(d) > 0.0 {
-        scene.spheres.radii[0] = p.cross(d).length() * (1.0 + dice.sign() * dice.part() * off);
+        scene.spheres.radii[0] = p.cross(d).length() * (1.0 + rng.sign() * rng.unit() * off);
     }
     scene
 }
 
-/// How far the half-line of a pixel is from the limb, in radii; f64 is within 1e-11 of it here.
+/// The distance of a pixel's half-line from the limb, in radii, within 1e-11.
 fn excess(view: &View, scene: &Scene, [i, j]: [u32; 2]) -> f64 {
     let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
     let d = view.to_world(view.direction(i, j)).normalize();
@@ -75,26 +76,26 @@ fn excess(view: &View, scene: &Scene, [i, j]: [u32; 2]) -> f64 {
     (l / scene.spheres.radii[0] - 1.0).abs()
 }
 
-/// Largest shares of what was predicted, by method of f32.
+/// The largest shares of the predictions, by method of f32.
 #[test]
 fn no_legal_rounding_is_worse_than_predicted() {
-    let mut dice = Dice(0x5eed_000b);
+    let mut rng = Rng(0x5eed_000b);
     let methods = || Method::ALL.iter().copied().filter(|method| !method.is_wide());
     let mut worst = vec![[0.0f64; 2]; methods().count()];
     for n in 0..4000 {
-        let touching = [dice.below(SIDE), dice.below(SIDE)];
-        let world = world(&mut dice);
-        let scene = if n % 2 == 0 { world } else { grazed(world, touching, &mut dice) };
+        let touching = [rng.below(SIDE), rng.below(SIDE)];
+        let world = world(&mut rng);
+        let scene = if n % 2 == 0 { world } else { grazed(world, touching, &mut rng) };
         let (view, judge) = (View::new(&scene).expect("a good scene"), Judge::new(&scene).expect("a good scene"));
         let predicted: Vec<_> = methods().map(|method| Prediction::of(&scene, method)).collect();
-        for pixel in [touching, [dice.below(SIDE), dice.below(SIDE)], [dice.below(SIDE), dice.below(SIDE)]] {
+        for pixel in [touching, [rng.below(SIDE), rng.below(SIDE)], [rng.below(SIDE), rng.below(SIDE)]] {
             let truth = judge.pixel(pixel[0], pixel[1]);
             let [u, v, w] = view.direction(pixel[0], pixel[1]);
             let length = DVec3::new(u, v, w).length();
             for ((method, predicted), worst) in methods().zip(&predicted).zip(&mut worst) {
                 let predicted = predicted.as_ref().expect("a good scene").expect("a sphere");
                 for mode in Mode::BLIND.into_iter().chain([Mode::Random; 4]) {
-                    let shown = method.dispatch(Shot { view: &view, pixel, mode, seed: dice.bits() });
+                    let shown = method.dispatch(Shot { view: &view, pixel, mode, seed: rng.bits() });
                     let [outline, distance] = match (shown, truth) {
                         (None, None) => continue,
                         (Some(t), Some(truth)) => [0.0, (t * length / truth.distance - 1.0).abs()],

@@ -1,5 +1,5 @@
-//! Every constant of the bounds is taken away, halved, and made a tenth smaller in turn: a claim must fail, a quantity leave
-//! its bound, or all roundings together take more than their bound. Likewise every condition of `certain` is left out.
+//! Every constant of the bounds is set to 0, halved and reduced by a tenth in turn: a claim must fail, a quantity leave its
+//! bound, or the sum of all roundings exceed its bound. Likewise every condition of `certain` is left out.
 
 use super::bounds::Quantity::{self, *};
 use super::bounds::Regime::{self, *};
@@ -47,7 +47,7 @@ const fn constant(
     Constant { name, of, aims, sums: (sums, 1) }
 }
 
-/// The same where the worst is rare.
+/// The same where the worst case is rare.
 const fn rarely(constant: Constant) -> Constant {
     Constant { sums: (constant.sums.0, 8), ..constant }
 }
@@ -83,7 +83,7 @@ const CONSTANTS: [Constant; 22] = [
     constant("host", |t| &mut t.host, &[(FrontDisc, Tiny), (FrontDisc, ParallelTiny), (FrontLow, Tiny)], &[]),
 ];
 
-/// Scenes of each family that are judged once and answered without every constant, and without every condition.
+/// Scenes of each family, answered without each constant and without each condition.
 const SCENES: [u64; 2] = [20, 60];
 /// Lineages of shots for each quantity and regime; `HALFLINE_LINEAGES` for more.
 fn lineages() -> usize {
@@ -123,10 +123,10 @@ fn sabotaged(constant: &Constant, factor: f32) -> Terms {
     terms
 }
 
-/// What is not missed, and why.
+/// Constants whose reduction no test detects, and why.
 struct Survivor {
     name: &'static str,
-    /// Survives this factor of itself, and larger ones.
+    /// Undetected for this factor and larger ones.
     from: f32,
     why: &'static str,
 }
@@ -156,8 +156,8 @@ const SURVIVORS: &[Survivor] = &[
     ),
 ];
 
-/// What a sabotage leads to: the family with a false answer, the quantity out of its bound or the worst ratio, and the share
-/// that all roundings together take.
+/// The result of a sabotage: the family with a false answer, the quantity out of its bound or the worst ratio, and the share
+/// of the bound that the sum of all roundings takes.
 struct Caught {
     answer: Option<&'static str>,
     bound: Result<String, f64>,
@@ -179,7 +179,7 @@ impl Caught {
 }
 
 #[test]
-fn every_constant_is_missed_when_it_is_gone() {
+fn every_constant_is_needed() {
     let cases = cases(SCENES[0]);
     let sabotage = |constant: &Constant, factor: f32| {
         let terms = sabotaged(constant, factor);
@@ -207,7 +207,7 @@ fn every_constant_is_missed_when_it_is_gone() {
             let survives = SURVIVORS.iter().any(|s| s.name == *name && *factor >= s.from);
             let cell = caught.cell();
             assert!(caught.any() || survives, "{name} times {factor}: {cell}");
-            // What is all but at its bound may be found on one platform and not on another.
+            // A ratio very near 1 may exceed it on one platform and not on another.
             assert!(!survives || caught.share < 1.02, "{name} times {factor} is no survivor: {cell}");
         }
     }

@@ -1,11 +1,11 @@
-//! One ray at a time, in any arithmetic: what the adversary looks at. src/cpu/certified.rs holds its strips against it.
+//! The search for one ray at a time, in any arithmetic. Tests in src/cpu/certified.rs compare its strips of rays with it.
 
 use crate::certify::{Answer, BEYOND, Certify, Slopes};
 use crate::ray::NONE;
 use crate::real::Real;
 use crate::tile::CHUNK;
 
-/// The two smallest lower bounds of depth, and whose the smallest is.
+/// The two smallest lower bounds of depth, and the sphere of the smallest.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kept<R> {
     pub(crate) low: R,
@@ -31,7 +31,7 @@ impl<R: Real> Certify<'_, R> {
         for first in self.entries(s).step_by(CHUNK) {
             let sill = R::exact(self.lists.sills[first / CHUNK]);
             if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
-                // All that follow lie behind.
+                // All further spheres of the list are behind.
                 k.second = if sill < k.second { sill } else { k.second };
                 break;
             }
@@ -40,7 +40,7 @@ impl<R: Real> Certify<'_, R> {
         k
     }
 
-    /// The winner alone is judged, by its own bounds.
+    /// Certifies the winner, by its own bounds.
     pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
         self.answer(s, k.slot)
     }

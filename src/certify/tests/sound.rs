@@ -1,30 +1,31 @@
-//! Every claim at every pixel looked at, under every mode of the adversary and in plain f32.
+//! Every claim at every sampled pixel, under every mode of the adversary and in plain f32.
 
 use super::claims::{Case, Checks, check};
-use super::wild::{Dice, Mode, Wild, under};
+use super::wild::{Mode, Wild, under};
 use super::worlds::{FAMILIES, Make};
 use crate::certify::binned::BinnedScene;
 use crate::certify::{TERMS, Terms};
+use crate::testing::Rng;
 
 /// Scenes of each family; `HALFLINE_SCENES` for more.
 fn scenes() -> u64 {
     std::env::var("HALFLINE_SCENES").map_or(150, |scenes| scenes.parse().expect("a number"))
 }
 
-/// The promises that scenes are held to.
-fn tolerance(dice: &mut Dice) -> f64 {
-    [1e-5, 1e-3, 1e-6, 0.9, 2f64.powi(-50)][dice.below(5) as usize]
+/// The tolerances of the scenes.
+fn tolerance(rng: &mut Rng) -> f64 {
+    [1e-5, 1e-3, 1e-6, 0.9, 2f64.powi(-50)][rng.below(5) as usize]
 }
 
 /// The n-th scene of a family.
 pub(super) fn case(make: Make, n: u64, terms: &Terms) -> Option<Case> {
-    let mut dice = Dice(n.wrapping_mul(0x2545_f491_4f6c_dd1d));
-    let world = make(&mut dice);
-    let tolerance = tolerance(&mut dice);
+    let mut rng = Rng(n.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let world = make(&mut rng);
+    let tolerance = tolerance(&mut rng);
     (!world.scene.spheres.is_empty()).then(|| Case::new(world.scene, tolerance, &world.pixels, terms))?
 }
 
-/// Certain pixels and all of them; or the first false claim.
+/// The numbers of certain pixels and of all; or the first false claim.
 pub(super) fn hold(
     case: &Case,
     binned: &BinnedScene,

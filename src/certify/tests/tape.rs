@@ -1,4 +1,4 @@
-//! Numbers that remember how they were made, and what all roundings together can do to them.
+//! Numbers that record their computation, and the largest error that all roundings together can cause.
 //!
 //! The twins run on [`Traced`] numbers and leave a graph of operations behind. Evaluated once more, each operation is
 //! a rounding of its own: out(e_1, e_2, ...) with |e_i| at most so many units. To first order the worst that they can do is
@@ -8,19 +8,19 @@
 //! WGSL may add up a sum in any order and fuse products into it. So sums are taken apart into their terms, as far as they
 //! reach, and added up again along a random tree; each product in one may lose its own rounding.
 
-use super::wild::Dice;
 use crate::real::Real;
+use crate::testing::Rng;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How a number was made, of numbers that were made before.
+/// How a number was computed, from earlier numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Op {
     /// The bits of an f32 that the program knows: a constant, or a number of a record.
     Known(u32),
-    /// A number that is only like itself.
+    /// A number of its own.
     Input(u32),
     Whole(i32),
     Add(u32, u32),
@@ -42,7 +42,7 @@ thread_local! {
     static TAPE: RefCell<Tape> = RefCell::default();
 }
 
-/// A number on the tape of this thread: its place there, or one of the constants, which are on none.
+/// A number on the tape of this thread: its place there, or one of the constants, which are on no tape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced(u32);
 
@@ -55,7 +55,7 @@ pub(super) fn rewind() {
     TAPE.take();
 }
 
-/// How the number at a place was made, and what it is without any rounding.
+/// How the number at a place was computed, and its value without any rounding.
 fn made(place: u32) -> (Op, f64) {
     let constant = CONSTANTS.into_iter().find(|constant| constant.0 == place);
     match constant {
@@ -77,7 +77,7 @@ impl Traced {
         })
     }
 
-    /// A number that is off in a way of its own.
+    /// A number with an independent error.
     pub(super) fn input(value: f32) -> Self {
         let count = TAPE.with_borrow(|tape| tape.ops.len() as u32);
         Self::push(Op::Input(count), value.into())
@@ -158,7 +158,7 @@ impl Real for Traced {
     }
 }
 
-/// What is off before anything is computed, in units.
+/// The errors of the given numbers, in units.
 #[derive(Default, Clone)]
 pub(super) struct Given {
     inputs: HashMap<u32, f64>,
@@ -199,7 +199,7 @@ struct Step {
 pub(super) struct Program<'a> {
     given: &'a Given,
     /// `None`: as it is written.
-    dice: Option<Dice>,
+    rng: Option<Rng>,
     steps: Vec<Step>,
     done: HashMap<u32, usize>,
 }
@@ -207,8 +207,8 @@ pub(super) struct Program<'a> {
 const NOTHING: (usize, f64) = (0, 0.0);
 
 impl<'a> Program<'a> {
-    pub(super) fn new(given: &'a Given, dice: Option<Dice>) -> Self {
-        Self { given, dice, steps: Vec::new(), done: HashMap::new() }
+    pub(super) fn new(given: &'a Given, rng: Option<Rng>) -> Self {
+        Self { given, rng, steps: Vec::new(), done: HashMap::new() }
     }
 
     fn step(&mut self, value: f64, of: [(usize, f64); 2], units: f64) -> usize {
@@ -260,7 +260,7 @@ impl<'a> Program<'a> {
             Op::Sqrt(a) => {
                 let x = of(a);
                 let root = self.value(x).sqrt();
-                // The root of nothing has no slope; what is under it is an error that was paid for elsewhere.
+                // The root of zero has no slope; an error under it is covered by another bound.
                 let slope = if root > 0.0 { 0.5 / root } else { 0.0 };
                 self.step(root, [(x, slope), NOTHING], 4.6)
             }
@@ -271,18 +271,18 @@ impl<'a> Program<'a> {
     /// A sum along a random tree of all its terms; or as it is written.
     fn sum(&mut self, place: u32) -> usize {
         let mut terms = Vec::new();
-        let whole = self.dice.is_some();
+        let whole = self.rng.is_some();
         self.terms(place, 1.0, whole, &mut terms);
         let mut parts: Vec<(usize, f64)> = terms
             .into_iter()
             .map(|(term, sign)| {
                 let product = matches!(made(term).0, Op::Mul(..)) && !self.given.inputs.contains_key(&term);
-                let fused = product && self.dice.as_mut().is_some_and(|dice| dice.below(8) == 0);
+                let fused = product && self.rng.as_mut().is_some_and(|rng| rng.below(8) == 0);
                 (if fused { self.made(term, 0.0) } else { self.compute(Traced(term)) }, sign)
             })
             .collect();
         while parts.len() > 1 {
-            let mut any = |n: usize| self.dice.as_mut().map_or(n - 1, |dice| dice.below(n as u32) as usize);
+            let mut any = |n: usize| self.rng.as_mut().map_or(n - 1, |rng| rng.below(n as u32) as usize);
             let (x, p) = {
                 let n = any(parts.len());
                 parts.swap_remove(n)
@@ -291,7 +291,7 @@ impl<'a> Program<'a> {
                 let n = any(parts.len());
                 parts.swap_remove(n)
             };
-            // What is added to nothing is not rounded.
+            // A sum with zero is not rounded.
             let units = f64::from(self.value(x) != 0.0 && self.value(y) != 0.0);
             let step = self.step(p * self.value(x) + q * self.value(y), [(x, p), (y, q)], units);
             parts.push((step, 1.0));
@@ -369,7 +369,7 @@ fn some_order_of_a_sum_rounds_the_large_terms_first() {
     let given = Given::default();
     let mut found = Vec::new();
     for n in 0..40 {
-        let mut program = Program::new(&given, Some(Dice(n)));
+        let mut program = Program::new(&given, Some(Rng(n)));
         let out = program.compute(sum);
         found.push(program.worst([&[(out, 1.0)]]));
     }

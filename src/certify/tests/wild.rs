@@ -1,46 +1,10 @@
-//! f32 as WGSL allows it at its worst: numerics.md's model W, with an adversary who chooses every rounding.
+//! f32 as WGSL allows it at its worst, with an adversary that chooses every rounding.
 
 use crate::dd::{self, Dd};
 use crate::real::Real;
+use crate::testing::Rng;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-
-/// SplitMix64: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014.
-#[derive(Debug, Clone)]
-pub(super) struct Dice(pub(super) u64);
-
-impl Dice {
-    pub(super) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub(super) fn part(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// In [low, high).
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.part()
-    }
-
-    /// 10^x for x in [low, high).
-    pub(super) fn decade(&mut self, low: f64, high: f64) -> f64 {
-        10f64.powf(self.between(low, high))
-    }
-
-    /// Below `n`.
-    pub(super) fn below(&mut self, n: u32) -> u32 {
-        (self.bits() % u64::from(n)) as u32
-    }
-
-    pub(super) fn sign(&mut self) -> f64 {
-        if self.bits() & 1 == 0 { 1.0 } else { -1.0 }
-    }
-}
 
 /// How the adversary rounds what is not exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +17,7 @@ pub(super) enum Mode {
     Inward,
     /// Away from it.
     Outward,
-    /// Either way by the dice; quotients and roots by any amount within their bound.
+    /// Either way at random; quotients and roots by any amount within their bound.
     Random,
     /// Operation by operation as chosen: what [`climb`] does.
     Chosen,
@@ -65,19 +29,19 @@ impl Mode {
 
 struct Adversary {
     mode: Mode,
-    dice: Dice,
+    rng: Rng,
     chosen: Vec<bool>,
     count: usize,
 }
 
 thread_local! {
     static ADVERSARY: RefCell<Adversary> =
-        const { RefCell::new(Adversary { mode: Mode::Random, dice: Dice(0), chosen: Vec::new(), count: 0 }) };
+        const { RefCell::new(Adversary { mode: Mode::Random, rng: Rng(0), chosen: Vec::new(), count: 0 }) };
 }
 
-/// Does `f` under a mode.
+/// Runs `f` under a mode.
 pub(super) fn under<T>(mode: Mode, seed: u64, f: impl FnOnce() -> T) -> T {
-    ADVERSARY.with_borrow_mut(|a| (a.mode, a.dice, a.count) = (mode, Dice(seed), 0));
+    ADVERSARY.with_borrow_mut(|a| (a.mode, a.rng, a.count) = (mode, Rng(seed), 0));
     f()
 }
 
@@ -111,7 +75,7 @@ pub(super) fn climb(chosen: &mut Vec<bool>, sweeps: usize, probe: impl Fn() -> f
     best
 }
 
-/// The adversary's wish for the next result, -1 (down as far as allowed) to 1.
+/// The adversary's choice for the next result, from -1 (as far down as allowed) to 1.
 fn push(value: f64) -> f64 {
     ADVERSARY.with_borrow_mut(|a| {
         a.count += 1;
@@ -120,23 +84,23 @@ fn push(value: f64) -> f64 {
             Mode::Down => -1.0,
             Mode::Inward => -value.signum(),
             Mode::Outward => value.signum(),
-            Mode::Random => 2.0 * a.dice.part() - 1.0,
+            Mode::Random => 2.0 * a.rng.unit() - 1.0,
             Mode::Chosen if a.chosen.get(a.count - 1).copied().unwrap_or_default() => 1.0,
             Mode::Chosen => -1.0,
         }
     })
 }
 
-/// Subnormals may vanish.
+/// Subnormals may be flushed to zero.
 fn flushed(x: f32) -> f32 {
     if !x.is_subnormal() {
         return x;
     }
-    let flush = ADVERSARY.with_borrow_mut(|a| a.dice.bits() & 1 == 0);
+    let flush = ADVERSARY.with_borrow_mut(|a| a.rng.bits() & 1 == 0);
     if flush { 0.0 } else { x }
 }
 
-/// The neighbour of the exact hi + lo that the adversary likes.
+/// The neighbour of the exact hi + lo that the adversary chooses.
 fn rounded(exact: Dd) -> Wild {
     let wish = push(exact.hi);
     let near = exact.hi as f32;
@@ -150,7 +114,7 @@ fn rounded(exact: Dd) -> Wild {
     Wild(flushed(there))
 }
 
-/// A number within `ulps` of x, as far off as the adversary likes.
+/// A number within `ulps` of x, as far off as the adversary chooses.
 fn off(x: f64, ulps: f64) -> Wild {
     let wish = push(x);
     let near = x as f32;
@@ -167,7 +131,7 @@ fn off(x: f64, ulps: f64) -> Wild {
     Wild(flushed(there))
 }
 
-/// f32 in the adversary's hands.
+/// f32 with the adversary's roundings.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub(super) struct Wild(pub(super) f32);
 
@@ -230,7 +194,7 @@ impl Real for Wild {
     }
 }
 
-/// What the tests read off a twin.
+/// The numbers that tests read from a twin.
 pub(super) trait Value: Real {
     fn value(self) -> f64;
 }
@@ -249,9 +213,9 @@ impl Value for Wild {
 
 #[test]
 fn the_adversary_stays_within_the_specification() {
-    let mut dice = Dice(7);
+    let mut rng = Rng(7);
     for n in 0..20_000 {
-        let mut number = || Wild((dice.decade(-8.0, 8.0) * dice.sign()) as f32);
+        let mut number = || Wild((rng.decade(-8.0, 8.0) * rng.sign()) as f32);
         let (a, b) = (number(), number());
         let (x, y) = (a.value(), b.value());
         for mode in Mode::BLIND {

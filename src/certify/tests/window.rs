@@ -23,7 +23,7 @@ fn scene(count: usize, radius: f64) -> Scene {
 }
 
 #[test]
-fn a_windows_lists_are_the_full_frames() {
+fn the_lists_of_a_window_are_those_of_the_full_frame() {
     let kernel = Kernel { certify: true, ..Kernel::bare(crate::Method::Stable) };
     let window = Window { x0: 101, y0: 27, x1: 152, y1: 90 };
     // Single tiles that are covered, and cells of several tiles.

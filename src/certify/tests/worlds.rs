@@ -1,19 +1,19 @@
-//! Scenes that hurt: families of spheres before cameras, most of them aimed so that a pixel's ray nearly grazes one.
+//! Hard scenes: families of spheres and cameras, most of them placed so that a pixel's ray nearly grazes a sphere.
 
 use super::claims::Exact;
-use super::wild::Dice;
 use crate::camera::{Camera, Lens, Look};
 use crate::dd;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::testing::Rng;
 use glam::DVec3;
 
-/// A scene and the pixels to look at; the first are those that were aimed at.
+/// A scene and the pixels to test, first those whose rays graze.
 pub(super) struct World {
     pub(super) scene: Scene,
     pub(super) pixels: Vec<[u32; 2]>,
 }
 
-pub(super) type Make = fn(&mut Dice) -> World;
+pub(super) type Make = fn(&mut Rng) -> World;
 
 /// The families, by name.
 pub(super) const FAMILIES: [(&str, Make); 22] = [
@@ -41,7 +41,7 @@ pub(super) const FAMILIES: [(&str, Make); 22] = [
     ("ends of f64", ends),
 ];
 
-/// A camera at work: positions are given right, up, ahead.
+/// A scene with its camera's axes: positions are given as right, up, ahead.
 pub(super) struct Site {
     pub(super) scene: Scene,
     axes: [DVec3; 3],
@@ -55,11 +55,11 @@ impl Site {
         Self { scene, axes: [basis.u, basis.v, -basis.w] }
     }
 
-    /// Somewhere, looking somewhere, through a viewport of `half` times twice its distance.
-    fn random(dice: &mut Dice, half: [f64; 2], size: [u32; 2], unit: f64) -> Self {
-        let mut vector = || DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+    /// A random eye and view, with a viewport of `half` times twice its distance.
+    fn random(rng: &mut Rng, half: [f64; 2], size: [u32; 2], unit: f64) -> Self {
+        let mut vector = || DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
         let (eye, view, up) = (vector() * 3.0 * unit, vector(), vector());
-        let distance = dice.decade(-1.0, 1.0);
+        let distance = rng.decade(-1.0, 1.0);
         let [vw, vh] = half.map(|h| 2.0 * h * distance);
         let lens = Lens::Viewport { vw, vh, distance };
         Self::new(Camera { eye, look: Look::View(view), up, lens }, size)
@@ -76,8 +76,8 @@ impl Site {
         [ray.x.value(), ray.y.value()]
     }
 
-    fn pixel(&self, dice: &mut Dice) -> [u32; 2] {
-        [dice.below(self.scene.image.height), dice.below(self.scene.image.width)]
+    fn pixel(&self, rng: &mut Rng) -> [u32; 2] {
+        [rng.below(self.scene.image.height), rng.below(self.scene.image.width)]
     }
 
     fn push(&mut self, at: [f64; 3], radius: f64) {
@@ -86,8 +86,8 @@ impl Site {
     }
 
     /// A sphere of about that radius whose silhouette the pixel's ray just misses or meets: D = 2 delta a r^2.
-    pub(super) fn aim(&mut self, dice: &mut Dice, pixel: [u32; 2], at: [f64; 3]) {
-        let delta = dice.sign() * 2f64.powf(dice.between(-28.0, -15.0));
+    pub(super) fn aim(&mut self, rng: &mut Rng, pixel: [u32; 2], at: [f64; 3]) {
+        let delta = rng.sign() * 2f64.powf(rng.between(-28.0, -15.0));
         self.aim_by(delta, pixel, at);
     }
 
@@ -108,28 +108,28 @@ impl Site {
     }
 
     /// The same, moved sideways by about `by`.
-    fn near_ray(&self, dice: &mut Dice, pixel: [u32; 2], depth: f64, by: f64) -> [f64; 3] {
+    fn near_ray(&self, rng: &mut Rng, pixel: [u32; 2], depth: f64, by: f64) -> [f64; 3] {
         let [x, y, _] = self.on_ray(pixel, depth);
-        let turn = dice.between(0.0, std::f64::consts::TAU);
+        let turn = rng.between(0.0, std::f64::consts::TAU);
         [x + by * turn.cos(), y + by * turn.sin(), depth]
     }
 
-    fn done(self, dice: &mut Dice, mut pixels: Vec<[u32; 2]>) -> World {
+    fn done(self, rng: &mut Rng, mut pixels: Vec<[u32; 2]>) -> World {
         for _ in 0..3 {
-            pixels.push(self.pixel(dice));
+            pixels.push(self.pixel(rng));
         }
         World { scene: self.scene, pixels }
     }
 }
 
-fn size(dice: &mut Dice) -> [u32; 2] {
-    let mut side = || match dice.below(6) {
-        0 => 1 + dice.below(9),
+fn size(rng: &mut Rng) -> [u32; 2] {
+    let mut side = || match rng.below(6) {
+        0 => 1 + rng.below(9),
         1 => 64,
         2 => 1023,
         3 => 1024,
         4 => 1920,
-        _ => 2 + dice.below(200),
+        _ => 2 + rng.below(200),
     };
     [side(), side()]
 }
@@ -140,159 +140,159 @@ fn shaped(half: f64, [width, height]: [u32; 2]) -> [f64; 2] {
 }
 
 /// One sphere from 1.01 to 1e8 radii away, the lens narrowed to it.
-fn generic(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let depth = dice.decade(0.005, 8.0);
-    let half = (dice.between(0.3, 3.0) / depth).min(2.0);
-    let mut site = Site::random(dice, shaped(half, size).map(|h| h.min(20.0)), size, depth);
-    let by = dice.between(0.0, half * depth);
-    let pixel = site.pixel(dice);
-    let at = site.near_ray(dice, pixel, depth, by);
+fn generic(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let depth = rng.decade(0.005, 8.0);
+    let half = (rng.between(0.3, 3.0) / depth).min(2.0);
+    let mut site = Site::random(rng, shaped(half, size).map(|h| h.min(20.0)), size, depth);
+    let by = rng.between(0.0, half * depth);
+    let pixel = site.pixel(rng);
+    let at = site.near_ray(rng, pixel, depth, by);
     site.push(at, 1.0);
-    site.done(dice, vec![pixel])
+    site.done(rng, vec![pixel])
 }
 
 /// The same by one to four spheres, grazed.
-fn grazed(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let site = Site::random(dice, shaped(dice.clone().decade(-3.0, 0.5), size).map(|h| h.min(20.0)), size, 1.0);
-    aimed(dice, site, [0.3, 6.0], &[])
+fn grazed(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let site = Site::random(rng, shaped(rng.clone().decade(-3.0, 0.5), size).map(|h| h.min(20.0)), size, 1.0);
+    aimed(rng, site, [0.3, 6.0], &[])
 }
 
 /// Spheres aimed at pixels of any site: depth by decades, radius by its size in the image.
-fn aimed(dice: &mut Dice, mut site: Site, depths: [f64; 2], first: &[[u32; 2]]) -> World {
+fn aimed(rng: &mut Rng, mut site: Site, depths: [f64; 2], first: &[[u32; 2]]) -> World {
     let lens = site.scene.camera.viewport(1, 1).expect("a viewport");
     let half = (lens.vw / lens.d).min(lens.vh / lens.d).min(0.5);
     let mut pixels = first.to_vec();
-    for _ in 0..1 + dice.below(4) {
-        let pixel = site.pixel(dice);
-        let depth = dice.decade(depths[0], depths[1]);
-        let radius = depth * half * dice.decade(-4.0, 0.0);
-        let at = site.near_ray(dice, pixel, depth, radius);
-        site.aim(dice, pixel, at);
+    for _ in 0..1 + rng.below(4) {
+        let pixel = site.pixel(rng);
+        let depth = rng.decade(depths[0], depths[1]);
+        let radius = depth * half * rng.decade(-4.0, 0.0);
+        let at = site.near_ray(rng, pixel, depth, radius);
+        site.aim(rng, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// 100 to 176 degrees.
-fn wide(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.between(100f64, 176.0).to_radians() / 2.0;
-    let site = Site::random(dice, [half.tan(), half.tan()].map(|h| h * 0.78), size, 1.0);
-    aimed(dice, site, [0.1, 4.0], &[])
+fn wide(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.between(100f64, 176.0).to_radians() / 2.0;
+    let site = Site::random(rng, [half.tan(), half.tan()].map(|h| h * 0.78), size, 1.0);
+    aimed(rng, site, [0.1, 4.0], &[])
 }
 
 /// Down to a micro-radian and a billion units away.
-fn long(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.decade(-10.0, -3.0);
-    let site = Site::random(dice, shaped(half, size), size, 1.0);
-    aimed(dice, site, [2.0, 9.0], &[])
+fn long(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.decade(-10.0, -3.0);
+    let site = Site::random(rng, shaped(half, size), size, 1.0);
+    aimed(rng, site, [2.0, 9.0], &[])
 }
 
-/// A planet seen from 1.7 m to 100 km, its horizon, and pebbles at one's feet.
-fn planet(dice: &mut Dice) -> World {
+/// A planet seen from 1.7 m to 100 km, its horizon, and pebbles below the eye.
+fn planet(rng: &mut Rng) -> World {
     let r = 6.4e6;
-    let h = dice.decade(0.2, 5.0);
-    let lens = Lens::Vfov { degrees: dice.between(5.0, 100.0), distance: 1.0 };
-    let tilt = dice.between(0.0, 2.5) * (2.0 * h / r).sqrt();
-    let look = Look::View(DVec3::new(dice.between(-1.0, 1.0), -tilt, dice.between(-1.0, 1.0)));
-    let size = size(dice);
+    let h = rng.decade(0.2, 5.0);
+    let lens = Lens::Vfov { degrees: rng.between(5.0, 100.0), distance: 1.0 };
+    let tilt = rng.between(0.0, 2.5) * (2.0 * h / r).sqrt();
+    let look = Look::View(DVec3::new(rng.between(-1.0, 1.0), -tilt, rng.between(-1.0, 1.0)));
+    let size = size(rng);
     let mut site = Site::new(Camera { eye: DVec3::new(0.0, h, 0.0), look, up: DVec3::Y, lens }, size);
     let center = [0.0, -r, 0.0];
-    let pixel = site.pixel(dice);
+    let pixel = site.pixel(rng);
     let passes = Exact::of(&site.scene, pixel, center, 1.0).passes();
     // The horizon through a pixel, where that leaves the eye outside.
-    let aimed = passes * (1.0 + dice.sign() * 2f64.powf(dice.between(-40.0, -18.0)));
+    let aimed = passes * (1.0 + rng.sign() * 2f64.powf(rng.between(-40.0, -18.0)));
     site.scene.spheres.push(center, if aimed < r + 0.99 * h { aimed } else { r }, None);
-    for _ in 0..dice.below(4) {
-        let depth = h * dice.decade(-0.5, 1.5);
-        let pixel = site.pixel(dice);
-        let at = site.near_ray(dice, pixel, depth, 0.03 * depth);
-        site.aim(dice, pixel, at);
+    for _ in 0..rng.below(4) {
+        let depth = h * rng.decade(-0.5, 1.5);
+        let pixel = site.pixel(rng);
+        let at = site.near_ray(rng, pixel, depth, 0.03 * depth);
+        site.aim(rng, pixel, at);
     }
-    site.done(dice, vec![pixel])
+    site.done(rng, vec![pixel])
 }
 
-/// The eye in spheres, deep and close to the wall; shells; something in front of the wall.
-fn inside(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let mut site = Site::random(dice, shaped(dice.clone().decade(-4.0, 0.7), size).map(|h| h.min(25.0)), size, 1.0);
-    for _ in 0..1 + dice.below(3) {
-        let r = dice.decade(-2.0, 4.0);
-        let deep = 1.0 - dice.decade(-9.0, 0.0);
-        let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+/// The eye inside spheres, deep and close to the surface; shells; a sphere between eye and surface.
+fn inside(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let mut site = Site::random(rng, shaped(rng.clone().decade(-4.0, 0.7), size).map(|h| h.min(25.0)), size, 1.0);
+    for _ in 0..1 + rng.below(3) {
+        let r = rng.decade(-2.0, 4.0);
+        let deep = 1.0 - rng.decade(-9.0, 0.0);
+        let way = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
         site.push((way.normalize() * r * deep).to_array(), r);
-        if dice.below(2) == 0 {
+        if rng.below(2) == 0 {
             let last = site.scene.spheres.centers.len() - 1;
             let center = site.scene.spheres.centers[last];
-            site.scene.spheres.push(center, r * (1.0 + dice.decade(-9.0, -2.0)), None);
+            site.scene.spheres.push(center, r * (1.0 + rng.decade(-9.0, -2.0)), None);
         }
     }
-    let pixel = site.pixel(dice);
-    site.done(dice, vec![pixel])
+    let pixel = site.pixel(rng);
+    site.done(rng, vec![pixel])
 }
 
 /// Across the eye plane, or large and close.
-fn straddling(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let mut site = Site::random(dice, shaped(dice.clone().decade(-2.0, 0.9), size).map(|h| h.min(30.0)), size, 1.0);
+fn straddling(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let mut site = Site::random(rng, shaped(rng.clone().decade(-2.0, 0.9), size).map(|h| h.min(30.0)), size, 1.0);
     let mut pixels = Vec::new();
-    for _ in 0..1 + dice.below(3) {
-        let pixel = site.pixel(dice);
-        let depth = dice.between(-0.5, 1.2);
-        let by = dice.decade(-1.0, 1.5);
-        let at = site.near_ray(dice, pixel, depth, by);
-        site.aim(dice, pixel, at);
+    for _ in 0..1 + rng.below(3) {
+        let pixel = site.pixel(rng);
+        let depth = rng.between(-0.5, 1.2);
+        let by = rng.decade(-1.0, 1.5);
+        let at = site.near_ray(rng, pixel, depth, by);
+        site.aim(rng, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
-/// Far and at nearly equal depths: the order is what is hard.
-fn cluster(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let depth = dice.decade(0.7, 8.0);
-    let mut site = Site::random(dice, shaped(0.7 / depth, size), size, depth);
-    let pixel = site.pixel(dice);
-    let apart = dice.decade(-8.0, 0.0);
-    for _ in 0..2 + dice.below(5) {
-        let by = dice.between(0.0, 0.4);
-        let back = dice.between(0.0, apart);
-        let mut at = site.near_ray(dice, pixel, depth, by);
+/// Far away and at nearly equal depths, which makes the order hard.
+fn cluster(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let depth = rng.decade(0.7, 8.0);
+    let mut site = Site::random(rng, shaped(0.7 / depth, size), size, depth);
+    let pixel = site.pixel(rng);
+    let apart = rng.decade(-8.0, 0.0);
+    for _ in 0..2 + rng.below(5) {
+        let by = rng.between(0.0, 0.4);
+        let back = rng.between(0.0, apart);
+        let mut at = site.near_ray(rng, pixel, depth, by);
         // Fronts nearly level along the ray.
-        let r = dice.between(0.5, 1.5);
+        let r = rng.between(0.5, 1.5);
         at[2] += (r * r - by * by).sqrt() + back;
         site.push(at, r);
     }
-    site.done(dice, vec![pixel; 2])
+    site.done(rng, vec![pixel; 2])
 }
 
 /// A pixel is larger than the sphere.
-fn sub_pixel(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.decade(-5.0, 0.3);
-    let mut site = Site::random(dice, [half, half], size, 1.0);
+fn sub_pixel(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.decade(-5.0, 0.3);
+    let mut site = Site::random(rng, [half, half], size, 1.0);
     let mut pixels = Vec::new();
     for _ in 0..2 {
-        let pixel = site.pixel(dice);
-        let depth = dice.decade(0.3, 5.0);
-        let radius = depth * half / f64::from(size[1]) * dice.decade(-6.5, 0.0);
-        let at = site.near_ray(dice, pixel, depth, radius);
+        let pixel = site.pixel(rng);
+        let depth = rng.decade(0.3, 5.0);
+        let radius = depth * half / f64::from(size[1]) * rng.decade(-6.5, 0.0);
+        let at = site.near_ray(rng, pixel, depth, radius);
         // Where the projected centre's own rounding is what grazes.
-        let delta = if dice.below(2) == 0 { dice.sign() * dice.decade(-8.0, -1.0) } else { dice.decade(-2.0, 0.3) };
+        let delta = if rng.below(2) == 0 { rng.sign() * rng.decade(-8.0, -1.0) } else { rng.decade(-2.0, 0.3) };
         site.aim_by(delta, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// Any family's scene, 1e-30 to 1e30 times as large.
-fn scales(dice: &mut Dice) -> World {
-    let World { mut scene, pixels } = FAMILIES[dice.below(9) as usize].1(dice);
-    // A power of two, so that what was aimed stays aimed.
-    let scale = 2f64.powi(dice.below(200) as i32 - 100);
+fn scales(rng: &mut Rng) -> World {
+    let World { mut scene, pixels } = FAMILIES[rng.below(9) as usize].1(rng);
+    // A power of two, so that rays graze as before.
+    let scale = 2f64.powi(rng.below(200) as i32 - 100);
     scaled(&mut scene, scale);
     World { scene, pixels }
 }
@@ -308,158 +308,158 @@ fn scaled(scene: &mut Scene, scale: f64) {
 }
 
 /// At the corners of a wide image, where |d|^2 is largest.
-fn corner(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.decade(-0.3, 1.3);
-    let mut site = Site::random(dice, [half, half], size, 1.0);
+fn corner(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.decade(-0.3, 1.3);
+    let mut site = Site::random(rng, [half, half], size, 1.0);
     let mut pixels = Vec::new();
     for _ in 0..2 {
-        let pixel = [dice.below(2) * (size[1] - 1), dice.below(2) * (size[0] - 1)];
-        let depth = dice.decade(0.3, 5.0);
-        let radius = depth * dice.decade(-4.0, 0.0);
-        let at = site.near_ray(dice, pixel, depth, radius);
-        site.aim(dice, pixel, at);
+        let pixel = [rng.below(2) * (size[1] - 1), rng.below(2) * (size[0] - 1)];
+        let depth = rng.decade(0.3, 5.0);
+        let radius = depth * rng.decade(-4.0, 0.0);
+        let at = site.near_ray(rng, pixel, depth, radius);
+        site.aim(rng, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// Viewports a hundred times as wide as tall, or the reverse, on square images.
-fn anisotropic(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.decade(-3.0, 1.0);
-    let half = if dice.below(2) == 0 { [half, half / 100.0] } else { [half / 100.0, half] };
-    let site = Site::random(dice, half, size, 1.0);
-    aimed(dice, site, [0.3, 5.0], &[])
+fn anisotropic(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.decade(-3.0, 1.0);
+    let half = if rng.below(2) == 0 { [half, half / 100.0] } else { [half / 100.0, half] };
+    let site = Site::random(rng, half, size, 1.0);
+    aimed(rng, site, [0.3, 5.0], &[])
 }
 
 /// The eye just outside, just inside, or on a surface.
-fn surface(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let mut site = Site::random(dice, shaped(dice.clone().decade(-2.0, 0.5), size).map(|h| h.min(25.0)), size, 0.0);
-    for _ in 0..1 + dice.below(2) {
-        let r = dice.decade(-2.0, 6.0);
-        let gap = 1.0 + dice.sign() * dice.decade(-16.0, -2.0);
-        let way = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
+fn surface(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let mut site = Site::random(rng, shaped(rng.clone().decade(-2.0, 0.5), size).map(|h| h.min(25.0)), size, 0.0);
+    for _ in 0..1 + rng.below(2) {
+        let r = rng.decade(-2.0, 6.0);
+        let gap = 1.0 + rng.sign() * rng.decade(-16.0, -2.0);
+        let way = DVec3::new(rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-1.0, 1.0));
         site.push((way.normalize() * r * gap).to_array(), r);
     }
-    let pixel = site.pixel(dice);
-    site.done(dice, vec![pixel])
+    let pixel = site.pixel(rng);
+    site.done(rng, vec![pixel])
 }
 
 /// Up to 2^20 pixels wide.
-fn big_image(dice: &mut Dice) -> World {
-    let size = [1 << (10 + dice.below(11)), 1 + dice.below(3000)];
-    let half = dice.decade(-4.0, 0.7);
-    let site = Site::random(dice, shaped(half.min(20.0 / f64::from(size[0])), size), size, 1.0);
-    aimed(dice, site, [0.3, 6.0], &[])
+fn big_image(rng: &mut Rng) -> World {
+    let size = [1 << (10 + rng.below(11)), 1 + rng.below(3000)];
+    let half = rng.decade(-4.0, 0.7);
+    let site = Site::random(rng, shaped(half.min(20.0 / f64::from(size[0])), size), size, 1.0);
+    aimed(rng, site, [0.3, 6.0], &[])
 }
 
 /// Ahead by little, aside by much: in front, but not by a projected centre.
-fn beside(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let half = dice.decade(0.0, 2.5);
-    let mut site = Site::random(dice, [half, half], size, 1.0);
-    // Small: p x d cancels, and the normal is the first to feel it.
-    let pixel = site.pixel(dice);
-    let radius = dice.decade(-5.5, -3.0);
-    let at = site.near_ray(dice, pixel, 1.0, radius);
-    site.aim_by(dice.decade(-2.0, 0.3), pixel, at);
-    aimed(dice, site, [-1.0, 1.0], &[pixel])
+fn beside(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let half = rng.decade(0.0, 2.5);
+    let mut site = Site::random(rng, [half, half], size, 1.0);
+    // Small: p x d cancels, which affects the normal first.
+    let pixel = site.pixel(rng);
+    let radius = rng.decade(-5.5, -3.0);
+    let at = site.near_ray(rng, pixel, 1.0, radius);
+    site.aim_by(rng.decade(-2.0, 0.3), pixel, at);
+    aimed(rng, site, [-1.0, 1.0], &[pixel])
 }
 
 /// Parallel rays of a view about as high as that, from somewhere within `unit`.
-fn parallel_site(dice: &mut Dice, size: [u32; 2], height: f64, unit: f64) -> Site {
-    let site = Site::random(dice, [1.0; 2], size, unit);
+fn parallel_site(rng: &mut Rng, size: [u32; 2], height: f64, unit: f64) -> Site {
+    let site = Site::random(rng, [1.0; 2], size, unit);
     let lens = Lens::Orthographic { height };
     Site::new(Camera { lens, ..site.scene.camera }, size)
 }
 
 /// One to four spheres at any depth, larger or smaller than the view, grazed.
-fn parallel(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let height = dice.decade(-3.0, 3.0);
-    let mut site = parallel_site(dice, size, height, 1.0);
+fn parallel(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let height = rng.decade(-3.0, 3.0);
+    let mut site = parallel_site(rng, size, height, 1.0);
     let mut pixels = Vec::new();
-    for _ in 0..1 + dice.below(4) {
-        let pixel = site.pixel(dice);
-        let radius = height * dice.decade(-4.0, 0.5);
-        let depth = radius * dice.decade(0.0, 4.0);
-        let at = site.near_ray(dice, pixel, depth, radius);
-        site.aim(dice, pixel, at);
+    for _ in 0..1 + rng.below(4) {
+        let pixel = site.pixel(rng);
+        let radius = height * rng.decade(-4.0, 0.5);
+        let depth = radius * rng.decade(0.0, 4.0);
+        let at = site.near_ray(rng, pixel, depth, radius);
+        site.aim(rng, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// Across the plane of the eye, just before and just behind it; the eye within; something farther behind.
-fn parallel_crossing(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let mut site = parallel_site(dice, size, 2.0, 1.0);
+fn parallel_crossing(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let mut site = parallel_site(rng, size, 2.0, 1.0);
     let mut pixels = Vec::new();
-    for _ in 0..1 + dice.below(4) {
-        let pixel = site.pixel(dice);
-        let radius = dice.decade(-2.0, 0.5);
-        let depth = match dice.below(3) {
-            0 => dice.between(-1.0, 1.0),
-            1 => dice.sign() * (1.0 + dice.sign() * dice.decade(-16.0, -1.0)),
-            _ => dice.between(1.0, 3.0),
+    for _ in 0..1 + rng.below(4) {
+        let pixel = site.pixel(rng);
+        let radius = rng.decade(-2.0, 0.5);
+        let depth = match rng.below(3) {
+            0 => rng.between(-1.0, 1.0),
+            1 => rng.sign() * (1.0 + rng.sign() * rng.decade(-16.0, -1.0)),
+            _ => rng.between(1.0, 3.0),
         };
-        let by = radius * dice.between(0.0, 1.0);
-        let at = site.near_ray(dice, pixel, depth * radius, by);
-        if dice.below(2) == 0 {
-            site.aim(dice, pixel, at);
+        let by = radius * rng.between(0.0, 1.0);
+        let at = site.near_ray(rng, pixel, depth * radius, by);
+        if rng.below(2) == 0 {
+            site.aim(rng, pixel, at);
         } else {
             site.push(at, radius);
         }
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
-/// Far from the plane, or far from the origin, where the order is what is hard.
-fn parallel_distant(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let (depth, unit) = match dice.below(2) {
-        0 => (dice.decade(0.7, 12.0), 1.0),
-        _ => (dice.decade(0.7, 2.0), dice.decade(2.0, 9.0)),
+/// Far from the plane, or far from the origin, which makes the order hard.
+fn parallel_distant(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let (depth, unit) = match rng.below(2) {
+        0 => (rng.decade(0.7, 12.0), 1.0),
+        _ => (rng.decade(0.7, 2.0), rng.decade(2.0, 9.0)),
     };
-    let mut site = parallel_site(dice, size, 3.0, unit);
-    let pixel = site.pixel(dice);
-    let apart = dice.decade(-8.0, 0.0);
-    for _ in 0..2 + dice.below(5) {
-        let by = dice.between(0.0, 0.4);
-        let back = dice.between(0.0, apart);
-        let mut at = site.near_ray(dice, pixel, depth, by);
-        let r = dice.between(0.5, 1.5);
+    let mut site = parallel_site(rng, size, 3.0, unit);
+    let pixel = site.pixel(rng);
+    let apart = rng.decade(-8.0, 0.0);
+    for _ in 0..2 + rng.below(5) {
+        let by = rng.between(0.0, 0.4);
+        let back = rng.between(0.0, apart);
+        let mut at = site.near_ray(rng, pixel, depth, by);
+        let r = rng.between(0.5, 1.5);
         at[2] += (r * r - by * by).sqrt() + back;
         site.push(at, r);
     }
-    site.done(dice, vec![pixel; 2])
+    site.done(rng, vec![pixel; 2])
 }
 
 /// A pixel is larger than the sphere, and the host's rounding of where it is what grazes.
-fn parallel_sub_pixel(dice: &mut Dice) -> World {
-    let size = size(dice);
-    let height = dice.decade(-5.0, 5.0);
-    let mut site = parallel_site(dice, size, height, 1.0);
+fn parallel_sub_pixel(rng: &mut Rng) -> World {
+    let size = size(rng);
+    let height = rng.decade(-5.0, 5.0);
+    let mut site = parallel_site(rng, size, height, 1.0);
     let mut pixels = Vec::new();
     for _ in 0..2 {
-        let pixel = site.pixel(dice);
-        let depth = height * dice.decade(-1.0, 9.0);
-        let radius = height / f64::from(size[1]) * dice.decade(-6.5, 0.0);
-        let at = site.near_ray(dice, pixel, depth, radius);
-        let delta = if dice.below(2) == 0 { dice.sign() * dice.decade(-8.0, -1.0) } else { dice.decade(-2.0, 0.3) };
+        let pixel = site.pixel(rng);
+        let depth = height * rng.decade(-1.0, 9.0);
+        let radius = height / f64::from(size[1]) * rng.decade(-6.5, 0.0);
+        let at = site.near_ray(rng, pixel, depth, radius);
+        let delta = if rng.below(2) == 0 { rng.sign() * rng.decade(-8.0, -1.0) } else { rng.decade(-2.0, 0.3) };
         site.aim_by(delta, pixel, at);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// Any of these, 1e-30 to 1e30 times as large.
-fn parallel_scales(dice: &mut Dice) -> World {
-    let World { mut scene, pixels } = FAMILIES[15 + dice.below(4) as usize].1(dice);
-    let scale = 2f64.powi(dice.below(200) as i32 - 100);
+fn parallel_scales(rng: &mut Rng) -> World {
+    let World { mut scene, pixels } = FAMILIES[15 + rng.below(4) as usize].1(rng);
+    let scale = 2f64.powi(rng.below(200) as i32 - 100);
     if let Lens::Orthographic { height } = &mut scene.camera.lens {
         *height *= scale;
     }
@@ -467,37 +467,37 @@ fn parallel_scales(dice: &mut Dice) -> World {
     World { scene, pixels }
 }
 
-/// `up` all but along the view, the eye so near the origin beside `at` that their difference has more than 100 bits, and a
+/// `up` almost along the view, the eye so near the origin beside `at` that their difference has more than 100 bits, and a
 /// lens in which a turn of the image by 1e-17 rad shows. `at` is exactly on the axis.
-fn rolled(dice: &mut Dice) -> World {
-    let mut vector = |s: f64| DVec3::new(dice.between(-s, s), dice.between(-s, s), dice.between(-s, s));
+fn rolled(rng: &mut Rng) -> World {
+    let mut vector = |s: f64| DVec3::new(rng.between(-s, s), rng.between(-s, s), rng.between(-s, s));
     let (at, eye, side) = (vector(1.0), vector(1.0), vector(1.0));
-    let extent = dice.decade(-17.0, -14.0);
-    let up = at + side * dice.decade(-14.3, -6.0);
-    let lens = match dice.below(2) {
+    let extent = rng.decade(-17.0, -14.0);
+    let up = at + side * rng.decade(-14.3, -6.0);
+    let lens = match rng.below(2) {
         0 => Lens::Viewport { vw: extent, vh: extent, distance: 1.0 },
         _ => Lens::Orthographic { height: extent },
     };
     let camera = Camera { eye: eye * extent, look: Look::At(at), up, lens };
-    // Turned all but about the view there may be no up left.
+    // After a turn almost about the view, `up` may be parallel to it.
     let camera = if camera.basis().is_ok() { camera } else { Camera { up: DVec3::new(at.z, at.x, at.y), ..camera } };
-    let mut site = Site::new(camera, [2 + dice.below(40), 2 + dice.below(40)]);
+    let mut site = Site::new(camera, [2 + rng.below(40), 2 + rng.below(40)]);
     let mut pixels = Vec::new();
-    for k in 0..1 + dice.below(2) {
-        let pixel = site.pixel(dice);
+    for k in 0..1 + rng.below(2) {
+        let pixel = site.pixel(rng);
         let center = (at * f64::from(1 << k)).to_array();
         let passes = Exact::of(&site.scene, pixel, center, 1.0).passes();
-        let delta = dice.sign() * 2f64.powf(dice.between(-22.0, -3.0));
+        let delta = rng.sign() * 2f64.powf(rng.between(-22.0, -3.0));
         site.scene.spheres.push(center, passes * (1.0 + delta), None);
         pixels.push(pixel);
     }
-    site.done(dice, pixels)
+    site.done(rng, pixels)
 }
 
 /// Any family's scene where squares overflow, or among the subnormal numbers.
-fn ends(dice: &mut Dice) -> World {
-    let place = if dice.below(2) == 0 { dice.below(9) } else { 15 + dice.below(4) };
-    let World { mut scene, pixels } = FAMILIES[place as usize].1(dice);
+fn ends(rng: &mut Rng) -> World {
+    let place = if rng.below(2) == 0 { rng.below(9) } else { 15 + rng.below(4) };
+    let World { mut scene, pixels } = FAMILIES[place as usize].1(rng);
     let exponents = |scene: &Scene| {
         let sizes = scene.spheres.centers.iter().flatten().chain(&scene.spheres.radii);
         let largest = sizes.fold(0.0f64, |most, x| most.max(x.abs()));
@@ -509,8 +509,7 @@ fn ends(dice: &mut Dice) -> World {
     };
     let [least, most] = exponents(&scene);
     // The least length keeps a few bits; the largest number stays where differences do not overflow.
-    let k =
-        if dice.below(2) == 0 { -1070 + dice.below(40) as i32 - least } else { 990 - dice.below(300) as i32 - most };
+    let k = if rng.below(2) == 0 { -1070 + rng.below(40) as i32 - least } else { 990 - rng.below(300) as i32 - most };
     let scale = |x: &mut f64| *x = dd::ldexp(*x, k);
     if let Lens::Orthographic { height } = &mut scene.camera.lens {
         scale(height);

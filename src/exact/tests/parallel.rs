@@ -1,4 +1,4 @@
-//! Parallel rays: what is known by construction, and what rays of their own say.
+//! Parallel rays against answers known by construction and against given rays.
 
 use super::*;
 use crate::camera::Lens;
@@ -18,11 +18,11 @@ fn beside(m: f64, s: f64, z: f64) -> [f64; 3] {
 const EYE: [f64; 3] = [5.0, -7.0, 11.0];
 
 #[test]
-fn a_parallel_ray_is_a_ray_of_its_own() {
-    let mut dice = Dice(11);
+fn a_parallel_ray_agrees_with_a_given_ray() {
+    let mut rng = Rng(11);
     let mut hits = 0;
     for height in [0.5, 8.0, 1024.0, 2.0, 4.0, 8.0] {
-        let mut scene = dice.scene(1.0);
+        let mut scene = random_scene(&mut rng, 1.0);
         let lens = Lens::Orthographic { height };
         scene.camera = Camera { eye: [0.25, -0.5, 2.0].into(), lens, ..Camera::CANONICAL };
         scene.image = ImagePlane { width: 8, height: 8, ..ImagePlane::default() };
@@ -74,7 +74,7 @@ fn ties_go_to_the_lower_index() {
     // (3 aside, 4 of depth), and from within (4 aside, 3 of depth).
     let balls = [(beside(4.0, 1.0, 4.0), 5.0), (beside(4.8, 1.0, -2.0), 41f64.sqrt()), (beside(4.8, 0.8, 1.0), 5.0)];
     assert_eq!(slanted(EYE, &balls[..1]).pixel(0, 2).expect("the touch").t, 20.0);
-    // 4.8, 0.8 and the root are rounded, so these two are no ties: whatever they are, the order of the list says nothing.
+    // 4.8, 0.8 and the root are rounded, so these two are not ties: the order of the list does not matter.
     for n in [1, 2] {
         let [ahead, back] = [[0, n], [n, 0]].map(|order| {
             let id = slanted(EYE, &order.map(|k: usize| balls[k])).pixel(0, 2).expect("a hit").id;

@@ -9,7 +9,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_link_is_followed_and_stays() {
+fn a_link_is_followed_and_kept() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     fs::create_dir(path("far")).expect("made");
@@ -31,9 +31,9 @@ fn a_link_is_followed_and_stays() {
     }
 }
 
-/// Where there are no nameless files, and where they get no name.
+/// File systems without unnamed temporary files, or where these cannot be linked.
 #[test]
-fn named_files_are_put_in_place_too() {
+fn named_temporary_files_are_renamed_into_place() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a");
     for content in ["named", "again"] {
@@ -53,10 +53,10 @@ fn named_files_are_put_in_place_too() {
 }
 
 #[test]
-fn only_what_is_certainly_stale_is_removed() {
+fn only_stale_files_are_removed() {
     let folder = tempfile::tempdir().expect("a folder");
     let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
-    // What a process leaves that is killed: nobody holds its lock.
+    // The file of a killed process is not locked.
     let (file, dead) = stale::new(&a).expect("a file").keep().expect("kept");
     drop(file);
     let (file, other) = stale::new(&b).expect("a file").keep().expect("kept");
@@ -77,7 +77,7 @@ fn only_what_is_certainly_stale_is_removed() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_file_that_is_being_written_has_no_name() {
+fn an_unfinished_file_has_no_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a");
     write_atomically(&path, |out| {

@@ -1,21 +1,16 @@
 use super::*;
 use crate::gpu::device;
+use crate::testing::adapter_or_skip;
 
-/// The pinned adapter, or `None` where HALFLINE_NO_GPU says that there shall be none.
+/// The pinned adapter, opened.
 fn gpu() -> Option<Gpu> {
-    if std::env::var_os("HALFLINE_NO_GPU").is_some() {
-        println!("SKIPPED: HALFLINE_NO_GPU is set");
-        return None;
-    }
-    let found = device::choose(device::find().expect("adapters"), None).expect("a choice");
-    let found = found.expect("an adapter; tests/run installs and pins one");
-    println!("adapter: {} ({})", found.summary.name, found.summary.driver);
+    let found = adapter_or_skip()?;
     Some(Gpu::new(device::open(&found).expect("a device"), found.summary))
 }
 
-/// What is known of the two software adapters; of any other only that the test ends with a verdict.
+/// The known verdicts of the two software adapters; any other adapter only has to have one.
 #[test]
-fn known_adapters_are_what_they_are_known_to_be() {
+fn known_adapters_have_their_known_verdicts() {
     let Some(mut gpu) = gpu() else { return };
     let verdict = gpu.measure().expect("a verdict");
     println!("{} ms", verdict.milliseconds);
@@ -39,7 +34,7 @@ fn known_adapters_are_what_they_are_known_to_be() {
     assert_eq!(verdict.f64.reason.is_none(), gpu.summary.f64, "{:?}", verdict.f64);
 }
 
-/// Negative control: one bit of one answer, and a check that stood falls.
+/// Negative control: with one bit of one answer changed, a check that passed fails.
 #[test]
 fn a_planted_wrong_answer_is_caught() {
     let Some(mut gpu) = gpu() else { return };
@@ -58,7 +53,7 @@ fn a_planted_wrong_answer_is_caught() {
             let after = (trial.judge)(&trial.cases, &planted);
             let numbers = |checks: &[Check]| checks.iter().map(|c| c.detail.clone()).collect::<Vec<_>>();
             let fell = before.iter().zip(&after).any(|(a, b)| a.passed && !b.passed);
-            // A transform that this adapter gets wrong anyway has nothing to lose.
+            // A check that this adapter fails anyway.
             let of = if word < 24 { word / 2 } else { word - 12 };
             let lost = trial.name == "transforms" && !before[of].passed;
             assert!(fell || lost, "{} word {word}: {:?}", trial.name, numbers(&after));
@@ -66,7 +61,7 @@ fn a_planted_wrong_answer_is_caught() {
     }
 }
 
-/// Every answer may be anything: no number, all ones, or missing.
+/// Answers of NaN, of all ones, and missing ones.
 #[test]
 fn nonsense_fails_and_does_not_panic() {
     for trial in trials(true) {
@@ -101,9 +96,9 @@ fn shaders_validate_and_declare_their_words() {
     }
 }
 
-/// Verdicts survive the file; broken files, other keys and unwritable folders are as if nothing were there.
+/// A verdict is read back from the cache; broken files, other keys and unwritable folders count as no cache.
 #[test]
-fn the_cache_is_believed_only_when_it_is_ours() {
+fn the_cache_is_used_only_for_the_same_adapter_and_version() {
     let adapter = device::AdapterSummary {
         index: 0,
         name: "nobody's".into(),

@@ -11,7 +11,7 @@ fn frames(name: &str, buffers: &[(Option<&str>, f32)]) -> Frames {
 }
 
 #[test]
-fn buffers_of_one_name_belong_together() {
+fn buffers_of_one_name_are_compared() {
     let a = frames("a.npz", &[(Some("color"), 1.0), (Some("depth"), 2.0), (Some("id"), 3.0)]);
     let b = frames("b.exr", &[(Some("depth"), 4.0), (Some("bound"), 5.0), (Some("color"), 6.0)]);
     let found = Frames::pairs(&a, &b, &[]).expect("pairs");
@@ -24,7 +24,7 @@ fn buffers_of_one_name_belong_together() {
     let wanted = ["id".to_owned()];
     let error = Frames::pairs(&a, &b, &wanted).expect_err("b has none").to_string();
     assert!(error.contains("b.exr has no buffer `id`; it has depth, bound, color"), "{error}");
-    // Single buffers are compared whatever they are called; a nameless one cannot choose among many.
+    // Single buffers are compared whatever their names; one without a name matches none of several.
     let (one, nameless) = (frames("one.npy", &[(Some("depth"), 7.0)]), frames("x.npy", &[(None, 8.0)]));
     assert_eq!(Frames::pairs(&one, &nameless, &[]).expect("a pair").common[0].name, Some("depth"));
     let error = Frames::pairs(&nameless, &b, &[]).expect_err("which").to_string();
@@ -36,7 +36,7 @@ fn buffers_of_one_name_belong_together() {
 }
 
 #[test]
-fn float_maps_of_any_writer_are_read_from_the_bottom() {
+fn pfm_of_other_programs_is_read_from_the_bottom_row() {
     let numbers = |big: bool| {
         let each = [1.0_f32, 2.0, 3.0, 4.0, 5.0, 6.0].map(|x| if big { x.to_be_bytes() } else { x.to_le_bytes() });
         each.concat()
@@ -63,7 +63,7 @@ fn float_maps_of_any_writer_are_read_from_the_bottom() {
 }
 
 #[test]
-fn what_is_no_frame_is_refused() {
+fn a_file_that_is_not_a_frame_is_refused() {
     for bytes in [&b""[..], b"words", b"PK\x03\x04", b"PK\x05\x06", &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0], b"\x89PNG"] {
         let error = Frames::from_bytes(bytes, "a").expect_err("no frame");
         assert!(matches!(error, Error::Scene { .. }), "{bytes:?}: {error}");

@@ -17,7 +17,7 @@ fn drawn(record: &Record) -> Vec<Plot> {
 }
 
 #[test]
-fn a_record_gets_the_plots_that_it_has_data_for() {
+fn a_record_has_the_plots_of_its_data() {
     let names = |record: &Record| drawn(record).iter().map(|plot| plot.name).collect::<Vec<_>>();
     let distances = ["error-distance", "error-distance-t", "error-distance-outline"];
     let timed = ["speed-error", "speed-distance"];
@@ -55,7 +55,7 @@ fn plots_are_well_formed_and_say_what_they_show() {
 }
 
 #[test]
-fn the_png_is_the_svg_in_pixels() {
+fn the_png_shows_the_plot() {
     for record in samples() {
         for plot in drawn(&record) {
             let picture = image::load_from_memory(&plot.png).expect("a readable PNG").to_rgb8();
@@ -68,7 +68,7 @@ fn the_png_is_the_svg_in_pixels() {
 }
 
 #[test]
-fn text_is_drawn_without_fonts_of_the_machine() {
+fn text_is_drawn_without_system_fonts() {
     let word = |text: &str| {
         let drawing = super::canvas::drawing([2000, 100], |area| {
             super::canvas::text(area, text, &super::look::font(60), (20, 50))?;
@@ -91,7 +91,7 @@ fn the_same_record_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_record_from_anywhere_does_no_harm() {
+fn an_invalid_record_causes_no_panic() {
     let mut record = sample::ladder();
     record.subject = "\u{1}\u{0} ]]> <b> & \"".into();
     record.runs[0].place = 99;
@@ -127,14 +127,14 @@ fn growth_is_fitted_over_its_last_two_decades() {
 }
 
 #[test]
-fn the_front_is_what_none_faster_matches() {
+fn the_pareto_front_has_no_faster_method_as_accurate() {
     assert_eq!(pareto(&[(3.0, 0.0), (1.0, 0.5), (2.0, 0.5), (1.5, 0.1), (9.0, 0.0)]), [1, 3, 0]);
     assert_eq!(pareto(&[(1.0, 0.5), (1.0, 0.2)]), [1], "of two that take as long the more exact one");
     assert!(pareto(&[]).is_empty());
 }
 
 #[test]
-fn numbers_of_an_axis_are_short() {
+fn axis_labels_are_short() {
     let plain = [
         (1, -2, "0.01"),
         (5, -1, "0.5"),
@@ -153,7 +153,7 @@ fn numbers_of_an_axis_are_short() {
 }
 
 #[test]
-fn ticks_say_where_they_are() {
+fn ticks_have_their_values() {
     for (low, high) in [(330.0, 48_000.0), (1e-14, 3.0), (0.2, 0.9), (2.0, 2.0), (1e-3, 2e5)] {
         let axis = Axis::new("", Unit::Plain, [Some(low), Some(high)].into_iter());
         let ticks = axis.key_points(BoldPoints(99));
@@ -182,7 +182,7 @@ fn ticks_say_where_they_are() {
 }
 
 #[test]
-fn cells_of_a_colour_are_one_path() {
+fn cells_of_one_colour_are_one_path() {
     let svg = Cells::new((3, 4), 2.0, [3, 2], |cell| if cell == 1 { [255, 0, 0] } else { [0; 3] }).svg();
     assert!(svg.contains("translate(3 4) scale(2.00000)"), "{svg}");
     assert!(svg.contains(r##"<path fill="#000000" d="M0 0h3v2h-3z"/>"##), "{svg}");

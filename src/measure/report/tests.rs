@@ -7,7 +7,7 @@ fn page_of(record: &Record) -> String {
 }
 
 #[test]
-fn the_page_needs_nothing_but_itself() {
+fn the_page_loads_no_other_file() {
     for record in [sample::ladder(), sample::scene(), sample::families(), Record::default()] {
         let page = page_of(&record);
         for resource in ["http", "src=", "<script", "@import", "url(", "<link", "href="] {
@@ -30,7 +30,7 @@ fn the_page_names_every_method_and_place_and_escapes_them() {
 }
 
 #[test]
-fn a_broken_run_is_shouted_and_a_sound_one_is_not() {
+fn a_wrong_run_has_a_warning_and_a_right_one_has_none() {
     let sound = sample::ladder();
     assert!(!page_of(&sound).contains("BROKEN"));
     type Plant = fn(&mut Run);
@@ -50,7 +50,7 @@ fn a_broken_run_is_shouted_and_a_sound_one_is_not() {
 }
 
 #[test]
-fn the_files_lie_flat_in_the_folder() {
+fn the_files_are_flat_in_the_folder() {
     let dir = tempfile::tempdir().expect("a folder");
     let paths = write(&sample::scene(), dir.path()).expect("a report");
     let mut names: Vec<_> = paths.iter().map(|path| path.file_name().expect("a name").to_owned()).collect();
@@ -76,7 +76,7 @@ fn the_files_lie_flat_in_the_folder() {
 }
 
 #[test]
-fn the_summary_says_what_to_take_and_who_left_the_chart() {
+fn the_summary_names_the_best_methods_and_those_outside_the_chart() {
     let page = page_of(&sample::ladder());
     let says = |words: &str| assert!(page.contains(words), "{words}");
     says("the fastest method without a wrong pixel is stable at");

@@ -16,14 +16,14 @@ fn scene() -> Scene {
     Scene { camera: Camera { lens, ..Camera::CANONICAL }, image, spheres, skipped: Default::default() }
 }
 
-/// The judge's own frame.
+/// The exact frame.
 fn exact(scene: &Scene) -> Frame {
     let aovs = vec![Aov::Distance, Aov::Normal, Aov::Bound];
     let settings = Settings { backend: Backend::Cpu, accuracy: Accuracy::Exact, aovs, ..Settings::default() };
     crate::render(scene, &settings).expect("an exact frame")
 }
 
-/// The middle pixel and the one to its right: what hits.
+/// The middle pixel and the one to its right, which hit.
 const MIDDLE: usize = 4;
 const RIGHT: usize = 5;
 
@@ -52,7 +52,7 @@ fn after(change: impl FnOnce(&mut Frame)) -> Errors {
 }
 
 #[test]
-fn the_judges_own_frame_is_right() {
+fn the_exact_frame_has_no_errors() {
     let scene = scene();
     let truths = Truths::of(&scene).expect("truths");
     assert_eq!(truths.hits(), 2);
@@ -66,7 +66,7 @@ fn the_judges_own_frame_is_right() {
 }
 
 #[test]
-fn planted_wrong_ids_are_told_apart_and_cost_their_radius() {
+fn planted_wrong_ids_are_classified_and_measured_in_radii() {
     // The corner's ray (1, 1, -1) passes sphere 0 at |(0,0,-10) x (1,1,-1)| / sqrt 3 = 10 sqrt(2/3).
     let errors = after(|frame| ids(frame)[2] = 0);
     assert_eq!((errors.false_hit, errors.wrong()), (1, 1));
@@ -75,7 +75,7 @@ fn planted_wrong_ids_are_told_apart_and_cost_their_radius() {
     // The middle ray passes through the centre: only a sphere of no radius is missed.
     let errors = after(|frame| ids(frame)[MIDDLE] = -1);
     assert_eq!((errors.false_miss, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
-    // Behind: the half-line is nearest at the eye, 5 from the centre. (It is not seen, and does not exist ahead.)
+    // Behind: the half-line is nearest at the eye, 5 from the centre.
     let mut behind = scene();
     behind.spheres.centers[1] = [0.0, 0.0, 5.0];
     let mut frame = exact(&behind);
@@ -102,7 +102,7 @@ fn a_wrong_sphere_is_a_wrong_outline_or_a_wrong_order() {
 }
 
 #[test]
-fn a_planted_wrong_root_shows() {
+fn a_planted_wrong_root_is_found() {
     // Sphere 1 is met at 4 and at 6.
     let errors = after(|frame| distances(frame)[MIDDLE] = 6.0);
     assert_eq!((errors.wrong_root, errors.wrong(), errors.relative.max), (1, 1, Some(0.5)));
@@ -125,7 +125,7 @@ fn a_planted_wrong_root_shows() {
 }
 
 #[test]
-fn distances_are_off_in_ulp_radii_and_relative() {
+fn errors_of_distance_are_in_ulp_in_radii_and_relative() {
     // Three ulps of f32 at t* = 4, of which one is 2^-21; the radius is 1, the ray's direction of length 1.
     let errors = after(|frame| distances(frame)[MIDDLE] = 4.0 + 3.0 * 2f64.powi(-21));
     assert_eq!(errors.wrong(), 0);
@@ -165,7 +165,7 @@ fn a_bound_is_measured_against_the_true_error() {
 }
 
 #[test]
-fn a_map_keeps_the_place() {
+fn a_map_has_the_place_of_each_error() {
     let mut wide = scene();
     (wide.image.width, wide.image.height) = (321, 3);
     let mut frame = exact(&wide);
@@ -179,7 +179,7 @@ fn a_map_keeps_the_place() {
 
 /// A kernel that is broken is reported as broken: here one that takes every radius for 1 % more than it is.
 #[test]
-fn a_broken_kernel_shows_up_as_broken() {
+fn a_broken_kernel_is_reported() {
     let mut scene = scene();
     (scene.image.width, scene.image.height) = (96, 96);
     let settings = Settings {
@@ -203,7 +203,7 @@ fn a_broken_kernel_shows_up_as_broken() {
 }
 
 #[test]
-fn a_crop_shows_light_and_verdict() {
+fn a_crop_shows_the_shading_and_the_verdict() {
     let scene = scene();
     let mut frame = exact(&scene);
     ids(&mut frame)[2] = 0;

@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_stand_operator_by_operator_and_part_by_part() {
+    fn copies_are_ordered_by_operator_and_part() {
         let unit = Particles {
             positions: vec![[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [3.0, 0.0, 0.0]],
             elements: vec![6, 7, 8],
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_memory_does_not_hold_is_refused_before_it_is_built() {
+    fn a_frame_beyond_memory_is_refused_before_it_is_built() {
         let atoms = 1_000_000;
         let unit = Particles { positions: vec![[0.0; 3]; atoms], elements: vec![6; atoms], ..Particles::default() };
         let part = Part { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };

@@ -467,7 +467,7 @@ mod tests {
     }
 
     #[test]
-    fn styles_are_named_or_told_by_the_columns() {
+    fn styles_are_named_or_follow_from_the_columns() {
         let file = |heading: &str, row: &str| format!("{HEAD}\n{heading}\n\n{row}\n{row}\n");
         for (heading, row, assumed) in [
             ("Atoms # sphere", "1 1 3 0.1 1 2 3", 0),
@@ -503,7 +503,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn errors_are_reported_with_line_and_column() {
         let file = |sections: &str| format!("{HEAD}\n{sections}");
         for (text, told) in [
             (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_passed_over_without_their_numbers() {
+    fn skipped_frames_are_not_parsed() {
         let text = frame(CUBE, "x y z", "no numbers here\nat all, at") + &frame(CUBE, "x y z", "1 2 3");
         let mut dump = Dump::new(Source::of_text(&text), &ReadOptions::default()).expect("a dump");
         assert!(dump.skip().expect("the first"));
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn errors_are_reported_with_line_and_column() {
         let one = |columns: &str, atoms: &str| frame(CUBE, columns, atoms);
         for (text, told) in [
             (one("x y z", "1 2 b"), ":10:5: z: `b`"),

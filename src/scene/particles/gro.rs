@@ -340,7 +340,7 @@ MD of 2 waters, t= 0.0
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn errors_are_reported_with_line_and_column() {
         for (old, new, place) in [
             ("    3\n", "three\n", "text:2:1: count"),
             ("    3\n", "9999999999999\n", "9999999999999 spheres are more than ids"),
@@ -361,7 +361,7 @@ MD of 2 waters, t= 0.0
     }
 
     #[test]
-    fn no_bytes_make_a_panic() {
+    fn no_bytes_cause_a_panic() {
         let mut bytes = TWO.as_bytes().to_vec();
         let with = |bytes: &[u8]| {
             let mut gro = Gro::new(Source::of_bytes(bytes), &ReadOptions::default());

@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn masses_tell_elements_where_they_look_like_those() {
+    fn masses_give_elements_where_they_match() {
         assert_eq!(elements(&[12.0107, 1.0, 15.9994, 55.845]), Some(vec![6, 1, 8, 26]));
         assert_eq!(elements(&[58.6934, 58.9332, 39.948, 39.0983]), Some(vec![28, 27, 18, 19]));
         for reduced in [&[1.0][..], &[1.0, 2.0], &[72.0, 12.011], &[0.5], &[f64::NAN], &[]] {

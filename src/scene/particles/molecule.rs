@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn other_formats_are_not_asked_for_what_they_do_not_have() {
+    fn options_of_molecules_are_refused_for_other_formats() {
         let plain = ReadOptions::default();
         for (options, word) in [
             (ReadOptions { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn strange_names_are_counted_after_all_is_chosen() {
+    fn unknown_names_are_counted_after_selection() {
         let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
         let mut model = Model::new(&Choice::of(&options), &[], Inference::new(false));
         for (location, occupancy, name) in

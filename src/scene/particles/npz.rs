@@ -384,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told() {
+    fn errors_are_reported() {
         let good = archive(How::Deflated, &members());
         let mut damaged = good.clone();
         damaged[14] ^= 1;

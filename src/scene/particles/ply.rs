@@ -440,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn the_three_forms_hold_the_same() {
+    fn the_three_encodings_hold_the_same_scene() {
         let text = header("ascii") + "3 0 1 1\n1.5 0.1 -2 255 0 128 0 9\n3 0.1 4 0 0 128 2 7 7 -9\n";
         for bytes in [text.into_bytes(), binary(false), binary(true)] {
             let found = read_bytes(&bytes, false).expect("points");
@@ -458,7 +458,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_behind_the_vertices_are_looked_at() {
+    fn bytes_behind_the_vertices_are_checked() {
         let floats = |n: usize| (0..n).flat_map(|k| (k as f32).to_le_bytes());
         let file = |elements: &str, bytes: &[u8]| {
             let xyz = "property float x\nproperty float y\nproperty float z\n";
@@ -487,7 +487,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told() {
+    fn errors_are_reported() {
         let points = |properties: &str, rows: &str| {
             format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n{rows}")
         };

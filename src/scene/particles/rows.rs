@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_bad_line_is_told() {
+    fn the_first_bad_line_is_reported() {
         for (changed, place) in [
             (&[(150_000, "H 1 2"), (149_999, "H 0 b 0"), (199_999, "")][..], "text:150002:5: y: `b`"),
             (&[(199_999, "H 1 2 \u{e9}")], "text:200002:7: z"),

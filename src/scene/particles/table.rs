@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn errors_are_reported_with_line_and_column() {
         for (text, told) in [
             ("", "text: header: no columns"),
             ("1,2,3\n", ":1:1: header: no columns"),

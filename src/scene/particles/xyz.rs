@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn the_comment_says_what_the_columns_are() {
+    fn the_comment_names_the_columns() {
         let text = "1\nLattice=\"1 0 0 0 2 0 0 0 3\" Properties=pos:R:3:species:S:1:v:R:2:radius:R:1 pbc='T T F'\n1 2 3 Xx 4 5 0.5\n";
         let frame = read(text, &["V_y", "nothing"]).expect("a frame").remove(0);
         assert_eq!((frame.positions[0], frame.radii[0], frame.elements[0]), ([1.0, 2.0, 3.0], 0.5, 0));
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_the_atoms_and_is_no_frame_is_said() {
+    fn trailing_lines_that_are_not_a_frame_are_reported() {
         let mut xyz = Xyz::new(Source::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
         let frame = xyz.next().expect("read").expect("a frame");
         assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` behind the 1 atoms begins no frame"]);
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_line_and_column() {
+    fn errors_are_reported_with_line_and_column() {
         for (text, place) in [
             ("two\n\n", ":1:1: count"),
             ("2\n\nO 0 0 0\n", "file ends"),

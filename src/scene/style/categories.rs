@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_categories_without_being_told() {
+    fn names_are_categories_by_default() {
         let chains = ["A", "B", " ", "D"];
         let ((colors, legend), said) = colored("chain", &[0.0, 0.0, 3.0, 2.0], &chains, &scale("chain", None))
             .expect("colours")

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn residues_are_known_by_every_programs_name() {
+    fn residues_are_known_by_the_names_of_all_programs() {
         for (class_of, names) in [
             (Some(Class::Protein), "ALA HSD HIE HISH CYX ASH GLH LYN MSE NALA CGLY ACE NME"),
             (Some(Class::Nucleic), "A DA RU DG5 U3 AN ADE"),

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_tell_calcium_from_the_alpha_carbon() {
+    fn columns_distinguish_calcium_from_the_alpha_carbon() {
         for (name, expected) in [
             (" CA ", "C"),
             ("CA  ", "Ca"),
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn names_alone_tell_the_likelier_element() {
+    fn names_alone_give_the_likelier_element() {
         for (name, expected) in [
             ("CA", "C"),
             ("CD1", "C"),
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn ions_are_alone_and_called_so() {
+    fn ions_are_single_atoms_with_an_ions_name() {
         for (name, residue, class, expected) in [
             ("CA", "CA", None, "Ca"),
             ("CA", "CA2", None, "Ca"),
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn known_residues_hold_what_life_is_made_of() {
+    fn known_residues_hold_the_elements_of_life() {
         for (name, residue, expected) in [
             ("CA", "HSD", "C"),
             ("ND1", "HSD", "N"),

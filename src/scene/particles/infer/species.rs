@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn symbols_are_symbols() {
+    fn symbols_are_parsed() {
         for (words, expected) in [
             ("C H1 Cl2 Cu2+ 26 D Xx 0 Ca", "C H Cl Cu Fe H ? ? Ca"),
             ("CA CL NA HG CD ZN", "Ca Cl Na Hg Cd Zn"),
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_atoms_make_their_like_names() {
+    fn atom_names_among_the_species_decide_similar_names() {
         let (found, said) = symbols("N HN CA HA CB 1HB2|HG CG CD ND1 CE1 O OXT OT1 CL SG NA");
         assert_eq!(found, "N H C H C H H C C N C O O O Cl S Na");
         assert!(said[0].starts_with("8 of 17 species are names of atoms"), "{said:?}");

@@ -20,12 +20,12 @@ fn symbols(columns: bool, words: &str) -> (String, Inferred) {
 }
 
 #[test]
-fn left_aligned_names_show_it_by_their_columns() {
+fn left_aligned_names_are_recognised_by_their_columns() {
     let protein = "N   .HSD,CA  .HSD,ND1 .HSD,CE1 .HSD,CD2 .HSD,HG  .SER,C   .SER,CD  .CYX";
     let (found, report) = symbols(true, protein);
     assert_eq!(found, "N C N C C H C C");
     assert!(report.astray && report.counts == [8, 0, 0, 0], "{report:?}");
-    // A ligand that nobody lists, in the same file; its names alone would pass for metals.
+    // An unknown ligand in the same file; its names alone look like metals.
     let (found, report) = symbols(true, &format!("{protein},CA  .LIG,CE  .LIG,ND  .LIG,CL1 .LIG,HG  .LIG,FE  .LIG"));
     assert_eq!(found, "N C N C C H C C C C N Cl H Fe");
     assert_eq!(report.counts, [8, 0, 0, 6]);
@@ -36,7 +36,7 @@ fn left_aligned_names_show_it_by_their_columns() {
 }
 
 #[test]
-fn a_residue_tells_what_its_columns_do_not() {
+fn the_residue_decides_where_columns_do_not() {
     // One ligand is left-aligned among aligned residues: its other names show it.
     let aligned = " N  .ALA, CA .ALA, C  .ALA, O  .ALA, CB .ALA, N  .GLY, CA .GLY, C  .GLY, O  .GLY";
     let (found, _) = symbols(true, &format!("{aligned},CD  .LIG,C1  .LIG,O1  .LIG"));
@@ -47,7 +47,7 @@ fn a_residue_tells_what_its_columns_do_not() {
     // Programs that begin every name in the second column write ions there too.
     let (found, report) = symbols(true, &format!("{aligned}, CL1.LIG, C1 .LIG, ZN . ZN, NA .NA+"));
     assert!(found.ends_with("Cl C Zn Na") && report.astray, "{found}");
-    // Haem in a file without ions, where nothing but the name is evidence.
+    // Haem in a file without ions, where only the name is evidence.
     let (found, _) = symbols(true, &format!("{aligned}, FE .HEM, NA .HEM, C1A.HEM"));
     assert!(found.ends_with("Fe N C"), "{found}");
 }
@@ -64,7 +64,7 @@ fn ions_are_residues_of_one_atom() {
 }
 
 #[test]
-fn virtual_sites_are_told_from_atoms() {
+fn virtual_sites_are_distinguished_from_atoms() {
     for (words, expected) in [
         ("OW.SOL,HW1.SOL,HW2.SOL,MW.SOL", "O H H -"),
         ("OH2.TIP4,H1.TIP4,H2.TIP4,OM.TIP4", "O H H -"),
@@ -86,14 +86,14 @@ fn virtual_sites_are_told_from_atoms() {
 }
 
 #[test]
-fn beads_are_no_atoms() {
+fn beads_are_not_atoms() {
     let (found, report) = symbols(false, "NC3.DPPC,PO4.DPPC,GL1.DPPC,C1A.DPPC,W.W,W.W,BB.LEU,SC1.LEU,CL-.ION");
     assert_eq!((&found[..], report.beads), ("? ? ? ? ? ? ? ? Cl", 8));
     assert_eq!(report.sentences(9).len(), 2);
 }
 
 #[test]
-fn what_was_found_is_reported_with_counts() {
+fn inferred_elements_are_reported_with_counts() {
     let (_, report) = symbols(false, "OW.SOL,HW1.SOL,HW2.SOL,MW.SOL,C1.LIG,X.LIG,NA.NA");
     assert_eq!(
         report.sentences(7),
@@ -107,7 +107,7 @@ fn what_was_found_is_reported_with_counts() {
 }
 
 #[test]
-fn an_element_that_is_given_is_kept() {
+fn a_given_element_is_kept() {
     let mut inference = Inference::new(true);
     let mut elements = Vec::new();
     for (symbol, name) in
@@ -123,7 +123,7 @@ fn an_element_that_is_given_is_kept() {
 }
 
 #[test]
-fn strange_names_are_counted_to_a_limit() {
+fn unknown_names_are_counted_to_a_limit() {
     let words: Vec<String> = (0..40).map(|n| format!("Y{}Z.L{n}", (b'A' + n % 26) as char)).collect();
     let mut inference = Inference::new(false);
     let mut elements = Vec::new();

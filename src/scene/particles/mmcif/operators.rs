@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_operators_or_too_many_is_refused() {
+    fn an_invalid_operator_expression_is_refused() {
         let many = operators(500);
         for (expression, problem) in [
             ("", "there is no operator ``"),

@@ -142,7 +142,7 @@ fn assemblies_are_built_wherever_their_operators_stand() {
 }
 
 #[test]
-fn the_first_block_with_atoms_is_read_and_what_is_foreign_is_passed_over() {
+fn the_first_block_with_atoms_is_read_and_others_are_skipped() {
     let text = format!(
         "data_ONE\n_a.b 1\nsave_frame\n_c.d 2\nsave_\nloop_\n_e.f\n_e.g\n1 2 3 4\ndata_TWO\n{ATOMS}data_THREE\n{ATOMS}"
     );
@@ -173,7 +173,7 @@ fn fractions_of_the_cell_become_places() {
 }
 
 #[test]
-fn faults_are_told_with_line_and_column() {
+fn errors_are_reported_with_line_and_column() {
     let text = format!("data_X\n{ATOMS}");
     for (old, new, place) in [
         ("3 2 1 C", "3 2 one C", "text:17:5: x: `one`"),
@@ -189,7 +189,7 @@ fn faults_are_told_with_line_and_column() {
 }
 
 #[test]
-fn no_bytes_make_a_panic() {
+fn no_bytes_cause_a_panic() {
     let mut bytes = format!("data_X\n{ATOMS}{ASSEMBLY}").into_bytes();
     let with = |bytes: Vec<u8>, options: &ReadOptions| {
         let mut mmcif = Mmcif::new(Source::of_bytes(&bytes), options);

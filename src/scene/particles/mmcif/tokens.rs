@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_what_the_specification_says() {
+    fn tokens_follow_the_specification() {
         let text = "# a comment\r\nDATA_1ABC _a.b 'it's' \"O5'\" # more\nloop_\n_c\n a#b ';' ; ?  '?'\n;first\nsecond\n; . loop_x\n\
             save_ stop_ 'a\"' '' ''' 1";
         let found = words(text).expect("words");
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_closed_is_refused() {
+    fn an_unterminated_value_is_refused() {
         let error = words("data_x\n_a  'open\n").expect_err("a quote").to_string();
         assert!(error.contains("text:2:5"), "{error}");
         let error = words("data_x\n_a\n;open\nstill\n").expect_err("a text").to_string();

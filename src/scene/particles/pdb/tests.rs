@@ -16,7 +16,7 @@ fn refused(text: &str, options: &ReadOptions) -> String {
     read(text, options).map(drop).expect_err(text).to_string()
 }
 
-/// An atom's record: what stands between name and residue number, and the x of its place (x, 0, 0).
+/// An atom's record, with the text between name and residue number and the position (x, 0, 0).
 fn atom(name: &str, location: &str, chain: &str, x: f64, occupancy: f64, symbol: &str) -> String {
     format!(
         "ATOM      1 {name:4}{location:1}ALA {chain:1}   7    {x:8.3}{:8.3}{:8.3}{occupancy:6.2}{:6.2}{:10}{symbol:>2}\n",
@@ -56,7 +56,7 @@ fn columns_hold_what_the_format_says() {
 }
 
 #[test]
-fn hybrid_36_goes_on_where_digits_end() {
+fn hybrid_36_continues_where_digits_end() {
     for (text, number) in [
         ("99999", 99_999.0),
         ("A0000", 100_000.0),
@@ -75,13 +75,13 @@ fn hybrid_36_goes_on_where_digits_end() {
 }
 
 #[test]
-fn elements_are_told_by_names_where_no_columns_name_them() {
+fn elements_follow_from_names_without_an_element_column() {
     let text = [" CA  ALA", "CA    CA", " QX  XXX"]
         .map(|name| format!("HETATM    1 {name} A   1       0.000   0.000   0.000\n"));
     let frame = read(&text.concat(), &options(&[])).expect("atoms").remove(0);
     assert_eq!((&frame.elements[..], frame.unknown.get("QX")), (&[6, 20, 0][..], Some(&1)));
     assert!(frame.skipped.assumed[0].starts_with("the file gives no element for 3 of 3 atoms"));
-    // An entry's code and the line's number stood there once.
+    // Old entries have their code and the line number there.
     let old = atom(" CA", "", "A", 0.0, 1.0, "").replace("          ", "      1TII 206");
     assert_eq!(read(&old, &options(&[])).expect("an atom")[0].elements, [6]);
 }
@@ -192,7 +192,7 @@ fn assemblies_are_built() {
 }
 
 #[test]
-fn faults_are_told_with_line_and_column() {
+fn errors_are_reported_with_line_and_column() {
     let good = atom(" C", "", "A", 1.0, 1.0, "C");
     for (line, place) in [
         (good.replacen("   1.000", "   one  ", 1), ":2:34: x: `one`"),
@@ -209,7 +209,7 @@ fn faults_are_told_with_line_and_column() {
 }
 
 #[test]
-fn latin_1_and_any_other_bytes_do_no_harm() {
+fn bytes_that_are_not_utf_8_are_accepted() {
     let good = atom(" C", "", "A", 1.0, 1.0, "C");
     let mut bytes = format!("{REMARK}{good}{good}END\n").into_bytes();
     let first = b"AUTHOR    J.M\xfcLLER\n".to_vec();
@@ -243,7 +243,7 @@ fn read_as(format: Format, text: &str, options: &ReadOptions) -> Result<Vec<Part
 }
 
 #[test]
-fn types_of_autodock_are_elements() {
+fn autodock_types_give_elements() {
     let row = |name: &str, charge: &str, kind: &str| {
         format!("ATOM      1 {name:<4} UNL A   1      31.770  31.020  29.720  0.00  0.00    {charge}{kind}\n")
     };

@@ -86,7 +86,7 @@ fn a_close_packed_cell_has_its_two_atoms_however_thirds_are_rounded() {
     let magnesium = cell([3.2094, 3.2094, 5.2108], [90.0, 90.0, 120.0]).expect("a cell");
     for third in [1.0 / 3.0, 0.333, 0.33333, 0.3] {
         let found = filled(&symmetry(&words, "P 63/m m c"), &magnesium, &[[third, 2.0 * third, 0.25]]).expect("filled");
-        // 0.3 is 0.2 ångström beside the special position: nobody's atoms are so near each other.
+        // 0.3 is 0.2 ångström beside the special position, closer than any two atoms.
         assert_eq!(found.positions.len(), 2, "{third}");
         let between = [0, 1, 2].map(|k| found.positions[0][k] - found.positions[1][k]);
         assert!((between[2].abs() - 5.2108 / 2.0).abs() < 1e-12, "{between:?}");
@@ -111,7 +111,7 @@ fn a_face_centred_cube_has_four_atoms_and_an_octant_eight() {
         "{:?}",
         found.skipped
     );
-    // A hair below zero is zero, not one.
+    // Just below zero is zero, not one.
     let found = filled(&symmetry(&operators, "F"), &cube, &[[-1e-17, 1.0, 2.0 - 1e-16]]).expect("filled");
     assert_eq!(found.positions.len(), 4);
     assert!(found.positions.iter().flatten().all(|x| (0.0..4.0).contains(x)), "{:?}", found.positions);
@@ -155,7 +155,7 @@ fn without_operators_atoms_are_as_listed() {
 }
 
 #[test]
-fn what_is_no_symmetry_is_refused() {
+fn an_invalid_symmetry_operation_is_refused() {
     let cube = Cell { origin: [0.0; 3], edges: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]] };
     for (operators, told) in [
         (vec!["x,y,z", "x,y"], "`x,y` is no operator of symmetry"),

@@ -1,0 +1,40 @@
+//! Promises about what is computed, on the CPU path and on the adapter that the tests are pinned to.
+
+#[path = "../common/adapter.rs"]
+mod adapter;
+#[path = "../common/bits.rs"]
+mod bits;
+#[path = "../common/data.rs"]
+mod data;
+#[path = "../common/nff.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod nff;
+#[path = "../common/planets.rs"]
+mod planets;
+#[path = "../common/rng.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod rng;
+#[path = "../common/skip.rs"]
+mod skip;
+#[path = "../common/test_dir.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod test_dir;
+
+mod cloud;
+mod command;
+mod crop;
+mod extremes;
+mod frames;
+mod measure;
+mod metamorphic;
+mod ortho;
+mod plan;
+mod predict;
+mod progress;
+mod samples;
+mod score;
+mod selftest;
+mod tiles;
+mod tree;
+mod truth;
+mod twins;

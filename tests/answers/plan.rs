@@ -1,0 +1,283 @@
+//! The promise of a plan: it says what rendering does, and a tolerance chooses the cheapest method that keeps it.
+
+use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
+use crate::test_dir::{NO_ADAPTER, TestDir};
+use halfline::explain::{Explanation, explain};
+use halfline::frame::Aov;
+use halfline::intersect::Method;
+use halfline::scene::{ReadOptions, Scene};
+use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use std::path::Path;
+
+/// Spheres from 5 to 2000 radii away, without colours.
+fn scene() -> Scene {
+    let mut scene = weekend();
+    scene.spheres = Default::default();
+    for n in 1..20 {
+        let far = 5.0 * f64::from(n * n);
+        scene.spheres.push([13.0 - far, 0.0, 0.0], 1.0, None);
+    }
+    scene.image.width = 40;
+    scene.image.height = 24;
+    scene
+}
+
+fn weekend() -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+    Scene::read(&path, &ReadOptions::default()).expect("weekend")
+}
+
+fn settings(backend: Backend, tolerance: Option<f64>, aovs: &[Aov]) -> Settings {
+    let tolerance = tolerance.map(|x| Tolerance::new(x).expect("a tolerance"));
+    Settings { backend, tolerance, aovs: aovs.to_vec(), ..Settings::default() }
+}
+
+fn planned(scene: &Scene, settings: &Settings) -> Explanation {
+    explain(scene, settings).expect("a plan")
+}
+
+#[test]
+fn a_tolerance_takes_the_cheapest_method_that_keeps_it() {
+    let scene = scene();
+    for (backend, mut renderer) in renderers() {
+        let mut chosen = Vec::new();
+        for tolerance in [10.0, 1e-1, 3e-3, 1e-9] {
+            let settings = settings(backend, Some(tolerance), &[Aov::Color, Aov::Distance, Aov::Id]);
+            let report = renderer.render(&scene, &settings).expect("a frame").report;
+            let plan = planned(&scene, &settings);
+            assert_eq!((report.method, report.accuracy, &report.reason), (plan.method, plan.accuracy, &plan.reason));
+            assert_eq!(report.predicted, plan.predicted);
+            match report.predicted {
+                Some(predicted) => assert!(predicted.worst() <= tolerance, "{predicted:?}"),
+                None => assert_eq!((report.accuracy, report.bound.map(|b| b <= tolerance)), ("certified", Some(true))),
+            }
+            chosen.push(report.method);
+        }
+        assert_eq!(chosen, ["textbook", "stable", "stable", "certified"], "{backend:?}");
+    }
+}
+
+#[test]
+fn without_a_tolerance_the_buffers_decide() {
+    let scene = scene();
+    for (aovs, method, word) in
+        [(&[Aov::Color][..], "stable", "no buffer of answers"), (&[Aov::Color, Aov::Distance], "certified", "distance")]
+    {
+        let plan = planned(&scene, &settings(Backend::Cpu, None, aovs));
+        assert_eq!(plan.method, method);
+        assert!(plan.reason.contains(word), "{}", plan.reason);
+    }
+    for aov in [Aov::Certainty, Aov::Bound, Aov::Normal] {
+        let plan = planned(&scene, &settings(Backend::Cpu, Some(1.0), &[aov]));
+        assert!(plan.accuracy == "certified" && plan.reason.contains(aov.name()), "{plan:?}");
+    }
+    let stated = Settings { accuracy: Accuracy::Fast, ..settings(Backend::Cpu, Some(1e-12), &[Aov::Id]) };
+    assert_eq!(planned(&scene, &stated).method, "stable", "an accuracy that is given");
+    let method = Settings { method: Some(Method::Unit), ..settings(Backend::Cpu, Some(1e-12), &[Aov::Id]) };
+    assert_eq!(planned(&scene, &method).method, "unit");
+    let mut empty = scene.clone();
+    empty.spheres = Default::default();
+    assert_eq!(planned(&empty, &settings(Backend::Cpu, Some(1e-12), &[Aov::Id])).accuracy, "fast");
+}
+
+#[test]
+fn the_frame_has_the_planned_buffers() {
+    let scene = scene();
+    for (backend, mut renderer) in renderers() {
+        for tolerance in [None, Some(0.1)] {
+            let settings = settings(backend, tolerance, &[Aov::Color, Aov::Position, Aov::Mask]);
+            let (plan, frame) = (planned(&scene, &settings), renderer.render(&scene, &settings).expect("a frame"));
+            let made: Vec<_> = frame.buffers.iter().map(|b| (b.aov.name(), b.data.len() as u64)).collect();
+            let of = |shown: &halfline::explain::Shown| (shown.name, shown.shape.iter().product::<u64>());
+            assert_eq!(plan.frame.iter().map(of).collect::<Vec<_>>(), made);
+            assert!(plan.frame.iter().all(|shown| shown.asked != (shown.name == "id")), "{:?}", plan.frame);
+        }
+    }
+}
+
+#[test]
+fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
+    let Some(renderer) = gpu_or_skip() else { return };
+    let mut scene = scene();
+    let uncertified = Settings { search: Search::All, ..settings(Backend::Gpu, Some(0.1), &[Aov::Color]) };
+    let n = scene.spheres.len() as u64;
+    let names = |plan: &Explanation| plan.uploaded.iter().map(|b| (b.name, b.bytes)).collect::<Vec<_>>();
+    let plan = planned(&scene, &uncertified);
+    assert_eq!(plan.adapter, renderer.adapter());
+    assert_eq!(names(&plan), [("view", 144), ("spheres", 32 * n)]);
+    assert!(plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
+    let pixels = plan.rays;
+    let written: Vec<_> = plan.written.iter().map(|b| (b.name, b.bytes)).collect();
+    assert_eq!(written, [("frame_id", 4 * pixels), ("frame_color", 12 * pixels)]);
+    assert!(plan.dispatches == 1 && plan.kernel.iter().any(|part| part.file == "intersect/stable.wgsl"));
+    for part in &plan.kernel {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(part.file);
+        let text = std::fs::read_to_string(file).expect("a file of the kernel");
+        assert_eq!(text.lines().count(), part.lines, "{}", part.file);
+    }
+    scene.spheres.colors = Some(vec![[0.5; 3]; scene.spheres.len()]);
+    let plan = planned(&scene, &uncertified);
+    assert_eq!(names(&plan).last(), Some(&("colors", 12 * n)));
+    assert!(!plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
+    let plan = planned(&weekend(), &settings(Backend::Gpu, None, &[Aov::Distance]));
+    let staged = plan.staged.expect("a certified frame is staged");
+    assert_eq!(staged.front + staged.near + staged.unseen, plan.spheres);
+    assert!(staged.unseen > 0);
+    // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 8 for every tile.
+    let bytes = |name: &str| names(&plan).iter().find(|b| b.0 == name).map_or(0, |b| b.1);
+    assert!(bytes("fronts") >= 16 * staged.front && bytes("fronts") % (16 * 8) == 0, "{:?}", names(&plan));
+    assert_eq!(bytes("others"), bytes("fronts") + 64 * staged.near);
+    let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
+    assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("fronts") / 32));
+}
+
+#[test]
+fn the_plan_says_how_many_spheres_fit() {
+    let gpu = gpu().map(|_| Backend::Gpu);
+    for backend in [Some(Backend::Cpu), gpu].into_iter().flatten() {
+        for tolerance in [Some(0.1), Some(1e-12)] {
+            let plan = planned(&scene(), &settings(backend, tolerance, &[Aov::Color]));
+            let (fit, free) = (plan.room.host.unwrap_or(u64::MAX), plan.room.free.unwrap_or(u64::MAX));
+            assert!(plan.room.needed < free && fit > plan.spheres && fit < free / 32, "{:?}", plan.room);
+            assert_eq!(plan.room.adapter.is_some(), backend == Backend::Gpu);
+            assert!(plan.room.adapter.is_none_or(|fit| fit > plan.spheres), "{:?}", plan.room);
+            assert_eq!(plan.dispatches, u64::from(backend == Backend::Gpu), "a light frame");
+        }
+        if backend == Backend::Gpu {
+            let most = halfline::adapters().expect("adapters")[0].max_binding;
+            let (mut colored, fast) =
+                (scene(), Settings { search: Search::All, ..settings(backend, Some(0.1), &[Aov::Color]) });
+            assert_eq!(planned(&colored, &fast).room.adapter, Some((most / 32).min(i32::MAX as u64)));
+            colored.spheres.colors = Some(vec![[0.5; 3]; colored.spheres.len()]);
+            let certified = Settings { tolerance: None, accuracy: Accuracy::Certified, ..fast };
+            assert!(planned(&colored, &certified).room.adapter.is_some_and(|fit| fit <= most / 12));
+        }
+    }
+    // An image that no memory holds is refused, as by rendering.
+    let mut wide = scene();
+    (wide.image.width, wide.image.height) = (1 << 20, 1 << 20);
+    let error = explain(&wide, &settings(Backend::Cpu, None, &[Aov::Color])).expect_err("too large").to_string();
+    assert!(error.contains("bytes") && error.contains("--size"), "{error}");
+}
+
+#[test]
+fn an_uncertified_method_searches_tiles_unless_there_are_few_spheres() {
+    let form = |search| Settings { method: Some(Method::Unit), search, ..settings(Backend::Cpu, None, &[Aov::Id]) };
+    let mut few = scene();
+    few.spheres.centers.truncate(5);
+    few.spheres.radii.truncate(5);
+    for (scene, option, search, why) in [
+        (&few, Search::Auto, "all", "so few"),
+        (&few, Search::Tiles, "tiles", "asked for"),
+        (&weekend(), Search::Auto, "tiles", "nothing is built"),
+        (&weekend(), Search::All, "all", "asked for"),
+    ] {
+        let plan = planned(scene, &form(option));
+        assert_eq!((plan.search, plan.staged.is_some()), (search, search == "tiles"));
+        assert!(plan.search_reason.contains(why), "{}", plan.search_reason);
+    }
+}
+
+#[test]
+fn the_plan_of_an_uncertified_method_lists_its_candidates() {
+    let Some(_) = gpu_or_skip() else { return };
+    let plan =
+        planned(&weekend(), &Settings { method: Some(Method::Unit), ..settings(Backend::Gpu, None, &[Aov::Id]) });
+    let staged = plan.staged.expect("tiles are staged");
+    let bytes = |name: &str| plan.uploaded.iter().find(|b| b.name == name).map_or(0, |b| b.bytes);
+    // 32 bytes for every entry and every near sphere, both in chunks of 8; 4 for every chunk, 8 for every tile.
+    let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
+    assert!(bytes("candidates") >= 32 * (staged.front + staged.near) && bytes("candidates") % 256 == 0);
+    assert_eq!(bytes("lists"), 8 * tiles[0] * tiles[1] + bytes("candidates") / 64);
+    assert_eq!((bytes("spheres"), bytes("candidate_lows")), (0, 0));
+}
+
+/// Backend, accuracy, method, search, samples and reasons, in every combination.
+#[test]
+fn the_plan_is_what_is_rendered() {
+    let mut parallel = weekend();
+    parallel.camera.lens = halfline::Lens::Orthographic { height: 5.0 };
+    let mut wide = weekend();
+    wide.camera.lens = halfline::Lens::Vfov { degrees: 179.999_999, distance: 1.0 };
+    let mut compared = 0;
+    for (backend, mut renderer) in renderers() {
+        for mut scene in [weekend(), scene(), parallel.clone(), wide.clone()] {
+            (scene.image.width, scene.image.height) = (24, 16);
+            let crop = halfline::Window { x0: 3, y0: 2, x1: 19, y1: 11 };
+            let accuracies = [Accuracy::Auto, Accuracy::Fast, Accuracy::Certified, Accuracy::Exact].map(|a| (a, None));
+            let methods = Method::ALL.iter().map(|method| (Accuracy::Auto, Some(*method)));
+            for (accuracy, method) in accuracies.into_iter().chain(methods) {
+                for search in [Search::Auto, Search::All, Search::Tiles] {
+                    for (aovs, samples, window) in [
+                        (&[Aov::Color][..], 1, None),
+                        (&[Aov::Color, Aov::Distance, Aov::Bound], 4, None),
+                        (&[Aov::Normal, Aov::Color], 2, Some(crop)),
+                    ] {
+                        let settings = Settings {
+                            backend,
+                            accuracy,
+                            method,
+                            search,
+                            samples,
+                            window,
+                            aovs: aovs.to_vec(),
+                            ..Settings::default()
+                        };
+                        let planned = renderer.explain(&scene, &settings).map(|plan| {
+                            let of_plan =
+                                (plan.backend, plan.adapter, plan.accuracy, plan.method, plan.search, plan.reason);
+                            (of_plan, plan.samples, plan.rays, plan.spheres, plan.predicted, plan.warnings)
+                        });
+                        let rendered = renderer.render(&scene, &settings).map(|frame| {
+                            let mut r = frame.report;
+                            // Only rendering knows that nothing is hit.
+                            r.warnings.retain(|warning| !warning.contains(" hits "));
+                            let of_frame = (r.backend, r.adapter, r.accuracy, r.method, r.search, r.reason);
+                            (of_frame, r.samples, r.rays, r.spheres, r.predicted, r.warnings)
+                        });
+                        let [planned, rendered] = [planned, rendered].map(|r| r.map_err(|error| error.to_string()));
+                        assert_eq!(planned, rendered, "{settings:?}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    println!("{compared} plans compared with frames");
+}
+
+/// The printed shader is whole: it is valid WGSL, and its banners are the files that the plan names.
+#[test]
+fn the_printed_shader_is_complete() {
+    let colored = [Aov::Color, Aov::Distance, Aov::Id];
+    let settings = |backend, method: Option<Method>, aovs: &[Aov]| Settings {
+        backend,
+        method,
+        aovs: aovs.to_vec(),
+        ..Settings::default()
+    };
+    let methods = Method::ALL.iter().filter(|method| !["f64", "double-float"].contains(&method.name()));
+    let variants = methods.map(|method| Some(*method)).chain([None]);
+    for (method, (backend, mut renderer)) in
+        variants.flat_map(|method| renderers().into_iter().map(move |r| (method, r)))
+    {
+        for aovs in [&colored[..], &[Aov::Id], &[Aov::Normal, Aov::Bound]] {
+            let (scene, settings) = (weekend(), settings(backend, method, aovs));
+            let text = renderer.wgsl(&scene, &settings).expect("a kernel");
+            let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            let (flags, all) = (naga::valid::ValidationFlags::all(), naga::valid::Capabilities::all());
+            naga::valid::Validator::new(flags, all).validate(&module).expect("valid WGSL");
+            let banners: Vec<_> = text.lines().filter_map(|line| line.strip_prefix("// ======== shaders/")).collect();
+            let files: Vec<_> = renderer.explain(&scene, &settings).expect("a plan").kernel;
+            let files: Vec<_> = files.iter().map(|part| format!("{} ========", part.file)).collect();
+            assert!(banners.len() > 5 && (files.is_empty() || banners == files), "{banners:?} {files:?}");
+        }
+    }
+    let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
+    let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
+    assert!(error.contains("no kernel"), "{error}");
+    let weekend = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/weekend.toml");
+    let printed = TestDir::new(&[]).run_with(&["plan", weekend, "--aov", "depth=z.npy", "--wgsl"], &NO_ADAPTER);
+    assert_eq!(printed.code, 0, "{}", printed.err);
+    naga::front::wgsl::parse_str(&printed.text()).expect("WGSL");
+}

@@ -1,0 +1,114 @@
+//! The promise: a method that needs more than WGSL guarantees runs where the adapter passed the self-test for it, has its
+//! accuracy there, and is refused with the reason and exit code 7 elsewhere.
+//!
+//! Gold standards: exact arithmetic, the CPU twin in f64, and the spheres, on which hit points must lie. Tolerance of the
+//! ids: 1 pixel in 1000, because inputs are sums of two f32 (5e6 steps to a radius at 1e8 radii); none between f64 and its
+//! twin on adapters whose f64 is IEEE 754's (all that were tested).
+
+use crate::adapter::{admitted, cpu, gpu_or_skip};
+use crate::rng::Rng;
+use crate::test_dir::{Output, TestDir};
+use glam::DVec3;
+use halfline::camera::{Camera, Lens, Look};
+use halfline::frame::Aov;
+use halfline::intersect::Method;
+use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Settings};
+
+/// Spheres of radius 1 in a cube of half side 4, which fill the image from `distance` along (1, 2, 3).
+fn cluster(distance: f64) -> Scene {
+    let mut random = Rng::new(0xc105);
+    let mut spheres = Spheres::default();
+    for _ in 0..40 {
+        spheres.push(random.cube().map(|x| 4.0 * x), 1.0, None);
+    }
+    let eye = DVec3::new(-1.0, -2.0, -3.0).normalize() * distance;
+    Scene {
+        camera: Camera {
+            eye,
+            look: Look::At(DVec3::ZERO),
+            up: DVec3::new(0.0, 1.0, 0.0),
+            lens: Lens::Viewport { vw: 16.0, vh: 12.0, distance },
+        },
+        image: ImagePlane { width: 160, height: 120, background: [0.0; 3] },
+        spheres,
+        skipped: Skipped::default(),
+    }
+}
+
+fn settings(method: Method) -> Settings {
+    Settings { method: Some(method), aovs: vec![Aov::Distance, Aov::Position, Aov::Normal], ..Settings::default() }
+}
+
+#[test]
+fn distant_clusters_keep_their_order_in_wider_arithmetic() {
+    let Some(mut gpu) = gpu_or_skip() else { return };
+    let methods = admitted(&mut gpu);
+    for distance in [1e6, 1e7, 1e8] {
+        let scene = cluster(distance);
+        let twin = cpu().render(&scene, &settings(Method::Native64)).expect("a frame");
+        let exact = Settings { method: None, accuracy: Accuracy::Exact, ..settings(Method::Stable) };
+        let truth = cpu().render(&scene, &exact).expect("a frame");
+        assert!(truth.report.hits > 5000, "the cluster is in view: {} hits", truth.report.hits);
+        for method in [Method::Stable, Method::Native64, Method::DoubleFloat] {
+            if !methods.contains(&method) {
+                continue;
+            }
+            let frame = gpu.render(&scene, &settings(method)).expect("a frame");
+            let wrong = frame.ids().iter().zip(truth.ids()).filter(|(a, b)| a != b).count();
+            let both = frame
+                .f64(Aov::Distance)
+                .expect("a requested buffer")
+                .iter()
+                .zip(truth.f64(Aov::Distance).expect("same"));
+            let same = both.zip(frame.ids().iter().zip(truth.ids())).filter(|(_, (a, b))| a == b && **a >= 0);
+            let off = same.map(|((t, u), _)| (t - u).abs()).fold(0.0, f64::max);
+            let points = frame.f64(Aov::Position).expect("a requested buffer").chunks_exact(3).zip(frame.ids());
+            let outside = points.filter(|(_, id)| **id >= 0).map(|(p, &id)| {
+                let from_center = DVec3::from_slice(p) - DVec3::from_array(scene.spheres.centers[id as usize]);
+                (from_center.length() - 1.0).abs()
+            });
+            let outside = outside.fold(0.0, f64::max);
+            let name = method.name();
+            println!("{distance:e}, {name}: {wrong} wrong ids, distance off {off:.1e}, off the sphere {outside:.1e}");
+            match method {
+                Method::Stable => assert!(distance < 1e8 || wrong > 100, "f32 has {wrong} wrong ids"),
+                _ => assert!(wrong <= 19 && off.max(outside) <= distance * 1e-12, "{wrong} wrong, off by {off}"),
+            }
+            if method == Method::Native64 {
+                let same = frame.ids() == twin.ids() && frame.f64(Aov::Distance) == twin.f64(Aov::Distance);
+                assert!(same, "f64 and its twin differ");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_method_that_fails_the_self_test_is_refused_with_code_7() {
+    let Some(mut gpu) = gpu_or_skip() else { return };
+    let methods = admitted(&mut gpu);
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/canonical.toml");
+    let dir = TestDir::new(&[]);
+    for &method in Method::ALL {
+        let render = |backend: &str| {
+            dir.run(&["render", scene, "--size", "16x16", "--backend", backend, "--json", "--method", method.name()])
+        };
+        let Output { code, out, err } = render("gpu");
+        if methods.contains(&method) {
+            assert_eq!(code, 0, "{}: {err}", method.name());
+        } else {
+            assert_eq!(code, 7, "{}: {err}", method.name());
+            assert!(err.contains("cannot run on") && out.is_empty(), "{err}");
+        }
+        assert_eq!(render("cpu").code, 0, "{} runs on the CPU", method.name());
+    }
+    let cache = dir.path("cache").display().to_string();
+    for arguments in ["adapters --json", "adapters --json", "adapters --json --retest"] {
+        let object = dir.run_with(arguments, &[("XDG_CACHE_HOME", &cache), ("LOCALAPPDATA", &cache)]).json();
+        let verdict = &object["adapters"][0]["verdict"];
+        assert_eq!(verdict["f64"]["reason"].is_null(), methods.contains(&Method::Native64), "{object}");
+        assert_eq!(verdict["double_float"]["reason"].is_null(), methods.contains(&Method::DoubleFloat), "{object}");
+        assert!(verdict["checks"].as_array().is_some_and(|checks| checks.len() > 20), "{object}");
+    }
+    assert!(std::fs::read_dir(dir.path("cache/halfline")).expect("a cache").count() > 0);
+}

@@ -1,0 +1,179 @@
+//! The judge, which decides in exact arithmetic, against answers with a thousand digits by the lecture's formulas, in Python.
+//!
+//! The fixture is made by `python3 -m pip install mpmath==1.3.0 && python3 tests/truth/make.py`, which shares neither
+//! code nor algebra with `src/exact`. Where digits cannot decide, the answers are known by construction.
+
+use halfline::camera::{Camera, Lens, Look};
+use halfline::exact::{Judge, Root, Truth, judge_ray};
+use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use serde::Deserialize;
+
+/// Hexadecimal digits of an f64's bits.
+#[derive(Deserialize)]
+#[serde(try_from = "String")]
+struct Bits(f64);
+
+impl TryFrom<String> for Bits {
+    type Error = std::num::ParseIntError;
+    fn try_from(digits: String) -> Result<Self, Self::Error> {
+        u64::from_str_radix(&digits, 16).map(|bits| Self(f64::from_bits(bits)))
+    }
+}
+
+#[derive(Deserialize)]
+struct Case {
+    name: String,
+    eye: [Bits; 3],
+    at: Option<[Bits; 3]>,
+    view: Option<[Bits; 3]>,
+    up: [Bits; 3],
+    viewport: [Bits; 2],
+    distance: Bits,
+    size: [u32; 2],
+    spheres: Vec<[Bits; 4]>,
+    pixels: Vec<Pixel>,
+}
+
+#[derive(Deserialize)]
+struct Pixel {
+    i: u32,
+    j: u32,
+    id: i64,
+    #[serde(flatten)]
+    answer: Option<Answer>,
+}
+
+/// Decimal numbers with far more digits than f64 holds; t has 40, and `tail` is t minus the nearest f64.
+#[derive(Deserialize)]
+struct Answer {
+    root: String,
+    tangent: bool,
+    t: String,
+    tail: String,
+    distance: String,
+    depth: String,
+    normal: [String; 3],
+    position: [String; 3],
+}
+
+fn vector(a: &[Bits; 3]) -> [f64; 3] {
+    a.each_ref().map(|x| x.0)
+}
+
+fn cases() -> Vec<Case> {
+    serde_json::from_str(include_str!("../truth/cases.json")).expect("the fixture")
+}
+
+impl Case {
+    fn scene(&self) -> Scene {
+        let look = match (&self.at, &self.view) {
+            (Some(at), None) => Look::At(vector(at).into()),
+            (None, Some(view)) => Look::View(vector(view).into()),
+            _ => panic!("{}: either at or view", self.name),
+        };
+        let [vw, vh, distance] = [self.viewport[0].0, self.viewport[1].0, self.distance.0];
+        let lens = match distance.is_infinite() {
+            true => Lens::Orthographic { height: vh },
+            false => Lens::Viewport { vw, vh, distance },
+        };
+        let mut spheres = Spheres::default();
+        for [x, y, z, r] in &self.spheres {
+            spheres.push([x.0, y.0, z.0], r.0, None);
+        }
+        Scene {
+            camera: Camera { eye: vector(&self.eye).into(), look, up: vector(&self.up).into(), lens },
+            image: ImagePlane { width: self.size[0], height: self.size[1], ..ImagePlane::default() },
+            spheres,
+            skipped: Skipped::default(),
+        }
+    }
+}
+
+fn number(digits: &str) -> f64 {
+    digits.parse().unwrap_or_else(|_| panic!("{digits}"))
+}
+
+/// Whether `x` is within an ulp of the number written in `digits`.
+fn within_an_ulp(x: f64, digits: &str) -> bool {
+    let real = number(digits);
+    (real.next_down()..=real.next_up()).contains(&x)
+}
+
+/// Compares the judge's answer for a pixel with the fixture's.
+fn check(case: &Case, pixel: &Pixel, judge: &Judge, truth: Option<&Truth>) {
+    let place = format!("{} ({}, {}): {truth:?}", case.name, pixel.i, pixel.j);
+    assert_eq!(truth.map_or(-1, |truth| i64::from(truth.id)), pixel.id, "{place}");
+    assert_eq!(truth.is_some(), pixel.answer.is_some(), "{place}");
+    let (Some(truth), Some(answer)) = (truth, &pixel.answer) else { return };
+    assert_eq!((truth.root == Root::Far, truth.tangent), (answer.root == "far", answer.tangent), "{place}");
+    for (x, digits) in [(truth.t, &answer.t), (truth.distance, &answer.distance), (truth.depth, &answer.depth)] {
+        assert!(within_an_ulp(x, digits), "{place} against {digits}");
+    }
+    let radius = case.spheres[truth.id as usize][3].0;
+    for k in 0..3 {
+        // Twice what `Truth` documents: half an ulp of the component and 2^-64 of the scale.
+        let near = |x: f64, digits: &str, scale: f64| {
+            (x - number(digits)).abs() <= number(digits).abs() * f64::EPSILON + scale * 2f64.powi(-63)
+        };
+        assert!(near(truth.normal[k], &answer.normal[k], 1.0), "{place} against {}", answer.normal[k]);
+        let scale = truth.distance.min(radius);
+        assert!(near(truth.position[k], &answer.position[k], scale), "{place} against {}", answer.position[k]);
+    }
+    check_error(judge, pixel, truth, answer, &place);
+}
+
+/// Compares the measured errors of the f64 nearest to t and of its neighbour with the digits.
+fn check_error(judge: &Judge, pixel: &Pixel, truth: &Truth, answer: &Answer, place: &str) {
+    let (near, tail) = (number(&answer.t), &answer.tail);
+    let error = |t| judge.relative_error_of_t(pixel.i, pixel.j, truth.id, truth.root, t);
+    // Half an ulp is at most 2^-53 of a number.
+    assert!(error(near).abs() <= 2f64.powi(-53), "{place}: {:e}", error(near));
+    let step = (near.next_up() - near) / near;
+    // The two errors differ by the step; each is rounded to 64 bits, and 1/(1 + error) moves the step by 2^-52 of it.
+    assert!((error(near.next_up()) - error(near) - step).abs() <= step * 2f64.powi(-40), "{place}");
+    let [hi, lo] = judge.t(pixel.i, pixel.j, truth.id, truth.root).expect("the line meets the sphere");
+    assert_eq!(hi, near, "{place}");
+    assert!((lo - number(tail)).abs() <= near.abs() * 2f64.powi(-100), "{place}: {lo:e} against {tail}");
+}
+
+#[test]
+fn the_judge_agrees_with_a_thousand_digits() {
+    let cases = cases();
+    assert!(cases.len() > 100, "the fixture is there");
+    for case in &cases {
+        let scene = case.scene();
+        let lens = scene.camera.viewport(scene.image.width, scene.image.height).expect("a viewport");
+        assert_eq!(
+            [lens.vw, lens.vh, lens.d],
+            [case.viewport[0].0, case.viewport[1].0, case.distance.0],
+            "{}",
+            case.name
+        );
+        let judge = Judge::new(&scene).expect("a scene");
+        for pixel in &case.pixels {
+            check(case, pixel, &judge, judge.pixel(pixel.i, pixel.j).as_ref());
+        }
+    }
+}
+
+#[test]
+fn the_order_of_candidates_does_not_matter() {
+    for case in cases() {
+        let judge = Judge::new(&case.scene()).expect("a scene");
+        let backwards: Vec<u32> = (0..case.spheres.len() as u32).rev().collect();
+        for Pixel { i, j, .. } in case.pixels {
+            assert_eq!(judge.among(i, j, &backwards), judge.pixel(i, j), "{} ({i}, {j})", case.name);
+        }
+    }
+}
+
+#[test]
+fn rays_along_the_axes_are_judged_without_a_camera() {
+    let flat = |case: &Case| vector(&case.eye) == [0.0; 3] && case.name.starts_with("touch");
+    let cases: Vec<Case> = cases().into_iter().filter(flat).collect();
+    assert!(cases.len() >= 20, "the touches are there");
+    for case in cases {
+        let truth = judge_ray([0.0; 3], [0.0, 0.0, -1.0], &case.scene().spheres);
+        assert_eq!(truth.map_or(-1, |truth| i64::from(truth.id)), case.pixels[0].id, "{}", case.name);
+    }
+}

@@ -1,0 +1,29 @@
+//! Promises of the command line, on the CPU path.
+
+#[path = "../common/nff.rs"]
+mod nff;
+#[path = "../common/random_frames.rs"]
+mod random_frames;
+#[path = "../common/rng.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod rng;
+#[path = "../common/skip.rs"]
+mod skip;
+#[path = "../common/test_dir.rs"]
+mod test_dir;
+
+mod clash;
+mod compare;
+mod exit_codes;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod faults;
+mod habits;
+#[cfg(target_os = "linux")]
+mod limits;
+mod looks;
+mod merge;
+mod options;
+mod resume;
+mod shots;
+#[cfg(unix)]
+mod streams;

@@ -1,0 +1,135 @@
+//! The promise of the options of `render`: each replaces what the scene file says, and standard input and output are files.
+
+use crate::nff;
+use crate::test_dir::{SCENE, TestDir};
+use halfline::frame::{npy, png};
+use halfline::measure::Array;
+
+const NFF: &str = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 30\nhither 0.1\nresolution 32 24\nf 1 0.5 0 1 0 0 0 1
+s 0 0 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\n";
+
+fn dir() -> TestDir {
+    TestDir::new(&[("scene.toml", SCENE)])
+}
+
+#[test]
+fn standard_output_is_one_result_without_messages() {
+    let dir = dir();
+    let run = |options: &[&str]| dir.render(&[&["scene.toml"], options].concat());
+    assert!(run(&["-o", "out.png"]).out.is_empty());
+    assert!(run(&["--aov", "id=id.npy"]).out.is_empty());
+    let picture = run(&["-o", "-"]).out;
+    assert!(picture.starts_with(png::MAGIC));
+    assert_eq!(picture, dir.get("out.png"));
+    assert_eq!(png::read(&picture, "-").expect("a whole PNG").shape(), [31, 45, 3]);
+    assert_eq!(run(&["--aov", "id=-"]).out, dir.get("id.npy"));
+    run(&["-o", "out.png", "--json"]).json();
+}
+
+#[test]
+fn options_replace_the_camera() {
+    let dir = dir();
+    let options = ["--eye", "-1,2,3", "--view", "-0.1,-.5,-1", "--up", "-0.5,1,0", "--size", "20x10"];
+    dir.good(&[&["render", "scene.toml", "-o", "a.npy", "--backend", "cpu"], &options[..]].concat());
+    let written = SCENE
+        .replace("eye = [0.0, 0.0, 0.0]", "eye = [-1.0, 2.0, 3.0]")
+        .replace("view = [0.0, 0.0, -1.0]", "view = [-0.1, -0.5, -1.0]")
+        .replace("up = [0.0, 1.0, 0.0]", "up = [-0.5, 1.0, 0.0]")
+        .replace("[45, 31]", "[20, 10]");
+    dir.put("written.toml", written);
+    dir.good(&["render", "written.toml", "-o", "b.npy", "--backend", "cpu"]);
+    assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
+    assert_eq!(Array::read(&dir.path("a.npy")).expect("an array").shape(), [10, 20, 3]);
+    dir.good(&["render", "scene.toml", "-o", "a.npy", "--backend", "cpu", "--at=-1,0,-3", "--vfov", "60"]);
+}
+
+#[test]
+fn an_orthographic_camera_by_file_and_by_option() {
+    let dir = dir();
+    dir.good(&["render", "scene.toml", "-o", "a.npy", "--aov", "distance=d.npy", "--backend", "cpu", "--ortho", "3"]);
+    dir.put("ortho.toml", SCENE.replace("viewport = [1.5, 1.0]", "height = 3"));
+    dir.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
+    assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
+    // The ray of the middle pixel goes through the sphere's centre, three ahead.
+    let distance = Array::read(&dir.path("d.npy")).expect("an array");
+    let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
+    assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
+    // --vfov makes the camera a perspective one.
+    dir.good(&["render", "ortho.toml", "-o", "a.npy", "--backend", "cpu", "--vfov", "60"]);
+    dir.good(&["render", "scene.toml", "-o", "b.npy", "--backend", "cpu", "--vfov", "60"]);
+    assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
+    for (arguments, code, word) in [
+        (&["--ortho", "3", "--vfov", "60"][..], 2, "cannot be used with"),
+        (&["--ortho", "-3"], 2, "a positive number"),
+        (&["--ortho", "inf"], 2, "a positive number"),
+        (&["--ortho", "3", "--method", "stable"], 2, "orthographic frames are certified"),
+    ] {
+        dir.refused_render(code, &[&["scene.toml", "-o", "c.npy"], arguments].concat(), &[word]);
+    }
+}
+
+#[test]
+fn a_scene_is_read_from_standard_input() {
+    let dir = dir();
+    for (scene, text) in [("scene.toml", SCENE), ("scene.nff", NFF)] {
+        dir.put(scene, text);
+        dir.render(&[scene, "-o", "file.png"]);
+        let piped = dir.run_fed("render - -o piped.png --backend cpu", text.as_bytes());
+        assert_eq!(piped.code, 0, "{}", piped.err);
+        assert_eq!(dir.get("piped.png"), dir.get("file.png"), "{scene}");
+    }
+}
+
+#[test]
+fn other_shapes_are_skipped_with_a_warning_or_refused() {
+    let dir = dir();
+    dir.put("scene.nff", NFF);
+    let rendered = dir.render("scene.nff --json");
+    assert!(rendered.err.contains("warning: 1 polygon skipped"), "{}", rendered.err);
+    let report = rendered.json();
+    assert_eq!(report["skipped"], 1);
+    assert_eq!(report["warnings"].as_array().map(Vec::len), Some(1));
+    dir.refused(3, &["render", "scene.nff", "-o", "out.png", "--strict"], &["scene.nff:10", "polygon", "strict"]);
+}
+
+#[test]
+fn buffers_of_answers_are_certified_and_equal_the_exact_ones() {
+    let dir = dir();
+    let run = |options: &[&str]| dir.render(&[&["scene.toml", "--json"], options].concat()).json();
+    assert_eq!(run(&["-o", "out.png"])["accuracy"], "fast", "a picture without buffers");
+    let certified = run(&["--aov", "id=a.npy", "--aov", "certainty=c.npy"]);
+    assert_eq!([&certified["accuracy"], &certified["method"]], ["certified"; 2]);
+    assert!(certified["certified"].as_f64().is_some_and(|share| share > 0.9), "{certified}");
+    assert!(certified["bound"].as_f64().is_some_and(|bound| bound > 0.0 && bound <= 1e-5), "{certified}");
+    let exact = run(&["--aov", "id=b.npy", "--accuracy", "exact"]);
+    assert_eq!([&exact["accuracy"], &exact["settled"]], [&serde_json::json!("exact"), &exact["rays"]]);
+    // The files have their accuracy in their provenance, which differs.
+    let ids = |name: &str| npy::read(&dir.get(name), name).expect("a whole file").values().clone();
+    assert_eq!(ids("a.npy"), ids("b.npy"));
+    let settled = run(&["--aov", "id=d.npy", "--tolerance", "1e-14"]);
+    assert!(settled["settled"].as_u64() >= settled["hits"].as_u64(), "f32 proves no 1e-14: {settled}");
+    assert_eq!(ids("d.npy"), ids("b.npy"));
+    assert_eq!(run(&["--aov", "id=e.npy", "--method", "unit"])["accuracy"], "fast", "a method without a certificate");
+    for bad in ["0", "-1", "1e-16", "nan", "much"] {
+        dir.refused(2, &["render", "scene.toml", "-o", "no.png", "--tolerance", bad], &["tolerance"]);
+    }
+}
+
+/// Scenes of the Standard Procedural Databases.
+#[test]
+fn scenes_of_another_program_are_rendered() {
+    let dir = dir();
+    for (name, text) in nff::all() {
+        let (spheres, skipped) = match name {
+            "balls_s2.nff" => (91, "1 polygon skipped"),
+            "jacks.nff" => (6, "3 cones skipped"),
+            _ => continue,
+        };
+        dir.put(name, text);
+        let rendered = dir.render(&format!("{name} --size 64x64 -o out.png --json"));
+        assert!(rendered.err.contains(skipped), "{name}: {}", rendered.err);
+        let report = rendered.json();
+        assert_eq!(report["spheres"], spheres, "{name}");
+        assert!(report["hits"].as_u64() > Some(100), "{name}: {report}");
+    }
+}

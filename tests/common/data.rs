@@ -1,0 +1,24 @@
+//! Real files, where they are: the folder that HALFLINE_DATA names or else ../shared/data, and what `tests/real_files` took
+//! from the package MDAnalysisTests.
+
+use crate::skip::skip;
+use std::path::{Path, PathBuf};
+
+/// The path of a real file, or `None`.
+pub(crate) fn real(name: &str) -> Option<PathBuf> {
+    let checkout = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let shared = std::env::var_os("HALFLINE_DATA").map_or(checkout.join("../shared/data"), PathBuf::from);
+    // Cargo gives tests the folder `tmp` of its target folder.
+    let package = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("real-files");
+    [shared, package].into_iter().map(|folder| folder.join(name)).find(|path| path.is_file())
+}
+
+/// Those of these real files that are there. Where none is, the test is skipped.
+pub(crate) fn real_or_skip(names: &[&'static str]) -> Vec<(&'static str, PathBuf)> {
+    let found: Vec<_> = names.iter().filter_map(|name| Some((*name, real(name)?))).collect();
+    if found.is_empty() {
+        skip(format!("none of {} is in HALFLINE_DATA, ../shared/data or target/real-files", names.join(", ")));
+    }
+    found.iter().for_each(|(_, path)| println!("reads {}", path.display()));
+    found
+}

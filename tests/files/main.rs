@@ -1,0 +1,22 @@
+//! Promises of the readers of scenes and of the files of frames.
+
+#[path = "../common/damage.rs"]
+mod damage;
+#[path = "../common/data.rs"]
+mod data;
+#[path = "../common/nff.rs"]
+mod nff;
+#[path = "../common/random_frames.rs"]
+mod random_frames;
+#[path = "../common/rng.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod rng;
+#[path = "../common/skip.rs"]
+mod skip;
+
+mod broken;
+mod formats;
+mod frames;
+mod molecules;
+mod readers;
+mod scenes;

@@ -1,0 +1,256 @@
+//! The promise of the readers: a scene is read to its exact values, and what is not a sphere is counted.
+
+use crate::data::real_or_skip;
+use crate::nff;
+use crate::scenes::{
+    CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy_of, read, read_spheres, read_with, strict,
+};
+use glam::DVec3;
+use halfline::camera::{Lens, Look};
+use halfline::error::Error;
+use halfline::scene::{DEFAULT_COLOR, ReadOptions, Scene};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+#[test]
+fn the_same_scene_in_toml_and_nff_has_its_exact_values() {
+    let crlf = |text: &str| text.replace('\n', "\r\n");
+    let marked = |text: &str| format!("\u{feff}{text}");
+    // Without a known extension the format is recognised by the content.
+    let files = [
+        ("s.toml", TOML.to_owned()),
+        ("s.TOML", crlf(TOML)),
+        ("s.txt", marked(TOML)),
+        ("s", TOML.to_owned()),
+        ("s.nff", NFF.to_owned()),
+        ("s.NFF", crlf(NFF)),
+        ("s.txt", marked(NFF)),
+        ("s", crlf(NFF)),
+    ];
+    for (name, content) in files {
+        let scene = read(name, &content).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scene.camera.eye, DVec3::new(0.0, 0.0, 5.5), "{name}");
+        assert_eq!((scene.camera.look, scene.camera.up), (Look::At(DVec3::ZERO), DVec3::Y), "{name}");
+        let nff = content.contains("hither");
+        let lens = if nff { Lens::RowCentres { degrees: 20.0 } } else { Lens::Vfov { degrees: 20.0, distance: 1.0 } };
+        assert_eq!(scene.camera.lens, lens, "{name}");
+        let image = scene.image;
+        assert_eq!((image.width, image.height, image.background), (120, 67, [0.5, 0.25, 1.0]), "{name}");
+        assert_eq!(scene.spheres.centers, [[0.0, 1.0, -1e-3], [0.1, 16.0, 9007199254740992.0]], "{name}");
+        assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
+        assert_eq!(scene.spheres.colors, Some(vec![DEFAULT_COLOR, [1.0, 0.5, 0.0]]), "{name}");
+        let kinds = [("polygon", 1), ("cone", 2), ("polygonal patch", 1)];
+        assert_eq!(scene.skipped.kinds, if nff { kinds.to_vec() } else { Vec::new() }, "{name}");
+        scene.check().expect("a scene that can be rendered");
+    }
+}
+
+#[test]
+fn a_camera_has_its_defaults_and_its_other_keys() {
+    let scene = read("s.toml", CAMERA).expect("a scene without spheres");
+    assert_eq!((scene.image.width, scene.image.height, scene.image.background), (512, 512, [0.0; 3]));
+    assert_eq!(scene.camera.look, Look::View(DVec3::NEG_Z));
+    assert_eq!(scene.camera.lens, Lens::Viewport { vw: 1.0, vh: 1.0, distance: 1.0 });
+    assert!(scene.spheres.is_empty() && scene.spheres.colors.is_none());
+    let far = read("s.toml", CAMERA.to_owned() + "distance = 2\n").expect("a distance");
+    assert_eq!(far.camera.lens, Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2.0 });
+    let vfov = CAMERA.replace("viewport = [1, 1]", "distance = 2.0\nvfov = 40.5");
+    assert_eq!(read("s.toml", vfov).expect("vfov").camera.lens, Lens::Vfov { degrees: 40.5, distance: 2.0 });
+    let height = CAMERA.replace("viewport = [1, 1]", "height = 12.5");
+    assert_eq!(read("s.toml", height).expect("height").camera.lens, Lens::Orthographic { height: 12.5 });
+    let bare = "v\nangle 9\nresolution 3 2\nup 0 1 0\nat 0 0 0\nfrom 0 0 1\ns 0 0 0 1";
+    let scene = read("s.nff", bare).expect("no hither, any order, no last line end");
+    assert_eq!((scene.spheres.len(), scene.spheres.colors, scene.image.background), (1, None, [0.0; 3]));
+}
+
+#[test]
+fn csv_and_npy_have_their_exact_values() {
+    let rows = [[0.0, 1.0, -1e-3, 1.0, 0.5, 0.5, 0.5], [0.1, 2.0, 3.0, 2.5, 1.0, 0.5, 0.0]];
+    let flat = rows.concat();
+    let columns: Vec<f64> = (0..7).flat_map(|k| rows.iter().map(move |row| row[k])).collect();
+    let big: Vec<u8> = flat.iter().flat_map(|x| x.to_be_bytes()).collect();
+    let single = |x: &f64| (*x as f32).to_le_bytes();
+    let files = [
+        ("a.csv", CSV.as_bytes().to_vec()),
+        ("a.CSV", CSV.replace('\n', "\r\n").into_bytes()),
+        ("a.csv", format!("\u{feff}{}", &CSV[8..]).into_bytes()),
+        ("a.npy", npy_of("<f8", "False", "(2, 7)", &little(&flat))),
+        ("a.npy", npy_of(">f8", "False", "(2, 7)", &big)),
+        ("a.npy", npy_of("<f8", "True", "(2, 7)", &little(&columns))),
+        ("a.npy", npy_of("<f4", "False", "(2, 7)", &flat.iter().flat_map(single).collect::<Vec<_>>())),
+        ("a.npy", npy_of("<f4", "True", "(2, 7)", &columns.iter().flat_map(single).collect::<Vec<_>>())),
+    ];
+    for (index, (name, content)) in files.iter().enumerate() {
+        let spheres = read_spheres(name, content).unwrap_or_else(|e| panic!("{index}: {e}")).spheres;
+        let wide = |x: f64| if index >= 6 { f64::from(x as f32) } else { x };
+        assert_eq!(spheres.centers, rows.map(|r| [r[0], r[1], r[2]].map(wide)), "{index}");
+        assert_eq!(spheres.radii, rows.map(|r| wide(r[3])), "{index}");
+        assert_eq!(spheres.colors, Some(rows.map(|r| [r[4], r[5], r[6]].map(|c| c as f32)).to_vec()), "{index}");
+    }
+    let empty = [("a.csv", b"x,y,z,radius\n".to_vec()), ("a.npy", npy_of("<f8", "True", "(0, 4)", b""))];
+    for (name, content) in empty {
+        assert!(read_spheres(name, &content).expect("no rows").spheres.is_empty());
+    }
+}
+
+#[test]
+fn ids_begin_with_inline_spheres_and_files_are_found_beside_the_scene() {
+    let scene = format!(
+        "{CAMERA}[[spheres]]\nfile = 'a.csv'\n[[sphere]]\ncenter = [9, 9, 9]\nradius = 9\n[[spheres]]\nfile = \"b.npy\"\n"
+    );
+    let b = npy_of("<f8", "False", "(1, 4)", &little(&[3.0, 3.0, 3.0, 3.0]));
+    let folder = folder(&[("s.toml", scene.as_bytes()), ("a.csv", b"x,y,z,radius\n1,1,1,1\n2,2,2,2"), ("b.npy", &b)]);
+    let path = folder.path().join("s.toml");
+    let scene = Scene::read(&path, &strict()).expect("three kinds of spheres");
+    assert_eq!(scene.spheres.radii, [9.0, 1.0, 2.0, 3.0]);
+    assert_eq!(scene.spheres.colors, None);
+    std::fs::remove_file(folder.path().join("b.npy")).expect("removed");
+    match Scene::read(&path, &ReadOptions::default()) {
+        Err(Error::Io { path, .. }) => assert_eq!(path, folder.path().join("b.npy")),
+        other => panic!("a missing file is an Io error: {other:?}"),
+    }
+}
+
+#[test]
+fn a_file_of_spheres_alone_is_framed() {
+    let npy = npy_of("<f8", "False", "(2, 4)", &little(&[0.0, 1.0, -1e-3, 1.0, 0.1, 2.0, 3.0, 2.5]));
+    for (name, content) in [("s.csv", CSV.as_bytes()), ("s", CSV.as_bytes()), ("s.npy", &npy), ("s", &npy)] {
+        let scene = read(name, content).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scene.spheres.centers, [[0.0, 1.0, -1e-3], [0.1, 2.0, 3.0]], "{name}");
+        assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
+        scene.check().expect("a scene that can be rendered");
+        assert!(scene.skipped.warnings().is_empty(), "{:?}", scene.skipped);
+    }
+}
+
+#[test]
+fn an_unreadable_file_is_an_io_error() {
+    let folder = folder(&[]);
+    for name in ["missing.toml", "missing.nff", "missing", "."] {
+        let path = folder.path().join(name);
+        match Scene::read(&path, &ReadOptions::default()) {
+            Err(Error::Io { path: named, action: "read", .. }) => assert_eq!(named, path),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn lights_and_materials_are_counted_or_refused() {
+    let scene =
+        |lines: &str| format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\n{lines}\ns 0 0 0 1\n");
+    for (lines, warnings, refused) in [
+        ("f 1 0.5 0", vec![], None),
+        ("f 1 0.5 0 1 0 30 0 1.5", vec![], None),
+        ("l 1 2 3", vec!["1 light left out"], Some(":7:1: light: a light is not modelled")),
+        ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec!["2 lights left out"], Some(":8:1: light: ")),
+        ("f 1 0.5 0 0.8 0 0 0 0", vec!["1 material reduced to the colour"], Some(":7:1: fill: a material")),
+        ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),
+        ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["1 light ", "2 materials "], Some(":7:1: fill: ")),
+    ] {
+        let found = read("s.nff", scene(lines)).expect("lenient").skipped;
+        assert_eq!(found.total(), 0, "lights and materials are not counted as shapes");
+        let starts = |(found, start): (&String, &&str)| found.starts_with(start);
+        let found = found.warnings();
+        assert!(found.len() == warnings.len() && found.iter().zip(&warnings).all(starts), "{found:?}");
+        match (read_with("s.nff", scene(lines).as_bytes(), &strict()), refused) {
+            (Ok(_), None) => {}
+            (Err(error), Some(place)) => assert!(error.to_string().contains(&format!("s.nff{place}")), "{error}"),
+            (found, _) => panic!("{lines}: {found:?}"),
+        }
+    }
+}
+
+#[test]
+fn strict_reading_refuses_what_is_otherwise_counted() {
+    for (line, place, kind) in [("p 3\n0 0 0 1 0 0 0 1 0", ":9:1", "polygon"), ("c 0 0 0 1 0 0 1 1", ":9:1", "cone")] {
+        let scene = format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\ns 0 0 0 1\n\n{line}\n");
+        assert_eq!(read("s.nff", &scene).expect("lenient").skipped.kinds, [(kind, 1)]);
+        let error = read_with("s.nff", scene.as_bytes(), &strict()).expect_err("strict").to_string();
+        assert!(error.contains(&format!("s.nff{place}: {kind}: ")), "{error}");
+    }
+    read_with("s.toml", TOML.as_bytes(), &strict()).expect("nothing to skip");
+}
+
+#[test]
+fn a_scene_is_read_from_standard_input() {
+    const CHILD: &str = "HALFLINE_TEST_STDIN";
+    if let Ok(spheres) = std::env::var(CHILD) {
+        let scene = Scene::read(Path::new("-"), &ReadOptions::default()).expect("the parent's scene");
+        assert_eq!(scene.spheres.len().to_string(), spheres);
+        return;
+    }
+    let folder = folder(&[("a.csv", CSV.as_bytes())]);
+    let with_file = TOML.to_owned() + "[[spheres]]\nfile = 'a.csv'\n";
+    for (content, spheres) in [(TOML, "2"), (NFF, "2"), (&with_file, "4")] {
+        let mut child = Command::new(std::env::current_exe().expect("this test"))
+            .args(["--exact", "readers::a_scene_is_read_from_standard_input"])
+            .env(CHILD, spheres)
+            .current_dir(folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("this test again");
+        child.stdin.take().expect("piped").write_all(content.as_bytes()).expect("written");
+        assert!(child.wait().expect("waited").success(), "{content}");
+    }
+}
+
+/// Scenes of the Standard Procedural Databases, made here.
+#[test]
+fn scenes_of_the_databases_have_their_spheres() {
+    for (name, text) in nff::all() {
+        let (spheres, kind, size) = match name {
+            "balls_s2.nff" => (91, "polygon", 512),
+            "balls_s4.nff" => (7381, "polygon", 512),
+            "shells.nff" => (5761, "", 512),
+            _ => (6, "cone", 256),
+        };
+        let scene = read(name, &text).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(scene.spheres.len(), spheres, "{name}");
+        assert_eq!((scene.image.width, scene.image.height), (size, size), "{name}");
+        let count = |prefix: &str| text.lines().filter(|line| line.starts_with(prefix)).count() as u64;
+        assert_eq!(count("s "), spheres as u64, "{name}");
+        assert_eq!(scene.skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
+        assert!(scene.skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {:?}", scene.skipped);
+        // Each has lights, and fills that reflect.
+        read_with(name, text.as_bytes(), &strict()).expect_err(name);
+        let warnings = scene.skipped.warnings().join("; ");
+        for (number, noun, rest) in [(count("l "), "light", "left out"), (count("f "), "material", "reduced")] {
+            let plural = if number == 1 { "" } else { "s" };
+            assert!(warnings.contains(&format!("{number} {noun}{plural} {rest}")), "{name}: {warnings}");
+        }
+        scene.check().expect("a scene that can be rendered");
+    }
+}
+
+/// The scenes that are made here are the real ones within the six digits of their files.
+#[test]
+fn the_databases_real_files_hold_the_same_scenes() {
+    let made = nff::all();
+    for (name, path) in real_or_skip(&made.each_ref().map(|(name, _)| *name)) {
+        let real = Scene::read(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let (_, text) = made.iter().find(|(known, _)| *known == name).expect("one of them");
+        let scene = read(name, text).expect("a scene");
+        assert_eq!((scene.camera, scene.image, &scene.skipped), (real.camera, real.image, &real.skipped), "{name}");
+        assert_eq!((scene.spheres.len(), &scene.spheres.colors), (real.spheres.len(), &real.spheres.colors), "{name}");
+        // Half a unit of the sixth digit; sums that vanish are rounded to about 1e-16.
+        let close = |a: f64, b: f64| (a - b).abs() <= 5e-6 * b.abs() + 1e-13;
+        for k in 0..real.spheres.len() {
+            let [(a, r), (b, s)] = [&scene, &real].map(|scene| (scene.spheres.centers[k], scene.spheres.radii[k]));
+            assert!((0..3).all(|n| close(a[n], b[n])) && close(r, s), "{name}, sphere {k}: {a:?} {r}, real {b:?} {s}");
+        }
+    }
+}
+
+#[test]
+fn the_planets_of_the_ephemeris_have_their_exact_values() {
+    for (_, path) in real_or_skip(&["solar_system.csv"]) {
+        let csv = std::fs::read(&path).expect("the planets");
+        assert_refused(read_spheres("a.csv", &csv), "a.csv:1:1", "header", "its columns have other names");
+        let planets = Scene::read(&path, &ReadOptions::default()).expect("the Sun and its planets");
+        assert_eq!((planets.spheres.len(), planets.spheres.radii[0]), (11, 695700.0));
+        assert_eq!(planets.spheres.centers[3], [76580651.925311, 114940047.833629, 49846795.759752], "the Earth");
+    }
+}
