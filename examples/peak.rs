@@ -29,7 +29,7 @@ const TURNS: usize = 2048;
 /// Invocations of the adapter's kernel.
 const LANES: u32 = 1 << 14;
 
-/// Operations of one ray and one sphere that it misses, in shaders/intersect/stable.wgsl: p x d takes 6 products and 3
+/// Operations of one ray and one sphere that it misses, in shaders/form/stable.wgsl: p x d takes 6 products and 3
 /// differences, g.g 3 and 2, r r, a r r and their difference one each. d.d is the ray's; comparisons are not counted.
 const MISSED: f64 = 17.0;
 

@@ -1,4 +1,4 @@
-// What every stage knows: the view and its spheres, already in the canonical camera. No world coordinate comes here.
+// What every stage knows: the view, in the canonical camera. No world coordinate comes here.
 
 // The canonical camera of the lecture, its viewport and distance scaled by one power of two.
 struct View {
@@ -13,7 +13,7 @@ struct View {
     half_du: f32,          // vw / (2 W)
     half_dv: f32,          // vh / (2 H)
     d: f32,                // distance of the viewport
-    spheres: u32,          // how many every ray is asked
+    spheres: u32,          // how many every ray tests
     zero: u32,             // 0, which no compiler knows
     half_du_low: f32,      // what rounding took from half_du, half_dv, d
     half_dv_low: f32,
@@ -26,20 +26,7 @@ struct View {
     seed: u32,             // of where in their strata samples lie
 }
 
-// A sphere in the canonical camera, scaled by its own power of two 2^-k so that squares neither overflow nor vanish.
-struct Sphere {
-    ball: vec4<f32>,       // centre minus eye and radius, 2^-k
-    power: f32,            // of the eye: |c - e|^2 - r^2 in better arithmetic, 2^-2k
-    scale: f32,            // t of this record times scale is t in the frame's unit
-}
+const GROUP: u32 = 64u; // invocations in a workgroup: a tile of 8 x 8 pixels, or so many given rays
+const CHUNK: u32 = 8u;  // records that are tested together; a list of candidates has whole chunks
 
-@group(0) @binding(0) var<uniform> view: View;
-@group(0) @binding(1) var<storage, read> spheres: array<Sphere>;
-
-fn center(s: Sphere) -> vec3<f32> {
-    return s.ball.xyz;
-}
-
-fn radius(s: Sphere) -> f32 {
-    return s.ball.w;
-}
+@group(0) @binding(BIND_VIEW) var<uniform> view: View;

@@ -61,7 +61,7 @@ impl Answers<'_> {
                 }
                 Aov::Bound => {
                     let unit = dd::ldexp(1.0, self.view.unit);
-                    let bound = |pixel: usize, d: [f64; 3], depth: f64| match self.raw.width.get(pixel) {
+                    let bound = |pixel: usize, d: [f64; 3], depth: f64| match self.raw.depth_interval.get(pixel) {
                         Some(width) => [(f64::from(*width) * unit + ROUNDED * depth + STEPS) * length(d)],
                         None => [inf],
                     };
@@ -80,7 +80,7 @@ impl Answers<'_> {
             };
             buffers.push(Buffer::new(aov, w, h, data)?);
         }
-        for unused in [self.raw.t, self.raw.t_low, self.raw.width] {
+        for unused in [self.raw.t, self.raw.t_low, self.raw.depth_interval] {
             self.pool.put_back(unused);
         }
         let ids = bytemuck::allocation::cast_vec(self.raw.id);

@@ -9,11 +9,11 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use crate::settle::Settled;
-use crate::view::{SphereLow, SphereRecord};
+use crate::view::{SphereRecord, SphereResiduals};
 use crate::window::Window;
 
 /// Bytes that the host needs at once for a certified frame, for each sphere that a ray may meet: its bin (20), its key (8),
-/// and what the rays ask of it (32 and a sill), once in the list of its row and once in the frame's. Smaller ones than a
+/// and what the rays ask of it (32 and a chunk_min_depth), once in the list of its row and once in the frame's. Smaller ones than a
 /// tile have 1.1 entries or so; what is hidden or met by no ray has none, but that is known only when it is too late.
 const STAGED: u64 = 104;
 
@@ -39,7 +39,7 @@ impl Need {
     /// Of this window of a frame as planned, on an adapter or on the CPU path.
     pub(crate) fn of(plan: &Plan, settings: &Settings, scene: &Scene, window: Window, gpu: bool) -> Self {
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
-        let records = record + if wide { size_of::<SphereLow>() as u64 } else { 0 };
+        let records = record + if wide { size_of::<SphereResiduals>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
             Accuracy::Exact => exact::BYTES_PER_SPHERE,
             Accuracy::Certified => STAGED,
@@ -133,7 +133,7 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
         true => u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 },
         false => 2,
     };
-    4 + 4 * (t + u64::from(kernel.width)) + 12 * vectors + made.sum::<u64>()
+    4 + 4 * (t + u64::from(kernel.depth_interval)) + 12 * vectors + made.sum::<u64>()
 }
 
 #[cfg(test)]

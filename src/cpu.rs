@@ -6,9 +6,9 @@ mod tiles;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::nearest::nearest;
+use crate::number::Number;
 use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
-use crate::real::Real;
 use crate::report::CPU_DRIVER;
 use crate::shade::Surface;
 use crate::view::{Sphere, View};
@@ -60,7 +60,7 @@ impl Visit for Frame<'_> {
         raw.t_low.resize(raw.id.len(), 0.0);
         // Of a row and a column of the window.
         let ray = |i: usize, j: usize| {
-            let [i, j] = record.aim(record.first_row + i as u32, record.first_column + j as u32);
+            let [i, j] = record.sample_position(record.first_row + i as u32, record.first_column + j as u32);
             viewing_ray::<V::Number>(record, i, j)
         };
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
@@ -68,7 +68,7 @@ impl Visit for Frame<'_> {
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
             for (j, (id, t)) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
                 let hit = nearest::<V, V::Number>(&ray(i, j), &spheres);
-                (*id, (*t.0, *t.1)) = (hit.id, hit.t.parts());
+                (*id, (*t.0, *t.1)) = (hit.id, hit.t.to_hi_lo());
             }
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
@@ -76,7 +76,7 @@ impl Visit for Frame<'_> {
             out.par_chunks_mut(3 * width).enumerate().for_each(|(i, row)| {
                 for (j, out) in row.chunks_exact_mut(3).enumerate() {
                     let pixel = i * width + j;
-                    let hit = Hit { t: V::Number::pair(t[pixel], low[pixel]), id: id[pixel] };
+                    let hit = Hit { t: V::Number::from_hi_lo(t[pixel], low[pixel]), id: id[pixel] };
                     out.copy_from_slice(&value(&ray(i, j), hit));
                 }
             });

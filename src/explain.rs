@@ -8,9 +8,9 @@ use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
 use crate::gpu::dispatch::Input;
 use crate::gpu::submission_budget::SubmissionBudget;
-use crate::gpu::transfers::{Bands, BindingLimits, Entries, outputs, uploads};
+use crate::gpu::transfers::{Bands, BindingLimits, Entries, uploads};
 use crate::intersect::Method;
-use crate::kernel::{Kernel, Sharing};
+use crate::kernel::{Kernel, KernelOutput, Sharing};
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::predict::Prediction;
@@ -206,7 +206,7 @@ impl Renderer {
             Place::Gpu(gpu) => gpu.summary.sharing(),
             Place::Cpu => Sharing::None,
         };
-        Kernel { sharing, ..setup.plan.kernel }.with_nears(setup.has_nears())
+        Kernel { sharing, ..setup.plan.kernel }.with_generals(setup.has_nears())
     }
 
     /// What is done of this plan, where it was decided to do it.
@@ -279,13 +279,14 @@ impl Work {
     fn of(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
         let pool = Pool::default();
         let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
-        let parts = compose(kernel).parts().into_iter().map(|(file, lines)| Part { file, lines }).collect();
+        let parts = compose(kernel).files().into_iter().map(|(file, lines)| Part { file, lines }).collect();
         let pixels = view.record.pixels() as u64;
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
         let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
-        let written = outputs(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes }).collect();
+        let written =
+            KernelOutput::of(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes() }).collect();
         let limits = BindingLimits::from(&gpu.limits);
         let mut cut = Bands::new(kernel, &input, limits);
         let bands: Vec<_> = std::iter::from_fn(|| cut.next(&SubmissionBudget::default())).collect();
@@ -326,7 +327,7 @@ impl Work {
 
 impl Staged {
     fn of(binned: &BinnedScene, scene: &Scene) -> Self {
-        let (front, near) = (binned.seen, binned.nears.len() as u64);
+        let (front, near) = (binned.seen, binned.generals.len() as u64);
         Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
     }
 }
@@ -393,7 +394,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
     }
     match plan.accuracy {
         Accuracy::Fast => leave("certificate", "the accuracy is fast"),
-        _ if !kernel.width => leave("width of the depth's interval", "no bound is asked for"),
+        _ if !kernel.depth_interval => leave("width of the depth's interval", "no bound is asked for"),
         _ => {}
     }
     if !kernel.is_wide() {

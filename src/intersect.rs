@@ -1,5 +1,5 @@
-//! THE list of intersection variants: type, files, name on the command line. Each line has one .rs in intersect/ and one
-//! .wgsl of the same name in shaders/intersect/; every test and every measurement takes them from here.
+//! THE list of intersection variants: type, files, name on the command line. Each line has one .rs in intersect/, and
+//! one .wgsl in shaders/form/, which f64 and double-float have in common; every test and every measurement takes them from here.
 
 pub(crate) mod double_float;
 mod geometric;
@@ -10,19 +10,19 @@ mod textbook;
 mod unit;
 
 use crate::error::Error;
+use crate::number::Number;
 use crate::ray::Ray;
-use crate::real::Real;
 use crate::view::Sphere;
 use std::str::FromStr;
 
-/// A form of the ray-sphere intersection: the CPU twin of shaders/intersect/NAME.wgsl.
+/// A form of the ray-sphere intersection: the CPU twin of a file of shaders/form/.
 pub trait Intersect {
     /// The arithmetic that the variant runs in.
-    type Number: Real;
-    /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Real::MISS`] if nowhere. A tangent ray hits.
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R;
+    type Number: Number;
+    /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Number::MISS`] if nowhere. A tangent ray hits.
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R;
     /// The unit normal at t in the canonical camera, against the ray.
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3];
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3];
 }
 
 /// Work to be done with the type of a variant: how a [`Method`] becomes static dispatch.

@@ -50,11 +50,11 @@ pub(crate) struct Kernel {
     /// With a certificate instead of `method`.
     pub(crate) certify: bool,
     /// Some spheres are not wholly in front of the eye plane: only a stage tells.
-    pub(crate) nears: bool,
+    pub(crate) generals: bool,
     /// `method` tests the candidates of a tile, not every sphere. A certified kernel always does.
     pub(crate) tiles: bool,
     /// The width of the depth's interval is written.
-    pub(crate) width: bool,
+    pub(crate) depth_interval: bool,
     /// Given rays walk a tree instead of testing every sphere.
     pub(crate) tree: bool,
     /// Viewing rays go through samples of their pixels instead of the centres.
@@ -73,9 +73,9 @@ impl Kernel {
             t: false,
             normal: false,
             certify: false,
-            nears: false,
+            generals: false,
             tiles: false,
-            width: false,
+            depth_interval: false,
             tree: false,
             samples: false,
         }
@@ -91,8 +91,8 @@ impl Kernel {
     }
 
     /// The same, for a scene with spheres that are not wholly in front of the eye plane, or without any.
-    pub(crate) fn with_nears(self, nears: bool) -> Self {
-        Self { nears, ..self }
+    pub(crate) fn with_generals(self, generals: bool) -> Self {
+        Self { generals, ..self }
     }
 
     /// Whether normals are made: to be written, or to shade by.
@@ -105,12 +105,68 @@ impl Kernel {
         !self.certify && self.method.is_wide()
     }
 
+    /// Whether it reads what rounding took from the spheres.
+    pub(crate) fn reads_residuals(&self) -> bool {
+        self.rays == Rays::Spread || self.is_wide()
+    }
+
     /// The records of the spheres that it reads, beside those of candidate lists.
     pub(crate) fn records(&self) -> Records {
         match self.certify || self.tiles {
             true => Records::None,
-            false if self.is_wide() => Records::WithLows,
+            false if self.is_wide() => Records::WithResiduals,
             false => Records::Rounded,
         }
+    }
+}
+
+macro_rules! output {
+    ($name:literal, $number:literal, $channels:literal, $value:literal, $is_written:expr) => {
+        KernelOutput {
+            name: $name,
+            staging: concat!("read ", $name),
+            number: $number,
+            channels: $channels,
+            value: $value,
+            is_written: $is_written,
+        }
+    };
+}
+
+/// A buffer that kernels write for every pixel, or given ray.
+pub(crate) struct KernelOutput {
+    /// Its binding's name in WGSL.
+    pub(crate) name: &'static str,
+    /// The buffer that the host reads it from, where it cannot read the binding's own.
+    pub(crate) staging: &'static str,
+    /// The WGSL type of its numbers, 4 bytes each.
+    pub(crate) number: &'static str,
+    /// Numbers per pixel.
+    pub(crate) channels: usize,
+    /// A pixel's value in WGSL, of `ray` and `hit`: a scalar, or a vector of the channels.
+    pub(crate) value: &'static str,
+    /// Whether a kernel writes it.
+    is_written: fn(&Kernel) -> bool,
+}
+
+/// Every such buffer. What a kernel does not write is neither declared nor computed: `gpu/compose.rs` emits the stores.
+pub(crate) const OUTPUTS: [KernelOutput; 6] = [
+    output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
+    output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
+    output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
+    output!("frame_depth_interval", "f32", 1, "answer.depth_interval", |kernel| kernel.depth_interval),
+    output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
+    output!("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
+];
+
+impl KernelOutput {
+    /// Those that `kernel` writes.
+    pub(crate) fn of(kernel: &Kernel) -> impl Iterator<Item = &'static Self> {
+        OUTPUTS.iter().filter(move |output| (output.is_written)(kernel))
+    }
+
+    /// Bytes per pixel.
+    pub(crate) fn bytes(&self) -> u64 {
+        4 * self.channels as u64
     }
 }

@@ -68,13 +68,14 @@ impl Plan {
         if matches!(plan.accuracy, Accuracy::Certified | Accuracy::Exact) {
             plan.method = plan.accuracy.name();
             plan.kernel.certify = true;
-            plan.kernel.width = settings.asks(&[Aov::Bound]);
+            plan.kernel.depth_interval = settings.asks(&[Aov::Bound]);
         }
         (plan.search, plan.search_reason) =
             search::for_viewing_rays(settings.search, plan.kernel.certify, scene.spheres.len());
         plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
         if settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
-            plan.sampled = Some(Kernel { samples: true, t: false, normal: false, width: false, ..plan.kernel });
+            plan.sampled =
+                Some(Kernel { samples: true, t: false, normal: false, depth_interval: false, ..plan.kernel });
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
         Ok(plan)

@@ -147,7 +147,7 @@ struct Extent {
 
 impl Extent {
     fn of(s: &SphereRecord) -> Self {
-        let [x, y, z, r] = s.ball.map(f64::from);
+        let [x, y, z, r] = s.center_radius.map(f64::from);
         let (far, power) = ((x * x + y * y + z * z).sqrt(), f64::from(s.power));
         // |p| - r = c / (|p| + r).
         let gap = power.abs() / (far + r);

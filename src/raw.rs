@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
+use crate::number::Number;
 use crate::ray::{NONE, Ray};
-use crate::real::Real;
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 
@@ -22,7 +22,7 @@ pub(crate) struct Raw {
     /// Linear RGB.
     pub(crate) color: Vec<f32>,
     /// How far the depth may be from the true one, in the frame's unit.
-    pub(crate) width: Vec<f32>,
+    pub(crate) depth_interval: Vec<f32>,
 }
 
 impl Raw {
@@ -37,7 +37,7 @@ impl Raw {
             t_low: pool.values(if kernel.t && kernel.is_wide() { pixels } else { 0 })?,
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
-            width: pool.values(if kernel.width { pixels } else { 0 })?,
+            depth_interval: pool.values(if kernel.depth_interval { pixels } else { 0 })?,
         })
     }
 
@@ -45,7 +45,7 @@ impl Raw {
     pub(crate) fn store(&mut self, name: &str, first: usize, pixels: usize, bytes: &[u8]) {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
-            "frame_width" => (bytemuck::cast_slice_mut(&mut self.width), 1),
+            "frame_depth_interval" => (bytemuck::cast_slice_mut(&mut self.depth_interval), 1),
             "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
@@ -61,14 +61,14 @@ impl Raw {
         let mut lows = pieces(&mut self.t_low, first, pixels);
         let mut normals = pieces(&mut self.normal, 3 * first, 3 * pixels);
         let mut colors = pieces(&mut self.color, 3 * first, 3 * pixels);
-        let mut widths = pieces(&mut self.width, first, pixels);
+        let mut widths = pieces(&mut self.depth_interval, first, pixels);
         pieces(&mut self.id, first, pixels).map(move |id| Piece {
             id,
             t: ts.next().unwrap_or_default(),
             t_low: lows.next().unwrap_or_default(),
             normal: normals.next().unwrap_or_default(),
             color: colors.next().unwrap_or_default(),
-            width: widths.next().unwrap_or_default(),
+            depth_interval: widths.next().unwrap_or_default(),
         })
     }
 
@@ -86,7 +86,9 @@ impl Raw {
     /// Returns its memory to the pool, for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.id);
-        [self.t, self.t_low, self.normal, self.color, self.width].into_iter().for_each(|unused| pool.put_back(unused));
+        [self.t, self.t_low, self.normal, self.color, self.depth_interval]
+            .into_iter()
+            .for_each(|unused| pool.put_back(unused));
     }
 
     /// t of a hit, the sum of its parts; 0 where it is not requested.
@@ -109,13 +111,13 @@ pub(crate) struct Piece<'a> {
     pub(crate) t_low: &'a mut [f32],
     pub(crate) normal: &'a mut [f32],
     pub(crate) color: &'a mut [f32],
-    pub(crate) width: &'a mut [f32],
+    pub(crate) depth_interval: &'a mut [f32],
 }
 
 impl Piece<'_> {
-    /// Normal and colour of a pixel by its number here, where they are requested: frame/normal.wgsl and frame/color.wgsl.
+    /// Normal and colour of a pixel by its number here, where they are requested: shade/world.wgsl and shade/color.wgsl.
     /// `normal` is that of the canonical camera at a hit.
-    pub(crate) fn shade<R: Real>(
+    pub(crate) fn shade<R: Number>(
         &mut self,
         pixel: usize,
         shade: Option<Shade>,

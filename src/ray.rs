@@ -1,6 +1,6 @@
 //! Viewing rays and hits: the twin of ray.wgsl.
 
-use crate::real::Real;
+use crate::number::Number;
 use crate::view::{Sphere, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
@@ -11,7 +11,7 @@ pub struct Ray<R> {
     pub d: [R; 3],
 }
 
-/// A given ray as the kernel sees it; trace.wgsl declares it.
+/// A given ray as the kernel sees it; main/given_rays.wgsl declares it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct RayRecord {
@@ -27,7 +27,7 @@ pub struct RayRecord {
 /// The closest hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit<R> {
-    /// t in the frame's unit; [`Real::MISS`] on a miss.
+    /// t in the frame's unit; [`Number::MISS`] on a miss.
     pub t: R,
     /// Index of the sphere in the scene's order; [`NONE`] on a miss.
     pub id: u32,
@@ -39,7 +39,7 @@ pub const NONE: u32 = u32::MAX;
 /// id where a certified kernel could not prove its answer: the host decides.
 pub(crate) const UNSURE: u32 = u32::MAX - 1;
 
-impl<R: Real> Hit<R> {
+impl<R: Number> Hit<R> {
     /// No hit.
     pub const NONE: Self = Self { t: R::MISS, id: NONE };
 
@@ -52,60 +52,60 @@ impl<R: Real> Hit<R> {
 
 /// The viewing ray of row `i` and column `j`, both from 0: u = (2j + 1 - W) vw/(2W), v = (H - 1 - 2i) vh/(2H), -d.
 #[must_use]
-pub fn viewing_ray<R: Real>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
-    let odd = |x: i64| R::exact(x as f32);
-    let u = odd(2 * i64::from(j) + 1 - i64::from(view.width)) * R::pair(view.half_du, view.half_du_low);
-    let v = odd(i64::from(view.height) - 1 - 2 * i64::from(i)) * R::pair(view.half_dv, view.half_dv_low);
-    Ray { d: [u, v, -R::pair(view.d, view.d_low)] }
+pub fn viewing_ray<R: Number>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
+    let odd = |x: i64| R::from_f32(x as f32);
+    let u = odd(2 * i64::from(j) + 1 - i64::from(view.width)) * R::from_hi_lo(view.half_du, view.half_du_low);
+    let v = odd(i64::from(view.height) - 1 - 2 * i64::from(i)) * R::from_hi_lo(view.half_dv, view.half_dv_low);
+    Ray { d: [u, v, -R::from_hi_lo(view.d, view.d_low)] }
 }
 
 /// x where it is positive, else 0.
 #[inline(always)]
-pub fn positive<R: Real>(x: R) -> R {
+pub fn positive<R: Number>(x: R) -> R {
     if x > R::ZERO { x } else { R::ZERO }
 }
 
 /// a . b, summed x, y, z: the order is part of the answer's last bit.
 #[inline(always)]
-pub fn dot3<R: Real>(a: [R; 3], b: [R; 3]) -> R {
+pub fn dot3<R: Number>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a x b
-pub fn cross3<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+pub fn cross3<R: Number>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// a / |a|
 #[inline(always)]
-pub fn unit3<R: Real>(a: [R; 3]) -> [R; 3] {
+pub fn unit3<R: Number>(a: [R; 3]) -> [R; 3] {
     let length = dot3(a, a).sqrt();
     a.map(|x| x / length)
 }
 
 /// s a
 #[inline(always)]
-pub fn times<R: Real>(s: R, a: [R; 3]) -> [R; 3] {
+pub fn times<R: Number>(s: R, a: [R; 3]) -> [R; 3] {
     a.map(|x| s * x)
 }
 
 /// a - b
 #[inline(always)]
-pub fn minus<R: Real>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+pub fn minus<R: Number>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// -a
-pub fn negated<R: Real>(a: [R; 3]) -> [R; 3] {
+pub fn negated<R: Number>(a: [R; 3]) -> [R; 3] {
     a.map(|x| -x)
 }
 
 /// The centre of a sphere's record.
-pub fn center<R: Real>(s: &Sphere<R>) -> [R; 3] {
-    [s.ball[0], s.ball[1], s.ball[2]]
+pub fn center<R: Number>(s: &Sphere<R>) -> [R; 3] {
+    [s.center_radius[0], s.center_radius[1], s.center_radius[2]]
 }
 
 /// The radius of a sphere's record.
-pub fn radius<R: Real>(s: &Sphere<R>) -> R {
-    s.ball[3]
+pub fn radius<R: Number>(s: &Sphere<R>) -> R {
+    s.center_radius[3]
 }

@@ -398,7 +398,7 @@ impl Renderer {
         let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
             Place::Gpu(gpu) => {
-                let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_nears(setup.has_nears());
+                let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_generals(setup.has_nears());
                 let input = Input { view, colors, rays: &[], candidates, tree: None };
                 gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
             }

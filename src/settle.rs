@@ -1,7 +1,8 @@
 //! Settle: what f32 could not prove is decided again, in double-double with proven bounds and then exactly.
 
+use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
-use crate::certify::{Certify, VANISH};
+use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
 use crate::ray::{UNSURE, positive};
@@ -66,7 +67,7 @@ impl Settler<'_> {
     fn most(&self, pixel: u32) -> usize {
         let [row, column] = self.twin.view.place(pixel);
         let [first, end] = self.twin.lists.range(row, column);
-        (end - first) as usize + self.twin.nears.len()
+        (end - first) as usize + self.twin.generals.len()
     }
 
     /// The spheres that may be the nearest hit of `pixel`, in the scene's order.
@@ -76,7 +77,7 @@ impl Settler<'_> {
             return Vec::new();
         }
         let [row, column] = twin.view.place(pixel);
-        let [row, column] = twin.view.aim(row, column);
+        let [row, column] = twin.view.sample_position(row, column);
         let slopes = twin.slopes(row, column);
         let mut all: Vec<_> = twin.candidates(&slopes).collect();
         // The depth that the nearest hit surely does not exceed.
@@ -106,7 +107,7 @@ impl Settler<'_> {
         let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
             let candidates: Vec<u32> = own.iter().map(local).collect();
             let [row, column] = self.twin.view.place(pixel);
-            let [row, column] = self.twin.view.aim(row, column);
+            let [row, column] = self.twin.view.sample_position(row, column);
             let truth = judge.among(row, column, &candidates);
             Settled { pixel, truth: truth.map(|truth| Truth { id: ids[truth.id as usize], ..truth }) }
         };
@@ -122,7 +123,7 @@ pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync
         let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
         let decide = |pixel: u32| {
             let [row, column] = record.place(pixel);
-            let [row, column] = record.aim(row, column);
+            let [row, column] = record.sample_position(row, column);
             Settled { pixel, truth: judge.pixel(row, column) }
         };
         pixels.map(decide).collect::<Vec<_>>()
@@ -142,7 +143,7 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
                     Shade::Normal => truth.normal.map(|x| (0.5 * x + 0.5) as f32),
                     Shade::Headlight => {
                         let [row, column] = view.record.place(s.pixel);
-                        let [row, column] = view.record.aim(row, column);
+                        let [row, column] = view.record.sample_position(row, column);
                         let direction = view.direction(row, column);
                         let along = view.to_world(direction);
                         let cosine = -DVec3::from_array(truth.normal).dot(along) / along.length();

@@ -89,7 +89,7 @@ impl FrameSetup {
 
     /// Whether some spheres of a certified frame are not wholly in front of the eye plane.
     pub(crate) fn has_nears(&self) -> bool {
-        self.certified().is_some_and(|binned| !binned.nears.is_empty())
+        self.certified().is_some_and(|binned| !binned.generals.is_empty())
     }
 
     /// The binned scene of a certified frame.

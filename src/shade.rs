@@ -1,9 +1,9 @@
-//! From a hit to a colour: the twin of shade.wgsl and shade/.
+//! From a hit to a colour: the twin of shade/.
 
 use crate::error::Error;
 use crate::intersect::Intersect;
+use crate::number::Number;
 use crate::ray::{Hit, Ray, dot3, positive, unit3};
-use crate::real::Real;
 use crate::scene::DEFAULT_COLOR;
 use crate::view::{Sphere, ViewRecord};
 use std::str::FromStr;
@@ -55,11 +55,11 @@ pub(crate) struct Surface<'a, R> {
     pub(crate) colors: Option<&'a [[f32; 3]]>,
 }
 
-impl<R: Real> Surface<'_, R> {
+impl<R: Number> Surface<'_, R> {
     /// Unit normal at a hit, in the canonical camera, against the ray.
     fn surface_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         let s = &self.spheres[hit.id as usize];
-        V::normal_at(ray, s, hit.t / s.scale).map(|x| x.parts().0)
+        V::normal_at(ray, s, hit.t / s.scale).map(|x| x.to_hi_lo().0)
     }
 
     /// A direction of the canonical camera in world space.
@@ -91,7 +91,7 @@ impl<R: Real> Surface<'_, R> {
             Shade::Flat => self.sphere_color(id),
             Shade::Normal => self.to_world(normal).map(|x| 0.5 * x + 0.5),
             Shade::Headlight => {
-                let cosine = positive(-dot3(normal, unit3(ray.d.map(|x| x.parts().0))));
+                let cosine = positive(-dot3(normal, unit3(ray.d.map(|x| x.to_hi_lo().0))));
                 self.sphere_color(id).map(|x| cosine * x)
             }
         }

@@ -4,28 +4,14 @@
 
 use crate::certify::binned::BinnedScene;
 use crate::memory::Pool;
+use crate::number::Number;
 use crate::ray::NONE;
-use crate::real::Real;
 use crate::scene::Spheres;
 use crate::tile::CHUNK;
-use crate::view::{Sphere, SphereLow, View};
-use bytemuck::{Pod, Zeroable};
+use crate::view::{Sphere, SphereRecord, SphereResiduals, View};
+use bytemuck::Pod;
 use rayon::prelude::*;
 use std::ops::Range;
-
-/// A sphere in a list; tiles/candidates.wgsl declares it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
-pub(crate) struct Candidate {
-    /// As in [`crate::view::SphereRecord`].
-    pub(crate) ball: [f32; 4],
-    pub(crate) power: f32,
-    pub(crate) scale: f32,
-    /// Index in the scene's order.
-    pub(crate) id: u32,
-    /// WGSL rounds the size up to the alignment of ball.
-    pub(crate) unused: u32,
-}
 
 /// The rest of a list is skipped if it begins farther behind the hit than this share of its t. That is far more than the
 /// error of t in any usable method (half of f32's digits, for the lecture's). A method whose t is off by more may skip a
@@ -44,7 +30,7 @@ pub(crate) struct TileCandidates<'a> {
     /// Low parts are read too.
     pub(crate) wide: bool,
     pool: &'a Pool,
-    /// t for each unit of a sill's depth, less the margin.
+    /// t for each unit of a chunk_min_depth's depth, less the margin.
     per_depth: f64,
 }
 
@@ -85,50 +71,47 @@ impl<'a> TileCandidates<'a> {
     }
 
     /// That sphere in the arithmetic of a twin.
-    pub(crate) fn sphere<R: Real>(&self, id: u32) -> Sphere<R> {
+    pub(crate) fn sphere<R: Number>(&self, id: u32) -> Sphere<R> {
         let (center, radius) = self.world(id);
-        let record = self.view.sphere(center, radius);
+        let record = self.view.sphere(id, center, radius);
         match self.wide {
-            true => Sphere::whole(&record, &self.view.low(center, radius)),
+            true => Sphere::with_residuals(&record, &self.view.residuals_of(center, radius)),
             false => Sphere::from(&record),
         }
     }
 
     /// The ids of a run of list entries; [`NONE`] is what fills a list up.
     pub(crate) fn ids(&self, entries: Range<usize>) -> impl Iterator<Item = u32> + '_ {
-        self.binned.lists.mores[entries].iter().map(|more| more.id)
+        self.binned.lists.details[entries].iter().map(|more| more.id)
     }
 
-    /// A ray that has hit something at a smaller t, in the frame's unit, is not asked this chunk, nor what is behind it
-    /// in its list.
+    /// A ray that has hit something at a smaller t, in the frame's unit, need not test this chunk, nor what is behind it in
+    /// its list.
     pub(crate) fn limit(&self, chunk: usize) -> f32 {
-        let depth = f64::from(self.binned.lens.depth) + f64::from(self.binned.lists.sills[chunk]);
+        let depth = f64::from(self.binned.projection.depth) + f64::from(self.binned.lists.chunk_min_depths[chunk]);
         (depth * self.per_depth).min(FAR) as f32
     }
 
-    /// How many places of a band the near spheres take.
-    pub(crate) fn nears(&self) -> usize {
-        self.binned.nears.len().next_multiple_of(CHUNK)
+    /// How many places of a band the general spheres take.
+    pub(crate) fn generals(&self) -> usize {
+        self.binned.generals.len().next_multiple_of(CHUNK)
     }
 
-    /// The near spheres and then some list entries, each followed by its like where a chunk is to be filled up: what
-    /// is asked twice cannot win against itself.
-    pub(crate) fn candidates(&self, entries: Range<usize>) -> Vec<Candidate> {
-        self.places(entries, |id, (center, radius)| {
-            let s = self.view.sphere(center, radius);
-            Candidate { ball: s.ball, power: s.power, scale: s.scale, id, unused: 0 }
-        })
+    /// The records of the general spheres and then of some list entries. Where a chunk has fewer, the last is repeated: a
+    /// sphere is not closer than itself.
+    pub(crate) fn records(&self, entries: Range<usize>) -> Vec<SphereRecord> {
+        self.places(entries, |id, (center, radius)| self.view.sphere(id, center, radius))
     }
 
     /// What rounding took from each of these.
-    pub(crate) fn lows(&self, entries: Range<usize>) -> Vec<SphereLow> {
-        self.places(entries, |_, (center, radius)| self.view.low(center, radius))
+    pub(crate) fn residuals(&self, entries: Range<usize>) -> Vec<SphereResiduals> {
+        self.places(entries, |_, (center, radius)| self.view.residuals_of(center, radius))
     }
 
-    /// [`Self::limit`] of each chunk of these; near spheres are always asked.
+    /// [`Self::limit`] of each chunk of these; every ray tests the general spheres.
     pub(crate) fn limits(&self, entries: Range<usize>) -> Vec<f32> {
         let of_lists = (entries.start / CHUNK..entries.end / CHUNK).map(|chunk| self.limit(chunk));
-        std::iter::repeat_n(0.0, self.nears() / CHUNK).chain(of_lists).collect()
+        std::iter::repeat_n(0.0, self.generals() / CHUNK).chain(of_lists).collect()
     }
 
     /// Leaves what was uploaded to the next band or frame.
@@ -141,9 +124,9 @@ impl<'a> TileCandidates<'a> {
         entries: Range<usize>,
         make: impl Fn(u32, ([f64; 3], f64)) -> T + Sync,
     ) -> Vec<T> {
-        let nears = self.nears();
-        let mut places: Vec<T> = self.pool.take(nears + entries.len());
-        places.resize(nears + entries.len(), T::zeroed());
+        let generals = self.generals();
+        let mut places: Vec<T> = self.pool.take(generals + entries.len());
+        places.resize(generals + entries.len(), T::zeroed());
         let fill = |chunk: &mut [T], ids: [u32; CHUNK]| {
             // All are fetched before any is made: they lie far apart.
             let worlds = ids.map(|id| if id == NONE { Default::default() } else { self.world(id) });
@@ -155,13 +138,13 @@ impl<'a> TileCandidates<'a> {
                 *place = last;
             }
         };
-        let (of_nears, of_lists) = places.split_at_mut(nears);
-        for (chunk, nears) in of_nears.chunks_mut(CHUNK).zip(self.binned.nears.chunks(CHUNK)) {
-            fill(chunk, std::array::from_fn(|n| nears.get(n).map_or(NONE, |near| near.id)));
+        let (of_generals, of_lists) = places.split_at_mut(generals);
+        for (chunk, generals) in of_generals.chunks_mut(CHUNK).zip(self.binned.generals.chunks(CHUNK)) {
+            fill(chunk, std::array::from_fn(|n| generals.get(n).map_or(NONE, |general| general.id)));
         }
-        let mores = &self.binned.lists.mores[entries];
-        of_lists.par_chunks_mut(CHUNK).zip(mores.par_chunks(CHUNK)).for_each(|(chunk, mores)| {
-            fill(chunk, std::array::from_fn(|n| mores.get(n).map_or(NONE, |more| more.id)));
+        let details = &self.binned.lists.details[entries];
+        of_lists.par_chunks_mut(CHUNK).zip(details.par_chunks(CHUNK)).for_each(|(chunk, details)| {
+            fill(chunk, std::array::from_fn(|n| details.get(n).map_or(NONE, |more| more.id)));
         });
         places
     }

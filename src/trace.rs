@@ -10,17 +10,17 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, Rays};
 use crate::nearest::{nearest_in, nearest_of};
+use crate::number::Number;
 use crate::plan::Plan;
 use crate::raw::Raw;
-use crate::ray::{Hit, NONE, Ray, RayRecord, center, dot3, radius};
-use crate::real::Real;
+use crate::ray::{Hit, NONE, Ray, RayRecord, dot3};
 use crate::render::{Place, Renderer};
 use crate::report::Timings;
 use crate::scene::{Spheres, check_sphere};
 use crate::settings::{Search, Settings};
 use crate::shade::Surface;
 use crate::tree::{Shape, Slabs, Slack, Tree, coherent};
-use crate::view::{Sphere, SphereLow, View};
+use crate::view::{Sphere, SphereRecord, SphereResiduals, View};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -77,7 +77,7 @@ impl Renderer {
         for mut group in groups(directions.len(), origin) {
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
             if group.kind == Rays::Spread || plan.kernel.is_wide() {
-                view.keep_lows(&spheres.centers, &spheres.radii);
+                view.keep_residuals(&spheres.centers, &spheres.radii);
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
             let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
@@ -203,25 +203,17 @@ pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
     rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
 }
 
-/// A sphere moved to the origin of a ray: the twin of origin/spread.wgsl.
-fn sphere_for(s: &Sphere<f32>, low: &SphereLow, ray: &RayRecord) -> Sphere<f32> {
+/// A sphere moved to the origin of a ray: the twin of search/moved_origin.wgsl.
+fn moved<R: Number>(s: &SphereRecord, residuals: &SphereResiduals, ray: &RayRecord) -> Sphere<R> {
     let shrink = 1.0 / s.scale;
-    let p: [f32; 3] = std::array::from_fn(|k| {
-        let high = s.ball[k] - shrink * ray.origin[k];
-        high + (low.ball[k] - shrink * ray.origin_low[k])
-    });
-    let moved = Sphere { ball: [p[0], p[1], p[2], s.ball[3]], ..*s };
-    let power = dot3(center(&moved), center(&moved)) - radius(&moved) * radius(&moved);
-    Sphere { power, ..moved }
-}
-
-/// The same in arithmetic beyond f32: the twin of wide/spread.wgsl.
-fn wide_sphere<R: Real>(s: &Sphere<R>, ray: &RayRecord) -> Sphere<R> {
-    let shrink = R::exact(1.0 / s.scale.parts().0);
-    let p: [R; 3] = std::array::from_fn(|k| s.ball[k] - R::pair(ray.origin[k], ray.origin_low[k]).scaled(shrink));
-    let moved = Sphere { ball: [p[0], p[1], p[2], s.ball[3]], ..*s };
-    let power = dot3(center(&moved), center(&moved)) - radius(&moved) * radius(&moved);
-    Sphere { power, ..moved }
+    let part = |k: usize| [s.center_radius[k], residuals.center_radius[k]];
+    let p = [0, 1, 2].map(|k| R::difference(part(k), [ray.origin[k], ray.origin_low[k]], shrink));
+    let radius = R::from_hi_lo(s.center_radius[3], residuals.center_radius[3]);
+    Sphere {
+        center_radius: [p[0], p[1], p[2], radius],
+        power: dot3(p, p) - radius * radius,
+        scale: R::from_f32(s.scale),
+    }
 }
 
 /// The CPU path of [`Renderer::trace`].
@@ -243,38 +235,36 @@ impl Visit for Traced<'_> {
     fn visit<V: Intersect>(self) {
         let Self { kernel, view, rays, tree, raw } = self;
         let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
-        let wide = kernel.method.is_wide();
-        let moved = |ray: &RayRecord, id: usize| match kernel.rays {
-            Rays::Spread if wide => wide_sphere(&spheres[id], ray),
-            Rays::Spread => Sphere::from_f32(&sphere_for(&Sphere::from(&view.spheres[id]), &view.lows[id], ray)),
+        let sphere_of = |ray: &RayRecord, id: usize| match kernel.rays {
+            Rays::Spread => moved(&view.spheres[id], &view.residuals[id], ray),
             _ => spheres[id],
         };
         let direction = |r: &RayRecord| {
             let low = [r.direction[3], r.origin[3], r.origin_low[3]];
-            Ray { d: std::array::from_fn(|k| V::Number::pair(r.direction[k], low[k])) }
+            Ray { d: std::array::from_fn(|k| V::Number::from_hi_lo(r.direction[k], low[k])) }
         };
         raw.t_low.resize(raw.id.len(), 0.0);
         let ts = raw.t.par_iter_mut().zip(&mut raw.t_low);
         raw.id.par_iter_mut().zip(ts).zip(rays).for_each(|((id, t), r)| {
-            let (ray, sphere) = (direction(r), |k| moved(r, k));
+            let (ray, sphere) = (direction(r), |k| sphere_of(r, k));
             let hit = match tree {
                 Some(tree) => nearest_in::<V, V::Number>(&ray, &Slabs::of(r), tree, sphere),
                 None => nearest_of::<V, V::Number>(&ray, spheres.len(), sphere),
             };
-            (*id, (*t.0, *t.1)) = (hit.id, hit.t.parts());
+            (*id, (*t.0, *t.1)) = (hit.id, hit.t.to_hi_lo());
         });
         if kernel.normal {
             let hits = raw.id.par_iter().zip(raw.t.par_iter().zip(&raw.t_low)).zip(rays);
             raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, (&t, &low)), r))| {
                 if id != NONE {
-                    let own = [moved(r, id as usize)];
-                    let hit = Hit { t: V::Number::pair(t, low), id: 0 };
+                    let own = [sphere_of(r, id as usize)];
+                    let hit = Hit { t: V::Number::from_hi_lo(t, low), id: 0 };
                     let surface = Surface { view: &view.record, spheres: &own, colors: None };
                     out.copy_from_slice(&surface.world_normal::<V>(&direction(r), hit));
                 }
             });
         }
-        if !wide {
+        if !kernel.method.is_wide() {
             raw.t_low.clear();
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! [`Shape`] is the tree without its boxes, made once for a call; [`Tree`] is that with the boxes of one view, padded so
 //! that no sphere which a form of the quadratic reports is ever left out: the search does not change an answer, by
-//! whatever form (docs/tree.md derives it). Walked by `shaders/nearest/tree.wgsl` and its twin in `nearest.rs`.
+//! whatever form (docs/tree.md derives it). Walked by `shaders/search/tree.wgsl` and its twin in `nearest.rs`.
 
 mod coherent;
 mod shape;
@@ -38,7 +38,7 @@ pub(crate) const NOWHERE: u32 = u32::MAX;
 /// by zero. It moves a point of the ray by less than 2^-32 of its way.
 pub(crate) const LEAST: f32 = 1.0 / (1u64 << 32) as f32;
 
-/// Two boxes and where they lead; nearest/tree.wgsl declares it.
+/// Two boxes and where they lead; search/tree.wgsl declares it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct NodeRecord {
@@ -107,14 +107,14 @@ impl Bounds {
     const EMPTY: Self = Self { low: [f32::MAX; 3], high: [-f32::MAX; 3] };
 
     /// Around a sphere, padded; `None` where f32 cannot hold it.
-    fn of(s: &SphereRecord, reach: f64, slack: Slack) -> Option<Self> {
-        let ball = s.ball.map(|x| f64::from(x) * f64::from(s.scale));
-        let (p, r) = (&ball[..3], ball[3]);
+    fn of(s: &SphereRecord, reach: f64, cull_margin: Slack) -> Option<Self> {
+        let center_radius = s.center_radius.map(|x| f64::from(x) * f64::from(s.scale));
+        let (p, r) = (&center_radius[..3], center_radius[3]);
         let far = p.iter().map(|x| x * x).sum::<f64>().sqrt() + r + reach;
         if far.is_nan() || far > FARTHEST {
             return None;
         }
-        let pad = r + slack.pad(r, far);
+        let pad = r + cull_margin.pad(r, far);
         let low = std::array::from_fn(|k| ((p[k] - pad) as f32).next_down());
         let high = std::array::from_fn(|k| ((p[k] + pad) as f32).next_up());
         Some(Self { low, high })
@@ -131,8 +131,8 @@ impl Bounds {
 impl Tree {
     /// The boxes of `view` for rays whose origins are at most `reach` from its eye, in the frame's unit; `None` where
     /// numbers are so large that slabs could overflow: then every sphere is asked.
-    pub(crate) fn new(shape: &Shape, view: &View, reach: f64, slack: Slack) -> Option<Self> {
-        let around = |&id: &u32| Bounds::of(&view.spheres[id as usize], reach, slack);
+    pub(crate) fn new(shape: &Shape, view: &View, reach: f64, cull_margin: Slack) -> Option<Self> {
+        let around = |&id: &u32| Bounds::of(&view.spheres[id as usize], reach, cull_margin);
         let bounds: Vec<Bounds> = shape.order.par_iter().map(around).collect::<Option<_>>()?;
         let mut nodes = vec![NodeRecord::zeroed(); shape.links.len()];
         let mut whole = vec![Bounds::EMPTY; shape.links.len()];

@@ -12,8 +12,8 @@ pub(crate) use moved::FromEye;
 use crate::camera::{Basis, Viewport};
 use crate::dd;
 use crate::error::{Error, Place, Result};
+use crate::number::Number;
 use crate::raster::Raster;
-use crate::real::Real;
 use crate::scene::Scene;
 use crate::tile::TILE;
 use crate::window::Window;
@@ -48,9 +48,9 @@ pub struct ViewRecord {
     pub half_dv: f32,
     /// d, scaled.
     pub d: f32,
-    /// How many spheres every ray is asked.
+    /// How many spheres every ray tests.
     pub spheres: u32,
-    /// 0: what no compiler knows (opaque.wgsl).
+    /// 0: what no compiler knows (number/double_float.wgsl).
     pub zero: u32,
     /// What rounding took from half_du.
     pub half_du_low: f32,
@@ -97,9 +97,9 @@ impl ViewRecord {
         self.strata * self.jitter
     }
 
-    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of pixel/sample.wgsl.
+    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of main/sample.wgsl.
     #[inline(always)]
-    pub(crate) fn aim(&self, row: u32, column: u32) -> [u32; 2] {
+    pub(crate) fn sample_position(&self, row: u32, column: u32) -> [u32; 2] {
         if self.fine() == 1 {
             return [row, column];
         }
@@ -126,29 +126,31 @@ fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     mix(mix(v).map(|x| x ^ x >> 16))
 }
 
-/// A sphere as the kernels see it; view.wgsl declares it.
+/// A sphere as the kernels see it; search/closer_hit.wgsl declares it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct SphereRecord {
     /// Centre minus eye in the canonical camera, and radius; times 2^-k.
-    pub ball: [f32; 4],
+    pub center_radius: [f32; 4],
     /// Power of the eye, |c - e|^2 - r^2; times 2^-2k. Its sign is exact.
     pub power: f32,
     /// t of this record times scale is t in the frame's unit.
     pub scale: f32,
-    /// WGSL rounds the size up to the alignment of ball.
-    pub unused: [f32; 2],
+    /// Index in the scene's order.
+    pub id: u32,
+    /// WGSL rounds the size up to the alignment of center_radius.
+    pub unused: u32,
 }
 
-/// What rounding took from a [`SphereRecord`]; lows.wgsl declares it.
+/// What rounding took from a [`SphereRecord`]; search/closer_hit.wgsl declares it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
-pub struct SphereLow {
+pub struct SphereResiduals {
     /// Of centre and radius.
-    pub ball: [f32; 4],
+    pub center_radius: [f32; 4],
     /// Of the power.
     pub power: f32,
-    /// WGSL rounds the size up to the alignment of ball.
+    /// WGSL rounds the size up to the alignment of center_radius.
     pub unused: [f32; 3],
 }
 
@@ -156,31 +158,30 @@ pub struct SphereLow {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<R> {
     /// Centre and radius.
-    pub ball: [R; 4],
+    pub center_radius: [R; 4],
     /// Power of the eye.
     pub power: R,
     /// Unit of t.
     pub scale: R,
 }
 
-impl<R: Real> From<&SphereRecord> for Sphere<R> {
+impl<R: Number> From<&SphereRecord> for Sphere<R> {
     fn from(s: &SphereRecord) -> Self {
-        Self { ball: s.ball.map(R::exact), power: R::exact(s.power), scale: R::exact(s.scale) }
+        Self {
+            center_radius: s.center_radius.map(R::from_f32),
+            power: R::from_f32(s.power),
+            scale: R::from_f32(s.scale),
+        }
     }
 }
 
-impl<R: Real> Sphere<R> {
-    /// The same sphere, exactly.
-    pub(crate) fn from_f32(s: &Sphere<f32>) -> Self {
-        Self { ball: s.ball.map(R::exact), power: R::exact(s.power), scale: R::exact(s.scale) }
-    }
-
+impl<R: Number> Sphere<R> {
     /// A record with its low parts, as far as the arithmetic can hold them.
-    pub(crate) fn whole(s: &SphereRecord, low: &SphereLow) -> Self {
+    pub(crate) fn with_residuals(s: &SphereRecord, low: &SphereResiduals) -> Self {
         Self {
-            ball: std::array::from_fn(|k| R::pair(s.ball[k], low.ball[k])),
-            power: R::pair(s.power, low.power),
-            scale: R::exact(s.scale),
+            center_radius: std::array::from_fn(|k| R::from_hi_lo(s.center_radius[k], low.center_radius[k])),
+            power: R::from_hi_lo(s.power, low.power),
+            scale: R::from_f32(s.scale),
         }
     }
 }
@@ -193,7 +194,7 @@ pub(crate) enum Records {
     /// Rounded to f32.
     Rounded,
     /// Rounded to f32, and what rounding took.
-    WithLows,
+    WithResiduals,
 }
 
 /// The scene in the canonical camera.
@@ -204,7 +205,7 @@ pub struct View {
     /// One record per sphere, in the scene's order.
     pub spheres: Vec<SphereRecord>,
     /// What rounding took from each sphere, for rays from many points and for arithmetic beyond f32; else empty.
-    pub lows: Vec<SphereLow>,
+    pub residuals: Vec<SphereResiduals>,
     /// The basis, in f64.
     pub basis: Basis,
     /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's; of parallel rays vw/(2W) and vh/(2H) in
@@ -244,8 +245,8 @@ impl View {
         if records != Records::None {
             view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         }
-        if records == Records::WithLows {
-            view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
+        if records == Records::WithResiduals {
+            view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
         }
         Ok(view)
     }
@@ -306,22 +307,22 @@ impl View {
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
         let record = ViewRecord { right, up, back, spheres: spheres as u32, ..record };
-        Self { record, spheres: Vec::new(), lows: Vec::new(), basis, pitch, parallel: false, unit }
+        Self { record, spheres: Vec::new(), residuals: Vec::new(), basis, pitch, parallel: false, unit }
     }
 
     /// The spheres in the arithmetic of a CPU twin, with their low parts where `wide`.
-    pub(crate) fn spheres_in<R: Real>(&self, wide: bool) -> Vec<Sphere<R>> {
+    pub(crate) fn spheres_in<R: Number>(&self, wide: bool) -> Vec<Sphere<R>> {
         match wide {
-            true => self.spheres.iter().zip(&self.lows).map(|(s, low)| Sphere::whole(s, low)).collect(),
+            true => self.spheres.iter().zip(&self.residuals).map(|(s, low)| Sphere::with_residuals(s, low)).collect(),
             false => self.spheres.iter().map(Sphere::from).collect(),
         }
     }
 
     /// Keeps what rounding took from the spheres of this view.
-    pub(crate) fn keep_lows(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
+    pub(crate) fn keep_residuals(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
         let (basis, spheres) = (self.basis, &self.spheres);
         let moved = centers.par_iter().zip(radii).map(|(c, r)| Moved::new(&basis, *c, *r));
-        self.lows = spheres.par_iter().zip(moved).map(|(s, moved)| moved.low(s)).collect();
+        self.residuals = spheres.par_iter().zip(moved).map(|(s, moved)| moved.residuals(s)).collect();
     }
 
     /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's; (0, 0, -1) of parallel rays.
@@ -353,22 +354,23 @@ impl View {
         self.basis.u * d[0] + self.basis.v * d[1] + self.basis.w * d[2]
     }
 
-    /// The record of one sphere.
-    pub(crate) fn sphere(&self, center: [f64; 3], radius: f64) -> SphereRecord {
-        Moved::new(&self.basis, center, radius).record(self.unit)
+    /// The record of the sphere `id`.
+    pub(crate) fn sphere(&self, id: u32, center: [f64; 3], radius: f64) -> SphereRecord {
+        SphereRecord { id, ..Moved::new(&self.basis, center, radius).record(self.unit) }
     }
 
     /// What rounding took from it.
-    pub(crate) fn low(&self, center: [f64; 3], radius: f64) -> SphereLow {
+    pub(crate) fn residuals_of(&self, center: [f64; 3], radius: f64) -> SphereResiduals {
         let moved = Moved::new(&self.basis, center, radius);
-        moved.low(&moved.record(self.unit))
+        moved.residuals(&moved.record(self.unit))
     }
 
     fn move_world(&mut self, centers: &[[f64; 3]], radii: &[f64]) {
-        self.spheres = self.moved(centers, radii).collect();
+        let records = self.moved(centers, radii).enumerate();
+        self.spheres = records.map(|(id, record)| SphereRecord { id: id as u32, ..record }).collect();
     }
 
-    /// The records of these spheres, one after the other, without keeping them.
+    /// The records of these spheres, one after the other, without ids.
     pub(crate) fn moved<'a>(
         &self,
         centers: &'a [[f64; 3]],
@@ -427,7 +429,7 @@ mod tests {
         let mut counts = [0u32; 16];
         for sample in 0..9 {
             for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {
-                let [i, j] = ViewRecord { sample, ..record }.aim(row, column);
+                let [i, j] = ViewRecord { sample, ..record }.sample_position(row, column);
                 assert_eq!([i / 48, j / 48], [row, column], "within its pixel");
                 assert_eq!([i % 48 / 16, j % 48 / 16], [sample / 3, sample % 3], "within its stratum");
                 counts[(i % 16) as usize] += 1;

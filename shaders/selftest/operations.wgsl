@@ -1,4 +1,5 @@
 // The operations one by one, and what becomes of numbers at the ends of the range. A case is a, b.
+alias Word = f32;
 const WORDS_IN: u32 = 2u;
 const WORDS_OUT: u32 = 11u;
 

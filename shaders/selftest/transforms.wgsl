@@ -1,5 +1,6 @@
 // Error-free transforms as a compiler would like them (plain) and behind the barrier; and what a compiler may do to sums
 // and products on its own. A case is a, b, c = RN(a b), and x, y, z for (x - y) z.
+alias Word = f32;
 const WORDS_IN: u32 = 6u;
 const WORDS_OUT: u32 = 27u;
 
@@ -38,7 +39,7 @@ fn plain_fma_product(a: f32, b: f32) -> Number {
 
 fn fma_product(a: f32, b: f32) -> Number {
     let hi = product(a, b);
-    return Number(hi, opaque(fma(a, b, opaque(-hi))));
+    return Number(hi, fp_barrier(fma(a, b, fp_barrier(-hi))));
 }
 
 fn plain_split(a: f32) -> Number {

@@ -1,12 +1,12 @@
 //! What the host prepares for the certified kernel: spheres in one of two forms, each with the bounds of what f32 and
 //! the host's own rounding can do to it. docs/certificate.md derives the bounds.
 
-use super::lens::cover::Cover;
-use super::lens::project::{Eight, LANES};
-use super::lens::{Lens, Rotation, Staged};
-use super::near::NearRecord;
+use super::general::GeneralRecord;
+use super::projection::cover::Cover;
+use super::projection::project::{Eight, LANES};
+use super::projection::{ProjectionBounds, Rotation, Staged};
 use super::tiles::{Bin, Filling, Lists, Placed, Placing};
-use super::{LensRecord, Terms};
+use super::{ProjectionRecord, Terms};
 use crate::dd;
 use crate::error::Result;
 use crate::memory::Pool;
@@ -18,19 +18,19 @@ use rayon::prelude::*;
 /// The scene as the certified kernel sees it.
 #[derive(Debug, Clone)]
 pub(crate) struct BinnedScene {
-    pub(crate) lens: LensRecord,
+    pub(crate) projection: ProjectionRecord,
     pub(crate) lists: Lists,
-    pub(crate) nears: Vec<NearRecord>,
-    /// Front spheres that some ray may meet.
+    pub(crate) generals: Vec<GeneralRecord>,
+    /// Projected spheres that some ray may meet.
     pub(crate) seen: u64,
 }
 
 impl BinnedScene {
     /// Leaves its memory to the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
-        pool.put_back(self.lists.fronts);
-        pool.put_back(self.lists.mores);
-        pool.put_back(self.lists.sills);
+        pool.put_back(self.lists.projected);
+        pool.put_back(self.lists.details);
+        pool.put_back(self.lists.chunk_min_depths);
     }
 }
 
@@ -39,25 +39,25 @@ pub(crate) struct Depths<'a> {
     rotation: Rotation,
     unit: i32,
     centers: &'a [[f64; 3]],
-    nears: &'a [NearRecord],
+    generals: &'a [GeneralRecord],
 }
 
 impl<'a> Depths<'a> {
-    /// Of the spheres of `scene`, some of them staged as near ones.
+    /// Of the spheres of `scene`, some of them staged as general ones.
     pub(crate) fn new(scene: &'a Scene, view: &View, binned: Option<&'a BinnedScene>) -> Self {
-        let nears = binned.map_or(&[][..], |binned| &binned.nears);
+        let generals = binned.map_or(&[][..], |binned| &binned.generals);
         Self {
             rotation: Rotation::new(&view.basis, view.unit),
             unit: view.unit,
             centers: &scene.spheres.centers,
-            nears,
+            generals,
         }
     }
 
-    /// Depth of a front sphere's centre in the scene's unit, as it was staged; 0 for a near sphere. A hit's depth is
+    /// Depth of a projected sphere's centre in the scene's unit, as it was staged; 0 for a general sphere. A hit's depth is
     /// this plus its offset.
     pub(crate) fn of(&self, id: u32) -> f64 {
-        if self.nears.binary_search_by_key(&id, |near| near.id).is_ok() {
+        if self.generals.binary_search_by_key(&id, |general| general.id).is_ok() {
             return 0.0;
         }
         let depth = |center: &[f64; 3]| dd::ldexp(self.rotation.of(*center).1[2], self.unit);
@@ -72,8 +72,8 @@ const TOGETHER: usize = 1 << 14;
 struct SphereBins {
     /// Of every sphere, by its id.
     bins: Vec<Bin>,
-    nears: Vec<NearRecord>,
-    /// Least and largest depth of the front spheres.
+    generals: Vec<GeneralRecord>,
+    /// Least and largest depth of the projected spheres.
     range: Option<[f64; 2]>,
     /// How many there are.
     seen: u64,
@@ -92,22 +92,22 @@ impl BinnedScene {
     ) -> Result<Option<Self>> {
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
-        let lens = Lens::new(&scene.camera, view, &viewport, terms)?;
-        if !lens.is_bounded() {
+        let projection = ProjectionBounds::new(&scene.camera, view, &viewport, terms)?;
+        if !projection.is_bounded() {
             return Ok(None);
         }
-        let mut sphere_bins = lens.bin_spheres(scene, 0.0, pool);
+        let mut sphere_bins = projection.bin_spheres(scene, 0.0, pool);
         let reference = reference(&sphere_bins);
         if reference > 0.0 {
             pool.put_back(sphere_bins.bins);
-            sphere_bins = lens.bin_spheres(scene, reference.into(), pool);
+            sphere_bins = projection.bin_spheres(scene, reference.into(), pool);
         }
-        let mut record = lens.record(reference, tolerance);
-        record.nears = sphere_bins.nears.len() as u32;
-        let placing = Scenery { lens: &lens, scene, size: [width, height], reference: reference.into() };
+        let mut record = projection.record(reference, tolerance);
+        record.generals = sphere_bins.generals.len() as u32;
+        let placing = Scenery { projection: &projection, scene, size: [width, height], reference: reference.into() };
         let lists = Lists::new(&sphere_bins.bins, view.record.tiles(), level, &placing, pool);
         pool.put_back(sphere_bins.bins);
-        Ok(Some(Self { lens: record, lists, nears: sphere_bins.nears, seen: sphere_bins.seen }))
+        Ok(Some(Self { projection: record, lists, generals: sphere_bins.generals, seen: sphere_bins.seen }))
     }
 }
 
@@ -115,13 +115,13 @@ impl BinnedScene {
 fn reference(sphere_bins: &SphereBins) -> f32 {
     match sphere_bins.range {
         // The nearest surface is no nearer than a quarter of the nearest centre's depth.
-        Some([least, most]) if sphere_bins.nears.is_empty() && least > 4.0 * (most - least) => least as f32,
+        Some([least, most]) if sphere_bins.generals.is_empty() && least > 4.0 * (most - least) => least as f32,
         _ => 0.0,
     }
 }
 
-impl Lens {
-    /// Bins all spheres; depths of front spheres are kept relative to `reference`.
+impl ProjectionBounds {
+    /// Bins all spheres; depths of projected spheres are kept relative to `reference`.
     fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         let mut bins = pool.take(scene.spheres.len());
@@ -131,20 +131,20 @@ impl Lens {
         let done: Vec<_> = jobs
             .map(|(n, ((centers, radii), bins))| {
                 let first = n * TOGETHER;
-                arch.dispatch(Batch { first, lens: self, reference, centers, radii, bins })
+                arch.dispatch(Batch { first, projection: self, reference, centers, radii, bins })
             })
             .collect();
         let seen = done.iter().map(|job| job.seen).sum();
         let ranges = done.iter().filter_map(|job| job.range);
         let range = ranges.reduce(|[a, b], [least, most]| [a.min(least), b.max(most)]);
-        SphereBins { bins, nears: done.into_iter().flat_map(|job| job.nears).collect(), range, seen }
+        SphereBins { bins, generals: done.into_iter().flat_map(|job| job.generals).collect(), range, seen }
     }
 }
 
 /// Spheres that one job bins.
 struct Batch<'a> {
     first: usize,
-    lens: &'a Lens,
+    projection: &'a ProjectionBounds,
     reference: f64,
     centers: &'a [[f64; 3]],
     radii: &'a [f64],
@@ -154,7 +154,7 @@ struct Batch<'a> {
 /// What it finds besides.
 #[derive(Default)]
 struct Found {
-    nears: Vec<NearRecord>,
+    generals: Vec<GeneralRecord>,
     range: Option<[f64; 2]>,
     seen: u64,
 }
@@ -179,19 +179,19 @@ impl NullaryFnOnce for Batch<'_> {
             let at = |l: usize| first + l.min(there - 1);
             let (centers, radii) =
                 (std::array::from_fn(|l| self.centers[at(l)]), std::array::from_fn(|l| self.radii[at(l)]));
-            let eight = self.lens.eight(&centers, &radii, self.reference);
+            let eight = self.projection.eight(&centers, &radii, self.reference);
             for l in 0..there {
                 let bin = &mut self.bins[first + l];
                 *bin = Bin::NOWHERE;
-                if eight.front[l] != 0 {
+                if eight.projected[l] != 0 {
                     *bin = eight.bin(l);
                     found.see(eight.depth[l]);
                 } else if eight.other[l] != 0 {
                     let id = (self.first + first + l) as u32;
-                    match self.lens.stage(id, centers[l], radii[l], self.reference) {
+                    match self.projection.stage(id, centers[l], radii[l], self.reference) {
                         Staged::Unseen => {}
-                        Staged::Near(record) => found.nears.push(record),
-                        Staged::Front(landed) => {
+                        Staged::General(record) => found.generals.push(record),
+                        Staged::Projected(landed) => {
                             *bin = landed.bin;
                             found.see(landed.depth);
                         }
@@ -205,7 +205,7 @@ impl NullaryFnOnce for Batch<'_> {
 
 /// Makes the records of lists.
 struct Scenery<'a> {
-    lens: &'a Lens,
+    projection: &'a ProjectionBounds,
     scene: &'a Scene,
     size: [u32; 2],
     reference: f64,
@@ -230,7 +230,7 @@ impl Placing for Scenery<'_> {
 
 /// Spheres whose records are made together.
 struct Together<'a> {
-    lens: &'a Lens,
+    projection: &'a ProjectionBounds,
     centers: [[f64; 3]; LANES],
     radii: [f64; LANES],
     reference: f64,
@@ -241,27 +241,27 @@ impl NullaryFnOnce for Together<'_> {
 
     #[inline(always)]
     fn call(self) -> Eight {
-        self.lens.eight(&self.centers, &self.radii, self.reference)
+        self.projection.eight(&self.centers, &self.radii, self.reference)
     }
 }
 
 impl Filling for Filler<'_> {
     fn place(&mut self, ids: &[u32], to: &mut [Placed]) {
-        let Scenery { lens, scene, reference, .. } = *self.scenery;
+        let Scenery { projection, scene, reference, .. } = *self.scenery;
         let id = |l: usize| ids[l.min(ids.len() - 1)];
         let (centers, radii) = (
             std::array::from_fn(|l| scene.spheres.centers[id(l) as usize]),
             std::array::from_fn(|l| scene.spheres.radii[id(l) as usize]),
         );
-        let eight = pulp::Arch::new().dispatch(Together { lens, centers, radii, reference });
+        let eight = pulp::Arch::new().dispatch(Together { projection, centers, radii, reference });
         for (l, placed) in to.iter_mut().enumerate() {
-            if eight.front[l] != 0 {
+            if eight.projected[l] != 0 {
                 *placed = eight.placed(l, ids[l]);
-            } else if let Staged::Front(landed) = lens.stage(ids[l], centers[l], radii[l], reference) {
+            } else if let Staged::Projected(landed) = projection.stage(ids[l], centers[l], radii[l], reference) {
                 *placed = landed.placed;
             }
             if let Some(cover) = &mut self.cover {
-                cover.add(lens, reference, placed);
+                cover.add(projection, reference, placed);
             }
         }
     }

@@ -1,10 +1,10 @@
-//! Which front spheres the rays of a tile may meet: binned by what they surely cover, nearest first.
+//! Which projected spheres the rays of a tile may meet: binned by what they surely cover, nearest first.
 //!
 //! No tree: count, add up, scatter, sort each list from its front on, and end it where all that follows is surely hidden.
 //! A list serves one tile of 8 x 8 pixels, or a square of tiles where large spheres would make lists of single tiles too
 //! long; one list for all is the search `all`.
 
-use super::front::{FrontMoreRecord, FrontRecord};
+use super::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::memory::Pool;
 use crate::ray::NONE;
 use crate::tile::{CHUNK, TILE, WHOLE};
@@ -20,28 +20,29 @@ const SPARE: u64 = 1 << 21;
 const FOREMOST: usize = 64;
 
 /// What fills a list up: far outside the image, with no radius.
-pub(crate) const NOTHING: FrontRecord = FrontRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
-pub(crate) const NOTHING_MORE: FrontMoreRecord = FrontMoreRecord { rest: [0.0; 2], center: 0.0, id: NONE };
+pub(crate) const NOTHING: ProjectedRecord = ProjectedRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
+pub(crate) const NO_DETAIL: ProjectedDetailRecord =
+    ProjectedDetailRecord { subpixel_offset: [0.0; 2], center: 0.0, id: NONE };
 
-/// What becomes of a front sphere in a list.
+/// What becomes of a projected sphere in a list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placed {
-    pub(crate) front: FrontRecord,
-    pub(crate) more: FrontMoreRecord,
+    pub(crate) record: ProjectedRecord,
+    pub(crate) detail: ProjectedDetailRecord,
 }
 
 /// Where a sphere belongs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bin {
     /// No ray is given a lower bound of depth below this.
-    pub(crate) sill: f32,
+    pub(crate) chunk_min_depth: f32,
     /// First and last column and row of the tiles in which a pixel's ray may hit.
     pub(crate) tiles: [[u32; 2]; 2],
 }
 
 impl Bin {
     /// Of a sphere that is in no list.
-    pub(crate) const NOWHERE: Self = Self { sill: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
+    pub(crate) const NOWHERE: Self = Self { chunk_min_depth: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
 
     /// Lists that it is in, if squares of 2^level tiles share one.
     fn entries(&self, level: u32) -> u64 {
@@ -67,7 +68,7 @@ pub(crate) trait Filling {
     /// The records of the spheres that come next, at most [`CHUNK`].
     fn place(&mut self, ids: &[u32], to: &mut [Placed]);
 
-    /// The depth behind which all is surely hidden, as far as is known: no sphere with a higher sill is met first.
+    /// The depth behind which all is surely hidden, as far as is known: no sphere with a higher minimum is met first.
     fn limit(&self) -> Option<f64>;
 }
 
@@ -78,11 +79,11 @@ pub(crate) struct Lists {
     /// One past the last entry of every cell of the grid; the next cell's begin there.
     ends: Vec<u32>,
     /// What every candidate is asked.
-    pub(crate) fronts: Vec<FrontRecord>,
+    pub(crate) projected: Vec<ProjectedRecord>,
     /// What only a winner is asked.
-    pub(crate) mores: Vec<FrontMoreRecord>,
+    pub(crate) details: Vec<ProjectedDetailRecord>,
     /// Of every [`CHUNK`] entries: nobody in it, or behind it in its list, has a lower bound of depth below this.
-    pub(crate) sills: Vec<f32>,
+    pub(crate) chunk_min_depths: Vec<f32>,
 }
 
 impl Lists {
@@ -137,62 +138,63 @@ impl Lists {
             row
         };
         let made: Vec<Row> = (0..grid.rows as usize).into_par_iter().map(row).collect();
-        let total = made.iter().map(|row| row.fronts.len()).sum();
+        let total = made.iter().map(|row| row.projected.len()).sum();
         let mut ends = Vec::with_capacity(starts.len());
-        let (mut fronts, mut mores) = (sized(total, pool), sized(total, pool));
-        let mut sills: Vec<f32> = sized(total / CHUNK, pool);
+        let (mut projected, mut details) = (sized(total, pool), sized(total, pool));
+        let mut chunk_min_depths: Vec<f32> = sized(total / CHUNK, pool);
         let mut jobs = Vec::with_capacity(made.len());
-        let (mut front, mut more, mut sill) = (&mut fronts[..], &mut mores[..], &mut sills[..]);
+        let (mut record, mut detail, mut chunk_min_depth) =
+            (&mut projected[..], &mut details[..], &mut chunk_min_depths[..]);
         let mut first = 0;
         for row in made {
             ends.extend(row.ends.iter().map(|end| first + end));
-            let size = row.fronts.len();
+            let size = row.projected.len();
             first += size as u32;
-            let (of_fronts, rest) = front.split_at_mut(size);
-            front = rest;
-            let (of_mores, rest) = more.split_at_mut(size);
-            more = rest;
-            let (of_sills, rest) = sill.split_at_mut(size / CHUNK);
-            sill = rest;
-            jobs.push((row, of_fronts, of_mores, of_sills));
+            let (of_projected, rest) = record.split_at_mut(size);
+            record = rest;
+            let (of_details, rest) = detail.split_at_mut(size);
+            detail = rest;
+            let (of_depths, rest) = chunk_min_depth.split_at_mut(size / CHUNK);
+            chunk_min_depth = rest;
+            jobs.push((row, of_projected, of_details, of_depths));
         }
-        jobs.into_par_iter().for_each(|(row, fronts, mores, sills)| {
-            fronts.copy_from_slice(&row.fronts);
-            mores.copy_from_slice(&row.mores);
-            sills.copy_from_slice(&row.sills);
+        jobs.into_par_iter().for_each(|(row, projected, details, chunk_min_depths)| {
+            projected.copy_from_slice(&row.projected);
+            details.copy_from_slice(&row.details);
+            chunk_min_depths.copy_from_slice(&row.chunk_min_depths);
             row.put_back(pool);
         });
-        Self { grid, ends, fronts, mores, sills }
+        Self { grid, ends, projected, details, chunk_min_depths }
     }
 }
 
 /// The lists of a row of cells, counted from its own beginning.
 struct Row {
     ends: Vec<u32>,
-    fronts: Vec<FrontRecord>,
-    mores: Vec<FrontMoreRecord>,
-    sills: Vec<f32>,
+    projected: Vec<ProjectedRecord>,
+    details: Vec<ProjectedDetailRecord>,
+    chunk_min_depths: Vec<f32>,
 }
 
 impl Row {
     fn with_capacity(entries: usize, pool: &Pool) -> Self {
         Self {
             ends: Vec::new(),
-            fronts: empty(entries, pool),
-            mores: empty(entries, pool),
-            sills: empty(entries / CHUNK, pool),
+            projected: empty(entries, pool),
+            details: empty(entries, pool),
+            chunk_min_depths: empty(entries / CHUNK, pool),
         }
     }
 
     fn put_back(self, pool: &Pool) {
-        pool.put_back(self.fronts);
-        pool.put_back(self.mores);
-        pool.put_back(self.sills);
+        pool.put_back(self.projected);
+        pool.put_back(self.details);
+        pool.put_back(self.chunk_min_depths);
     }
 
     /// Adds the list of these keys: in their order, as far as it is needed, padded.
     fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
-        let nothing = Placed { front: NOTHING, more: NOTHING_MORE };
+        let nothing = Placed { record: NOTHING, detail: NO_DETAIL };
         let mut rest = keys;
         let mut batch = FOREMOST;
         while !rest.is_empty() {
@@ -204,23 +206,23 @@ impl Row {
             let (now, later) = rest.split_at_mut(size);
             now.sort_unstable();
             for chunk in now.chunks(CHUNK) {
-                let sill = number((chunk[0] >> 32) as u32);
-                if filling.limit().is_some_and(|limit| f64::from(sill) > limit) {
-                    self.ends.push(self.fronts.len() as u32);
+                let chunk_min_depth = number((chunk[0] >> 32) as u32);
+                if filling.limit().is_some_and(|limit| f64::from(chunk_min_depth) > limit) {
+                    self.ends.push(self.projected.len() as u32);
                     return;
                 }
                 let mut ids = [0; CHUNK];
                 ids.iter_mut().zip(chunk).for_each(|(id, key)| *id = *key as u32);
                 let mut placed = [nothing; CHUNK];
                 filling.place(&ids[..chunk.len()], &mut placed[..chunk.len()]);
-                self.sills.push(sill);
-                self.fronts.extend(placed.map(|p| p.front));
-                self.mores.extend(placed.map(|p| p.more));
+                self.chunk_min_depths.push(chunk_min_depth);
+                self.projected.extend(placed.map(|p| p.record));
+                self.details.extend(placed.map(|p| p.detail));
             }
             rest = later;
             batch *= 2;
         }
-        self.ends.push(self.fronts.len() as u32);
+        self.ends.push(self.projected.len() as u32);
     }
 }
 
@@ -290,7 +292,7 @@ impl Grid {
         }
     }
 
-    /// Keys of the spheres, sill first and then id, cell by cell; and where each cell's begin, with the end of all.
+    /// Keys of the spheres, least depth first and then id, cell by cell; and where each cell's begin, with the end of all.
     fn scatter(&self, bins: &[Bin], pool: &Pool) -> (Vec<AtomicU64>, Vec<u32>) {
         // Each group counts for itself, so that each knows its own places in every cell.
         let group = bins.len().div_ceil(2 * rayon::current_num_threads()).max(1);
@@ -314,7 +316,7 @@ impl Grid {
         keys.resize_with(total as usize, AtomicU64::default);
         bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
             for (id, bin) in (n * group..).zip(bins) {
-                let key = u64::from(ordered(bin.sill)) << 32 | id as u64;
+                let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;
                 self.each_cell(bin, |cell| {
                     keys[places[cell] as usize].store(key, Ordering::Relaxed);
                     places[cell] += 1;

@@ -2,10 +2,11 @@
 //! together, in the widest vectors this processor has. Vectors round like the device's scalars: same operations, same bits.
 
 use crate::certify::binned::BinnedScene;
-use crate::certify::front::{Front, FrontMoreRecord, FrontRecord, front_answer, front_low};
-use crate::certify::near::{near_answer, near_low};
-use crate::certify::tiles::{NOTHING, NOTHING_MORE};
-use crate::certify::{Answer, BEYOND, Certify, NEAR, Slopes};
+use crate::certify::constants::BEYOND;
+use crate::certify::general::{general_answer, general_low};
+use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
+use crate::certify::tiles::{NO_DETAIL, NOTHING};
+use crate::certify::{Answer, Certify, GENERAL, Slopes};
 use crate::kernel::Kernel;
 use crate::raw::{Piece, Raw};
 use crate::ray::{NONE, Ray, UNSURE};
@@ -70,16 +71,16 @@ struct Strip<'a, const SAMPLED: bool> {
 }
 
 impl<const SAMPLED: bool> NullaryFnOnce for Strip<'_, SAMPLED> {
-    type Output = (Kepts, [Answer<f32>; LANES]);
+    type Output = (NearestTwos, [Answer<f32>; LANES]);
 
     #[inline(always)]
     fn call(self) -> Self::Output {
         let [i, first] = self.place;
         let lanes = Lanes::<SAMPLED>::new(self.certify, i, first);
         let [first, end] = self.certify.lists.range(i, first).map(|n| n as usize);
-        let kept = lanes.kept(self.certify, first..end);
-        let answers = lanes.judge(self.certify, &kept);
-        (kept, answers)
+        let two = lanes.nearest_two(self.certify, first..end);
+        let answers = lanes.certify_winners(self.certify, &two);
+        (two, answers)
     }
 }
 
@@ -98,7 +99,7 @@ struct Lanes<const SAMPLED: bool> {
 
 /// The two smallest lower bounds of each, and whose the smallest is.
 #[derive(Clone, Copy)]
-struct Kepts {
+struct NearestTwos {
     low: [f32; LANES],
     second: [f32; LANES],
     slot: [u32; LANES],
@@ -109,7 +110,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
     fn new(certify: &Certify<'_, f32>, i: u32, first: u32) -> Self {
         let each: [Slopes<f32>; LANES] = std::array::from_fn(|l| {
             let column = first + l as u32;
-            let [i, j] = if SAMPLED { certify.view.aim(i, column) } else { [i, column] };
+            let [i, j] = if SAMPLED { certify.view.sample_position(i, column) } else { [i, column] };
             certify.slopes(i, j)
         });
         Self {
@@ -134,27 +135,28 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
         Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
     }
 
-    /// The twin of the search in certify/candidates.wgsl.
+    /// The twin of the search in certify/nearest_two.wgsl.
     #[inline(always)]
-    fn kept(&self, certify: &Certify<'_, f32>, entries: Range<usize>) -> Kepts {
-        let mut k = Kepts { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
-        let (lens, lists) = (certify.lens, certify.lists);
-        for (slot, near) in certify.nears.iter().enumerate() {
+    fn nearest_two(&self, certify: &Certify<'_, f32>, entries: Range<usize>) -> NearestTwos {
+        let mut k = NearestTwos { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
+        let (projection, lists) = (certify.projection, certify.lists);
+        for (slot, general) in certify.generals.iter().enumerate() {
             let mut lows = [0.0; LANES];
             for (l, low) in lows.iter_mut().enumerate() {
-                *low = near_low(&self.slopes(lens.shift, l), near, certify.terms);
+                *low = general_low(&self.slopes(projection.shift, l), general, certify.terms);
             }
             for (l, low) in lows.into_iter().enumerate() {
-                k.keep(l, low, NEAR | slot as u32);
+                k.keep(l, low, GENERAL | slot as u32);
             }
         }
         let Range { start: first, end } = entries;
-        let chunks = lists.fronts[first..end].chunks_exact(CHUNK).zip(&lists.sills[first / CHUNK..end / CHUNK]);
-        for (n, (fronts, &sill)) in chunks.enumerate() {
+        let chunks =
+            lists.projected[first..end].chunks_exact(CHUNK).zip(&lists.chunk_min_depths[first / CHUNK..end / CHUNK]);
+        for (n, (chunk, &chunk_min_depth)) in chunks.enumerate() {
             let mut behind = true;
             for l in 0..LANES {
-                let own = sill - k.low[l] > lens.slack * (lens.depth + k.low[l]);
-                k.second[l] = pick(mask(own & (sill < k.second[l])), sill, k.second[l]);
+                let own = chunk_min_depth - k.low[l] > projection.cull_margin * (projection.depth + k.low[l]);
+                k.second[l] = pick(mask(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
                 behind &= own;
             }
             if behind {
@@ -162,13 +164,13 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
             }
             // A copy, so that it may live in registers.
             let mut now = k;
-            for (slot, front) in (first + CHUNK * n..).zip(fronts) {
-                if *front == NOTHING {
+            for (slot, projected) in (first + CHUNK * n..).zip(chunk) {
+                if *projected == NOTHING {
                     break;
                 }
-                let front = Front::<f32>::new(front, &NOTHING_MORE);
+                let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
                 for l in 0..LANES {
-                    now.keep(l, front_low(&self.slopes(lens.shift, l), lens, &front), slot as u32);
+                    now.keep(l, projected_low(&self.slopes(projection.shift, l), projection, &sphere), slot as u32);
                 }
             }
             k = now;
@@ -178,55 +180,70 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 
     /// The winners' answers.
     #[inline(always)]
-    fn judge(&self, certify: &Certify<'_, f32>, k: &Kepts) -> [Answer<f32>; LANES] {
+    fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> [Answer<f32>; LANES] {
         let mut answers = [Answer::MISS; LANES];
-        if k.slot.iter().any(|slot| slot & NEAR == 0) {
-            self.judge_fronts(certify, k, &mut answers);
+        if k.slot.iter().any(|slot| slot & GENERAL == 0) {
+            self.certify_projected(certify, k, &mut answers);
         }
         let mut left = k.slot;
-        while let Some(slot) = left.into_iter().find(|slot| slot & NEAR != 0 && *slot != NONE) {
-            self.judge_near(certify, k, slot, &mut answers);
+        while let Some(slot) = left.into_iter().find(|slot| slot & GENERAL != 0 && *slot != NONE) {
+            self.certify_general(certify, k, slot, &mut answers);
             left = left.map(|other| if other == slot { NONE } else { other });
         }
         answers
     }
 
-    /// The answers of those whose winner is this near sphere: all are computed, since most often they share one.
+    /// The answers of those whose winner is this general sphere: all are computed, since most often they share one.
     #[inline(always)]
-    fn judge_near(&self, certify: &Certify<'_, f32>, k: &Kepts, slot: u32, answers: &mut [Answer<f32>; LANES]) {
-        let near = &certify.nears[(slot & !NEAR) as usize];
-        let mut judged = Judged::default();
+    fn certify_general(
+        &self,
+        certify: &Certify<'_, f32>,
+        k: &NearestTwos,
+        slot: u32,
+        answers: &mut [Answer<f32>; LANES],
+    ) {
+        let general = &certify.generals[(slot & !GENERAL) as usize];
+        let mut found = Answers::default();
         for l in 0..LANES {
-            judged.set(l, &near_answer(&self.slopes(certify.lens.shift, l), near, certify.terms));
+            found.set(l, &general_answer(&self.slopes(certify.projection.shift, l), general, certify.terms));
         }
         for (l, answer) in answers.iter_mut().enumerate() {
             if k.slot[l] == slot {
-                *answer = judged.get(l, near.id);
+                *answer = found.get(l, general.id);
             }
         }
     }
 
     #[inline(always)]
-    fn judge_fronts(&self, certify: &Certify<'_, f32>, k: &Kepts, answers: &mut [Answer<f32>; LANES]) {
+    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos, answers: &mut [Answer<f32>; LANES]) {
         let lists = certify.lists;
-        let winner = |l: usize| match k.slot[l] & NEAR {
-            0 => (lists.fronts[k.slot[l] as usize], lists.mores[k.slot[l] as usize]),
-            _ => (NOTHING, NOTHING_MORE),
+        let winner = |l: usize| match k.slot[l] & GENERAL {
+            0 => (lists.projected[k.slot[l] as usize], lists.details[k.slot[l] as usize]),
+            _ => (NOTHING, NO_DETAIL),
         };
         let winners: [_; LANES] = std::array::from_fn(winner);
         let (x, y, rho) = (winners.map(|w| w.0.x), winners.map(|w| w.0.y), winners.map(|w| w.0.rho));
-        let (rest_x, rest_y) = (winners.map(|w| w.1.rest[0]), winners.map(|w| w.1.rest[1]));
+        let (offset_x, offset_y) = (winners.map(|w| w.1.subpixel_offset[0]), winners.map(|w| w.1.subpixel_offset[1]));
         let center = winners.map(|w| w.1.center);
-        let mut judged = Judged::default();
+        let mut found = Answers::default();
         for l in 0..LANES {
-            let front = FrontRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
-            let more = FrontMoreRecord { rest: [rest_x[l], rest_y[l]], center: center[l], id: 0 };
-            let front = Front::<f32>::new(&front, &more);
-            judged.set(l, &front_answer(&self.slopes(certify.lens.shift, l), certify.lens, &front, certify.terms));
+            let sphere = ProjectedRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
+            let detail =
+                ProjectedDetailRecord { subpixel_offset: [offset_x[l], offset_y[l]], center: center[l], id: 0 };
+            let sphere = Projected::<f32>::new(&sphere, &detail);
+            found.set(
+                l,
+                &projected_answer(
+                    &self.slopes(certify.projection.shift, l),
+                    certify.projection,
+                    &sphere,
+                    certify.terms,
+                ),
+            );
         }
         for (l, answer) in answers.iter_mut().enumerate() {
-            if k.slot[l] & NEAR == 0 {
-                *answer = judged.get(l, winners[l].1.id);
+            if k.slot[l] & GENERAL == 0 {
+                *answer = found.get(l, winners[l].1.id);
             }
         }
     }
@@ -234,12 +251,12 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 
 /// Answers number by number: that is what compilers make vectors of.
 #[derive(Default)]
-struct Judged {
+struct Answers {
     flags: [[u32; LANES]; 2],
     numbers: [[f32; LANES]; 7],
 }
 
-impl Judged {
+impl Answers {
     #[inline(always)]
     fn set(&mut self, l: usize, a: &Answer<f32>) {
         self.flags[0][l] = u32::from(a.sure);
@@ -247,7 +264,7 @@ impl Judged {
         self.numbers[0][l] = a.offset;
         self.numbers[1][l] = a.low;
         self.numbers[2][l] = a.high;
-        self.numbers[3][l] = a.width;
+        self.numbers[3][l] = a.depth_interval;
         self.numbers[4][l] = a.normal[0];
         self.numbers[5][l] = a.normal[1];
         self.numbers[6][l] = a.normal[2];
@@ -255,13 +272,13 @@ impl Judged {
 
     #[inline(always)]
     fn get(&self, l: usize, id: u32) -> Answer<f32> {
-        let [offset, low, high, width, x, y, z] = self.numbers.map(|number| number[l]);
+        let [offset, low, high, depth_interval, x, y, z] = self.numbers.map(|number| number[l]);
         let [sure, hits] = self.flags.map(|flag| flag[l] != 0);
-        Answer { sure, hits, id, offset, low, high, width, normal: [x, y, z] }
+        Answer { sure, hits, id, offset, low, high, depth_interval, normal: [x, y, z] }
     }
 }
 
-impl Kepts {
+impl NearestTwos {
     #[inline(always)]
     fn keep(&mut self, l: usize, low: f32, slot: u32) {
         // By masks, and everything is written every time: what compilers make of a comparison may be a masked store, and
@@ -286,14 +303,14 @@ fn pick(mask: u32, yes: f32, no: f32) -> f32 {
     f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
-/// What certify/render.wgsl writes of a strip in `row`, a row of the window.
+/// What main/certified.wgsl writes of a strip in `row`, a row of the window.
 fn write(
     row: &mut Piece<'_>,
     [i, first]: [u32; 2],
     shade: Option<Shade>,
     certify: &Certify<'_, f32>,
     surface: &Surface<'_, f32>,
-    (kept, answers): &(Kepts, [Answer<f32>; LANES]),
+    (two, answers): &(NearestTwos, [Answer<f32>; LANES]),
 ) {
     let window = certify.view.first_column..certify.view.first_column + certify.view.columns;
     for ((l, answer), column) in answers.iter().enumerate().zip(first..) {
@@ -301,17 +318,17 @@ fn write(
             continue;
         }
         let j = (column - window.start) as usize;
-        let hit = kept.slot[l] != NONE;
-        let proved = !hit || certify.certain(answer, kept.second[l]);
+        let hit = two.slot[l] != NONE;
+        let proved = !hit || certify.certain(answer, two.second[l]);
         row.id[j] = if proved { answer.id } else { UNSURE };
         if let Some(t) = row.t.get_mut(j) {
             *t = answer.offset;
         }
-        if let Some(width) = row.width.get_mut(j) {
-            *width = answer.width;
+        if let Some(interval) = row.depth_interval.get_mut(j) {
+            *interval = answer.depth_interval;
         }
         let ray = || {
-            let [i, j] = certify.view.aim(i, column);
+            let [i, j] = certify.view.sample_position(i, column);
             let s = certify.slopes(i, j);
             Ray { d: [s.x, s.y, -1.0] }
         };
@@ -349,18 +366,18 @@ mod tests {
         for level in [0, crate::tile::WHOLE] {
             let binned = BinnedScene::new(scene, &view, 1e-5, &TERMS, level, &crate::memory::Pool::default())
                 .expect("a stage")
-                .expect("a lens");
+                .expect("a projection");
             let certify = Certify::<f32>::new(&view.record, &binned);
             let mut hits = 0;
             for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {
-                let (kept, answers) = Strip::<SAMPLED> { certify: &certify, place: [i, first] }.call();
+                let (two, answers) = Strip::<SAMPLED> { certify: &certify, place: [i, first] }.call();
                 for (l, answer) in answers.iter().enumerate() {
-                    let [row, column] = view.record.aim(i, first + l as u32);
+                    let [row, column] = view.record.sample_position(i, first + l as u32);
                     let s = certify.slopes(row, column);
-                    let k = certify.kept(&s);
-                    assert_eq!((k.low, k.second, k.slot), (kept.low[l], kept.second[l], kept.slot[l]));
+                    let k = certify.nearest_two(&s);
+                    assert_eq!((k.low, k.second, k.slot), (two.low[l], two.second[l], two.slot[l]));
                     if k.slot != NONE {
-                        let single = certify.judge(&s, &k);
+                        let single = certify.certify_winner(&s, &k);
                         assert_eq!(format!("{answer:?}"), format!("{single:?}"), "row {i}, column {first} + {l}");
                         hits += 1;
                     }

@@ -1,12 +1,12 @@
-//! Forms by tiles on the CPU path: the twin of shaders/tiles/. The spheres of a tile are moved into the camera as far as
+//! Forms by tiles on the CPU path: the twin of search/tile.wgsl. The spheres of a tile are moved into the camera as far as
 //! one of its rays asks for them, once for all 64.
 
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
-use crate::nearest::meet;
+use crate::nearest::closer_hit_any_order;
+use crate::number::Number;
 use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, viewing_ray};
-use crate::real::Real;
 use crate::shade::Surface;
 use crate::tile::{CHUNK, TILE};
 use crate::tile_candidates::TileCandidates;
@@ -41,13 +41,13 @@ impl Visit for Frame<'_> {
         let view = &tile_candidates.view.record;
         let width = view.columns as usize;
         let surface = Surface::<V::Number> { view, spheres: &[], colors };
-        let nears: Vec<_> =
-            tile_candidates.binned.nears.iter().map(|near| candidate(tile_candidates, near.id)).collect();
+        let generals: Vec<_> =
+            tile_candidates.binned.generals.iter().map(|near| candidate(tile_candidates, near.id)).collect();
         let [[left, right], [top, _]] = view.tiles();
         let columns = view.first_column..view.first_column + view.columns;
         let foremost = (top + 1) * TILE - view.first_row;
         let bands: Vec<_> = raw.cut(foremost as usize * width, TILE as usize * width).collect();
-        let empty = || Tile::<V::Number> { tile_candidates, nears: &nears, entries: 0..0, made: Vec::new() };
+        let empty = || Tile::<V::Number> { tile_candidates, generals: &generals, entries: 0..0, made: Vec::new() };
         let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
         bands.for_each_init(empty, |tile, (band, mut rows)| {
             let first = view.first_row.max((top + band as u32) * TILE);
@@ -56,16 +56,16 @@ impl Visit for Frame<'_> {
                 tile.enter(first, left);
                 for i in 0..count {
                     for j in columns.start.max(left)..columns.end.min(left + TILE) {
-                        let [row, column] = view.aim(first + i as u32, j);
+                        let [row, column] = view.sample_position(first + i as u32, j);
                         let ray = viewing_ray(view, row, column);
                         let (hit, s) = tile.nearest::<V>(&ray);
                         let pixel = i * width + (j - columns.start) as usize;
                         rows.id[pixel] = hit.id;
-                        let parts = hit.t.parts();
+                        let parts = hit.t.to_hi_lo();
                         rows.t.get_mut(pixel).into_iter().for_each(|t| *t = parts.0);
                         rows.t_low.get_mut(pixel).into_iter().for_each(|low| *low = parts.1);
                         let normal = |s: Sphere<V::Number>| match kernel.has_normals() {
-                            true => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.parts().0),
+                            true => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.to_hi_lo().0),
                             false => [0.0; 3],
                         };
                         rows.shade(pixel, kernel.shade, &surface, || ray, s.map(|s| (normal(s), hit.id)));
@@ -79,20 +79,20 @@ impl Visit for Frame<'_> {
 /// A sphere and its id.
 type Candidate<R> = (Sphere<R>, u32);
 
-fn candidate<R: Real>(tile_candidates: &TileCandidates<'_>, id: u32) -> Candidate<R> {
+fn candidate<R: Number>(tile_candidates: &TileCandidates<'_>, id: u32) -> Candidate<R> {
     (tile_candidates.sphere(id), id)
 }
 
 /// The candidates of one tile.
 struct Tile<'a, R> {
     tile_candidates: &'a TileCandidates<'a>,
-    nears: &'a [Candidate<R>],
+    generals: &'a [Candidate<R>],
     entries: Range<usize>,
     /// Those of its list that some ray asked for.
     made: Vec<Candidate<R>>,
 }
 
-impl<R: Real> Tile<'_, R> {
+impl<R: Number> Tile<'_, R> {
     /// Begins the tile that holds the pixel of `row` and `column`.
     fn enter(&mut self, row: u32, column: u32) {
         let [first, end] = self.tile_candidates.binned.lists.range(row, column).map(|n| n as usize);
@@ -102,13 +102,13 @@ impl<R: Real> Tile<'_, R> {
         }
     }
 
-    /// The twin of nearest_in in tiles/candidates.wgsl: the closest hit, and of what.
+    /// The twin of search/tile.wgsl: the closest hit, and of what.
     fn nearest<V: Intersect>(&mut self, ray: &Ray<R>) -> (Hit<R>, Option<Sphere<R>>) {
         let mut found = (Hit::NONE, None);
-        consider_all::<V, R>(&mut found, ray, self.nears);
+        closest_of::<V, R>(&mut found, ray, self.generals);
         let Range { start, end } = self.entries;
         for first in (start..end).step_by(CHUNK) {
-            if found.0.t.parts().0 < self.tile_candidates.limit(first / CHUNK) {
+            if found.0.t.to_hi_lo().0 < self.tile_candidates.limit(first / CHUNK) {
                 break;
             }
             let from = first - start;
@@ -118,20 +118,20 @@ impl<R: Real> Tile<'_, R> {
                 self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.tile_candidates, id)));
             }
             let to = self.made.len().min(from + CHUNK);
-            consider_all::<V, R>(&mut found, ray, &self.made[from..to]);
+            closest_of::<V, R>(&mut found, ray, &self.made[from..to]);
         }
         found
     }
 }
 
 /// Keeps the closest hit; of equal ones the lower id, for lists have an order of their own.
-fn consider_all<V: Intersect, R: Real>(
+fn closest_of<V: Intersect, R: Number>(
     found: &mut (Hit<R>, Option<Sphere<R>>),
     ray: &Ray<R>,
     candidates: &[Candidate<R>],
 ) {
     for (s, id) in candidates {
-        let met = meet::<V, R>(found.0, ray, s, *id);
+        let met = closer_hit_any_order::<V, R>(found.0, ray, s, *id);
         if met != found.0 {
             *found = (met, Some(*s));
         }
@@ -157,7 +157,8 @@ mod tests {
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
         let (view, pool) = (View::new(&scene).expect("a view"), Pool::default());
-        let mut binned = BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a lens");
+        let mut binned =
+            BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &pool).expect("a stage").expect("a projection");
         let settings = Settings { method: Some(Method::Stable), ..Settings::default() };
         let kernel = Kernel { tiles: true, ..Plan::for_method(&settings).expect("a plan").kernel };
         let ids = |binned: &BinnedScene| {
@@ -175,12 +176,12 @@ mod tests {
         crate::cpu::render(&kernel, &view, None, &mut all, &|| true);
         let before = ids(&binned);
         assert_eq!(before, all.id);
-        let near = |id: u32| binned.nears.iter().any(|near| near.id == id);
-        let pixel = before.iter().position(|id| *id != NONE && !near(*id)).expect("a sphere in a list");
+        let is_general = |id: u32| binned.generals.iter().any(|general| general.id == id);
+        let pixel = before.iter().position(|id| *id != NONE && !is_general(*id)).expect("a sphere in a list");
         let [first, end] = binned.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
-        let entry = (first..end).find(|n| binned.lists.mores[*n].id == before[pixel]).expect("it is in the list");
-        // The near ones are asked anyway: the list holds one of them instead.
-        binned.lists.mores[entry].id = binned.nears[0].id;
+        let entry = (first..end).find(|n| binned.lists.details[*n].id == before[pixel]).expect("it is in the list");
+        // Every ray tests the general ones: the list holds one of them instead.
+        binned.lists.details[entry].id = binned.generals[0].id;
         let after = ids(&binned);
         assert!(after != before && after[pixel] != before[pixel]);
     }

@@ -1,21 +1,55 @@
-//! WGSL from whole files: explicit part lists, numbers as `override` constants, and a line map so that an error names
-//! the file and the line. A missing or doubled part is an error of naga's.
+//! WGSL from whole files, and from a few parts that are emitted from tables: the numbers of the bindings, what a kernel
+//! writes, and the lines of a subgroup's broadcasts. A line map tells an error's file and line. A missing or doubled part is an
+//! error of naga's.
 
+use crate::gpu::layout::buffers;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, Rays, Sharing};
+use crate::kernel::{Kernel, KernelOutput, Rays, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
+use crate::tile::CHUNK;
+use std::borrow::Cow;
 
-/// A part of a shader: its name under shaders/ and its text.
-pub(crate) type Part = (&'static str, &'static str);
+/// A part of a shader.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    /// Its file under shaders/, or what it is if it is emitted.
+    pub(crate) name: &'static str,
+    pub(crate) text: Cow<'static, str>,
+}
 
-/// The part of that name, built into the program.
-macro_rules! part {
-    ($path:expr) => {
-        ($path, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)))
+/// How the names of emitted parts begin.
+const EMITTED: &str = "emitted: ";
+
+macro_rules! files {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $name)))),*]
     };
 }
-pub(crate) use part;
+
+/// Every file of shaders/, built into the program.
+const FILES: [(&str, &str); 48] = files![
+    "view.wgsl" "math.wgsl" "ray.wgsl"
+    "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
+    "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
+    "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
+    "search/moved_origin.wgsl" "search/all.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
+    "share/no_subgroup.wgsl" "share/subgroup.wgsl"
+    "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
+    "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
+    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
+    "main/sample.wgsl"
+    "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
+    "shade/headlight.wgsl"
+    "selftest/main.wgsl" "selftest/operations.wgsl" "selftest/transforms.wgsl" "selftest/double_float.wgsl"
+    "selftest/solve.wgsl" "selftest/f64.wgsl"
+];
+
+/// The parts of these files. A test looks for every name that is written in this crate.
+pub(crate) fn files<const N: usize>(names: [&'static str; N]) -> impl Iterator<Item = Part> {
+    let text = |name| FILES.iter().find(|(file, _)| *file == name).map_or("", |(_, text)| *text);
+    names.into_iter().map(move |name| Part { name, text: text(name).into() })
+}
 
 /// A composed shader.
 #[derive(Debug)]
@@ -30,18 +64,23 @@ impl Source {
     pub(crate) fn new(parts: impl IntoIterator<Item = Part>) -> Self {
         let mut source = Self { text: String::new(), starts: Vec::new() };
         let mut line = 1;
-        for (name, text) in parts {
+        for Part { name, text } in parts {
             source.starts.push((line, name));
-            source.text.push_str(text);
+            source.text.push_str(&text);
             line += text.lines().count();
         }
         source
     }
 
     /// Each part's name and how many lines it has.
-    pub(crate) fn parts(&self) -> Vec<(&'static str, usize)> {
+    fn parts(&self) -> Vec<(&'static str, usize)> {
         let ends = self.starts.iter().skip(1).map(|(first, _)| *first).chain([self.text.lines().count() + 1]);
         self.starts.iter().zip(ends).map(|((first, name), end)| (*name, end - first)).collect()
+    }
+
+    /// The files among them.
+    pub(crate) fn files(&self) -> Vec<(&'static str, usize)> {
+        self.parts().into_iter().filter(|(name, _)| !name.starts_with(EMITTED)).collect()
     }
 
     /// The whole, with the name of its file above each part; still WGSL.
@@ -49,7 +88,7 @@ impl Source {
         let mut lines = self.text.lines();
         let mut text = String::new();
         for (name, count) in self.parts() {
-            text.push_str(&format!("// ======== shaders/{name} ========\n\n"));
+            text.push_str(&format!("// ======== {} ========\n\n", shown(name)));
             lines.by_ref().take(count).for_each(|line| text.extend([line, "\n"]));
             text.push('\n');
         }
@@ -59,7 +98,7 @@ impl Source {
     /// `shaders/FILE:LINE` of a line of the whole, both from 1.
     pub(crate) fn place(&self, line: usize) -> String {
         let (first, name) = self.starts.iter().rfind(|(first, _)| *first <= line).copied().unwrap_or((1, "?"));
-        format!("shaders/{name}:{}", line - first + 1)
+        format!("{}:{}", shown(name), line - first + 1)
     }
 
     /// A naga error in terms of the files.
@@ -71,165 +110,200 @@ impl Source {
     }
 }
 
+/// A part's name, as it is told.
+fn shown(name: &str) -> String {
+    if name.starts_with(EMITTED) { name.to_owned() } else { format!("shaders/{name}") }
+}
+
 /// The shader of a kernel.
 pub(crate) fn compose(kernel: &Kernel) -> Source {
-    let mut parts = vec![part!("view.wgsl"), part!("vector.wgsl")];
-    match kernel.certify {
-        true => certify(kernel, &mut parts),
-        false if kernel.is_wide() && kernel.tiles => wide_tiles(kernel, &mut parts),
-        false if kernel.is_wide() => wide(kernel, &mut parts),
-        false if kernel.tiles => tiles(kernel, &mut parts),
-        false => search(kernel, &mut parts),
-    }
-    if kernel.rays == Rays::Camera {
-        parts.push(part!("window.wgsl"));
-        parts.push(if kernel.samples { part!("pixel/sample.wgsl") } else { part!("pixel/plain.wgsl") });
-    }
-    frame(kernel, &mut parts);
-    Source::new(parts)
+    Source::new(parts(kernel))
 }
 
-/// The form of the quadratic, of the same name as its CPU twin.
-fn form(method: Method) -> Part {
-    match method {
-        Method::Textbook => part!("intersect/textbook.wgsl"),
-        Method::Unit => part!("intersect/unit.wgsl"),
-        Method::Geometric => part!("intersect/geometric.wgsl"),
-        Method::Stable => part!("intersect/stable.wgsl"),
-        Method::Native64 => part!("intersect/native64.wgsl"),
-        Method::DoubleFloat => part!("intersect/double_float.wgsl"),
+/// The parts of a kernel, in order.
+pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
+    let mut parts = vec![binding_numbers()];
+    let number = match kernel.method {
+        Method::Native64 if !kernel.certify => "number/f64.wgsl",
+        Method::DoubleFloat if !kernel.certify => "number/double_float.wgsl",
+        _ => "number/f32.wgsl",
+    };
+    parts.extend(files(["view.wgsl", "math.wgsl", number, "ray.wgsl"]));
+    match kernel.rays {
+        Rays::Camera => {
+            let position = if kernel.samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
+            parts.extend(files(["main/window.wgsl", position]));
+        }
+        Rays::SharedOrigin | Rays::Spread => parts.extend(files(["main/given_rays.wgsl"])),
     }
+    if kernel.certify || kernel.tiles {
+        parts.extend(files(["search/tile_lists.wgsl"]));
+    }
+    if kernel.certify {
+        certify(kernel, &mut parts)
+    } else {
+        search(kernel, &mut parts)
+    }
+    share(kernel, &mut parts);
+    shade(kernel, &mut parts);
+    parts.push(outputs(kernel));
+    parts
 }
 
-/// The nearest hit by one form of the quadratic.
+/// The closest hit by one form of the quadratic: among all spheres, those of a tile's list, or those of a tree.
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), form(kernel.method)]);
-    parts.extend(match kernel.rays {
-        Rays::Camera => vec![part!("origin/shared.wgsl"), part!("render.wgsl")],
-        Rays::SharedOrigin => vec![part!("origin/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Spread => vec![part!("lows.wgsl"), part!("origin/spread.wgsl"), part!("trace.wgsl")],
-    });
-    if kernel.tree {
-        parts.extend([part!("tree.wgsl"), part!("nearest/tree.wgsl"), part!("nearest/meet.wgsl")]);
-    } else {
-        parts.push(part!("nearest/consider.wgsl"));
+    let form = match kernel.method {
+        Method::Textbook => "form/textbook.wgsl",
+        Method::Unit => "form/unit.wgsl",
+        Method::Geometric => "form/geometric.wgsl",
+        Method::Stable => "form/stable.wgsl",
+        Method::Native64 | Method::DoubleFloat => "form/perpendicular.wgsl",
+    };
+    if matches!(kernel.method, Method::Textbook | Method::Unit | Method::Geometric) {
+        parts.extend(files(["form/roots.wgsl"]));
     }
-    parts.extend(match kernel.sharing {
-        _ if kernel.tree => vec![part!("entry/plain.wgsl")],
-        Sharing::None => vec![part!("nearest/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => vec![part!("nearest/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => vec![part!("nearest/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Shuffle => vec![part!("nearest/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
-    });
-    if kernel.has_normals() {
-        parts.push(part!("surface.wgsl"));
-    }
-}
-
-/// The nearest hit by one form among the candidates of a tile.
-fn tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("ray.wgsl"), part!("intersect/roots.wgsl"), form(kernel.method)]);
-    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/consider.wgsl"), part!("tiles/render.wgsl")]);
-    parts.extend(match kernel.sharing {
-        Sharing::None | Sharing::Shuffle => [part!("tiles/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => [part!("tiles/subgroup4.wgsl"), part!("entry/subgroup.wgsl")],
-        Sharing::Subgroup8 => [part!("tiles/subgroup8.wgsl"), part!("entry/subgroup.wgsl")],
-    });
-    if kernel.has_normals() {
-        parts.push(part!("surface.wgsl"));
+    let records = if kernel.reads_residuals() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
+    let origin = if kernel.rays == Rays::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
+    let nearest = match (kernel.tree, kernel.tiles) {
+        (true, _) => "search/tree.wgsl",
+        (false, true) => "search/tile.wgsl",
+        (false, false) => "search/all.wgsl",
+    };
+    parts.extend(files([form, "search/closer_hit.wgsl", records, origin, nearest]));
+    if kernel.rays == Rays::Camera {
+        parts.extend(files(["main/viewing_rays.wgsl"]));
     }
 }
 
-/// The same in arithmetic beyond f32.
-fn wide_tiles(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("opaque.wgsl"), form(kernel.method), part!("lows.wgsl"), part!("wide/shared.wgsl")]);
-    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("tiles/wide/consider.wgsl")]);
-    parts.extend([part!("tiles/candidates.wgsl"), part!("tiles/render.wgsl")]);
-    parts.extend(match kernel.shares() {
-        false => [part!("tiles/wide/plain.wgsl"), part!("entry/plain.wgsl")],
-        true => [part!("tiles/wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
-    });
-    if kernel.has_normals() {
-        parts.push(part!("tiles/wide/surface.wgsl"));
-    }
-}
-
-/// The nearest hit in arithmetic beyond f32.
-fn wide(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend([part!("opaque.wgsl"), form(kernel.method), part!("lows.wgsl")]);
-    parts.extend([part!("wide/ray.wgsl"), part!("wide/intersect.wgsl")]);
-    if kernel.tree {
-        parts.extend([part!("tree.wgsl"), part!("nearest/tree.wgsl"), part!("wide/meet.wgsl")]);
-    } else {
-        parts.push(part!("wide/consider.wgsl"));
-    }
-    parts.extend(match kernel.rays {
-        Rays::Camera => [part!("wide/shared.wgsl"), part!("render.wgsl")],
-        Rays::SharedOrigin => [part!("wide/shared.wgsl"), part!("trace.wgsl")],
-        Rays::Spread => [part!("wide/spread.wgsl"), part!("trace.wgsl")],
-    });
-    parts.extend(match kernel.sharing {
-        _ if kernel.tree => vec![part!("entry/plain.wgsl")],
-        Sharing::None => vec![part!("wide/plain.wgsl"), part!("entry/plain.wgsl")],
-        // A broadcast wants its lanes unrolled: a fifth faster, and eight times the text to compile.
-        _ => vec![part!("wide/shuffle.wgsl"), part!("entry/subgroup.wgsl")],
-    });
-    if kernel.has_normals() {
-        parts.push(part!("wide/surface.wgsl"));
-    }
-}
-
-/// The nearest hit with its proof.
+/// The closest hit with its proof.
 fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.push(part!("ray.wgsl"));
-    parts.extend([part!("certify/lens.wgsl"), part!("certify/front.wgsl")]);
-    parts.extend(match kernel.sharing {
-        Sharing::None | Sharing::Shuffle => vec![part!("certify/plain.wgsl"), part!("entry/plain.wgsl")],
-        Sharing::Subgroup4 => {
-            vec![part!("certify/share.wgsl"), part!("certify/subgroup4.wgsl"), part!("entry/subgroup.wgsl")]
-        }
-        Sharing::Subgroup8 => {
-            vec![part!("certify/share.wgsl"), part!("certify/subgroup8.wgsl"), part!("entry/subgroup.wgsl")]
-        }
-    });
-    parts.extend([part!("certify/keep.wgsl"), part!("certify/candidates.wgsl")]);
-    parts.push(if kernel.nears { part!("certify/near.wgsl") } else { part!("certify/no_near.wgsl") });
-    parts.extend([part!("certify/judge.wgsl"), part!("certify/render.wgsl")]);
-    parts.push(if kernel.width { part!("frame/width.wgsl") } else { part!("frame/no_width.wgsl") });
+    parts.extend(files([
+        "certify/constants.wgsl",
+        "certify/projection.wgsl",
+        "certify/projected.wgsl",
+        if kernel.generals { "certify/general.wgsl" } else { "certify/no_general.wgsl" },
+        "certify/nearest_two.wgsl",
+        "certify/certify_winner.wgsl",
+        "main/certified.wgsl",
+    ]));
 }
 
-/// What is written, and how colour is made.
-fn frame(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.push(part!("frame/id.wgsl"));
-    parts.push(match kernel.t {
-        true if kernel.is_wide() => part!("wide/t.wgsl"),
-        true => part!("frame/t.wgsl"),
-        false => part!("frame/no_t.wgsl"),
+/// The entry point, and how a chunk of records is loaded and tested.
+fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
+    if !kernel.shares() {
+        return parts.extend(files(["share/no_subgroup.wgsl"]));
+    }
+    parts.extend(files(["share/subgroup.wgsl"]));
+    // The members of a Record: nearest_two.wgsl, records_residuals.wgsl, records.wgsl.
+    let members: &[&str] = match kernel.certify {
+        true => &["bits"],
+        false if kernel.reads_residuals() => {
+            &["center_radius", "power", "scale", "id", "center_radius_residual", "power_residual"]
+        }
+        false => &["center_radius", "power", "scale", "id"],
+    };
+    parts.push(match kernel.sharing {
+        // Broadcasts are faster than the loop, and eight times the text to compile: arithmetic beyond f32 does not repay
+        // that (docs/performance.md).
+        Sharing::Subgroup4 if !kernel.is_wide() => broadcast(4, members),
+        Sharing::Subgroup8 if !kernel.is_wide() => broadcast(8, members),
+        _ => shuffle(members),
     });
-    parts.push(if kernel.normal { part!("frame/normal.wgsl") } else { part!("frame/no_normal.wgsl") });
+}
+
+/// World normals and colours, where they are made.
+fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
     if kernel.has_normals() {
-        parts.push(part!("shade.wgsl"));
+        parts.extend(files(["shade/world.wgsl"]));
     }
-    match kernel.shade {
-        None => parts.push(part!("frame/no_color.wgsl")),
-        Some(shade) => {
-            parts.push(part!("frame/color.wgsl"));
-            parts.push(match shade {
-                Shade::Flat => part!("shade/flat.wgsl"),
-                Shade::Normal => part!("shade/normal.wgsl"),
-                Shade::Headlight => part!("shade/headlight.wgsl"),
-            });
-            if shade.needs_colors() {
-                parts.push(if kernel.colors { part!("color/each.wgsl") } else { part!("color/one.wgsl") });
-            }
-        }
+    let Some(shade) = kernel.shade else { return };
+    let by = match shade {
+        Shade::Flat => "shade/flat.wgsl",
+        Shade::Normal => "shade/normal.wgsl",
+        Shade::Headlight => "shade/headlight.wgsl",
+    };
+    parts.extend(files([by, "shade/color.wgsl"]));
+    if kernel.colors {
+        parts.extend(files(["shade/sphere_color.wgsl"]));
+    } else if shade.needs_colors() {
+        parts.push(default_color());
     }
 }
 
-/// The values of the `override` constants that the kernel's parts declare.
-pub(crate) fn constants(kernel: &Kernel) -> Vec<(&'static str, f64)> {
-    if kernel.colors || !kernel.shade.is_some_and(Shade::needs_colors) {
-        return Vec::new();
+/// The number of every binding: its place in [`buffers`].
+pub(crate) fn binding_numbers() -> Part {
+    let number = |(number, name): (usize, &str)| format!("const BIND_{}: u32 = {number}u;\n", name.to_uppercase());
+    emitted("emitted: binding numbers", buffers().enumerate().map(number).collect())
+}
+
+/// The buffers that a kernel writes, and `write_outputs`, which stores a pixel's values there.
+fn outputs(kernel: &Kernel) -> Part {
+    let (mut buffers, mut stores) = (String::new(), String::new());
+    for KernelOutput { name, number, value, channels, .. } in KernelOutput::of(kernel) {
+        let binding = name.to_uppercase();
+        buffers += &format!("@group(0) @binding(BIND_{binding}) var<storage, read_write> {name}: array<{number}>;\n");
+        if *channels == 1 {
+            stores += &format!("    {name}[pixel] = {value};\n");
+            continue;
+        }
+        stores += &format!("    let {name}_value = {value};\n");
+        for channel in 0..*channels {
+            stores += &format!("    {name}[{channels}u * pixel + {channel}u] = {name}_value[{channel}];\n");
+        }
     }
-    ["DEFAULT_RED", "DEFAULT_GREEN", "DEFAULT_BLUE"].into_iter().zip(DEFAULT_COLOR.map(f64::from)).collect()
+    let text = format!("{buffers}\nfn write_outputs(pixel: u32, ray: Ray, hit: Hit) {{\n{stores}}}\n");
+    emitted("emitted: outputs", text)
+}
+
+/// The colour of a scene whose spheres have none: none is uploaded.
+fn default_color() -> Part {
+    let [red, green, blue] = DEFAULT_COLOR;
+    let color = format!("vec3<f32>({red:?}, {green:?}, {blue:?})");
+    emitted("emitted: default colour", format!("fn sphere_color(id: u32) -> vec3<f32> {{\n    return {color};\n}}\n"))
+}
+
+/// `test_chunk` for subgroups of so many lanes: each loads one record, and all share it. A broadcast takes constant lanes
+/// only, so they are written out.
+fn broadcast(lanes: usize, members: &[&str]) -> Part {
+    let mut tests = String::new();
+    for n in 0..CHUNK {
+        let (part, lane) = (n - n % lanes, n % lanes);
+        if lane == 0 {
+            tests += &format!("    let mine{part} = load(first + {part}u + lane);\n");
+        }
+        let of_lane = |member: &&str| format!("subgroupBroadcast(mine{part}.{member}, {lane}u)");
+        let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");
+        tests += &format!("    best = test(ray, best, Record({record}), first + {n}u);\n");
+    }
+    emitted("emitted: broadcasts", test_chunk(&tests))
+}
+
+/// The same for subgroups of any size.
+fn shuffle(members: &[&str]) -> Part {
+    let of_lane = |member: &&str| format!("subgroupShuffle(mine.{member}, k)");
+    let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");
+    let tests = format!(
+        "    for (var part = 0u; part < CHUNK; part += lanes) {{
+        let mine = load(first + part + lane);
+        for (var k = 0u; k < min(lanes, CHUNK); k++) {{
+            best = test(ray, best, Record({record}), first + part + k);
+        }}
+    }}
+"
+    );
+    emitted("emitted: shuffles", test_chunk(&tests))
+}
+
+fn test_chunk(tests: &str) -> String {
+    format!(
+        "fn test_chunk(ray: Searcher, start: Best, first: u32, count: u32) -> Best {{
+    var best = start;
+{tests}    return best;
+}}
+"
+    )
+}
+
+fn emitted(name: &'static str, text: String) -> Part {
+    Part { name, text: (text + "\n").into() }
 }

@@ -2,13 +2,13 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
-use crate::gpu::compose::{compose, constants};
+use crate::gpu::compose::compose;
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
-use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, Written, outputs, uploads};
-use crate::kernel::{Kernel, Rays};
+use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
+use crate::kernel::{Kernel, KernelOutput, Rays};
 use crate::raw::Raw;
 use crate::report::Timings;
 use crate::tile::TILE;
@@ -62,7 +62,7 @@ impl Input<'_> {
         let record = self.view.record;
         match &self.candidates {
             Some(CandidateList::Uncertified(tile_candidates)) => {
-                ViewRecord { spheres: tile_candidates.nears() as u32, ..record }
+                ViewRecord { spheres: tile_candidates.generals() as u32, ..record }
             }
             _ => record,
         }
@@ -219,7 +219,7 @@ impl Gpu {
             module: &shader,
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &constants(kernel),
+                constants: &[],
                 zero_initialize_workgroup_memory: false,
             },
             cache: None,
@@ -245,8 +245,8 @@ impl Gpu {
             }
         };
         self.fill("view", bytemuck::bytes_of(&record))?;
-        for output in outputs(kernel) {
-            let bytes = pixels * output.bytes;
+        for output in KernelOutput::of(kernel) {
+            let bytes = pixels * output.bytes();
             let reading = if self.direct { wgpu::BufferUsages::MAP_READ } else { wgpu::BufferUsages::COPY_SRC };
             self.reserve(output.name, bytes, wgpu::BufferUsages::STORAGE | reading);
             if !self.direct {
@@ -279,9 +279,9 @@ impl Gpu {
             pass.set_bind_group(0, &group, &[]);
             pass.dispatch_workgroups(groups.0, groups.1, 1);
         }
-        for output in outputs(kernel).filter(|_| !self.direct) {
+        for output in KernelOutput::of(kernel).filter(|_| !self.direct) {
             let (from, to) = (&self.buffers[output.name], &self.buffers[output.staging]);
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes);
+            encoder.copy_buffer_to_buffer(from, 0, to, 0, pixels * output.bytes());
         }
         if let Some(clock) = &self.clock {
             clock.resolve(&mut encoder);
@@ -300,16 +300,16 @@ impl Gpu {
     fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
         let row = if kernel.rays == Rays::Camera { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
-        let from = |output: &Written| if self.direct { output.name } else { output.staging };
-        let read: Vec<_> = outputs(kernel).collect();
+        let from = |output: &KernelOutput| if self.direct { output.name } else { output.staging };
+        let read: Vec<_> = KernelOutput::of(kernel).collect();
         for output in &read {
-            self.buffers[from(output)].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes, |_| {});
+            self.buffers[from(output)].map_async(wgpu::MapMode::Read, 0..pixels as u64 * output.bytes(), |_| {});
         }
         self.wait()?;
         for output in &read {
             let staging = &self.buffers[from(output)];
             {
-                let mapped = mapped(staging, pixels as u64 * output.bytes)?;
+                let mapped = mapped(staging, pixels as u64 * output.bytes())?;
                 raw.store(output.name, first, pixels, &mapped);
             }
             staging.unmap();
@@ -325,7 +325,7 @@ impl Gpu {
     /// The part of a buffer that belongs to this dispatch: buffers are kept, so they may be larger.
     fn bound(&self, name: &'static str, kernel: &Kernel, pixels: u64) -> wgpu::BindingResource<'_> {
         let buffer = &self.buffers[name];
-        let size = outputs(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes));
+        let size = KernelOutput::of(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
     }
 
@@ -347,7 +347,7 @@ impl Gpu {
 
     /// Parts one after the other; each a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
-        let uniform = ["view", "lens"].contains(&name);
+        let uniform = ["view", "projection"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
         // A binding may not be empty; the kernels count, so what is not written is never looked at.
         let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
@@ -404,7 +404,7 @@ mod tests {
         (scene.image.width, scene.image.height) = (131, 74);
         // The low parts are there for those that read them.
         let mut view = View::new(&scene).expect("a view");
-        view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
+        view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
         let binned = BinnedScene::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
             .expect("a stage")
             .expect("a lens");
@@ -423,7 +423,7 @@ mod tests {
                 normal: true,
                 ..Kernel::bare(Method::Stable)
             };
-            let certified = Kernel { certify: true, nears: true, width: true, ..kernel };
+            let certified = Kernel { certify: true, generals: true, depth_interval: true, ..kernel };
             let tiles = |kernel| Kernel { tiles: true, ..kernel };
             let mut raws = Vec::new();
             // A second normal in better arithmetic takes SwiftShader ten seconds to compile.

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
 use crate::intersect::Method;
-use crate::kernel::Kernel;
+use crate::kernel::{Kernel, OUTPUTS};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// A buffer that the shader binds in group 0.
@@ -15,28 +15,27 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// Every buffer that any shader may bind, by its name in WGSL.
-pub(crate) const BUFFERS: [&str; 19] = [
+/// The buffers that kernels read, by their names in WGSL; the last two are the self-test's.
+const INPUTS: [&str; 13] = [
     "view",
     "spheres",
+    "residuals",
     "colors",
-    "frame_id",
-    "frame_t",
-    "frame_normal",
-    "frame_color",
     "rays",
-    "lows",
-    "lens",
-    "fronts",
-    "others",
-    "lists",
-    "frame_width",
-    "frame_t_low",
-    "candidates",
-    "candidate_lows",
     "nodes",
     "order",
+    "projection",
+    "projected",
+    "others",
+    "lists",
+    "cases",
+    "answers",
 ];
+
+/// Every buffer that any shader binds, by its name in WGSL. Its number is its place here.
+pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
+    INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
+}
 
 /// Parses and validates a composed shader with the capabilities the device will have.
 pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
@@ -58,7 +57,7 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
     let used = info.get_entry_point(0);
     let named = |(handle, global): (naga::Handle<naga::GlobalVariable>, &naga::GlobalVariable)| {
         let binding = global.binding?;
-        let name = BUFFERS.into_iter().find(|b| Some(*b) == global.name.as_deref())?;
+        let name = buffers().find(|b| Some(*b) == global.name.as_deref())?;
         (!used[handle].is_empty()).then_some(Binding { name, binding: binding.binding })
     };
     module.global_variables.iter().filter_map(named).collect()
@@ -74,10 +73,10 @@ pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::certify::LensRecord;
-    use crate::certify::front::{FrontMoreRecord, FrontRecord};
-    use crate::certify::near::NearRecord;
-    use crate::gpu::compose::{compose, constants};
+    use crate::certify::ProjectionRecord;
+    use crate::certify::general::GeneralRecord;
+    use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
+    use crate::gpu::compose::{Part, compose, files, parts};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
     use crate::kernel::{Rays, Sharing};
@@ -85,9 +84,8 @@ mod tests {
     use crate::ray::RayRecord;
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
-    use crate::tile_candidates::Candidate;
     use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
-    use crate::view::{SphereLow, SphereRecord, ViewRecord};
+    use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
 
@@ -100,8 +98,8 @@ mod tests {
         let mut kernels = Vec::new();
         let plain =
             both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, false)));
-        let certified = both.map(|nears| (Method::Stable, true, false, nears));
-        for (method, certify, tiles, nears) in plain.chain(certified) {
+        let certified = both.map(|generals| (Method::Stable, true, false, generals));
+        for (method, certify, tiles, generals) in plain.chain(certified) {
             for (rays, sharing, tree) in camera.into_iter().chain(given.into_iter().flatten()) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
@@ -115,9 +113,9 @@ mod tests {
                             t,
                             normal,
                             certify,
-                            nears,
+                            generals,
                             tiles,
-                            width: t && certify,
+                            depth_interval: t && certify,
                             tree,
                             samples: false,
                         };
@@ -157,15 +155,13 @@ mod tests {
             let (certify, tiles) = (kernel.certify, kernel.tiles);
             let wanted: BTreeSet<_> = [
                 (true, "view"),
-                (!certify && !tiles, "spheres"),
-                (tiles, "candidates"),
-                (tiles && kernel.is_wide(), "candidate_lows"),
+                (!certify, "spheres"),
                 (true, "frame_id"),
-                (certify, "lens"),
-                (certify, "fronts"),
+                (certify, "projection"),
+                (certify, "projected"),
                 (certify, "others"),
                 (certify || tiles, "lists"),
-                (kernel.width, "frame_width"),
+                (kernel.depth_interval, "frame_depth_interval"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
                 (kernel.shade.is_some(), "frame_color"),
@@ -173,16 +169,13 @@ mod tests {
                 (given, "rays"),
                 (kernel.tree, "nodes"),
                 (kernel.tree, "order"),
-                (kernel.rays == Rays::Spread || kernel.is_wide() && !tiles, "lows"),
+                (kernel.rays == Rays::Spread || kernel.is_wide(), "residuals"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
             .filter_map(|(wanted, name)| wanted.then_some(name))
             .collect();
             assert_eq!(bound, wanted, "{kernel:?}");
-            let declared: BTreeSet<_> = module.overrides.iter().filter_map(|(_, o)| o.name.clone()).collect();
-            let given: BTreeSet<_> = constants(&kernel).into_iter().map(|(name, _)| name.to_owned()).collect();
-            assert_eq!(declared, given, "override constants of {kernel:?}");
         }
     }
 
@@ -205,8 +198,7 @@ mod tests {
     #[test]
     fn structs_have_one_layout_on_both_sides() {
         let any = Kernel { rays: Rays::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
-        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, nears: true, tree: false, ..any });
-        let (tiles, _) = module(&Kernel { rays: Rays::Camera, tiles: true, tree: false, ..any });
+        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, generals: true, tree: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -214,19 +206,19 @@ mod tests {
                 assert_eq!(members(&$module, $wgsl), (host, size_of::<$host>()), $wgsl);
             };
         }
-        same!(certified "Lens", LensRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1 error2 edge depth tolerance nears slack size);
-        same!(certified "Front", FrontRecord, x y rho low);
-        same!(certified "FrontMore", FrontMoreRecord, rest center id);
-        same!(certified "Near", NearRecord, ball power scale form id column row start by_column by_row blur);
-        same!(tiles "Candidate", Candidate, ball power scale id);
+        same!(certified "Projection", ProjectionRecord, slope_x slope_y step_x step_y fixed_x fixed_y shift unit error0 error1
+            error2 edge depth tolerance generals cull_margin size);
+        same!(certified "Projected", ProjectedRecord, x y rho low);
+        same!(certified "ProjectedDetail", ProjectedDetailRecord, subpixel_offset center id);
+        same!(certified "General", GeneralRecord, center_radius power scale form id column row start by_column by_row blur);
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
-        assert_eq!(constant(&tiles, "CHUNK"), CHUNK as f64);
-        assert_eq!(constant(&certified, "NEAR"), f64::from(crate::certify::NEAR));
+        assert_eq!(constant(&module, "CHUNK"), CHUNK as f64);
+        assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed);
-        same!(module "Sphere", SphereRecord, ball power scale);
-        same!(module "SphereLow", SphereLow, ball power);
+        same!(module "SphereRecord", SphereRecord, center_radius power scale id);
+        same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
         same!(module "Node", NodeRecord, low_a high_a low_b high_b);
         for (name, ours) in [("STACK", STACK), ("IS_LEAF", IS_LEAF), ("FIRST", FIRST), ("NOWHERE", NOWHERE)] {
@@ -236,6 +228,54 @@ mod tests {
         assert_eq!(constant(&module, "NONE"), f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
         assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));
+    }
+
+    /// The constants of the proof have one value on both sides, and no other constant is in their file.
+    #[test]
+    fn the_constants_of_the_proof_are_those_of_the_twin() {
+        let (module, _) = module(&Kernel { certify: true, generals: true, ..Kernel::bare(Method::Stable) });
+        for (name, value) in crate::certify::constants::ALL {
+            assert_eq!(constant(&module, name), f64::from(*value), "{name}");
+        }
+        let text = files(["certify/constants.wgsl"]).next().expect("the file").text;
+        let count = text.lines().filter(|line| line.starts_with("const ")).count();
+        assert_eq!(count, crate::certify::constants::ALL.len());
+    }
+
+    /// What is not named is 0, 1, or the 2 of a square of a sum: every other number of the proof is a constant.
+    #[test]
+    fn no_number_of_the_proof_is_without_a_name() {
+        let all = kernels();
+        let of_proof = |part: &Part| part.name.starts_with("certify/") && part.name != "certify/constants.wgsl";
+        let mut seen = BTreeSet::new();
+        for part in all.iter().flat_map(parts).filter(of_proof).filter(|part| seen.insert(part.name)) {
+            let code = part.text.lines().map(|line| line.split("//").next().unwrap_or_default());
+            let words = code.flat_map(|line| line.split(|c: char| !c.is_ascii_alphanumeric() && c != '.'));
+            for word in words.filter(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit())) {
+                assert!(["0.0", "1.0", "2.0"].contains(&word), "{word} in {}", part.name);
+            }
+        }
+        assert!(seen.len() > 5, "{seen:?}");
+    }
+
+    /// Every file is part of some kernel or of the self-test, and every name is that of a file.
+    #[test]
+    fn every_file_is_used() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let mut unused = BTreeSet::new();
+        for folder in std::fs::read_dir(&root).expect("shaders").map(|entry| entry.expect("an entry").path()) {
+            let is_file = folder.is_file();
+            let inside = || std::fs::read_dir(&folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+            let files = if is_file { vec![folder.clone()] } else { inside().collect() };
+            let name = |file: &std::path::PathBuf| file.strip_prefix(&root).expect("inside").display().to_string();
+            unused.extend(files.iter().map(|file| name(file).replace('\\', "/")));
+        }
+        let trials = crate::gpu::selftest::trials(true);
+        let selftest = trials.iter().flat_map(|trial| trial.parts.iter().map(|part| part.name));
+        for name in kernels().iter().flat_map(|kernel| compose(kernel).files()).map(|(name, _)| name).chain(selftest) {
+            unused.remove(name);
+        }
+        assert!(unused.is_empty(), "{unused:?}");
     }
 
     #[test]
@@ -254,12 +294,12 @@ mod tests {
     #[test]
     fn an_error_names_the_file_and_the_line() {
         let mut source = compose(&kernels()[0]);
-        let at = source.text.find("fn nearest").expect("every kernel has it");
+        let at = source.text.find("fn render").expect("every kernel has it");
         let line = source.text[..at].lines().count() + 1;
-        assert_eq!(source.place(line), "shaders/nearest/plain.wgsl:2");
+        assert_eq!(source.place(line), "shaders/main/viewing_rays.wgsl:2");
         source.text.replace_range(at..at + 2, "fm");
         let error = validate(&source, Capabilities::empty()).expect_err("broken on purpose").to_string();
-        assert!(error.contains("shaders/nearest/plain.wgsl:2:1"), "{error}");
+        assert!(error.contains("shaders/main/viewing_rays.wgsl:2:1"), "{error}");
     }
 
     /// Name and offset of each member, and the size, of a struct in WGSL.

@@ -11,8 +11,8 @@ mod twin;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::gpu::compose::{Part, Source, compose, part};
-use crate::gpu::layout::validate;
+use crate::gpu::compose::{Part, Source, binding_numbers, compose, files};
+use crate::gpu::layout::{buffers, validate};
 use crate::intersect::Method;
 use crate::report::milliseconds;
 use crate::view::ViewRecord;
@@ -123,9 +123,9 @@ const SQRT_ULP: f64 = 4.6;
 type Judge = fn(&[u32], &[u32]) -> Vec<Check>;
 
 /// One shader of the test, its cases and who judges the answers.
-struct Trial {
+pub(super) struct Trial {
     name: &'static str,
-    parts: Vec<Part>,
+    pub(super) parts: Vec<Part>,
     capabilities: Capabilities,
     /// 32-bit words per case and per answer; the shader declares them in numbers of its own size.
     words: [usize; 2],
@@ -134,30 +134,26 @@ struct Trial {
 }
 
 /// The trials that an adapter with or without f64 can run.
-fn trials(f64: bool) -> Vec<Trial> {
-    let double_float = || vec![part!("opaque.wgsl"), part!("intersect/double_float.wgsl")];
+pub(super) fn trials(f64: bool) -> Vec<Trial> {
     let trial = |name, own: Vec<Part>, words, cases, judge| Trial {
         name,
-        parts: [vec![part!("view.wgsl"), part!("selftest/main.wgsl")], own].concat(),
+        parts: [binding_numbers()].into_iter().chain(files(["view.wgsl", "selftest/main.wgsl"])).chain(own).collect(),
         capabilities: Capabilities::empty(),
         words,
         cases,
         judge,
     };
-    let with = |part| [double_float(), vec![part]].concat();
-    let solve = [
-        double_float(),
-        vec![part!("vector.wgsl"), part!("wide/ray.wgsl"), part!("wide/intersect.wgsl"), part!("selftest/solve.wgsl")],
-    ]
-    .concat();
+    let with = |own| files(["number/double_float.wgsl", own]).collect();
+    let operations = files(["selftest/operations.wgsl"]).collect();
+    let solve = ["number/double_float.wgsl", "math.wgsl", "ray.wgsl", "form/perpendicular.wgsl", "selftest/solve.wgsl"];
     let mut trials = vec![
-        trial("transforms", with(part!("selftest/transforms.wgsl")), [6, 27], cases::transforms(), judge::transforms),
-        trial("operations", vec![part!("selftest/operations.wgsl")], [2, 11], cases::operations(), judge::operations),
-        trial("double_float", with(part!("selftest/double_float.wgsl")), [6, 8], cases::pairs(), judge::pairs),
-        trial("solve", solve, [9, 2], cases::solve(), judge::solve),
+        trial("transforms", with("selftest/transforms.wgsl"), [6, 27], cases::transforms(), judge::transforms),
+        trial("operations", operations, [2, 11], cases::operations(), judge::operations),
+        trial("double_float", with("selftest/double_float.wgsl"), [6, 8], cases::pairs(), judge::pairs),
+        trial("solve", files(solve).collect(), [9, 2], cases::solve(), judge::solve),
     ];
     if f64 {
-        let wide = trial("f64", vec![part!("selftest/f64.wgsl")], [4, 10], cases::wide(), judge::wide);
+        let wide = trial("f64", files(["selftest/f64.wgsl"]).collect(), [4, 10], cases::wide(), judge::wide);
         trials.push(Trial { capabilities: Capabilities::FLOAT64, ..wide });
     }
     trials
@@ -233,8 +229,8 @@ impl Gpu {
     fn key(&self) -> String {
         let mut text = blake3::Hasher::new();
         for trial in trials(true) {
-            for (_, part) in trial.parts {
-                text.update(part.as_bytes());
+            for part in trial.parts {
+                text.update(part.text.as_bytes());
             }
         }
         for kernel in self.twin_kernels() {
@@ -254,7 +250,7 @@ impl Gpu {
 
     /// Runs a trial's shader over its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
-        let source = Source::new(trial.parts.iter().copied());
+        let source = Source::new(trial.parts.iter().cloned());
         validate(&source, trial.capabilities)?;
         let device = &self.open.device;
         let count = trial.cases.len() / trial.words[0];
@@ -286,11 +282,10 @@ impl Gpu {
             },
             cache: None,
         });
-        let bound = |binding, buffer: &wgpu::Buffer| (binding, buffer.clone());
-        let buffers = [bound(0, &view), bound(20, &cases), bound(21, &answers)];
-        let entries = buffers
-            .each_ref()
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+        let entries = [("view", &view), ("cases", &cases), ("answers", &answers)].map(|(name, buffer)| {
+            let binding = buffers().position(|buffer| buffer == name).unwrap_or_default() as u32;
+            wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+        });
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(trial.name),
             layout: &pipeline.get_bind_group_layout(0),

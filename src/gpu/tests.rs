@@ -32,7 +32,7 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
     let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
     [scene.image.width, scene.image.height] = SIZE;
     let mut view = View::new(&scene).expect("a view");
-    view.keep_lows(&scene.spheres.centers, &scene.spheres.radii);
+    view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
     let pool = Pool::default();
     let binned = BinnedScene::new(&scene, &view, 1e-6, &TERMS, 0, &pool).expect("a stage");
     let mut raw = Raw::new(kernel, (SIZE[0] * SIZE[1]) as usize, &pool).expect("room");
@@ -80,7 +80,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
         t: true,
         ..Kernel::bare(Method::Stable)
     };
-    [plain, Kernel { certify: true, nears: true, normal: true, width: true, ..plain }]
+    [plain, Kernel { certify: true, generals: true, normal: true, depth_interval: true, ..plain }]
 }
 
 /// A frame in bands has the same bits, also after a cancelled frame.

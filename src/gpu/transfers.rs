@@ -2,13 +2,13 @@
 
 use super::dispatch::{GROUP, Input};
 use super::submission_budget::{PIXEL, SubmissionBudget};
-use crate::certify::front::{FrontMoreRecord, FrontRecord};
-use crate::certify::near::NearRecord;
+use crate::certify::general::GeneralRecord;
+use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::error::Result;
 use crate::kernel::{Kernel, Rays};
 use crate::tile::{CHUNK, TILE};
-use crate::tile_candidates::{Candidate, CandidateList};
-use crate::view::{SphereLow, SphereRecord, ViewRecord};
+use crate::tile_candidates::CandidateList;
+use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
 use std::ops::Range;
 
 /// What a ray that walks a tree is taken to ask: far more than where spheres are apart, far less than where all overlap.
@@ -142,12 +142,12 @@ impl<'a> Bands<'a> {
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
         let all = match &self.input.candidates {
-            // A ray asks its tile's list and every near sphere.
+            // A ray asks its tile's list and every general sphere.
             Some(candidates) => {
                 let binned = candidates.binned();
                 let tile_candidates: u64 =
                     binned.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
-                tile_candidates as f64 * f64::from(TILE * TILE) + pixels * binned.nears.len() as f64
+                tile_candidates as f64 * f64::from(TILE * TILE) + pixels * binned.generals.len() as f64
             }
             None if self.kernel.tree => pixels * TREE_TESTS,
             None => pixels * f64::from(record.spheres),
@@ -195,17 +195,17 @@ impl Entries {
         let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
         let all = match candidates {
             CandidateList::Certified(binned) => vec![
-                ("fronts", entries * size_of::<FrontRecord>()),
-                ("others", size_of_val(&binned.nears[..]) + entries * size_of::<FrontMoreRecord>()),
+                ("projected", entries * size_of::<ProjectedRecord>()),
+                ("others", size_of_val(&binned.generals[..]) + entries * size_of::<ProjectedDetailRecord>()),
                 ("lists", tiles + entries / CHUNK * size_of::<f32>()),
             ],
             CandidateList::Uncertified(tile_candidates) => {
-                let places = tile_candidates.nears() + entries;
+                let places = tile_candidates.generals() + entries;
                 let mut all = vec![
-                    ("candidates", places * size_of::<Candidate>()),
+                    ("spheres", places * size_of::<SphereRecord>()),
                     ("lists", tiles + places / CHUNK * size_of::<f32>()),
                 ];
-                all.extend(tile_candidates.wide.then_some(("candidate_lows", places * size_of::<SphereLow>())));
+                all.extend(tile_candidates.wide.then_some(("residuals", places * size_of::<SphereResiduals>())));
                 all
             }
         };
@@ -222,25 +222,25 @@ impl Entries {
         match candidates {
             CandidateList::Certified(binned) => {
                 let lists = &binned.lists;
-                let sills = &lists.sills[all.start / CHUNK..all.end / CHUNK];
-                upload("fronts", &[bytemuck::cast_slice(&lists.fronts[all.clone()])])?;
-                let mores = bytemuck::cast_slice(&lists.mores[all]);
-                upload("others", &[bytemuck::cast_slice::<NearRecord, u8>(&binned.nears), mores])?;
-                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(sills)])
+                let chunk_min_depths = &lists.chunk_min_depths[all.start / CHUNK..all.end / CHUNK];
+                upload("projected", &[bytemuck::cast_slice(&lists.projected[all.clone()])])?;
+                let details = bytemuck::cast_slice(&lists.details[all]);
+                upload("others", &[bytemuck::cast_slice::<GeneralRecord, u8>(&binned.generals), details])?;
+                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(chunk_min_depths)])
             }
             CandidateList::Uncertified(tile_candidates) => {
-                // The near spheres lie before the lists.
-                let nears = tile_candidates.nears() as u32;
-                self.tiles.iter_mut().flatten().for_each(|n| *n += nears);
+                // The general spheres lie before the lists.
+                let generals = tile_candidates.generals() as u32;
+                self.tiles.iter_mut().flatten().for_each(|n| *n += generals);
                 let limits = tile_candidates.limits(all.clone());
                 upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&limits)])?;
-                let candidates = tile_candidates.candidates(all.clone());
-                upload("candidates", &[bytemuck::cast_slice(&candidates)])?;
-                tile_candidates.put_back(candidates);
+                let records = tile_candidates.records(all.clone());
+                upload("spheres", &[bytemuck::cast_slice(&records)])?;
+                tile_candidates.put_back(records);
                 if tile_candidates.wide {
-                    let lows = tile_candidates.lows(all);
-                    upload("candidate_lows", &[bytemuck::cast_slice(&lows)])?;
-                    tile_candidates.put_back(lows);
+                    let residuals = tile_candidates.residuals(all);
+                    upload("residuals", &[bytemuck::cast_slice(&residuals)])?;
+                    tile_candidates.put_back(residuals);
                 }
                 Ok(())
             }
@@ -252,7 +252,7 @@ impl Entries {
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
     match input.candidates {
-        Some(CandidateList::Certified(binned)) => all.push(("lens", bytemuck::bytes_of(&binned.lens))),
+        Some(CandidateList::Certified(binned)) => all.push(("projection", bytemuck::bytes_of(&binned.projection))),
         Some(CandidateList::Uncertified(_)) => {}
         None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
@@ -266,30 +266,8 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
         all.push(("nodes", bytemuck::cast_slice(&tree.nodes)));
         all.push(("order", bytemuck::cast_slice(&tree.order)));
     }
-    if kernel.rays == Rays::Spread || kernel.is_wide() && !kernel.tiles {
-        all.push(("lows", bytemuck::cast_slice(&input.view.lows)));
+    if kernel.reads_residuals() && !kernel.tiles {
+        all.push(("residuals", bytemuck::cast_slice(&input.view.residuals)));
     }
     all
-}
-
-/// A buffer that a kernel writes and the host reads: its binding, where it is read from, bytes per pixel.
-pub(crate) struct Written {
-    pub(crate) name: &'static str,
-    pub(crate) staging: &'static str,
-    pub(crate) bytes: u64,
-}
-
-/// The buffers that a kernel writes for every pixel.
-pub(crate) fn outputs(kernel: &Kernel) -> impl Iterator<Item = Written> {
-    [
-        (true, "frame_id", "read frame_id", 4),
-        (kernel.width, "frame_width", "read frame_width", 4),
-        (kernel.t, "frame_t", "read frame_t", 4),
-        (kernel.t && kernel.is_wide(), "frame_t_low", "read frame_t_low", 4),
-        (kernel.normal, "frame_normal", "read frame_normal", 12),
-        (kernel.shade.is_some(), "frame_color", "read frame_color", 12),
-    ]
-    .into_iter()
-    .filter(|(written, ..)| *written)
-    .map(|(_, name, staging, bytes)| Written { name, staging, bytes })
 }

@@ -1,5 +1,5 @@
 //! The perpendicular form in sums of two f32, about 48 bits: [`Stable`]'s text in another number, which is the twin of
-//! double_float.wgsl, operation for operation. Rust promises
+//! number/double_float.wgsl, operation for operation. Rust promises
 //! that every f32 operation rounds once, so nothing here needs the shader's barrier.
 //!
 //! Sources: Knuth (TwoSum), Dekker 1971 (FastTwoSum, split and product); Joldes, Muller, Popescu, *Tight and rigorous
@@ -10,8 +10,8 @@
 
 use super::Intersect;
 use super::stable::Stable;
+use crate::number::Number;
 use crate::ray::Ray;
-use crate::real::Real;
 use crate::view::Sphere;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -20,11 +20,11 @@ pub(crate) struct DoubleFloat;
 impl Intersect for DoubleFloat {
     type Number = Pair;
 
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         Stable::intersect(ray, s)
     }
 
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
         Stable::normal_at(ray, s, t)
     }
 }
@@ -113,26 +113,26 @@ impl Div for Pair {
     }
 }
 
-impl Real for Pair {
+impl Number for Pair {
     const MISS: Self = Self { hi: f32::MAX, lo: 0.0 };
     const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
     const HALF: Self = Self { hi: 0.5, lo: 0.0 };
     const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
-    fn exact(x: f32) -> Self {
+    fn from_f32(x: f32) -> Self {
         Self { hi: x, lo: 0.0 }
     }
 
-    fn whole(x: i32) -> Self {
+    fn from_i32(x: i32) -> Self {
         let hi = x as f32;
         Self { hi, lo: (f64::from(x) - f64::from(hi)) as f32 }
     }
 
-    fn pair(hi: f32, lo: f32) -> Self {
+    fn from_hi_lo(hi: f32, lo: f32) -> Self {
         Self { hi, lo }
     }
 
-    fn parts(self) -> (f32, f32) {
+    fn to_hi_lo(self) -> (f32, f32) {
         (self.hi, self.lo)
     }
 

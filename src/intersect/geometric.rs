@@ -3,8 +3,8 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
+use crate::number::Number;
 use crate::ray::{Ray, center, dot3, negated, radius};
-use crate::real::Real;
 use crate::view::Sphere;
 
 pub(crate) struct Geometric;
@@ -12,7 +12,7 @@ pub(crate) struct Geometric;
 impl Intersect for Geometric {
     type Number = f32;
 
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let length = dot3(ray.d, ray.d).sqrt();
         let d = ray.d.map(|x| x / length);
@@ -26,7 +26,7 @@ impl Intersect for Geometric {
         closest((t_m - delta_t) / length, (t_m + delta_t) / length)
     }
 
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
         normal_from_point(ray, s, t)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Intersect;
 use super::stable::Stable;
+use crate::number::Number;
 use crate::ray::Ray;
-use crate::real::Real;
 use crate::view::Sphere;
 
 pub(crate) struct Native64;
@@ -11,11 +11,11 @@ pub(crate) struct Native64;
 impl Intersect for Native64 {
     type Number = f64;
 
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         Stable::intersect(ray, s)
     }
 
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
         Stable::normal_at(ray, s, t)
     }
 }

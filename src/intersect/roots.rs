@@ -1,11 +1,11 @@
-//! Shared by the lecture's three forms: the twin of roots.wgsl.
+//! Shared by the lecture's three forms: the twin of form/roots.wgsl.
 
+use crate::number::Number;
 use crate::ray::{Ray, center, dot3, minus, negated, times, unit3};
-use crate::real::Real;
 use crate::view::Sphere;
 
 /// The smaller of two ordered roots that lies on the ray.
-pub(super) fn closest<R: Real>(near: R, far: R) -> R {
+pub(super) fn closest<R: Number>(near: R, far: R) -> R {
     if near > R::ZERO {
         return near;
     }
@@ -16,7 +16,7 @@ pub(super) fn closest<R: Real>(near: R, far: R) -> R {
 }
 
 /// The unit normal from the hit point minus the centre, turned against the ray.
-pub(super) fn normal_from_point<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+pub(super) fn normal_from_point<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
     let n = unit3(minus(times(t, ray.d), center(s)));
     if dot3(n, ray.d) > R::ZERO { negated(n) } else { n }
 }

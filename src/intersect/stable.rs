@@ -6,20 +6,20 @@
 //! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
 
 use super::Intersect;
+use crate::number::Number;
 use crate::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
-use crate::real::Real;
 use crate::view::Sphere;
 
 pub(crate) struct Stable;
 
-fn discriminant<R: Real>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
+fn discriminant<R: Number>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
     dot3(ray.d, ray.d) * (radius(s) * radius(s)) - dot3(g, g)
 }
 
 impl Intersect for Stable {
     type Number = f32;
 
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = center(s);
         let g = cross3(p, ray.d);
         let disc = discriminant(ray, s, g);
@@ -43,7 +43,7 @@ impl Intersect for Stable {
 
     /// From the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, upper sign outside. Nothing
     /// cancels, however far the sphere; t is not used.
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, _t: R) -> [R; 3] {
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, _t: R) -> [R; 3] {
         let g = cross3(center(s), ray.d);
         let root = positive(discriminant(ray, s, g)).sqrt();
         let across = cross3(ray.d, g);

@@ -2,8 +2,8 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
+use crate::number::Number;
 use crate::ray::{Ray, center, dot3, negated, radius};
-use crate::real::Real;
 use crate::view::Sphere;
 
 pub(crate) struct Textbook;
@@ -11,7 +11,7 @@ pub(crate) struct Textbook;
 impl Intersect for Textbook {
     type Number = f32;
 
-    fn intersect<R: Real>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let a = dot3(ray.d, ray.d);
         let b = dot3(ray.d, p);
@@ -24,7 +24,7 @@ impl Intersect for Textbook {
         closest((-b - root) / a, (-b + root) / a)
     }
 
-    fn normal_at<R: Real>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
+    fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
         normal_from_point(ray, s, t)
     }
 }

@@ -14,9 +14,10 @@ pub(crate) const NO_LENS: &str =
 /// How viewing rays find candidates where `asked` was asked for, and why.
 pub(super) fn for_viewing_rays(asked: Search, certified: bool, spheres: usize) -> (Search, &'static str) {
     match asked {
-        Search::Auto if certified || spheres > FEW => {
-            (Search::Tiles, "viewing rays of a tile meet the same spheres: nothing is built but lists, nearest first")
-        }
+        Search::Auto if certified || spheres > FEW => (
+            Search::Tiles,
+            "viewing rays of a tile closer_hit_any_order the same spheres: nothing is built but lists, nearest first",
+        ),
         Search::Auto => (Search::All, "so few spheres are asked sooner than they are binned into tiles"),
         asked => (asked, "it was asked for"),
     }

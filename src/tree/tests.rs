@@ -22,7 +22,7 @@ struct Case {
 impl Case {
     fn new(method: Method, spheres: Spheres, kind: Rays, rays: &[([f64; 3], [f64; 3])]) -> Self {
         let mut view = View::along_axes(DVec3::ZERO, &spheres.centers, &spheres.radii).expect("a view");
-        view.keep_lows(&spheres.centers, &spheres.radii);
+        view.keep_residuals(&spheres.centers, &spheres.radii);
         let rays = rays.iter().map(|(o, d)| ray_record(&view, *o, *d)).collect();
         let plan = Plan::for_method(&Settings { method: Some(method), ..Settings::default() }).expect("a plan");
         Self { view, spheres, rays, kernel: Kernel { rays: kind, t: true, ..plan.kernel } }
@@ -32,8 +32,8 @@ impl Case {
         Shape::new(&self.spheres.centers, &self.spheres.radii).expect("a shape")
     }
 
-    fn tree(&self, slack: Slack) -> Tree {
-        Tree::new(&self.shape(), &self.view, farthest(&self.rays), slack).expect("a tree")
+    fn tree(&self, cull_margin: Slack) -> Tree {
+        Tree::new(&self.shape(), &self.view, farthest(&self.rays), cull_margin).expect("a tree")
     }
 
     fn answers(&self, tree: Option<&Tree>) -> Raw {

@@ -1,6 +1,6 @@
 //! One sphere moved into the canonical camera.
 
-use super::{SphereLow, SphereRecord};
+use super::{SphereRecord, SphereResiduals};
 use crate::camera::Basis;
 use crate::dd::{self, Dd, Dd3};
 use crate::exact;
@@ -40,7 +40,7 @@ impl FromEye {
 pub(super) struct Moved {
     /// The exponent that was taken out.
     k: i32,
-    ball: [f64; 4],
+    center_radius: [f64; 4],
     power: Dd,
 }
 
@@ -48,22 +48,23 @@ impl Moved {
     pub(super) fn new(basis: &Basis, center: [f64; 3], radius: f64) -> Self {
         let FromEye { k, offset, radius, power } = FromEye::new(basis.e, center, radius);
         let p = DVec3::from_array(offset.map(|x| x.hi));
-        Self { k, ball: [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius], power }
+        Self { k, center_radius: [p.dot(basis.u), p.dot(basis.v), p.dot(basis.w), radius], power }
     }
 
     pub(super) fn record(&self, unit: i32) -> SphereRecord {
         SphereRecord {
-            ball: self.ball.map(|x| x as f32),
+            center_radius: self.center_radius.map(|x| x as f32),
             power: nonzero_f32(self.power.value()),
             scale: f32::from_bits(((self.k - unit + 127) as u32) << 23),
-            unused: [0.0; 2],
+            id: 0,
+            unused: 0,
         }
     }
 
     /// What rounding took from `s`, this sphere's record.
-    pub(super) fn low(&self, s: &SphereRecord) -> SphereLow {
-        SphereLow {
-            ball: std::array::from_fn(|n| (self.ball[n] - f64::from(s.ball[n])) as f32),
+    pub(super) fn residuals(&self, s: &SphereRecord) -> SphereResiduals {
+        SphereResiduals {
+            center_radius: std::array::from_fn(|n| (self.center_radius[n] - f64::from(s.center_radius[n])) as f32),
             power: (self.power - Dd::from(f64::from(s.power))).value() as f32,
             unused: [0.0; 3],
         }

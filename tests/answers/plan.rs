@@ -109,7 +109,7 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     let pixels = plan.rays;
     let written: Vec<_> = plan.written.iter().map(|b| (b.name, b.bytes)).collect();
     assert_eq!(written, [("frame_id", 4 * pixels), ("frame_color", 12 * pixels)]);
-    assert!(plan.dispatches == 1 && plan.kernel.iter().any(|part| part.file == "intersect/stable.wgsl"));
+    assert!(plan.dispatches == 1 && plan.kernel.iter().any(|part| part.file == "form/stable.wgsl"));
     for part in &plan.kernel {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders").join(part.file);
         let text = std::fs::read_to_string(file).expect("a file of the kernel");
@@ -125,10 +125,10 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     assert!(staged.unseen > 0);
     // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 8 for every tile.
     let bytes = |name: &str| names(&plan).iter().find(|b| b.0 == name).map_or(0, |b| b.1);
-    assert!(bytes("fronts") >= 16 * staged.front && bytes("fronts") % (16 * 8) == 0, "{:?}", names(&plan));
-    assert_eq!(bytes("others"), bytes("fronts") + 64 * staged.near);
+    assert!(bytes("projected") >= 16 * staged.front && bytes("projected") % (16 * 8) == 0, "{:?}", names(&plan));
+    assert_eq!(bytes("others"), bytes("projected") + 64 * staged.near);
     let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
-    assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("fronts") / 32));
+    assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("projected") / 32));
 }
 
 #[test]
@@ -185,11 +185,11 @@ fn the_plan_of_an_uncertified_method_lists_its_candidates() {
         planned(&weekend(), &Settings { method: Some(Method::Unit), ..settings(Backend::Gpu, None, &[Aov::Id]) });
     let staged = plan.staged.expect("tiles are staged");
     let bytes = |name: &str| plan.uploaded.iter().find(|b| b.name == name).map_or(0, |b| b.bytes);
-    // 32 bytes for every entry and every near sphere, both in chunks of 8; 4 for every chunk, 8 for every tile.
+    // 32 bytes for every entry and every general sphere, both in chunks of 8; 4 for every chunk, 8 for every tile.
     let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
-    assert!(bytes("candidates") >= 32 * (staged.front + staged.near) && bytes("candidates") % 256 == 0);
-    assert_eq!(bytes("lists"), 8 * tiles[0] * tiles[1] + bytes("candidates") / 64);
-    assert_eq!((bytes("spheres"), bytes("candidate_lows")), (0, 0));
+    assert!(bytes("spheres") >= 32 * (staged.front + staged.near) && bytes("spheres") % 256 == 0);
+    assert_eq!(bytes("lists"), 8 * tiles[0] * tiles[1] + bytes("spheres") / 64);
+    assert_eq!(bytes("residuals"), 0);
 }
 
 /// Backend, accuracy, method, search, samples and reasons, in every combination.

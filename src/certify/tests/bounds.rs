@@ -6,8 +6,8 @@ use super::wild::{Mode, Value, Wild, climb, under};
 use super::worlds::Site;
 use crate::camera::{Camera, Lens, Look};
 use crate::certify::binned::BinnedScene;
-use crate::certify::front::{self, Front};
-use crate::certify::near::{self, Near};
+use crate::certify::general::{self, General};
+use crate::certify::projected::{self, Projected};
 use crate::certify::{Certify, TERMS, Terms};
 use crate::dd::{self, Dd};
 use crate::scene::Scene;
@@ -101,13 +101,13 @@ impl Shot {
         .ok()??;
         let e = Exact::new(&site.scene, self.pixel, 0);
         let (b, disc) = (e.b(), e.disc());
-        let unit = match binned.nears.first() {
-            _ if self.parallel => dd::ldexp(binned.lens.size.into(), view.unit),
+        let unit = match binned.generals.first() {
+            _ if self.parallel => dd::ldexp(binned.projection.size.into(), view.unit),
             Some(n) => dd::ldexp(1.0, dd::exponent(n.scale.into()) + view.unit),
             // The front's unit of offsets is z times the slope of one.
-            None => f64::from(binned.lens.unit),
+            None => f64::from(binned.projection.unit),
         };
-        let length = if binned.nears.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
+        let length = if binned.generals.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
         let power = dd::dot(e.p, e.p) - e.r * e.r;
         let root = disc.sqrt();
         let depth = match (disc.hi >= 0.0, power.hi > 0.0, b.hi > 0.0) {
@@ -117,7 +117,7 @@ impl Shot {
             (_, _, true) => Some((b + root) / e.a),
             (_, _, false) => Some(-power / (root - b)),
         };
-        let relative = |t: Dd| (t.ldexp(-view.unit) - f64::from(binned.lens.depth).into()).value();
+        let relative = |t: Dd| (t.ldexp(-view.unit) - f64::from(binned.projection.depth).into()).value();
         Some(Staged {
             b: (b / length).value(),
             g: e.g().map(|g| (g / length).value()),
@@ -160,7 +160,7 @@ impl Shot {
 
 impl Staged {
     pub(super) fn is_near(&self) -> bool {
-        !self.binned.nears.is_empty()
+        !self.binned.generals.is_empty()
     }
 
     /// The error of f64 in the depth of a projected sphere's centre, in the frame's unit.
@@ -176,15 +176,15 @@ impl Staged {
         use Quantity::*;
         let binned = &self.binned;
         let near = matches!(quantity, NearAlong | NearCross | NearDisc | NearDepth);
-        let there = binned.lists.mores.first().is_some_and(|more| more.id == 0);
+        let there = binned.lists.details.first().is_some_and(|more| more.id == 0);
         if near != self.is_near() || !near && !there {
             return f64::NAN;
         }
         let twin = Certify::<R> {
             view: &self.view.record,
-            lens: &binned.lens,
+            projection: &binned.projection,
             lists: &binned.lists,
-            nears: Vec::new(),
+            generals: Vec::new(),
             terms,
         };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);
@@ -195,32 +195,32 @@ impl Staged {
         };
         let less = |disc: R| (Dd::from(disc.value()) - self.disc).value();
         if near {
-            let n = Near::new(&binned.nears[0]);
-            let w = near::near_weigh(&s, &n, terms);
+            let n = General::new(&binned.generals[0]);
+            let w = general::general_weigh(&s, &n, terms);
             return match quantity {
                 NearAlong => over(w.b.value() - self.b, w.b_error),
                 NearCross => over((0..3).map(|k| (w.g[k].value() - self.g[k]).abs()).sum(), w.g_error),
                 NearDisc => over(less(w.disc), w.error),
                 _ => {
-                    let answer = near::near_answer(&s, &n, terms);
+                    let answer = general::general_answer(&s, &n, terms);
                     if answer.hits { between(answer.low, answer.high) } else { f64::NAN }
                 }
             };
         }
-        let f = Front::new(&binned.lists.fronts[0], &binned.lists.mores[0]);
+        let f = Projected::new(&binned.lists.projected[0], &binned.lists.details[0]);
         match quantity {
             FrontDisc => {
-                let w = front::front_weigh(&s, &binned.lens, &f, terms);
+                let w = projected::projected_weigh(&s, &binned.projection, &f, terms);
                 over(less(w.disc), w.error)
             }
             FrontDepth => {
-                let answer = front::front_answer(&s, &binned.lens, &f, terms);
+                let answer = projected::projected_answer(&s, &binned.projection, &f, terms);
                 if answer.hits { between(answer.low, answer.high) } else { f64::NAN }
             }
             _ => {
                 let Some(z) = self.depth else { return f64::NAN };
-                let low = front::front_low(&s, &binned.lens, &f).value();
-                let taken = f64::from(binned.lists.mores[0].center) - f64::from(binned.lists.fronts[0].low);
+                let low = projected::projected_low(&s, &binned.projection, &f).value();
+                let taken = f64::from(binned.lists.details[0].center) - f64::from(binned.lists.projected[0].low);
                 if low < f64::from(f32::MAX) { 1.0 + (low - z) / taken } else { f64::INFINITY }
             }
         }
@@ -278,7 +278,7 @@ impl Regime {
         Self::Parallel,
         Self::ParallelTiny,
     ];
-    pub(super) const NEAR: [Self; 8] = [
+    pub(super) const GENERAL: [Self; 8] = [
         Self::Beside,
         Self::BesideWide,
         Self::Ground,
@@ -323,7 +323,7 @@ impl Regime {
             }
             Edge => {
                 let pixel = [width / 2, rng.below(2) * (width - 1)];
-                // As large as a front sphere may be before so wide a lens: offsets of many pixels.
+                // As large as a projected sphere may be before so wide a lens: offsets of many pixels.
                 let half = rng.decade(0.5, 1.34);
                 let shot = shot(half, pixel, 1.0, rng.between(0.05, 0.25) / (half * half));
                 if rng.below(2) == 0 {
@@ -401,7 +401,7 @@ impl Regime {
         if self != Missed && rng.below(2) == 0 {
             shot.snap(rng);
         }
-        if Self::NEAR.contains(&self) {
+        if Self::GENERAL.contains(&self) {
             shot.second = 0.0;
         }
         shot
@@ -498,5 +498,5 @@ fn no_front_quantity_leaves_its_bound() {
 #[test]
 fn no_near_quantity_leaves_its_bound() {
     use Quantity::{NearAlong, NearCross, NearDepth, NearDisc};
-    table(&[NearAlong, NearCross, NearDisc, NearDepth], &Regime::NEAR);
+    table(&[NearAlong, NearCross, NearDisc, NearDepth], &Regime::GENERAL);
 }

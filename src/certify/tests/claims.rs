@@ -2,7 +2,7 @@
 
 use super::wild::Value;
 use crate::certify::binned::{BinnedScene, Depths};
-use crate::certify::near::Near;
+use crate::certify::general::General;
 use crate::certify::{Certify, Terms};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact::{Judge, Truth};
@@ -71,13 +71,13 @@ impl Case {
         terms: &Terms,
         f: impl FnOnce(&Certify<'_, R>) -> T,
     ) -> T {
-        let nears: Vec<_> = binned.nears.iter().map(Near::new).collect();
-        f(&Certify { view: &self.view.record, lens: &binned.lens, lists: &binned.lists, nears, terms })
+        let generals: Vec<_> = binned.generals.iter().map(General::new).collect();
+        f(&Certify { view: &self.view.record, projection: &binned.projection, lists: &binned.lists, generals, terms })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.
     pub(super) fn depth(&self, truth: &Truth) -> f64 {
-        dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.binned.lens.depth)
+        dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.binned.projection.depth)
     }
 
     /// What the judge's own rounding may take, in the frame's unit: a step of f64 or two, also of its subnormal numbers, and
@@ -121,11 +121,11 @@ pub(super) fn check<R: Value>(
             Some(_) => {}
         }
     }
-    let kept = twin.kept(&s);
+    let kept = twin.nearest_two(&s);
     if kept.slot == NONE {
         return Ok(true);
     }
-    let answer = twin.judge(&s, &kept);
+    let answer = twin.certify_winner(&s, &kept);
     let truth = judged.each.get(answer.id as usize).copied().flatten();
     let (low, high) = (answer.low.value(), answer.high.value());
     // (c) A certain hit is a hit.
@@ -139,11 +139,11 @@ pub(super) fn check<R: Value>(
             return Err(format!("pixel {i} {j}: sphere {} is hit at {depth:e}, not above {high:e}", answer.id));
         }
     }
-    let lens = twin.lens;
+    let lens = twin.projection;
     let certain = if checks == Checks::ALL {
         twin.certain(&answer, kept.second)
     } else {
-        let sharp = answer.width < R::exact(lens.tolerance) * (R::exact(lens.depth) + answer.low);
+        let sharp = answer.depth_interval < R::from_f32(lens.tolerance) * (R::from_f32(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };
         // A wrong hit is a wrong answer, not a wrong normal: both conditions are left out.
         let hit = hit || !checks.hit;
@@ -161,7 +161,8 @@ pub(super) fn check<R: Value>(
     let z = (center - truth.depth) + dd::ldexp(answer.offset.value(), case.view.unit);
     let error = dd::ldexp(z.abs(), -case.view.unit);
     let spare = case.spare(&truth);
-    if error > answer.width.value() + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare {
+    if error > answer.depth_interval.value() + spare || error > case.tolerance * (depth + f64::from(lens.depth)) + spare
+    {
         return Err(format!("pixel {i} {j}: depth {depth:e} off by {error:e} of {low:e} .. {high:e}"));
     }
     let basis = case.view.basis;

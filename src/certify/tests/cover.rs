@@ -3,8 +3,8 @@
 use crate::camera::Lens::{Orthographic, Viewport};
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
-use crate::certify::lens::cover::Cover;
-use crate::certify::lens::{Lens, Staged};
+use crate::certify::projection::cover::Cover;
+use crate::certify::projection::{ProjectionBounds, Staged};
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::ray::NONE;
@@ -50,12 +50,12 @@ fn covered_pixels_are_hit() {
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height).expect("a viewport");
-        let lens = Lens::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+        let lens = ProjectionBounds::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
         let judge = Judge::new(&scene).expect("a judge");
         let unit = crate::dd::ldexp(1.0, view.unit);
         for id in 0..scene.spheres.len() {
             let staged = lens.stage(id as u32, scene.spheres.centers[id], scene.spheres.radii[id], 0.0);
-            let Staged::Front(landed) = staged else { continue };
+            let Staged::Projected(landed) = staged else { continue };
             for (row, column) in (0..height.div_ceil(TILE)).flat_map(|i| (0..width.div_ceil(TILE)).map(move |j| (i, j)))
             {
                 let mut cover = Cover::new([column, row], [width, height]);
@@ -87,8 +87,8 @@ fn a_disc_closes_its_pixels_and_no_others() {
     let scene = Scene { camera, image, spheres, skipped: Default::default() };
     let view = View::new(&scene).expect("a view");
     let viewport = scene.camera.viewport(16, 13).expect("a viewport");
-    let lens = Lens::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
-    let Staged::Front(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a front sphere") };
+    let lens = ProjectionBounds::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+    let Staged::Projected(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a projected sphere") };
     let judge = Judge::new(&scene).expect("a judge");
     for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
         let mut cover = Cover::new([column, row], [16, 13]);
@@ -131,16 +131,19 @@ fn no_visible_sphere_is_culled() {
         let view = View::new(&scene).expect("a view");
         let binned =
             BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens");
-        assert_eq!(binned.lens.depth > 0.0, round % 2 == 1, "the reference");
+        assert_eq!(binned.projection.depth > 0.0, round % 2 == 1, "the reference");
         let judge = Judge::new(&scene).expect("a judge");
-        let entries = |[first, end]: [u32; 2]| &binned.lists.mores[first as usize..end as usize];
+        let entries = |[first, end]: [u32; 2]| &binned.lists.details[first as usize..end as usize];
         for (i, j) in (0..image.height).flat_map(|i| (0..image.width).map(move |j| (i, j))) {
             let Some(truth) = judge.pixel(i, j) else { continue };
             let there = entries(binned.lists.range(i, j)).iter().any(|more| more.id == truth.id);
-            assert!(there || binned.nears.iter().any(|near| near.id == truth.id), "row {i}, column {j}: {truth:?}");
+            assert!(
+                there || binned.generals.iter().any(|general| general.id == truth.id),
+                "row {i}, column {j}: {truth:?}"
+            );
             hits += 1;
         }
-        listed += binned.lists.mores.iter().filter(|more| more.id != NONE).count();
+        listed += binned.lists.details.iter().filter(|more| more.id != NONE).count();
         spheres_seen += binned.seen;
     }
     println!("{hits} hits, {listed} entries for {spheres_seen} spheres");

@@ -12,11 +12,12 @@
 
 use super::bounds::{Regime, Shot, Staged};
 use super::tape::{Given, Program, Traced, rewind};
-use crate::certify::front::{self, Front};
-use crate::certify::near::{self, Near};
-use crate::certify::{Certify, DEPTH, FAR, INFLATE, LensRecord, Slopes, TERMS, Terms, UNIT, VANISH};
+use crate::certify::constants::{DEPTH, FAR, INFLATE, UNIT, VANISH};
+use crate::certify::general::{self, General};
+use crate::certify::projected::{self, Projected};
+use crate::certify::{Certify, ProjectionRecord, Slopes, TERMS, Terms};
+use crate::number::Number;
 use crate::ray::{cross3, minus, negated, times};
-use crate::real::Real;
 use crate::testing::Rng;
 use rayon::prelude::*;
 
@@ -92,41 +93,53 @@ impl Look<'_> {
     fn share(&self, check: Check) -> f64 {
         rewind();
         let Staged { view, binned, pixel: [i, j], .. } = self.staged;
-        let twin =
-            Certify { view: &view.record, lens: &binned.lens, lists: &binned.lists, nears: vec![], terms: self.terms };
+        let twin = Certify {
+            view: &view.record,
+            projection: &binned.projection,
+            lists: &binned.lists,
+            generals: vec![],
+            terms: self.terms,
+        };
         let s = twin.slopes(*i, *j);
         let mut given = Given::default();
-        given.set_known(binned.lens.slope_x, ONCE);
-        given.set_known(binned.lens.slope_y, ONCE);
+        given.set_known(binned.projection.slope_x, ONCE);
+        given.set_known(binned.projection.slope_y, ONCE);
         if self.staged.is_near() {
             return if OF_NEAR.contains(&check) { self.near(check, given, &s) } else { f64::NAN };
         }
-        let there = binned.lists.mores.first().is_some_and(|more| more.id == 0);
+        let there = binned.lists.details.first().is_some_and(|more| more.id == 0);
         if !there || !OF_FRONT.contains(&check) {
             return f64::NAN;
         }
-        let (record, more) = (&binned.lists.fronts[0], &binned.lists.mores[0]);
-        let f = Front {
+        let (record, more) = (&binned.lists.projected[0], &binned.lists.details[0]);
+        let f = Projected {
             x: record.x,
             y: record.y,
             rho: Traced::input(record.rho),
-            low: Traced::exact(record.low),
-            rest: more.rest.map(Traced::exact),
+            low: Traced::from_f32(record.low),
+            subpixel_offset: more.subpixel_offset.map(Traced::from_f32),
             center: Traced::input(more.center),
             id: more.id,
         };
         given.set(f.rho, ONCE);
         given.set(f.center, ONCE);
         match check {
-            CandidateDisc | CandidateMost | CandidateLow => self.candidate(check, given, &s, &binned.lens, &f),
-            _ => self.winner(check, given, &s, &binned.lens, &f),
+            CandidateDisc | CandidateMost | CandidateLow => self.candidate(check, given, &s, &binned.projection, &f),
+            _ => self.winner(check, given, &s, &binned.projection, &f),
         }
     }
 
     /// A winner of section 2 of docs/certificate.md.
-    fn winner(&self, check: Check, mut given: Given, s: &Slopes<Traced>, lens: &LensRecord, f: &Front<Traced>) -> f64 {
+    fn winner(
+        &self,
+        check: Check,
+        mut given: Given,
+        s: &Slopes<Traced>,
+        lens: &ProjectionRecord,
+        f: &Projected<Traced>,
+    ) -> f64 {
         [lens.step_x, lens.step_y].into_iter().for_each(|step| given.set_known(step, ONCE));
-        let w = front::front_weigh(s, lens, f, self.terms);
+        let w = projected::projected_weigh(s, lens, f, self.terms);
         let (a, inflate, e) = (s.a.real(), f64::from(INFLATE), f64::from(lens.edge));
         let [dx, dy] = w.o.map(Traced::real);
         let (disc, o, slant) = (w.disc.real(), dx.hypot(dy), w.slant2.real().sqrt());
@@ -139,7 +152,7 @@ impl Look<'_> {
             DiscLeast => return self.beside(&given, least) / room,
             _ => {}
         }
-        let answer = front::front_answer(s, lens, f, self.terms);
+        let answer = projected::projected_answer(s, lens, f, self.terms);
         if !answer.hits {
             return f64::NAN;
         }
@@ -158,8 +171,8 @@ impl Look<'_> {
                 let shown = at(disc);
                 let widest = (farthest - shown).max(shown - nearest);
                 // The offset is given out, beside a centre in f64.
-                let off = |sign: f64| self.worst(&given, &[(answer.offset, sign), (answer.width, -1.0)]);
-                (widest + off(1.0).max(off(-1.0))) / spare(answer.width.real() / inflate)
+                let off = |sign: f64| self.worst(&given, &[(answer.offset, sign), (answer.depth_interval, -1.0)]);
+                (widest + off(1.0).max(off(-1.0))) / spare(answer.depth_interval.real() / inflate)
             }
             _ => {
                 let k = (s.x * w.o[0] + s.y * w.o[1] + w.disc.sqrt()) * s.inverse;
@@ -186,14 +199,14 @@ impl Look<'_> {
         check: Check,
         mut given: Given,
         s: &Slopes<Traced>,
-        lens: &LensRecord,
-        f: &Front<Traced>,
+        lens: &ProjectionRecord,
+        f: &Projected<Traced>,
     ) -> f64 {
-        let c = Traced::exact;
+        let c = Traced::from_f32;
         [lens.fixed_x, lens.fixed_y].into_iter().for_each(|step| given.set_known(step, ONCE));
-        let right = Traced::whole(s.fixed_column - f.x) * c(lens.fixed_x);
-        let up = Traced::whole(f.y - s.fixed_row) * c(lens.fixed_y);
-        let disc = front::front_discriminant(s, f.rho, [right, up]);
+        let right = Traced::from_i32(s.fixed_column - f.x) * c(lens.fixed_x);
+        let up = Traced::from_i32(f.y - s.fixed_row) * c(lens.fixed_y);
+        let disc = projected::projected_discriminant(s, f.rho, [right, up]);
         let error = c(lens.error0) + f.rho * (c(lens.error1) + f.rho * c(lens.error2));
         let most = disc + error;
         let (a, rho) = (s.a.real(), f.rho.real());
@@ -212,7 +225,7 @@ impl Look<'_> {
             _ if disc.real() < -error.real() => return f64::NAN,
             _ => {}
         }
-        let low = front::front_low(s, lens, f);
+        let low = projected::projected_low(s, lens, f);
         given.fix(&[disc, error], &[most]);
         let center = f.center.real();
         let along = s.x.real() * right.real() + s.y.real() * up.real();
@@ -226,21 +239,21 @@ impl Look<'_> {
 
     /// Section 3.
     fn near(&self, check: Check, mut given: Given, s: &Slopes<Traced>) -> f64 {
-        let record = &self.staged.binned.nears[0];
-        let n = Near {
-            ball: record.ball.map(Traced::input),
+        let record = &self.staged.binned.generals[0];
+        let n = General {
+            center_radius: record.center_radius.map(Traced::input),
             power: Traced::input(record.power),
-            scale: Traced::exact(record.scale),
+            scale: Traced::from_f32(record.scale),
             form: record.form,
             id: record.id,
             pixel: [record.column, record.row],
             start: Traced::input(record.start),
             by: [record.by_column, record.by_row].map(Traced::input),
-            blur: Traced::exact(record.blur),
+            blur: Traced::from_f32(record.blur),
         };
-        let rounded = n.ball.into_iter().chain(n.by).chain([n.start, n.power]);
+        let rounded = n.center_radius.into_iter().chain(n.by).chain([n.start, n.power]);
         rounded.for_each(|number| given.set(number, ONCE));
-        let w = near::near_weigh(s, &n, self.terms);
+        let w = general::general_weigh(s, &n, self.terms);
         let (a, power, inflate) = (s.a.real(), n.power.real(), f64::from(INFLATE));
         let room = (w.error.real() - a * f64::from(VANISH)) / inflate;
         let (most, least) = (w.disc + w.error, w.disc - w.error);
@@ -257,7 +270,7 @@ impl Look<'_> {
             DiscLeast => return self.beside(&given, least) / room,
             _ => {}
         }
-        let below = near::near_below(s, &n, &w, self.terms);
+        let below = general::general_below(s, &n, &w, self.terms);
         if power == 0.0 || below.real() >= f64::from(FAR) {
             return f64::NAN;
         }
@@ -273,13 +286,13 @@ impl Look<'_> {
         &self,
         check: Check,
         given: &Given,
-        n: &Near<Traced>,
+        n: &General<Traced>,
         s: &Slopes<Traced>,
-        w: &near::Weighed<Traced>,
+        w: &general::Weighed<Traced>,
         ends: [f64; 2],
     ) -> f64 {
-        let below = near::near_below(s, n, w, self.terms);
-        let answer = near::near_answer(s, n, self.terms);
+        let below = general::general_below(s, n, w, self.terms);
+        let answer = general::general_answer(s, n, self.terms);
         let (a, power, inflate, scale) = (s.a.real(), n.power.real(), f64::from(INFLATE), n.scale.real());
         let (most, least) = (w.disc + w.error, w.disc - w.error);
         // The depth is a function of the true p.d and of the power: D = (p.d)^2 - a c.
@@ -309,8 +322,8 @@ impl Look<'_> {
             Shown => {
                 let shown = answer.offset.real();
                 let widest = (shown - nearest * scale).max(farthest * scale - shown);
-                let off = |sign: f64| self.worst(given, &[(answer.offset, sign), (answer.width, -1.0)]);
-                (widest + off(1.0).max(off(-1.0))) / (answer.width.real() / inflate)
+                let off = |sign: f64| self.worst(given, &[(answer.offset, sign), (answer.depth_interval, -1.0)]);
+                (widest + off(1.0).max(off(-1.0))) / (answer.depth_interval.real() / inflate)
             }
             _ => {
                 // The error of g is in the bound: what is made of it must fit beside.
@@ -319,7 +332,7 @@ impl Look<'_> {
                 let across = cross3([s.x, s.y, -Traced::ONE], w.g);
                 let side = if power > 0.0 { negated(across) } else { across };
                 let [x, y, z] = minus(side, times(w.disc.sqrt(), [s.x, s.y, -Traced::ONE])).map(|n| [(n, 1.0)]);
-                self.worst_of(&given, [&x, &y, &z]) / (ROTATED * a * n.ball[3].real())
+                self.worst_of(&given, [&x, &y, &z]) / (ROTATED * a * n.center_radius[3].real())
             }
         }
     }
@@ -381,7 +394,7 @@ fn no_roundings_together_leave_a_front_bound() {
 
 #[test]
 fn no_roundings_together_leave_a_near_bound() {
-    table(&OF_NEAR, &Regime::NEAR);
+    table(&OF_NEAR, &Regime::GENERAL);
 }
 
 /// The largest share of some checks in some regimes, looked at so many times as long as usual.

@@ -3,9 +3,10 @@
 
 use super::axes::axes;
 use crate::camera::{Camera, Lens as Lenses, Look};
-use crate::certify::lens::{Lens, Staged};
-use crate::certify::near::NearRecord;
-use crate::certify::{HOST, TERMS};
+use crate::certify::TERMS;
+use crate::certify::constants::HOST;
+use crate::certify::general::GeneralRecord;
+use crate::certify::projection::{ProjectionBounds, Staged};
 use crate::dd::{self, Dd, Dd3};
 use crate::exact;
 use crate::scene::{ImagePlane, Scene, Spheres};
@@ -67,10 +68,10 @@ impl Sight {
         Some(Self { scene, k, p, r: dd::ldexp(radius, -k) })
     }
 
-    fn lens(&self) -> Option<(View, Lens)> {
+    fn lens(&self) -> Option<(View, ProjectionBounds)> {
         let view = View::new(&self.scene).ok()?;
         let viewport = self.scene.camera.viewport(self.scene.image.width, self.scene.image.height).ok()?;
-        let lens = Lens::new(&self.scene.camera, &view, &viewport, &TERMS).expect("axes");
+        let lens = ProjectionBounds::new(&self.scene.camera, &view, &viewport, &TERMS).expect("axes");
         lens.is_bounded().then_some((view, lens))
     }
 
@@ -84,10 +85,11 @@ impl Sight {
     }
 
     /// The largest ratio of error to bound in the record of a general sphere.
-    fn near(&self, record: &NearRecord, rng: &mut Rng) -> f64 {
+    fn near(&self, record: &GeneralRecord, rng: &mut Rng) -> f64 {
         let host = f64::from(HOST);
         let off = |stored: f32, real: Dd| (Dd::from(f64::from(stored)) - real).value().abs();
-        let parts = self.p.iter().zip(record.ball).map(|(p, stored)| off(stored, *p) / (HALF * p.hi.abs() + host));
+        let parts =
+            self.p.iter().zip(record.center_radius).map(|(p, stored)| off(stored, *p) / (HALF * p.hi.abs() + host));
         let mut worst = parts.fold(0.0, f64::max);
         // Unknown powers are 0.
         let center = self.scene.spheres.centers[0];
@@ -111,9 +113,9 @@ impl Sight {
     }
 
     /// The same of a projected sphere: its position, radius and depth.
-    fn front(&self, view: &View, lens: &Lens, reference: f64, staged: &Staged) -> f64 {
-        let Staged::Front(landed) = staged else { return 0.0 };
-        let (front, more) = (&landed.placed.front, &landed.placed.more);
+    fn front(&self, view: &View, lens: &ProjectionBounds, reference: f64, staged: &Staged) -> f64 {
+        let Staged::Projected(landed) = staged else { return 0.0 };
+        let (front, more) = (&landed.placed.record, &landed.placed.detail);
         let record = lens.record(reference as f32, 1e-5);
         let [px, py, pz] = self.p;
         let ahead = -pz;
@@ -123,7 +125,7 @@ impl Sight {
         let sides = [(viewport.vw, width, px), (viewport.vh, height, -py)];
         let fixed = dd::ldexp(1.0, record.shift as i32);
         let mut worst = 0.0f64;
-        let ends = [(front.x, more.rest[0], 1.0), (front.y, more.rest[1], -1.0)];
+        let ends = [(front.x, more.subpixel_offset[0], 1.0), (front.y, more.subpixel_offset[1], -1.0)];
         for ((side, n, p), (place, rest, sign)) in sides.into_iter().zip(ends) {
             let n = f64::from(n);
             // Pixels from the left or the top: the projected centre over a pixel, and half of the others.
@@ -147,7 +149,7 @@ impl Sight {
         if more.center > -1e37 {
             let depth = ahead.ldexp(self.k - view.unit);
             let shown = Dd::sum(f64::from(more.center), reference);
-            let bound = HALF * f64::from(more.center).abs() + f64::from(crate::certify::DEPTH) * depth.hi;
+            let bound = HALF * f64::from(more.center).abs() + f64::from(crate::certify::constants::DEPTH) * depth.hi;
             worst = worst.max((shown - depth).value().abs() / bound);
         }
         worst
@@ -167,7 +169,7 @@ fn records_are_within_what_the_host_may_leave() {
         let Some((view, lens)) = sight.lens() else { continue };
         let (center, radius) = (sight.scene.spheres.centers[0], sight.scene.spheres.radii[0]);
         if !parallel {
-            let record = lens.near(0, center, radius);
+            let record = lens.general(0, center, radius);
             let share = sight.near(&record, &mut rng);
             assert!(share <= 1.0, "near, {share}: {:?}", sight.scene);
             worst[0] = worst[0].max(share);
@@ -179,7 +181,7 @@ fn records_are_within_what_the_host_may_leave() {
         let share = sight.front(&view, &lens, reference, &staged);
         assert!(share <= 1.0, "front, {share}: {:?}", sight.scene);
         worst[1] = worst[1].max(share);
-        staged_as[1] += u32::from(matches!(staged, Staged::Front(_)));
+        staged_as[1] += u32::from(matches!(staged, Staged::Projected(_)));
     }
     println!("of its bound a near record is off by {:.3}, a front one by {:.3}; {staged_as:?}", worst[0], worst[1]);
     assert!(staged_as.iter().all(|n| *n > 5000), "{staged_as:?}");

@@ -53,10 +53,10 @@ const fn rarely(constant: Constant) -> Constant {
 }
 
 const CONSTANTS: [Constant; 22] = [
-    constant("ball[0]", |t| &mut t.ball[0], FRONT_DISC, SUM_DISC),
-    constant("ball[1]", |t| &mut t.ball[1], FRONT_DISC, SUM_DISC),
-    constant("offset[0]", |t| &mut t.offset[0], FRONT_DISC, SUM_DISC),
-    constant("offset[1]", |t| &mut t.offset[1], FRONT_DISC, SUM_DISC),
+    constant("rho2[0]", |t| &mut t.rho2[0], FRONT_DISC, SUM_DISC),
+    constant("rho2[1]", |t| &mut t.rho2[1], FRONT_DISC, SUM_DISC),
+    constant("offset2[0]", |t| &mut t.offset2[0], FRONT_DISC, SUM_DISC),
+    constant("offset2[1]", |t| &mut t.offset2[1], FRONT_DISC, SUM_DISC),
     constant("depth[0]", |t| &mut t.depth[0], FRONT_DEPTH, SUM_DEPTH),
     constant("depth[1]", |t| &mut t.depth[1], FRONT_DEPTH, SUM_DEPTH),
     constant("depth[2]", |t| &mut t.depth[2], FRONT_DEPTH, SUM_DEPTH),
@@ -136,8 +136,8 @@ const fn survivor(name: &'static str, from: f32, why: &'static str) -> Survivor 
 }
 
 const SURVIVORS: &[Survivor] = &[
-    survivor("offset[0]", 0.9, "where |o| counts most a rho^2 does too, and is not at its own worst"),
-    survivor("offset[1]", 0.9, "likewise"),
+    survivor("offset2[0]", 0.9, "where |o| counts most a rho^2 does too, and is not at its own worst"),
+    survivor("offset2[1]", 0.9, "likewise"),
     survivor("depth[1]", 0.25, "|d|^2 is off by (2 + 6 s)/(1 + s) of itself, not 2 + 6 s: at most 6"),
     survivor("depth[2]", 0.0, "where the slope along the offset counts, depth[1] has room for it"),
     survivor("depth[3]", 0.9, "6.1 of 6.2 are in use, and the worst of the rest is rare: 1.001 was seen"),

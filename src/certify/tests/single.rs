@@ -1,19 +1,20 @@
 //! The search for one ray at a time, in any arithmetic. Tests in src/cpu/certified.rs compare its strips of rays with it.
 
-use crate::certify::{Answer, BEYOND, Certify, Slopes};
+use crate::certify::constants::BEYOND;
+use crate::certify::{Answer, Certify, Slopes};
+use crate::number::Number;
 use crate::ray::NONE;
-use crate::real::Real;
 use crate::tile::CHUNK;
 
 /// The two smallest lower bounds of depth, and the sphere of the smallest.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Kept<R> {
+pub(crate) struct NearestTwo<R> {
     pub(crate) low: R,
     pub(crate) second: R,
     pub(crate) slot: u32,
 }
 
-impl<R: Real> Kept<R> {
+impl<R: Number> NearestTwo<R> {
     fn keep(&mut self, (low, slot): (R, u32)) {
         if low < self.low {
             *self = Self { low, second: self.low, slot };
@@ -23,16 +24,18 @@ impl<R: Real> Kept<R> {
     }
 }
 
-impl<R: Real> Certify<'_, R> {
+impl<R: Number> Certify<'_, R> {
     /// The two smallest lower bounds.
-    pub(crate) fn kept(&self, s: &Slopes<R>) -> Kept<R> {
-        let mut k = Kept { low: R::exact(BEYOND), second: R::exact(BEYOND), slot: NONE };
-        self.near_lows(s).for_each(|candidate| k.keep(candidate));
+    pub(crate) fn nearest_two(&self, s: &Slopes<R>) -> NearestTwo<R> {
+        let mut k = NearestTwo { low: R::from_f32(BEYOND), second: R::from_f32(BEYOND), slot: NONE };
+        self.general_lows(s).for_each(|candidate| k.keep(candidate));
         for first in self.entries(s).step_by(CHUNK) {
-            let sill = R::exact(self.lists.sills[first / CHUNK]);
-            if sill - k.low > R::exact(self.lens.slack) * (R::exact(self.lens.depth) + k.low) {
+            let chunk_min_depth = R::from_f32(self.lists.chunk_min_depths[first / CHUNK]);
+            if chunk_min_depth - k.low
+                > R::from_f32(self.projection.cull_margin) * (R::from_f32(self.projection.depth) + k.low)
+            {
                 // All further spheres of the list are behind.
-                k.second = if sill < k.second { sill } else { k.second };
+                k.second = if chunk_min_depth < k.second { chunk_min_depth } else { k.second };
                 break;
             }
             self.lows(s, first..first + CHUNK).for_each(|candidate| k.keep(candidate));
@@ -40,8 +43,8 @@ impl<R: Real> Certify<'_, R> {
         k
     }
 
-    /// Certifies the winner, by its own bounds.
-    pub(crate) fn judge(&self, s: &Slopes<R>, k: &Kept<R>) -> Answer<R> {
+    /// Certifies the winner, with its own bounds.
+    pub(crate) fn certify_winner(&self, s: &Slopes<R>, k: &NearestTwo<R>) -> Answer<R> {
         self.answer(s, k.slot)
     }
 }

@@ -8,7 +8,7 @@
 //! WGSL may add up a sum in any order and fuse products into it. So sums are taken apart into their terms, as far as they
 //! reach, and added up again along a random tree; each product in one may lose its own rounding.
 
-use crate::real::Real;
+use crate::number::Number;
 use crate::testing::Rng;
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -46,7 +46,7 @@ thread_local! {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced(u32);
 
-/// The places of the constants of [`Real`].
+/// The places of the constants of [`Number`].
 const CONSTANTS: [(u32, f32); 4] =
     [(u32::MAX, f32::MAX), (u32::MAX - 1, 0.0), (u32::MAX - 2, 0.5), (u32::MAX - 3, 1.0)];
 
@@ -136,21 +136,21 @@ impl Neg for Traced {
     }
 }
 
-impl Real for Traced {
+impl Number for Traced {
     const MISS: Self = Self(CONSTANTS[0].0);
     const ZERO: Self = Self(CONSTANTS[1].0);
     const HALF: Self = Self(CONSTANTS[2].0);
     const ONE: Self = Self(CONSTANTS[3].0);
-    fn exact(x: f32) -> Self {
+    fn from_f32(x: f32) -> Self {
         Self::push(Op::Known(x.to_bits()), x.into())
     }
-    fn pair(hi: f32, _: f32) -> Self {
-        Self::exact(hi)
+    fn from_hi_lo(hi: f32, _: f32) -> Self {
+        Self::from_f32(hi)
     }
-    fn parts(self) -> (f32, f32) {
+    fn to_hi_lo(self) -> (f32, f32) {
         (self.real() as f32, 0.0)
     }
-    fn whole(x: i32) -> Self {
+    fn from_i32(x: i32) -> Self {
         Self::push(Op::Whole(x), x.into())
     }
     fn sqrt(self) -> Self {

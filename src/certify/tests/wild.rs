@@ -1,7 +1,7 @@
 //! f32 as WGSL allows it at its worst, with an adversary that chooses every rounding.
 
 use crate::dd::{self, Dd};
-use crate::real::Real;
+use crate::number::Number;
 use crate::testing::Rng;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -171,21 +171,21 @@ impl Neg for Wild {
     }
 }
 
-impl Real for Wild {
+impl Number for Wild {
     const MISS: Self = Self(f32::MAX);
     const ZERO: Self = Self(0.0);
     const HALF: Self = Self(0.5);
     const ONE: Self = Self(1.0);
-    fn exact(x: f32) -> Self {
+    fn from_f32(x: f32) -> Self {
         Self(x)
     }
-    fn pair(hi: f32, _: f32) -> Self {
+    fn from_hi_lo(hi: f32, _: f32) -> Self {
         Self(hi)
     }
-    fn parts(self) -> (f32, f32) {
+    fn to_hi_lo(self) -> (f32, f32) {
         (self.0, 0.0)
     }
-    fn whole(x: i32) -> Self {
+    fn from_i32(x: i32) -> Self {
         rounded(f64::from(x).into())
     }
     fn sqrt(self) -> Self {
@@ -195,7 +195,7 @@ impl Real for Wild {
 }
 
 /// The numbers that tests read from a twin.
-pub(super) trait Value: Real {
+pub(super) trait Value: Number {
     fn value(self) -> f64;
 }
 
@@ -229,5 +229,5 @@ fn the_adversary_stays_within_the_specification() {
         }
     }
     assert_eq!(under(Mode::Up, 0, || Wild(3.0) * Wild(0.25) + Wild(1.0)), Wild(1.75), "exact results stay");
-    assert_eq!(under(Mode::Up, 0, || Wild::whole((1 << 24) + 1)), Wild(16_777_218.0));
+    assert_eq!(under(Mode::Up, 0, || Wild::from_i32((1 << 24) + 1)), Wild(16_777_218.0));
 }

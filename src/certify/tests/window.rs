@@ -34,20 +34,24 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
             BinnedScene::new(&scene, &view, 1e-5, &TERMS, 0, &Pool::default()).expect("a stage").expect("a lens")
         };
         let (full, part) = (binned(Window::full(256, 256)), binned(window));
-        assert_eq!((full.lens, &full.nears), (part.lens, &part.nears));
+        assert_eq!((full.projection, &full.generals), (part.projection, &part.generals));
         assert_eq!((full.lists.level() > 0, part.lists.level()), (shared, full.lists.level()));
         let mut entries = 0;
         for (row, column) in (window.y0..window.y1).flat_map(|i| (window.x0..window.x1).map(move |j| (i, j))) {
             let of = |binned: &BinnedScene| {
                 let [first, end] = binned.lists.range(row, column).map(|n| n as usize);
-                let sills = &binned.lists.sills[first / TILE as usize..end / TILE as usize];
-                (binned.lists.fronts[first..end].to_vec(), binned.lists.mores[first..end].to_vec(), sills.to_vec())
+                let chunk_min_depths = &binned.lists.chunk_min_depths[first / TILE as usize..end / TILE as usize];
+                (
+                    binned.lists.projected[first..end].to_vec(),
+                    binned.lists.details[first..end].to_vec(),
+                    chunk_min_depths.to_vec(),
+                )
             };
             let (full, part) = (of(&full), of(&part));
             entries += part.0.len();
             assert!(full == part, "row {row}, column {column}");
         }
         assert!(entries > 0, "the window shows something");
-        assert!(part.lists.fronts.len() < full.lists.fronts.len() / 4, "other lists were not made");
+        assert!(part.lists.projected.len() < full.lists.projected.len() / 4, "other lists were not made");
     }
 }

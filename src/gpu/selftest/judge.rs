@@ -6,7 +6,7 @@ use super::cases::{COUNT, ROUNDING, SPECIAL, SUBNORMAL, ahead, power, quadratic}
 use super::{DIV_ULP, SQRT_ULP};
 use crate::dd::Dd;
 use crate::intersect::double_float::Pair;
-use crate::real::Real;
+use crate::number::Number;
 
 /// The checks that double-float stands on.
 pub(super) const DOUBLE_FLOAT: [&str; 10] = [
@@ -202,7 +202,7 @@ pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             },
         ),
         ("double-float div", |a, b, _| a / b, |a, b, _| (a / b, DIV * (a / b).value().abs())),
-        ("double-float sqrt", |a, _, _| Real::sqrt(a), |a, _, _| (a.sqrt(), ROOT * a.sqrt().value().abs())),
+        ("double-float sqrt", |a, _, _| Number::sqrt(a), |a, _, _| (a.sqrt(), ROOT * a.sqrt().value().abs())),
     ];
     let mut checks = Vec::new();
     for (k, (name, twin, exact)) in operations.into_iter().enumerate() {

@@ -47,9 +47,9 @@ impl Gpu {
             t: true,
             normal: true,
             certify,
-            nears: certify,
+            generals: certify,
             tiles,
-            width: certify,
+            depth_interval: certify,
             ..Kernel::bare(Method::Stable)
         };
         vec![kernel(false, false), kernel(false, true), kernel(true, false)]
@@ -86,7 +86,7 @@ impl Gpu {
             let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {
-                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.width).map(|x| x.to_bits());
+                let numbers = raw.t.iter().chain(&raw.normal).chain(&raw.depth_interval).map(|x| x.to_bits());
                 raw.id.iter().copied().chain(numbers).collect()
             };
             let (device, host) = (bits(&device), bits(&host));

@@ -1,0 +1,17 @@
+// The winner alone is judged: by its own bounds, and against the second smallest lower bound.
+
+fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
+    var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
+    if ((k.slot & GENERAL) == 0u) {
+        answer = projected_answer(s, projected_of(projected[k.slot]), projected_detail(k.slot));
+    }
+    return certify_general(s, k, answer);
+}
+
+// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth that may
+// have lost bits below the normal numbers never is.
+fn certain(answer: Answer, k: NearestTwo) -> bool {
+    let depth = projection.depth + answer.low;
+    let sharp = answer.depth_interval < projection.tolerance * depth && depth > VANISH;
+    return answer.sure && answer.high < k.second && sharp;
+}

@@ -1,0 +1,158 @@
+// Spheres that are not wholly in front, with a bound for each ray.
+
+// Any other sphere: around the eye, beside it, close and large. Both p.d and the rest of the record are times 2^-k.
+struct General {
+    center_radius: vec4<f32>, // centre minus eye and radius
+    power: f32,      // of the eye, 2^-2k; its sign is exact
+    scale: f32,      // depth of this record times scale is depth in the frame's unit
+    form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
+    id: u32,
+    column: i32,     // a pixel where p.d is nearly zero, and how p.d goes from there
+    row: i32,
+    start: f32,
+    by_column: f32,
+    by_row: f32,
+    blur: f32,       // what the host's rounding leaves in it
+}
+
+fn general_at(n: u32) -> General {
+    let a = bitcast<vec4<f32>>(others[4u * n]);
+    let b = others[4u * n + 1u];
+    let c = others[4u * n + 2u];
+    let d = others[4u * n + 3u];
+    return General(
+        a, bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
+        bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
+    );
+}
+
+// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
+struct Weighed {
+    b: f32,
+    b_error: f32,
+    disc: f32,
+    error: f32,
+    g: vec3<f32>,
+    g_error: f32,
+}
+
+fn general_weigh(s: Slopes, n: General) -> Weighed {
+    let p = n.center_radius.xyz;
+    let l = abs(s.x) + abs(s.y) + 1.0;
+    let right = f32(s.column - n.column) * n.by_column;
+    let down = f32(s.row - n.row) * n.by_row;
+    let b = n.start + right + down;
+    let b_sum = START * abs(n.start) + STEP * (abs(right) + abs(down));
+    let b_error = (UNIT * b_sum + n.blur + HOST_PARTS * HOST * l) * INFLATE;
+    let g = vec3<f32>(-p.y - p.z * s.y, p.z * s.x + p.x, p.x * s.y - p.y * s.x);
+    let e = vec3<f32>(
+        abs(p.y) + abs(p.z * s.y), abs(p.z * s.x) + abs(p.x), abs(p.x * s.y) + abs(p.y * s.x),
+    );
+    let g_error = G * UNIT * e + vec3<f32>(HOST_PARTS * HOST * l);
+    var disc: f32;
+    var error: f32;
+    if (n.form == 1u) {
+        let ac = s.a * n.power;
+        disc = b * b - ac;
+        error = 2.0 * abs(b) * b_error + b_error * b_error + UNIT * (B2 * b * b + (AC_A * s.a + AC) * abs(ac));
+    } else {
+        let gg = g.x * g.x + g.y * g.y + g.z * g.z;
+        let ar2 = s.a * (n.center_radius.w * n.center_radius.w);
+        disc = ar2 - gg;
+        let mixed = abs(g.x) * g_error.x + abs(g.y) * g_error.y + abs(g.z) * g_error.z;
+        let small = g_error.x * g_error.x + g_error.y * g_error.y + g_error.z * g_error.z;
+        error = UNIT * ((AR2_A * s.a + AR2) * ar2 + GG * gg) + 2.0 * mixed + small;
+    }
+    let sum = g_error.x + g_error.y + g_error.z;
+    return Weighed(b, b_error, disc, error * INFLATE + s.a * VANISH, g, sum);
+}
+
+// Root, sum, |d|^2, its reciprocal and the product.
+fn sum_error(s: Slopes) -> f32 {
+    return UNIT * (SUM + SUM_A * s.a);
+}
+
+// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+fn general_below(s: Slopes, n: General, w: Weighed) -> f32 {
+    if (n.power >= 0.0 && (w.disc < -w.error || w.b < -w.b_error)) {
+        return MISS;
+    }
+    let most = sqrt(positive(w.disc + w.error));
+    let least = sqrt(positive(w.disc - w.error));
+    if (n.power > 0.0) {
+        let q = w.b + w.b_error + most;
+        if (q <= 0.0) {
+            return MISS;
+        }
+        return min(n.power / q * (1.0 - QUOTIENT * UNIT), FAR);
+    }
+    if (w.b > w.b_error) {
+        return (w.b - w.b_error + least) * s.inverse * (1.0 - sum_error(s));
+    }
+    if (n.power < 0.0) {
+        return -n.power / (w.b_error - w.b + most) * (1.0 - QUOTIENT * UNIT);
+    }
+    return 0.0;
+}
+
+fn general_low(s: Slopes, n: General) -> f32 {
+    let low = general_below(s, n, general_weigh(s, n));
+    if (low < MISS) {
+        return low * n.scale;
+    }
+    return MISS;
+}
+
+fn general_answer(s: Slopes, n: General) -> Answer {
+    let w = general_weigh(s, n);
+    let root = sqrt(positive(w.disc));
+    let most = sqrt(positive(w.disc + w.error));
+    let least = sqrt(positive(w.disc - w.error));
+    let ahead = w.b > w.b_error;
+    var hits = w.disc > w.error && (n.power < 0.0 || ahead);
+    var depth: f32;
+    var high: f32;
+    var rounding = sum_error(s);
+    if (n.power > 0.0) {
+        rounding = QUOTIENT * UNIT;
+        depth = n.power / (w.b + root);
+        high = n.power / (w.b - w.b_error + least) * (1.0 + rounding);
+    } else if (ahead) {
+        depth = (w.b + root) * s.inverse;
+        high = (w.b + w.b_error + most) * s.inverse * (1.0 + rounding);
+    } else {
+        let q = least - (w.b + w.b_error);
+        depth = -n.power / (root - w.b);
+        high = -n.power / q * (1.0 + rounding);
+        hits = hits && q > CLEAR * least;
+    }
+    // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, against the ray: upper sign outside.
+    let d = vec3<f32>(s.x, s.y, -1.0);
+    let across = cross3(d, w.g);
+    let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
+    let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.center_radius.w);
+    let below = general_below(s, n, w);
+    let low = below * n.scale;
+    // What is smaller may have been flushed, on one side and not on the other.
+    hits = hits && low > VANISH;
+    let depth_interval = (high - below + rounding * high) * INFLATE * n.scale;
+    return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal);
+}
+
+// Every ray tests the general spheres.
+fn nearest_two_generals(s: Slopes, start: NearestTwo) -> NearestTwo {
+    var k = start;
+    let generals = projection.generals;
+    for (var slot = 0u; slot < generals; slot++) {
+        k = with_candidate(k, general_low(s, general_at(slot)), GENERAL | slot);
+    }
+    return k;
+}
+
+// The winner's answer, if it is a general sphere; else the one given.
+fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {
+    if ((k.slot & GENERAL) != 0u && k.slot != NONE) {
+        return general_answer(s, general_at(k.slot & ~GENERAL));
+    }
+    return other;
+}

@@ -1,0 +1,51 @@
+// The search of the certified kernel.
+
+// The two smallest lower bounds of depth, and whose the smallest is.
+struct NearestTwo {
+    low: f32,
+    second: f32,
+    slot: u32,
+}
+
+const GENERAL: u32 = 0x80000000u; // marks a slot in the list of general spheres
+
+fn with_candidate(k: NearestTwo, low: f32, slot: u32) -> NearestTwo {
+    return NearestTwo(min(k.low, low), min(k.second, max(k.low, low)), select(k.slot, slot, low < k.low));
+}
+
+// Whether all that lies behind the chunk minimum is too far behind the winner to matter.
+fn is_behind(s: Slopes, k: NearestTwo, chunk_min_depth: f32) -> bool {
+    return chunk_min_depth - k.low > s.cull_margin * (s.depth + k.low);
+}
+
+alias Searcher = Slopes;
+alias Best = NearestTwo;
+
+// A projected sphere as it is loaded and shared.
+struct Record {
+    bits: vec4<i32>,
+}
+
+fn load(n: u32) -> Record {
+    return Record(projected[n]);
+}
+
+fn test(s: Slopes, k: NearestTwo, r: Record, n: u32) -> NearestTwo {
+    return with_candidate(k, projected_low(s, projected_of(r.bits)), n);
+}
+
+// The general spheres and those of a tile, nearest first. Invocations that load together leave the list together: to those
+// that could leave earlier, what follows makes no difference, since all of it lies behind the chunk's least depth.
+fn nearest_two(s: Slopes, range: vec2<u32>) -> NearestTwo {
+    var k = nearest_two_generals(s, NearestTwo(BEYOND, BEYOND, NONE));
+    for (var first = range.x; first < range.y; first += CHUNK) {
+        let chunk_min_depth = bitcast<f32>(lists[s.chunk_min_depths + first / CHUNK]);
+        let behind = is_behind(s, k, chunk_min_depth);
+        k.second = select(k.second, min(k.second, chunk_min_depth), behind);
+        if (all_of_subgroup(behind)) {
+            break;
+        }
+        k = test_chunk(s, k, first, CHUNK);
+    }
+    return k;
+}

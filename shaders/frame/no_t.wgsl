@@ -1,2 +1,0 @@
-// Nobody asked for t.
-fn write_t(pixel: u32, hit: Hit) {}

@@ -1,0 +1,21 @@
+// A ray goes through one sample of its pixel: through the centre of a pixel of a finer frame, whose size is the view's.
+// The pixel is cut into strata, and a hash chooses one finer pixel in that of the sample.
+fn sample_position(at: vec2<u32>) -> vec2<u32> {
+    let stratum = vec2<u32>(view.sample % view.strata, view.sample / view.strata);
+    let hash = pcg4d(vec4<u32>(at, view.sample, view.seed));
+    return (at * view.strata + stratum) * view.jitter + ((hash.xy >> vec2<u32>(16u)) & vec2<u32>(view.jitter - 1u));
+}
+
+// Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques 9(3), 2020.
+fn pcg4d(seed: vec4<u32>) -> vec4<u32> {
+    let v = mix4(seed * 1664525u + vec4<u32>(1013904223u));
+    return mix4(v ^ (v >> vec4<u32>(16u)));
+}
+
+fn mix4(v: vec4<u32>) -> vec4<u32> {
+    let x = v.x + v.y * v.w;
+    let y = v.y + v.z * x;
+    let z = v.z + x * y;
+    let w = v.w + y * z;
+    return vec4<u32>(x, y, z, w);
+}

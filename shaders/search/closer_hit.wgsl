@@ -1,0 +1,54 @@
+// The spheres as the host moved them into the canonical camera, and which of two hits is the closer.
+
+// A sphere's record, scaled by its own power of two 2^-k, so that squares neither overflow nor vanish.
+struct SphereRecord {
+    center_radius: vec4<f32>, // centre minus eye and radius, 2^-k
+    power: f32,               // of the eye: |c - e|^2 - r^2 in better arithmetic, 2^-2k
+    scale: f32,               // t of this record times scale is t in the frame's unit
+    id: u32,
+}
+
+// What rounding to f32 took from it.
+struct SphereResiduals {
+    center_radius: vec4<f32>,
+    power: f32,
+}
+
+@group(0) @binding(BIND_SPHERES) var<storage, read> spheres: array<SphereRecord>;
+
+fn no_hit() -> Hit {
+    return Hit(from_f32(MISS), NONE);
+}
+
+// For spheres in the order of their ids: the comparison is strict, so an equal t stays with the lower id.
+fn closer_hit(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
+    let t = intersect(ray, s);
+    if (less(t, from_f32(MISS))) {
+        let there = scaled(t, s.scale);
+        if (less(there, hit.t)) {
+            return Hit(there, id);
+        }
+    }
+    return hit;
+}
+
+// For spheres in any order: of an equal t the lower id.
+fn closer_hit_any_order(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
+    let t = intersect(ray, s);
+    if (less(t, from_f32(MISS))) {
+        let there = Hit(scaled(t, s.scale), id);
+        if (is_before(there, hit)) {
+            return there;
+        }
+    }
+    return hit;
+}
+
+// Unit normal at a hit, in the canonical camera, against the ray.
+fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
+    return normal_at(ray, sphere_of(record_of(hit)), hit.t);
+}
+
+fn written_id(hit: Hit) -> u32 {
+    return hit.id;
+}

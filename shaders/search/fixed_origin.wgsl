@@ -1,0 +1,8 @@
+// All rays leave from the origin of the canonical camera: the spheres are where the host moved them.
+fn sphere_of(r: Record) -> Sphere {
+    let residual = residuals_of(r);
+    let c = r.center_radius;
+    let c_lo = residual.center_radius;
+    let center = Number3(from_hi_lo(c.x, c_lo.x), from_hi_lo(c.y, c_lo.y), from_hi_lo(c.z, c_lo.z));
+    return Sphere(center, from_hi_lo(c.w, c_lo.w), from_hi_lo(r.power, residual.power), r.scale);
+}

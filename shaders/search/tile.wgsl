@@ -1,0 +1,48 @@
+// The closest hit among the general spheres, which every ray tests, and those of the tile's list; both lie in spheres, in
+// whole chunks.
+
+// The closest hit so far, and where in spheres it is.
+struct Found {
+    hit: Hit,
+    place: u32,
+}
+
+alias Searcher = Ray;
+alias Best = Found;
+
+// Where in spheres the hit is.
+var<private> place: u32;
+
+// Invocations that load together leave the list together: those that could leave earlier keep what they have.
+fn nearest(ray: Ray, tile: vec3<u32>) -> Hit {
+    let range = tile_list(tile);
+    let limits = chunk_numbers();
+    let generals = view.spheres;
+    var found = Found(no_hit(), NONE);
+    for (var n = 0u; n < generals + range.y - range.x; n += CHUNK) {
+        let first = select(range.x + n - generals, n, n < generals);
+        let behind = to_hi(found.hit.t) < bitcast<f32>(lists[limits + first / CHUNK]);
+        if (all_of_subgroup(behind)) {
+            break;
+        }
+        let closer = test_chunk(ray, found, first, CHUNK);
+        if (!behind) {
+            found = closer;
+        }
+    }
+    place = found.place;
+    return found.hit;
+}
+
+fn load(n: u32) -> Record {
+    return record_at(n);
+}
+
+fn test(ray: Ray, found: Found, r: Record, n: u32) -> Found {
+    let hit = closer_hit_any_order(found.hit, ray, sphere_of(r), r.id);
+    return Found(hit, select(found.place, n, hit.id != found.hit.id));
+}
+
+fn record_of(hit: Hit) -> Record {
+    return record_at(place);
+}

@@ -1,0 +1,20 @@
+// The invocations of a subgroup share what they load. A workgroup is a tile of 8 x 8 pixels, its rows the subgroups where they
+// are 8 wide.
+var<private> lane: u32;
+var<private> lanes: u32;
+
+@compute @workgroup_size(GROUP)
+fn main(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) index: u32,
+    @builtin(subgroup_invocation_id) subgroup_lane: u32,
+    @builtin(subgroup_size) subgroup_lanes: u32,
+) {
+    lane = subgroup_lane;
+    lanes = subgroup_lanes;
+    render(group, index);
+}
+
+fn all_of_subgroup(yes: bool) -> bool {
+    return subgroupAll(yes);
+}

@@ -1,0 +1,192 @@
+//! Any sphere that is not wholly in front, with a bound for each ray: the twin of certify/general.wgsl.
+
+use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
+use super::{Answer, Slopes, Terms};
+use crate::number::Number;
+use crate::ray::{cross3, minus, negated, positive, times, unit3};
+use bytemuck::{Pod, Zeroable};
+
+/// certify/general.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct GeneralRecord {
+    pub(crate) center_radius: [f32; 4],
+    pub(crate) power: f32,
+    pub(crate) scale: f32,
+    pub(crate) form: u32,
+    pub(crate) id: u32,
+    pub(crate) column: i32,
+    pub(crate) row: i32,
+    pub(crate) start: f32,
+    pub(crate) by_column: f32,
+    pub(crate) by_row: f32,
+    pub(crate) blur: f32,
+    /// WGSL rounds the size up to the alignment of center_radius.
+    pub(crate) unused: [f32; 2],
+}
+
+/// The record in the arithmetic of a twin.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct General<R> {
+    pub(super) center_radius: [R; 4],
+    pub(super) power: R,
+    pub(super) scale: R,
+    pub(super) form: u32,
+    pub(crate) id: u32,
+    pub(super) pixel: [i32; 2],
+    pub(super) start: R,
+    pub(super) by: [R; 2],
+    pub(super) blur: R,
+}
+
+impl<R: Number> General<R> {
+    pub(crate) fn new(n: &GeneralRecord) -> Self {
+        Self {
+            center_radius: n.center_radius.map(R::from_f32),
+            power: R::from_f32(n.power),
+            scale: R::from_f32(n.scale),
+            form: n.form,
+            id: n.id,
+            pixel: [n.column, n.row],
+            start: R::from_f32(n.start),
+            by: [n.by_column, n.by_row].map(R::from_f32),
+            blur: R::from_f32(n.blur),
+        }
+    }
+}
+
+/// b = p.d, the discriminant, and the bounds of their errors; g = p x d and the sum of its errors.
+pub(super) struct Weighed<R> {
+    pub(super) b: R,
+    pub(super) b_error: R,
+    pub(super) disc: R,
+    pub(super) error: R,
+    pub(super) g: [R; 3],
+    pub(super) g_error: R,
+}
+
+#[inline(always)]
+pub(super) fn general_weigh<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> Weighed<R> {
+    let c = R::from_f32;
+    let [px, py, pz, r] = n.center_radius;
+    let l = s.x.abs() + s.y.abs() + R::ONE;
+    let right = R::from_i32(s.column - n.pixel[0]) * n.by[0];
+    let down = R::from_i32(s.row - n.pixel[1]) * n.by[1];
+    let b = n.start + right + down;
+    let [of_start, of_steps] = terms.along.map(c);
+    let b_sum = of_start * n.start.abs() + of_steps * (right.abs() + down.abs());
+    let b_error = (c(UNIT) * b_sum + n.blur + c(HOST_PARTS * HOST) * l) * c(INFLATE);
+    let g = [-py - pz * s.y, pz * s.x + px, px * s.y - py * s.x];
+    let e = [py.abs() + (pz * s.y).abs(), (pz * s.x).abs() + px.abs(), (px * s.y).abs() + (py * s.x).abs()];
+    let [of_ball, alone, of_square, of_part] = terms.cross.map(c);
+    let g_error = e.map(|e| of_part * c(UNIT) * e + c(HOST_PARTS * HOST) * l);
+    let (disc, error);
+    if n.form == 1 {
+        let [of_b, of_ac, alone] = terms.power.map(c);
+        let ac = s.a * n.power;
+        disc = b * b - ac;
+        error = c(2.0) * b.abs() * b_error
+            + b_error * b_error
+            + c(UNIT) * (of_b * b * b + (of_ac * s.a + alone) * ac.abs());
+    } else {
+        let gg = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        let ar2 = s.a * (r * r);
+        disc = ar2 - gg;
+        let mixed = g[0].abs() * g_error[0] + g[1].abs() * g_error[1] + g[2].abs() * g_error[2];
+        let small = g_error[0] * g_error[0] + g_error[1] * g_error[1] + g_error[2] * g_error[2];
+        error = c(UNIT) * ((of_ball * s.a + alone) * ar2 + of_square * gg) + c(2.0) * mixed + small;
+    }
+    let sum = g_error[0] + g_error[1] + g_error[2];
+    Weighed { b, b_error, disc, error: error * c(INFLATE) + s.a * c(VANISH), g, g_error: sum }
+}
+
+/// Root, sum, |d|^2, its reciprocal and the product.
+#[inline(always)]
+fn sum_error<R: Number>(s: &Slopes<R>, terms: &Terms) -> R {
+    R::from_f32(UNIT) * (R::from_f32(terms.root[2]) + R::from_f32(terms.root[1]) * s.a)
+}
+
+/// Root, sum and quotient of c/q.
+fn quotient_error<R: Number>(terms: &Terms) -> R {
+    R::from_f32(UNIT) * R::from_f32(terms.root[0])
+}
+
+/// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+#[inline(always)]
+pub(super) fn general_below<R: Number>(s: &Slopes<R>, n: &General<R>, w: &Weighed<R>, terms: &Terms) -> R {
+    let zero = R::ZERO;
+    if (n.power >= zero) & ((w.disc < -w.error) | (w.b < -w.b_error)) {
+        return R::MISS;
+    }
+    let most = positive(w.disc + w.error).sqrt();
+    let least = positive(w.disc - w.error).sqrt();
+    if n.power > zero {
+        let q = w.b + w.b_error + most;
+        if q <= zero {
+            return R::MISS;
+        }
+        let low = n.power / q * (R::ONE - quotient_error(terms));
+        return if low < R::from_f32(FAR) { low } else { R::from_f32(FAR) };
+    }
+    if w.b > w.b_error {
+        return (w.b - w.b_error + least) * s.inverse * (R::ONE - sum_error(s, terms));
+    }
+    if n.power < zero {
+        return -n.power / (w.b_error - w.b + most) * (R::ONE - quotient_error(terms));
+    }
+    zero
+}
+
+/// A lower bound of the depth of the hit in the frame's unit, or MISS for a certain miss.
+#[inline(always)]
+pub(crate) fn general_low<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> R {
+    let low = general_below(s, n, &general_weigh(s, n, terms), terms);
+    if low < R::MISS { low * n.scale } else { R::MISS }
+}
+
+#[inline(always)]
+pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> Answer<R> {
+    let c = R::from_f32;
+    let w = general_weigh(s, n, terms);
+    let root = positive(w.disc).sqrt();
+    let most = positive(w.disc + w.error).sqrt();
+    let least = positive(w.disc - w.error).sqrt();
+    let ahead = w.b > w.b_error;
+    // & and not &&: nothing to skip, and compilers make vectors of it.
+    let mut hits = (w.disc > w.error) & ((n.power < R::ZERO) | ahead);
+    let (depth, high);
+    let mut rounding = sum_error(s, terms);
+    if n.power > R::ZERO {
+        rounding = quotient_error(terms);
+        depth = n.power / (w.b + root);
+        high = n.power / (w.b - w.b_error + least) * (R::ONE + rounding);
+    } else if ahead {
+        depth = (w.b + root) * s.inverse;
+        high = (w.b + w.b_error + most) * s.inverse * (R::ONE + rounding);
+    } else {
+        let q = least - (w.b + w.b_error);
+        depth = -n.power / (root - w.b);
+        high = -n.power / q * (R::ONE + rounding);
+        hits &= q > c(CLEAR) * least;
+    }
+    let d = [s.x, s.y, -R::ONE];
+    let across = cross3(d, w.g);
+    let side = if n.power > R::ZERO { negated(across) } else { across };
+    let normal = unit3(minus(side, times(root, d)));
+    let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.center_radius[3]);
+    let below = general_below(s, n, &w, terms);
+    let low = below * n.scale;
+    // What is smaller may have been flushed, on one side and not on the other.
+    hits &= low > c(VANISH);
+    let depth_interval = (high - below + rounding * high) * c(INFLATE) * n.scale;
+    Answer {
+        sure: hits & true_normal,
+        hits,
+        id: n.id,
+        offset: depth * n.scale,
+        low,
+        high: high * n.scale,
+        depth_interval,
+        normal,
+    }
+}

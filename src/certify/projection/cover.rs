@@ -1,0 +1,81 @@
+//! Which pixels of a tile are surely covered, from front to back: what begins behind all of them is met by no ray first.
+
+use super::ProjectionBounds;
+use super::project::floor;
+use crate::certify::tiles::Placed;
+use crate::tile::TILE;
+
+/// What is taken off a disc, in pixels and relative to its radius: with a unit of the fixed point, far more than its record
+/// is off by (2^-24 of a radius, half that unit), far less than keeps a pixel open.
+const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
+
+/// What a record's depth may be off by: the rounding of its relative part to f32, and the host's 2^-43 of the whole.
+const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
+
+/// The pixels of one tile.
+pub(in crate::certify) struct Cover {
+    /// First column and row.
+    corner: [f64; 2],
+    /// A bit for every pixel that no sphere surely covers yet, row by row.
+    pub(in crate::certify) open: u64,
+    /// No closed pixel's nearest hit is deeper: relative to the reference, as the minima of chunks are.
+    pub(in crate::certify) deepest: f64,
+}
+
+impl Cover {
+    /// The tile in this column and row of tiles, of an image of `size` pixels.
+    pub(in crate::certify) fn new(tile: [u32; 2], size: [u32; 2]) -> Self {
+        let corner = tile.map(|n| n * TILE);
+        let [columns, rows] = [0, 1].map(|k| (size[k] - corner[k]).min(TILE));
+        let row = (1u64 << columns) - 1;
+        let open = (0..rows).fold(0, |open, i| open | row << (TILE * i));
+        Self { corner: corner.map(f64::from), open, deepest: f64::NEG_INFINITY }
+    }
+
+    /// The depth that the nearest hit of no pixel exceeds, once there is one.
+    pub(in crate::certify) fn limit(&self) -> Option<f64> {
+        (self.open == 0).then_some(self.deepest)
+    }
+
+    /// Closes the pixels that a projected sphere surely covers: |o| < rho suffices for a hit, since then
+    /// a rho^2 - |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
+    pub(in crate::certify) fn add(&mut self, projection: &ProjectionBounds, reference: f64, sphere: &Placed) {
+        let (record, detail) = (&sphere.record, &sphere.detail);
+        let rho = f64::from(record.rho);
+        let widest = projection.step[0].max(projection.step[1]);
+        // Of a pixel that is sampled, the disc shall cover every sample: none is farther from the centre than this.
+        let aside = 0.5 * (projection.per_pixel - 1.0) * projection.step[0].hypot(projection.step[1]);
+        let inner = rho - (rho * SHRINK[1] + widest * (SHRINK[0] + 1.0 / projection.fixed) + aside);
+        // A sphere before parallel rays that may lie across the plane of the eye is given no depth, and hides nothing.
+        let center = f64::from(detail.center);
+        let depth = center + reference;
+        if inner <= 0.0 || depth <= 0.0 {
+            return;
+        }
+        let [x, y] = [record.x, record.y]
+            .map(|n| (f64::from(n) / projection.fixed - 0.5 * (projection.per_pixel - 1.0)) / projection.per_pixel);
+        let step = projection.step.map(|step| step * projection.per_pixel);
+        let (x, y) = (x - self.corner[0], y - self.corner[1]);
+        let most = f64::from(TILE - 1);
+        let up = inner / step[1];
+        let (top, bottom) = ((-floor(up - y)).max(0.0), floor(y + up).min(most));
+        let mut bits = 0u64;
+        let mut row = top;
+        while row <= bottom {
+            let down = (row - y) * step[1];
+            let half = (inner * inner - down * down).max(0.0).sqrt() / step[0];
+            let (left, right) = ((-floor(half - x)).max(0.0), floor(x + half).min(most));
+            if left <= right {
+                bits |= ((2u64 << right as u32) - (1u64 << left as u32)) << (TILE * row as u32);
+            }
+            row += 1.0;
+        }
+        if bits & self.open != 0 {
+            self.open &= !bits;
+            // z = z_c - z_c unit (m + sqrt D) / a, and -m / a <= rho |slopes| / (1 + |slopes|^2) <= rho / 2.
+            let high =
+                center + depth * (0.5 * projection.scale[0] * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
+            self.deepest = self.deepest.max(high);
+        }
+    }
+}

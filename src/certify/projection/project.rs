@@ -1,0 +1,288 @@
+//! Spheres in front of the eye plane: projected centre, bounds and tiles, eight at a time and written so that compilers make
+//! vectors of it. What is not plainly in front is left to [`Lens::stage`].
+
+use super::{
+    INFLATE, LONG, LONGEST, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64, WIDEN, WIDEST,
+};
+use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
+use crate::certify::tiles::{Bin, Placed};
+use crate::dd::{self, Dd, Dd3};
+
+/// What f64 may leave in the depth of a projected sphere before parallel rays, of itself: half of what the kernel supposes.
+const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
+
+/// The depth, relative to the reference, of a centre before parallel rays whose hits are never certain: behind all others.
+const NEVER: f64 = -((1u128 << 126) as f64);
+
+/// Spheres that are computed together.
+pub(in crate::certify) const LANES: usize = 8;
+
+/// A sphere before it is placed in the image.
+struct Aim {
+    /// Wholly behind the eye plane.
+    behind: bool,
+    /// Wholly in front of it, and every number in the range of the bounds.
+    projected: bool,
+    /// Depth of its centre in the frame's unit, and the host's error of it.
+    depth: f64,
+    depth_error: f64,
+    /// Its near root is the hit wherever it is hit, and f64 knows its depth as well as the kernel supposes.
+    plain: bool,
+    /// Projected radius; root of twice the bound of its discriminant's error; beyond this offset it is surely missed.
+    rho: f64,
+    blurred: f64,
+    reach: f64,
+    /// Largest slopes of the rays that may meet it.
+    steepest: [f64; 2],
+    /// Projected centre in pixels, and how many of them f64 may be off.
+    place: [f64; 2],
+    blur: f64,
+}
+
+/// A projected sphere in the image.
+pub(in crate::certify) struct Landed {
+    /// Some pixel's ray may meet it.
+    seen: bool,
+    /// Its projected centre is too far outside for the fixed-point form.
+    outside: bool,
+    pub(in crate::certify) depth: f64,
+    pub(in crate::certify) placed: Placed,
+    pub(in crate::certify) bin: Bin,
+}
+
+/// Eight spheres, number by number.
+pub(in crate::certify) struct Eight {
+    /// Not 0 where the sphere is in front and seen; where it is neither that nor unseen.
+    pub(in crate::certify) projected: [u32; LANES],
+    pub(in crate::certify) other: [u32; LANES],
+    pub(in crate::certify) depth: [f64; LANES],
+    chunk_min_depth: [f32; LANES],
+    tiles: [[u32; LANES]; 4],
+    fixed: [[i32; LANES]; 2],
+    numbers: [[f32; LANES]; 5],
+}
+
+impl Eight {
+    pub(in crate::certify) fn bin(&self, l: usize) -> Bin {
+        let [left, right, top, bottom] = self.tiles.map(|tile| tile[l]);
+        Bin { chunk_min_depth: self.chunk_min_depth[l], tiles: [[left, right], [top, bottom]] }
+    }
+
+    pub(in crate::certify) fn placed(&self, l: usize, id: u32) -> Placed {
+        let [x, y] = self.fixed.map(|fixed| fixed[l]);
+        let [rho, low, right, down, center] = self.numbers.map(|number| number[l]);
+        Placed {
+            record: ProjectedRecord { x, y, rho, low },
+            detail: ProjectedDetailRecord { subpixel_offset: [right, down], center, id },
+        }
+    }
+}
+
+impl ProjectionBounds {
+    /// Eight spheres; depths are kept relative to `reference`.
+    #[inline(always)]
+    pub(in crate::certify) fn eight(&self, centers: &[[f64; 3]; LANES], radii: &[f64; LANES], reference: f64) -> Eight {
+        let mut e = Eight {
+            projected: [0; LANES],
+            other: [0; LANES],
+            depth: [0.0; LANES],
+            chunk_min_depth: [0.0; LANES],
+            tiles: [[0; LANES]; 4],
+            fixed: [[0; LANES]; 2],
+            numbers: [[0.0; LANES]; 5],
+        };
+        for l in 0..LANES {
+            let aim = self.aim(centers[l], radii[l]);
+            let landed = self.land(&aim, aim.place, [0.0; 2], reference);
+            let plain = aim.projected & (aim.blur <= LONG);
+            e.projected[l] = u32::from(plain & landed.seen & !landed.outside);
+            e.other[l] = u32::from(!aim.behind & (!plain | landed.seen & landed.outside));
+            e.depth[l] = landed.depth;
+            e.chunk_min_depth[l] = landed.bin.chunk_min_depth;
+            let [[left, right], [top, bottom]] = landed.bin.tiles;
+            (e.tiles[0][l], e.tiles[1][l], e.tiles[2][l], e.tiles[3][l]) = (left, right, top, bottom);
+            let (record, detail) = (landed.placed.record, landed.placed.detail);
+            (e.fixed[0][l], e.fixed[1][l]) = (record.x, record.y);
+            (e.numbers[0][l], e.numbers[1][l]) = (record.rho, record.low);
+            (e.numbers[2][l], e.numbers[3][l]) = (detail.subpixel_offset[0], detail.subpixel_offset[1]);
+            e.numbers[4][l] = detail.center;
+        }
+        e
+    }
+
+    /// One sphere: where it lands, `None` where nobody meets it; an error if it has no place among the projected spheres.
+    pub(super) fn project(&self, center: [f64; 3], radius: f64, reference: f64) -> Result<Option<Landed>, ()> {
+        let aim = self.aim(center, radius);
+        if aim.behind {
+            return Ok(None);
+        }
+        if !aim.projected {
+            return Err(());
+        }
+        let (mut place, mut low) = (aim.place, [0.0; 2]);
+        if aim.blur > LONG {
+            // A long lens: once more in double-double, which leaves less than 2^-40 of it.
+            if aim.blur > LONGEST {
+                return Err(());
+            }
+            let away: Dd3 = std::array::from_fn(|k| Dd::diff(center[k], self.basis.e[k]).ldexp(-self.frame));
+            let [x, y, z] = self.axes.map(|axis| dd::dot(axis, away));
+            let q = if self.parallel { [x, y] } else { [x / z, y / z] };
+            for k in 0..2 {
+                let at = q[k] / self.slope[k].into() * SIGNS[k].into() + (self.size[k] - 1.0).into();
+                (place[k], low[k]) = (0.5 * at.hi, 0.5 * at.lo);
+            }
+        }
+        let landed = self.land(&aim, place, low, reference);
+        match (landed.seen, landed.outside) {
+            (false, _) => Ok(None),
+            (true, true) => Err(()),
+            (true, false) => Ok(Some(landed)),
+        }
+    }
+
+    /// Into the camera in f64 and the frame's unit, and what that leaves.
+    #[inline(always)]
+    fn aim(&self, center: [f64; 3], radius: f64) -> Aim {
+        let (away, [x, y, z]) = self.rotation.of(center);
+        let radius = radius * self.to_frame;
+        let error = self.rotated * (away.x.abs() + away.y.abs() + away.z.abs());
+        let length2 = x * x + y * y + z * z;
+        let in_front = (z > 1.001 * radius)
+            & (length2 > 4.0 * radius * radius)
+            & (length2 < 4096.0 * z * z)
+            & (self.widest <= WIDEST);
+        let inverse = if self.parallel { 1.0 } else { 1.0 / z };
+        let rho = radius * inverse * self.per_unit;
+        #[expect(clippy::manual_range_contains, reason = "both are asked, so that there is no branch")]
+        let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
+        // The discriminant's bound, as a root.
+        let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
+        let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred)[0] * self.scale[0] <= STEEPEST);
+        let q = [x * inverse, y * inverse];
+        let far = error * inverse;
+        // Of a quotient, what its divisor is off by too.
+        let tilt = if self.parallel { 0.0 } else { 1.0 };
+        let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
+        let reach = self.reach(rho);
+        let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
+        Aim {
+            behind,
+            projected: (in_front | self.parallel & !behind) & ranged,
+            depth: z,
+            depth_error: error + U64 * z.abs(),
+            plain: !self.parallel | ((z - radius > 2.0 * error + 4.0 * U64 * z) & (error < KNOWN * z)),
+            rho,
+            blurred,
+            reach,
+            // Slopes of the rays that may meet it: those of its centre, and as far beyond as it reaches.
+            steepest: [0, 1].map(|k| smaller(q[k].abs() + reach * self.unit, self.edge[k])),
+            // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down. 2^-29 pixels are lost here, 2^22 from
+            // the image at most.
+            place: [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]),
+            blur: larger(blur[0], blur[1]),
+        }
+    }
+
+    /// The sphere at `place`, to which `low` must be added.
+    #[inline(always)]
+    fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
+        let mut seen = true;
+        let mut outside = false;
+        let (mut fixed, mut subpixel_offset, mut tiles) = ([0; 2], [0.0; 2], [[0; 2]; 2]);
+        for k in 0..2 {
+            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2; and
+            // sqrt(1 + x) <= 1 + x / 2.
+            let half = aim.rho * (1.0 + 0.5 * aim.steepest[k] * aim.steepest[k]) * self.per_step[k] + WIDEN[0];
+            let first = -floor(-larger(place[k] - half, 0.0));
+            let last = floor(smaller(place[k] + half, self.size[k] - 1.0));
+            seen &= first <= last;
+            outside |= place[k].abs() >= self.farthest;
+            fixed[k] = whole(place[k] * self.fixed);
+            let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
+            subpixel_offset[k] = (SIGNS[k] * ((place[k] - f64::from(pixel)) + low[k])) as f32;
+            // Half a pixel more: a quotient is far from whole numbers then, whatever it is rounded by.
+            tiles[k] = [first, last].map(|pixel| whole(floor((pixel + 0.5) * self.per_tile)) as u32);
+        }
+        let center = aim.depth - reference;
+        let more = if aim.plain { center } else { NEVER };
+        let low = below(center - self.depth_error(aim, center));
+        // The kernel's lower bound is low minus T size / a. Where it is no miss m^2/s^2 + D <= a rho^2 + 2 E, so that
+        // T/a = (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy and Schwarz, for every ray of the image.
+        let size = self.length(f64::from(low) + reference);
+        let most = INFLATE * (aim.rho + aim.blurred) * size;
+        let chunk_min_depth = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
+        Landed {
+            seen,
+            outside,
+            depth: aim.depth,
+            placed: Placed {
+                record: ProjectedRecord { x: fixed[0], y: fixed[1], rho: aim.rho as f32, low },
+                detail: ProjectedDetailRecord { subpixel_offset, center: more as f32, id: 0 },
+            },
+            bin: Bin { chunk_min_depth: below(chunk_min_depth), tiles },
+        }
+    }
+
+    /// The unit of rho as a length at that depth.
+    #[inline(always)]
+    fn length(&self, depth: f64) -> f64 {
+        depth * self.scale[0] + self.scale[1]
+    }
+
+    /// Beyond this offset from the projected centre a miss is certain, whatever rounds.
+    #[inline(always)]
+    fn reach(&self, rho: f64) -> f64 {
+        std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
+    }
+
+    /// |slope along the offset| + root of a candidate, at most; and the root alone.
+    #[inline(always)]
+    fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
+        let root = self.all.length * rho + blurred;
+        [self.all.slant * self.reach(rho) + root, root]
+    }
+
+    /// Bound of all errors of a candidate's depth, frame's unit.
+    #[inline(always)]
+    fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
+        let [total, root] = self.total(aim.rho, aim.blurred);
+        let slant = self.all.slant;
+        let [of_total, along, of_root, of_center] = self.roundings;
+        let roundings = of_total * total + along * slant * aim.reach + of_root * root;
+        let size = self.length(aim.depth);
+        let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + aim.depth_error;
+        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
+        INFLATE * error / (1.0 - total * self.scale[0])
+    }
+}
+
+/// As they are in vectors: no second look at what is no number.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The largest whole number that is not above x, for |x| < 2^51. Processors without an instruction for it call a function.
+#[inline(always)]
+pub(super) fn floor(x: f64) -> f64 {
+    let near = (x + ROUND) - ROUND;
+    if near > x { near - 1.0 } else { near }
+}
+
+/// x rounded to a whole number, for |x| < 2^31.
+#[inline(always)]
+fn whole(x: f64) -> i32 {
+    (x + ROUND).to_bits() as i32
+}
+
+/// An f32 that is not above x, nor far below: half an ulp is rounded, one is taken off first.
+#[inline(always)]
+fn below(x: f64) -> f32 {
+    (x - (x.abs() * U + SUBNORMAL)) as f32
+}
