@@ -105,12 +105,18 @@ impl Header {
         let Literal::Bool(fortran) = *entry("fortran_order")? else { return None };
         let Literal::List(sides) = entry("shape")? else { return None };
         let shape = sides.iter().map(Literal::number).collect::<Option<_>>()?;
-        Some(Self { dtype: DType::new(entry("descr")?)?, fortran, shape })
+        let header = Self { dtype: DType::new(entry("descr")?)?, fortran, shape };
+        // Without this check a shape could claim more bytes than a u64 counts.
+        let is_countable = header.data_bytes().is_some() || header.dtype.bytes().is_none();
+        is_countable.then_some(header)
     }
 
-    /// How many values there are; `None` for more than 2^64.
-    pub(crate) fn count(&self) -> Option<u64> {
-        self.shape.iter().try_fold(1u64, |product, side| product.checked_mul(*side))
+    /// The number of bytes that follow; `None` where they are not fixed, or where a product of sides overflows, even
+    /// beside a side of 0.
+    pub(crate) fn data_bytes(&self) -> Option<u64> {
+        let one = self.dtype.bytes()? as u64;
+        let nonzero = self.shape.iter().filter(|side| **side > 0).try_fold(one, |n, side| n.checked_mul(*side))?;
+        Some(if self.shape.contains(&0) { 0 } else { nonzero })
     }
 
     /// The bytes of the header of an array in C order, version 1.0, padded to a multiple of 64.

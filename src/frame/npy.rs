@@ -135,17 +135,17 @@ impl Layout {
         let unknown = || malformed(name, format!("values of type {} cannot be read", header.dtype));
         let DType::Plain(text) = &header.dtype else { return Err(unknown()) };
         let (order, kind) = text.split_at_checked(1).ok_or_else(unknown)?;
-        let (of, size) = match kind {
-            "b1" => (Type::Bool, 1),
-            "u1" => (Type::U8, 1),
-            "i1" => (Type::I8, 1),
-            "u2" => (Type::U16, 2),
-            "i2" => (Type::I16, 2),
-            "i4" => (Type::I32, 4),
-            "u4" => (Type::U32, 4),
-            "i8" => (Type::I64, 8),
-            "f4" => (Type::F32, 4),
-            "f8" => (Type::F64, 8),
+        let of = match kind {
+            "b1" => Type::Bool,
+            "u1" => Type::U8,
+            "i1" => Type::I8,
+            "u2" => Type::U16,
+            "i2" => Type::I16,
+            "i4" => Type::I32,
+            "u4" => Type::U32,
+            "i8" => Type::I64,
+            "f4" => Type::F32,
+            "f8" => Type::F64,
             _ => return Err(unknown()),
         };
         let big_endian = match order {
@@ -154,7 +154,7 @@ impl Layout {
             _ => return Err(unknown()),
         };
         let large = || malformed(name, format!("an array of shape {:?} is too large", header.shape));
-        let bytes = header.count().and_then(|count| count.checked_mul(size)).ok_or_else(large)?;
+        let bytes = header.data_bytes().ok_or_else(large)?;
         let shape = header.shape.iter().map(|side| usize::try_from(*side).ok()).collect::<Option<_>>();
         Ok((Self { of, big_endian, fortran: header.fortran, shape: shape.ok_or_else(large)?, bytes }, data))
     }

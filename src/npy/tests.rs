@@ -85,8 +85,11 @@ fn other_texts_are_refused() {
     for end in 0..file(1, good).len() {
         assert!(matches!(Header::read(&mut &file(1, good)[..end]), Err(Fault::Cut)), "{end}");
     }
-    let huge = read("{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296), }").expect("a header");
-    assert_eq!(huge.count(), None);
+    for shape in ["(4294967296, 4294967296)", "(4294967296, 0, 4294967296)", "(2305843009213693952,)"] {
+        assert!(matches!(read(&good.replacen("(3, 4)", shape, 1)), Err(Fault::Malformed(_))), "{shape}");
+    }
+    let empty = read(&good.replacen("(3, 4)", "(0, 4)", 1)).expect("an array without rows");
+    assert_eq!(empty.data_bytes(), Some(0));
 }
 
 /// The bytes that `numpy.lib.format.write_array_header_1_0` writes for these arrays, but for a blank behind the last comma.
@@ -95,7 +98,7 @@ fn a_header_is_aligned_and_reads_back() {
     let bytes = Header::bytes("<f4", &[480, 640, 3]);
     let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (480, 640, 3, ), }";
     assert_eq!(bytes, [&b"\x93NUMPY\x01\x00\x76\x00"[..], text.as_bytes(), &[b' '; 49], b"\n"].concat());
-    for shape in [&[1][..], &[], &[u64::MAX; 3], &[1 << 40, 2]] {
+    for shape in [&[1][..], &[], &[1 << 40, 2]] {
         let bytes = Header::bytes("|u1", shape);
         assert_eq!(bytes.len() % 64, 0);
         let header = Header::read(&mut &bytes[..]).expect("a header");

@@ -46,7 +46,27 @@ pub(super) fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) ->
     if !svg.contains(&doubled) {
         return Err("the SVG has no size".into());
     }
-    Ok(Drawing { svg: svg.replacen(&doubled, &size, 1), png: raster::png(&pixels)? })
+    Ok(Drawing { svg: tidied(&svg.replacen(&doubled, &size, 1)), png: raster::png(&pixels)? })
+}
+
+/// The SVG of plotters with each text on the line of its tags, and colours in lower case.
+fn tidied(svg: &str) -> String {
+    let mut tidied = String::with_capacity(svg.len());
+    let mut lines = svg.lines();
+    while let Some(line) = lines.next() {
+        let mut parts = line.split("=\"#");
+        tidied.extend(parts.next());
+        for part in parts {
+            let (color, rest) = part.split_at_checked(6).unwrap_or((part, ""));
+            tidied.extend(["=\"#", &color.to_lowercase(), rest]);
+        }
+        if line.trim_start().starts_with("<text ") {
+            tidied.extend(lines.next());
+            tidied.extend(lines.next().map(str::trim_start));
+        }
+        tidied.push('\n');
+    }
+    tidied
 }
 
 fn size(width: i32, height: i32) -> String {

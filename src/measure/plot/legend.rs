@@ -145,7 +145,7 @@ mod tests {
         };
         let plot = |count| legend(count).plot().expect("a picture");
         assert_eq!(texts(&plot(3)), ["chain", "A", "B<&", "(blank)"], "no numbers of a bar");
-        for color in ["#0080FF", "#0180FF", "#0280FF"] {
+        for color in ["#0080ff", "#0180ff", "#0280ff"] {
             assert!(plot(3).svg.contains(color), "{color} in {}", plot(3).svg);
         }
         let picture = |count| image::load_from_memory(&plot(count).png).expect("a PNG").to_rgb8();
@@ -169,7 +169,7 @@ mod tests {
             (&texts[..2], &texts[3..4], &texts[5..]),
             (&["a<b (logarithmic)".into(), "1".into()][..], &["10".into()][..], &["100".into()][..])
         );
-        for color in ["#440154", "#FDE725"] {
+        for color in ["#440154", "#fde725"] {
             assert!(plot.svg.contains(color), "{color} in {}", plot.svg);
         }
         // Numbers are drawn too: dark pixels under the bar's marks.
