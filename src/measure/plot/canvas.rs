@@ -49,8 +49,10 @@ pub(super) fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) ->
     Ok(Drawing { svg: tidied(&svg.replacen(&doubled, &size, 1)), png: raster::png(&pixels)? })
 }
 
-/// The SVG of plotters with each text on the line of its tags, and colours in lower case.
+/// The SVG of plotters with each text on the line of its tags, colours in lower case, and no fraction that a search for a
+/// number of the plot would find.
 fn tidied(svg: &str) -> String {
+    let svg = svg.replace(" dy=\"0.5ex\"", " dy=\".5ex\"");
     let mut tidied = String::with_capacity(svg.len());
     let mut lines = svg.lines();
     while let Some(line) = lines.next() {
