@@ -1,4 +1,4 @@
-//! Whole frames, colour with id, distance and normal, 512 x 512: what a user waits for, files excluded.
+//! Whole frames, colour with id, distance and normal, 512 x 512, without files.
 //!
 //! ```sh
 //! cargo bench -- cloud            # only what has "cloud" in its name
@@ -25,7 +25,7 @@ fn scene(name: &str) -> Scene {
     scene
 }
 
-/// Criterion takes ten samples at least: a frame of more than a second would take the whole bench's time.
+/// Criterion takes at least ten samples, so a frame of more than a second is skipped.
 fn probe(scene: &Scene, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
     let renderer = Renderer::new(settings)?;
     let began = Instant::now();
@@ -40,7 +40,7 @@ fn frames(criterion: &mut Criterion) {
     for name in ["weekend", "cloud 1e4", "cloud 1e5"] {
         let scene = scene(name);
         let mut group = criterion.benchmark_group(name);
-        // A frame is long against the clock's noise: few samples, flat, so that all of it stays near two minutes.
+        // A frame takes long compared with the clock's resolution: few samples, flat, for about two minutes in all.
         group.sample_size(10).sampling_mode(criterion::SamplingMode::Flat);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(4));
         for backend in [&gpu, &cpu] {

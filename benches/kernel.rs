@@ -1,5 +1,5 @@
-//! The kernel alone: ids of 512 spheres before 512 x 512 pixels, by the adapter's clock where it has one; on the CPU path
-//! the stage `trace`. What asks all spheres is also told in ray-sphere tests per second.
+//! The kernel alone: ids of 512 spheres in 512 x 512 pixels, by the adapter's clock where it has one; on the CPU path
+//! the stage `trace`. Methods that test all spheres are also reported in ray-sphere tests per second.
 //!
 //! ```sh
 //! cargo bench --bench kernel             # a minute
@@ -26,7 +26,7 @@ fn kernels(criterion: &mut Criterion) {
             let settings = Settings { backend, ..settings.clone() };
             let Some(mut renderer) = stages::renderer(&settings) else { continue };
             let pixels = u64::from(SIDE) * u64::from(SIDE);
-            // A list is left behind its hit: of tiles only pixels are counted.
+            // A list is left behind its hit, so with tiles only pixels are counted.
             let asked = if settings.search == Search::All { SPHERES as u64 } else { 1 };
             group.throughput(Throughput::Elements(pixels * asked));
             stages::bench(&mut group, name, &mut renderer, (&scene, &settings), |report| {

@@ -1,5 +1,5 @@
-//! What finds a certified frame's candidates: the view, and the stage that bins and sorts the spheres of a cloud into tiles
-//! of 512 x 512 pixels. The host does it for either backend.
+//! The candidate search of a certified frame: the view, and the stage that bins and sorts the spheres of a cloud into
+//! tiles of 512 x 512 pixels. It runs on the host for both backends.
 //!
 //! ```sh
 //! cargo bench --bench search

@@ -1,4 +1,4 @@
-//! Given rays, 1e5 of them, against spheres in a unit cube: by all spheres and by a tree, which is made anew every time.
+//! Given rays, 1e5 of them, against spheres in a unit cube: by all spheres and by a tree, which is rebuilt every time.
 //!
 //! ```sh
 //! cargo bench --bench trace             # what takes more than some seconds a call is left out
@@ -15,7 +15,7 @@ use std::time::Duration;
 
 const RAYS: usize = 100_000;
 
-/// Ray-sphere tests of a call that is still worth waiting for.
+/// The most ray-sphere tests of a call that is run.
 const PATIENCE: usize = 200_000_000;
 
 /// Points on a circle about the cube, and directions to points in it by the additive recurrence of the plastic number

@@ -1,5 +1,5 @@
-//! The elements of particle files, for comparison with other programs: a line of JSON for each file, with the symbol and the
-//! place of every atom that would be drawn, and the warnings. `tests/independent/elements.py` reads it.
+//! The elements of particle files, for comparison with other programs: a line of JSON for each file, with the symbol
+//! and the position of every rendered atom, and the warnings. `tests/independent/elements.py` reads it.
 //!
 //! ```sh
 //! cargo run --release --example elements -- FILE...
@@ -12,7 +12,7 @@ use serde_json::json;
 use std::collections::HashMap;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Elements have colours of their own, as far as anybody has seen them; what is none is deep pink.
+    // The elements are identified by their colours, which must differ; unknown elements are deep pink.
     let linear = |n: u8| {
         let color = element(n).map_or(0xff1493, |element| element.color);
         halfline::scene::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))

@@ -1,4 +1,4 @@
-//! How the time of a certified frame grows: with spheres, with pixels, and as spheres overlap, on the adapter and on the
+//! The growth of the time of a certified frame with spheres, with pixels and with overlap, on the adapter and on the
 //! CPU path, as a table and one plot.
 //!
 //! ```sh
@@ -21,21 +21,21 @@ type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 /// Image side where spheres grow.
 const SIDE: u32 = 1024;
 
-/// Steady frames whose median is told, fewer where they take long together.
+/// Steady frames whose median is reported; fewer where they take long.
 const FRAMES: usize = 5;
 
-/// Milliseconds of steady frames after which no other is begun.
+/// Milliseconds of steady frames after which no more are rendered.
 const PATIENCE: f64 = 6000.0;
 
-/// Spheres about one centre, every one larger than the image and still in front of the eye as the certificate has it
-/// (nearer than two radii it asks them of every ray): no tile is without any of them.
+/// Spheres about one centre, all larger than the image and farther than two radii (nearer ones would be tested by every
+/// ray): every tile lists all of them.
 fn shells(count: usize) -> Scene {
     let mut scene = cloud(0);
     (0..count).for_each(|i| scene.spheres.push([0.5; 3], 1.25 + 0.1 * i as f64 / count as f64, None));
     scene
 }
 
-/// A scene whose pixels at the cloud's middle have `pixels` of these to a radius.
+/// A scene with `pixels` pixels per radius at the middle of the cloud.
 fn overlap(pixels: f64) -> Scene {
     let away = (1.7f64.powi(2) + 1.1f64.powi(2) + 2.4f64.powi(2)).sqrt();
     let pixel = 2.0 * away * 16f64.to_radians().tan() / f64::from(SIDE);
@@ -44,11 +44,11 @@ fn overlap(pixels: f64) -> Scene {
     scene
 }
 
-/// One kind of scene, followed.
+/// One kind of scene at several sizes.
 struct Series {
     panel: usize,
     name: &'static str,
-    /// What grows, and the scene there.
+    /// The sizes, and the scene at each.
     steps: Vec<f64>,
     scene: fn(f64) -> Scene,
     /// The image's side.
@@ -85,7 +85,7 @@ fn series(most: f64) -> [Series; 4] {
 
 const OVER: [&str; 3] = ["spheres (1024 x 1024)", "pixels", "radius in pixels (1024 x 1024)"];
 
-/// One first frame and some steady ones.
+/// A first frame and some steady ones.
 struct Timed {
     first: f64,
     steady: Vec<f64>,

@@ -1,5 +1,5 @@
-//! How near the kernel that asks all spheres comes to the machine's peak of f32: multiply-adds and nothing else, on the
-//! adapter and in the processor's vectors, beside ray-sphere tests per second.
+//! The share of the machine's f32 peak that the kernel reaches when it tests all spheres: pure multiply-adds on the
+//! adapter and in the processor's vectors, compared with ray-sphere tests per second.
 //!
 //! ```sh
 //! cargo run --release --example peak
@@ -16,13 +16,13 @@ use std::time::Instant;
 
 type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Every figure is the best of so many: a shared machine only ever takes away.
+/// Every figure is the best of this many, because other work on a shared machine only slows it down.
 const TRIALS: usize = 9;
 
-/// Chains that do not wait for one another.
+/// Independent chains.
 const CHAINS: usize = 8;
 
-/// Multiply-adds of every chain in a turn of the loop, and turns.
+/// Multiply-adds of every chain per turn of the loop, and turns.
 const STEPS: usize = 32;
 const TURNS: usize = 2048;
 
@@ -33,11 +33,11 @@ const LANES: u32 = 1 << 14;
 /// differences, g.g 3 and 2, r r, a r r and their difference one each. d.d is the ray's; comparisons are not counted.
 const MISSED: f64 = 17.0;
 
-/// And where it may hit, which software adapters compute for every ray: p.d takes 3 and 2; a root, two sums with it, three
-/// quotients, t times the sphere's scale.
+/// And for a possible hit, which software adapters compute for every ray: p.d takes 3 and 2; a root, two sums with it,
+/// three quotients, t times the sphere's scale.
 const MET: f64 = 12.0;
 
-/// Gflop/s of multiply-adds written as `step` on the adapter of that name.
+/// Gflop/s of multiply-adds written as `step` on the adapter with this name.
 fn adapter_peak(name: &str, step: &str) -> Result<f64> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
@@ -100,7 +100,7 @@ fn adapter_peak(name: &str, step: &str) -> Result<f64> {
     Ok(f64::from(LANES) * (CHAINS * STEPS * TURNS) as f64 * 2.0 / best * 1e-9)
 }
 
-/// Multiply-adds in the widest vectors there are; how many operations it made of them.
+/// Multiply-adds in the widest vectors; returns the number of operations.
 struct Chains([f32; 2]);
 
 impl WithSimd for Chains {

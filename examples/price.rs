@@ -1,4 +1,4 @@
-//! What a certificate costs: whole frames of fast and certified, in turn so that a shared machine's drift hits both.
+//! The cost of a certificate: whole frames of fast and certified, alternating so that other load affects both.
 //!
 //! ```sh
 //! cargo run --release --example price -- 1024 5 scenes/weekend.toml cloud:100000

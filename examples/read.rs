@@ -1,6 +1,6 @@
-//! How fast files of text are read: writes one of each format to a temporary folder, reads all its frames through the
-//! library, each in a process of its own, and prints a table in markdown. Processor time and peak memory are those that Linux
-//! tells in /proc/self; a busy machine spoils the seconds, not these.
+//! Reading speed of text files: writes one of each format to a temporary folder, reads all its frames through the
+//! library, each in a separate process, and prints a Markdown table. Processor time and peak memory come from
+//! /proc/self on Linux; other load affects only the wall times.
 //!
 //! ```sh
 //! cargo run --release --example read -- 1000            # megabytes a file
@@ -18,14 +18,14 @@ use std::time::Instant;
 
 type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Endings of what is written.
+/// The file name extensions.
 const FORMATS: [&str; 7] = ["xyz", "xyz.gz", "dump", "csv", "pdb", "cif", "gro"];
 
-/// Atoms of a frame; PDB and GRO have five digits to number them.
+/// Atoms per frame; PDB and GRO number them with five digits.
 const ATOMS: u32 = 200_000;
 const NUMBERED: u32 = 99_999;
 
-/// What a file begins with, and what is repeated after it: a frame, or rows of the one frame there is.
+/// The beginning of a file, and the part that is repeated after it: a frame, or rows of its single frame.
 fn text(ending: &str) -> Result<(String, String)> {
     // xorshift32, Marsaglia 2003: a number from -50 to 50.
     let mut state = 1_u32;
@@ -78,7 +78,7 @@ fn text(ending: &str) -> Result<(String, String)> {
     Ok((head, body))
 }
 
-/// Writes about so many bytes of text, in whole frames; how many they are.
+/// Writes approximately `bytes` bytes of text in whole frames; returns the exact number.
 fn generate(path: &Path, ending: &str, bytes: usize) -> Result<usize> {
     let (head, body) = text(ending)?;
     let file = BufWriter::new(File::create(path)?);
@@ -93,7 +93,7 @@ fn generate(path: &Path, ending: &str, bytes: usize) -> Result<usize> {
     Ok(head.len() + times * body.len())
 }
 
-/// Reads all frames and prints a row of the table; `bytes` of text they are.
+/// Reads all frames and prints a row of the table; `bytes` is the length of the text.
 fn read(path: &Path, ending: &str, bytes: f64) -> Result {
     let options = ReadOptions { frames: "1-".parse()?, ..ReadOptions::default() };
     let began = Instant::now();

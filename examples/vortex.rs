@@ -1,5 +1,5 @@
-//! Writes the particle box of the gallery as a LAMMPS dump: grains of two sizes on a shaken lattice, that move as the
-//! Taylor-Green vortex does (Taylor and Green, Proc. R. Soc. A 158, 499 (1937)), with some noise.
+//! Writes the particle box of the gallery as a LAMMPS dump: grains of two sizes on a perturbed lattice that move in a
+//! Taylor-Green vortex (Taylor and Green, Proc. R. Soc. A 158, 499 (1937)), with some noise.
 //!
 //! `cargo run --release --example vortex | bzip2 > scenes/vortex.dump.bz2`
 
@@ -15,7 +15,7 @@ fn main() -> io::Result<()> {
     writeln!(out, "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{n}\nITEM: BOX BOUNDS pp pp pp")?;
     (0..3).try_for_each(|_| writeln!(out, "0 {length}"))?;
     writeln!(out, "ITEM: ATOMS id type x y z vx vy vz radius")?;
-    // Knuth's multiplicative generator; the upper bits are good enough to shake a lattice.
+    // Knuth's multiplicative generator; its upper bits are random enough here.
     let mut state = 1u64;
     let mut random = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

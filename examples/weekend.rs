@@ -33,7 +33,7 @@ fn main() {
         for b in -11..11 {
             let (x, z) = (f64::from(a) + 0.9 * random.next(), f64::from(b) + 0.9 * random.next());
             let color = [0, 1, 2].map(|_| thousandth(random.next() * random.next() + 0.05));
-            // The big spheres need their room.
+            // The big spheres need space.
             if [-4.0, 0.0, 4.0].iter().all(|big| (x - big).hypot(z) > 1.1) {
                 sphere([thousandth(x), 0.2, thousandth(z)], 0.2, color);
             }

@@ -1,4 +1,4 @@
-//! The frame's buffers, made of what the kernel wrote and what was settled.
+//! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
 use crate::certify::binned::Depths;
 use crate::dd;
@@ -13,26 +13,26 @@ use crate::settle::Settled;
 use crate::view::View;
 use rayon::prelude::*;
 
-/// A finished frame's answers: the kernel's, and over them what was settled.
+/// The answers of a finished frame: the kernel's, and the settled pixels over them.
 pub(crate) struct Answers<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) view: &'a View,
     pub(crate) raw: Raw,
-    /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for the others.
+    /// Depth of each sphere's centre, to which a certified kernel's t is relative; `None` for other kernels.
     pub(crate) depths: Option<Depths<'a>>,
-    /// In the order of pixels.
+    /// In pixel order.
     pub(crate) settled: &'a [Settled],
-    /// Colour and coverage, where pixels were sampled.
+    /// Colour and coverage, with several samples per pixel.
     pub(crate) sampled: Option<Means>,
 }
 
-/// Relative rounding of a distance made of a depth in f64, and of a settled one: 2^-50, several roundings.
+/// Relative rounding error of a distance computed from a depth in f64, and of a settled one: 2^-50, several roundings.
 const ROUNDED: f64 = 1.0 / (1u64 << 50) as f64;
-/// What a few roundings take below the normal numbers: four of the last steps of f64.
+/// Absolute error of a few roundings below the normal numbers: four steps of the smallest subnormal.
 const STEPS: f64 = f64::from_bits(4);
 
 impl Answers<'_> {
-    /// The buffers asked for, in f64 where the frame promises f64.
+    /// The requested buffers, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
         let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
         self.raw.settle(self.settled);
@@ -48,7 +48,7 @@ impl Answers<'_> {
                     None => std::mem::take(&mut self.raw.color),
                 }),
                 Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),
-                // Last of all: the others look at the ids. NONE and -1 are the same bits.
+                // Ids come last because the other buffers read them. NONE and -1 are the same bits.
                 Aov::Id => continue,
                 Aov::Distance => Data::F64(self.fill(inf, |_, d, depth| [depth * length(d)], |t| [t.distance])?),
                 Aov::Depth => Data::F64(self.fill(inf, |_, _, depth| [depth], |t| [t.depth])?),
@@ -89,8 +89,8 @@ impl Answers<'_> {
         Ok(buffers)
     }
 
-    /// One buffer of `N` numbers a pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
-    /// `truth` where it was settled.
+    /// One buffer of `N` numbers per pixel: `missed` on a miss, `hit` of pixel, direction (x, y, -1) and depth, and
+    /// `truth` where the pixel was settled.
     fn fill<const N: usize>(
         &self,
         missed: f64,
@@ -112,7 +112,8 @@ impl Answers<'_> {
                         let [row, column] = self.view.record.place(pixel as u32);
                         let [u, v, w] = self.view.direction(row, column);
                         let t = self.raw.t(pixel) * unit;
-                        // A certified depth is relative to its centre's; t of the other forms is along (u, v, -d).
+                        // A certified depth is relative to its centre's depth; the other methods give t along (u, v,
+                        // -d).
                         let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);
                         hit(pixel, [u / -w, v / -w, -1.0], depth)
                     };

@@ -1,4 +1,4 @@
-//! What a frame needs, what there is, and how many spheres that would do for.
+//! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
 use crate::error::{Error, Result};
 use crate::exact;
@@ -12,53 +12,53 @@ use crate::settle::Settled;
 use crate::view::{SphereRecord, SphereResiduals};
 use crate::window::Window;
 
-/// Bytes that the host needs at once for a certified frame, for each sphere that a ray may meet: its bin (20), its key (8),
-/// and what the rays ask of it (32 and a chunk_min_depth), once in the list of its row and once in the frame's. Smaller ones than a
-/// tile have 1.1 entries or so; what is hidden or met by no ray has none, but that is known only when it is too late.
+/// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (8), and its list
+/// entry (32 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller
+/// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 104;
 
 /// Frames keep ids as i32.
 const MOST: u64 = i32::MAX as u64;
 
-/// What a frame holds on the host besides its scene.
+/// The host memory of a frame besides its scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Need {
-    /// For its pixels, bytes.
+    /// Bytes for its pixels.
     pub(crate) pixels: u64,
-    /// For each sphere, bytes.
+    /// Bytes for each sphere.
     pub(crate) sphere: u64,
-    /// How many.
+    /// The number of spheres.
     pub(crate) spheres: u64,
-    /// How many pixels.
+    /// The number of pixels.
     pub(crate) count: u64,
-    /// For what the caller does with the frame, bytes.
+    /// Bytes that the caller needs for what it does with the frame.
     pub(crate) reserve: u64,
 }
 
 impl Need {
-    /// Of this window of a frame as planned, on an adapter or on the CPU path.
+    /// The need of a window of a planned frame, on an adapter or on the CPU path.
     pub(crate) fn of(plan: &Plan, settings: &Settings, scene: &Scene, window: Window, gpu: bool) -> Self {
         let (record, wide) = (size_of::<SphereRecord>() as u64, plan.kernel.is_wide());
         let records = record + if wide { size_of::<SphereResiduals>() as u64 } else { 0 };
         let sphere = match plan.accuracy {
             Accuracy::Exact => exact::BYTES_PER_SPHERE,
             Accuracy::Certified => STAGED,
-            // The lists, and on their way to the device the form's own records, band by band.
+            // The lists, and the method's own records, which are made for the upload band by band.
             _ if plan.kernel.tiles => STAGED + records,
-            // On its way to the device it is there twice.
+            // Two copies while it is uploaded.
             _ if gpu => 2 * records,
-            // The twin has its own in its own numbers.
+            // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
         };
-        // The samples' own buffers, their sums and what these become.
+        // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some());
             bytes_per_pixel(&kernel, &[], gpu) + (24 + 12) * colors + 4 + 4
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], gpu);
-        // Every pixel's exact answer, and all of them again when the threads' lists become one.
+        // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
-        // What the kernel wrote lies where the device writes it, too.
+        // The kernel's buffers also exist on the device, which may share the host's memory.
         let device = if gpu { kernel } else { 0 };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, gpu) + sampled + exact + device;
         let count = u64::from(window.width()) * u64::from(window.height());
@@ -66,37 +66,37 @@ impl Need {
         Self { pixels, sphere, spheres, count, reserve: settings.reserve }
     }
 
-    /// For pixels and what becomes of them, bytes.
+    /// Bytes for pixels and the caller.
     fn beside_spheres(&self) -> u64 {
         self.pixels.saturating_add(self.reserve)
     }
 
-    /// All of it, bytes.
+    /// Bytes in all.
     pub(crate) fn bytes(&self) -> u64 {
         self.beside_spheres().saturating_add(self.spheres.saturating_mul(self.sphere))
     }
 
-    /// How many spheres so many bytes would do for, the scene's own numbers included for those that are not there yet.
+    /// The number of spheres that fit in `free` bytes; those beyond the scene's own also need room for their numbers.
     pub(crate) fn fitting(&self, free: u64) -> u64 {
         let left = free.saturating_sub(self.beside_spheres());
         let had = self.spheres.min(left / self.sphere.max(1));
         had + (left - had * self.sphere) / (self.sphere + SPHERE)
     }
 
-    /// Refuses what does not fit `free` bytes, if that number is known.
+    /// Refuses a frame that does not fit in `free` bytes, if that number is known.
     ///
     /// # Errors
-    /// [`Error::Limits`] with the numbers, and with what would fit.
+    /// [`Error::Limits`] with the numbers and the size that fits.
     pub(crate) fn check(&self, free: Option<u64>) -> Result<()> {
         if self.spheres > MOST {
-            let problem = format!("{} spheres are more than ids of 32 bits can tell apart", self.spheres);
-            return Err(Error::Limits { problem, mend: format!("render at most {MOST}") });
+            let problem = format!("{} spheres are more than 32-bit ids can number", self.spheres);
+            return Err(Error::Limits { problem, mend: format!("render at most {MOST} spheres") });
         }
         let (need, Some(free)) = (self.bytes(), free.filter(|free| self.bytes() > *free)) else {
             return self.check_count();
         };
         let problem = format!(
-            "the frame needs about {need} bytes, {} for its pixels and {} for each sphere, and {free} are free",
+            "the frame needs about {need} bytes of memory ({} for its pixels and {} for each sphere), but only {free} are free",
             self.beside_spheres(),
             self.sphere
         );
@@ -107,20 +107,20 @@ impl Need {
         Err(Error::Limits { problem, mend })
     }
 
-    /// Refuses more pixels than there are numbers for, where there is memory for them.
+    /// Refuses more pixels than 32-bit indices can number, even where memory allows them.
     fn check_count(&self) -> Result<()> {
         if self.count <= u64::from(u32::MAX) {
             return Ok(());
         }
-        let problem = format!("{} pixels are more than one rendering numbers with 32 bits", self.count);
+        let problem = format!("{} pixels are more than 32-bit indices can number", self.count);
         Err(Error::Limits { problem, mend: "render tiles with --tile or --crop, and merge them".into() })
     }
 }
 
-/// What a frame holds at once: the kernel's own buffers and those made of them.
+/// Bytes per pixel held at once: the kernel's buffers and those made from them.
 fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
     let made = aovs.iter().map(|aov| match aov {
-        // The kernel's own become the frame's.
+        // The kernel's buffers become the frame's.
         Aov::Color | Aov::Normal | Aov::Id => 0,
         Aov::Position => 24,
         Aov::Distance | Aov::Depth | Aov::Bound => 8,
@@ -128,7 +128,7 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
         Aov::Mask | Aov::Certainty => 1,
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());
-    // A form on the CPU path has both parts of t, whoever asks for them.
+    // A method on the CPU path stores both parts of t, requested or not.
     let t = match gpu || kernel.certify {
         true => u64::from(kernel.t) * if kernel.is_wide() { 2 } else { 1 },
         false => 2,

@@ -9,8 +9,8 @@
 //! origin = e                        direction = u u + v v - d w
 //! ```
 //!
-//! An *orthographic* camera is the same with the eye infinitely far behind the viewport: all rays are parallel, and vw and
-//! vh are lengths in the scene. The plane through e that looks along -w takes the eye's place:
+//! An *orthographic* camera is the limit of an eye infinitely far behind the viewport: all rays are parallel, and vw
+//! and vh are lengths in the scene. Rays start on the plane through e perpendicular to w:
 //!
 //! ```text
 //! origin = e + u u + v v            direction = -w
@@ -19,31 +19,32 @@
 use crate::dd::{Dd, Dd3};
 use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};
+use crate::quote::number;
 use glam::DVec3;
 
 /// Pose and lens. Every number is taken as exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// The point all viewing rays leave from; orthographic ones leave from the plane through it that faces the view.
+    /// The origin of all viewing rays; orthographic rays start on the plane through it perpendicular to the view.
     pub eye: DVec3,
-    /// Where it looks.
+    /// The direction of the view.
     pub look: Look,
-    /// Points up in the scene, not necessarily in the image; any length.
+    /// The scene's up direction, not necessarily the image's; any length.
     pub up: DVec3,
-    /// What the viewport measures.
+    /// The viewport.
     pub lens: Lens,
 }
 
-/// Where a camera looks.
+/// The direction of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Look {
-    /// Straight at this point.
+    /// Towards this point.
     At(DVec3),
     /// In this direction, of any length but zero.
     View(DVec3),
 }
 
-/// How the viewport is given. It stands at `distance` in front of the eye, in any unit: only ratios matter.
+/// How the viewport is given. It lies at `distance` in front of the eye, in any unit: only ratios matter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lens {
     /// The lecture's numbers: vw x vh at distance d.
@@ -55,7 +56,7 @@ pub enum Lens {
         /// d.
         distance: f64,
     },
-    /// Full height as an angle; the width follows from the image's shape.
+    /// Full height as an angle; the width follows from the aspect ratio of the image.
     Vfov {
         /// Degrees between 0 and 180.
         degrees: f64,
@@ -67,8 +68,8 @@ pub enum Lens {
         /// Degrees between 0 and 180.
         degrees: f64,
     },
-    /// Parallel rays: a view of this height, the width follows from the image's shape. A hit's t, its distance and its
-    /// depth are one: how far it lies before the plane of the eye.
+    /// Parallel rays: a view of this height, whose width follows from the aspect ratio of the image. A hit's t,
+    /// distance and depth are equal: its distance from the plane of the eye.
     Orthographic {
         /// Full height, in the scene's unit.
         height: f64,
@@ -99,8 +100,8 @@ pub struct Basis {
 
 /// `up` and `view` count as parallel when |up x view| <= PARALLEL |up||view|.
 ///
-/// Half an ulp in every component of both vectors moves up x view by at most 2 sqrt(3) 2^-53 |up||view|; nearer than
-/// twice that (8 2^-53, about 9e-16 rad) the roll of the camera would be decided by the last digits of the input.
+/// Half an ulp in every component of both vectors moves up x view by at most 2 sqrt(3) 2^-53 |up||view|. Below about
+/// twice that (8 2^-53, about 9e-16 rad) the last digits of the input would determine the roll of the camera.
 pub const PARALLEL: f64 = 8.0 / (1u64 << 53) as f64;
 
 impl Camera {
@@ -112,8 +113,9 @@ impl Camera {
         lens: Lens::Viewport { vw: 1.0, vh: 1.0, distance: 1.0 },
     };
 
-    /// The basis from eye + view + up, or from eye + at + up with view = at - eye: w against the view, u = up x w and
-    /// v = w x u, normalised. Made of exact numbers: a scene may live at 1e-320, and `up` all but along the view.
+    /// The basis from eye + view + up, or from eye + at + up with view = at - eye: w against the view, u = up x w and v
+    /// = w x u, normalised. Computed with exact numbers, so a scene may be as small as 1e-320 and `up` almost parallel
+    /// to the view.
     ///
     /// # Errors
     /// [`Error::Scene`] for numbers that are not finite, eye = at, a zero view, a zero up, and up parallel to the view
@@ -125,9 +127,9 @@ impl Camera {
 
     /// u, v and w in double-double, each component within 2^-104 of itself (away from the subnormal numbers).
     ///
-    /// Sums and products are exact; one square root and one quotient of 128 bits and the rounding to 106 are what is lost.
-    /// Double-doubles would lose 2^-105 / sin(up, view) of u, which a lens of 1e-17 rad shows where up is all but along
-    /// the view.
+    /// Sums and products are exact; the only errors are one square root and one quotient of 128 bits and the rounding
+    /// to 106. Double-double arithmetic would lose 2^-105 / sin(up, view) of u, which is visible with a field of view
+    /// of 1e-17 rad where `up` is almost parallel to the view.
     pub(crate) fn axes(&self) -> Result<[Dd3; 3]> {
         let name = |field: &str| format!("camera.{field}");
         let (look, target) = match self.look {
@@ -150,19 +152,23 @@ impl Camera {
         let zero = |field: &str, problem: &str, mend: &str| Err(Error::scene(Place::field(name(field)), problem, mend));
         if view2.is_zero() {
             return match self.look {
-                Look::At(_) => zero("at", "eye and at are the same point", "look at another point, or give a view"),
-                Look::View(_) => zero("view", "a view of length zero looks nowhere", "give a direction"),
+                Look::At(_) => zero("at", "eye and at are the same point", "move at or eye, or use view"),
+                Look::View(_) => zero("view", "the view has length zero", "use a vector with a direction"),
             };
         }
         if up2.is_zero() {
-            return zero("up", "an up of length zero points nowhere", "give a direction");
+            return zero("up", "the up vector has length zero", "use a vector with a direction");
         }
         let back = view.map(|x| -x);
         let right = dyadic::cross(&up, &back);
         let sine = square(&right).over(&(&up2 * &view2), 64).to_f64().sqrt();
         if sine <= PARALLEL {
-            let problem = format!("up is parallel to the view (sine of their angle {sine:.1e}, least {PARALLEL:.1e})");
-            return Err(Error::scene(Place::field(name("up")), problem, "give an up that points elsewhere"));
+            let problem = format!(
+                "up is parallel to the view (the sine of their angle is {}, the minimum {})",
+                number(sine, 2),
+                number(PARALLEL, 2)
+            );
+            return Err(Error::scene(Place::field(name("up")), problem, "use an up vector in another direction"));
         }
         let unit = |a: Dyadic3| -> Dd3 {
             let length = square(&a).sqrt(128);
@@ -172,24 +178,25 @@ impl Camera {
         Ok([unit(right), unit(above), unit(back)])
     }
 
-    /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are the exact ones from
-    /// here on, however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once.
+    /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are exact from here on,
+    /// however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a viewport, distance or angle that is not positive and finite, or an angle of 180 and more.
+    /// [`Error::Scene`] for a viewport, distance or angle that is not positive and finite, or an angle of 180 degrees
+    /// or more.
     pub fn viewport(&self, width: u32, height: u32) -> Result<Viewport> {
         let positive = |field: &str, x: f64| {
             if x > 0.0 && x.is_finite() {
                 return Ok(x);
             }
-            let problem = format!("{x} is not positive and finite");
-            Err(Error::scene(Place::field(format!("camera.{field}")), problem, "give a positive number"))
+            let problem = format!("expected a positive finite number, found {x}");
+            Err(Error::scene(Place::field(format!("camera.{field}")), problem, "use a positive number"))
         };
         let tall = |field: &str, degrees: f64, distance: f64| {
             if !(degrees > 0.0 && degrees < 180.0) {
-                let problem = format!("{degrees} degrees open no viewport");
+                let problem = format!("the angle is {degrees} degrees");
                 let place = Place::field(format!("camera.{field}"));
-                return Err(Error::scene(place, problem, "give an angle between 0 and 180"));
+                return Err(Error::scene(place, problem, "use an angle between 0 and 180, ends excluded"));
             }
             Ok(2.0 * distance * (degrees.to_radians() / 2.0).tan())
         };
@@ -218,9 +225,9 @@ impl Camera {
 /// The viewport of the lecture: vw x vh at distance d.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewport {
-    /// Width; of an orthographic camera in the scene's unit.
+    /// Width; for an orthographic camera in the scene's unit.
     pub vw: f64,
-    /// Height, likewise.
+    /// Height; for an orthographic camera in the scene's unit.
     pub vh: f64,
     /// Distance from the eye; infinite for an orthographic camera, whose rays are parallel.
     pub d: f64,
@@ -303,9 +310,9 @@ mod tests {
             let axes = camera.axes().expect("axes");
             for (axis, (near, tail)) in axes.iter().flatten().zip(&case.axes) {
                 let (near, tail) = (number(near), tail.parse::<f64>().expect("digits"));
-                // Both low words are below an ulp of the high one: their difference is exact enough.
+                // Both low words are below an ulp of the high one, so their difference is exact enough.
                 let off = ((axis.hi - near) + (axis.lo - tail)).abs();
-                // The digits of the tail are 20, and numbers end at 2^-1074.
+                // The tail has 20 digits, and the smallest f64 is 2^-1074.
                 assert!(off <= near.abs() * 2f64.powi(-104) + 2f64.powi(-1073), "{off:e} of {near:e}: {camera:?}");
                 worst = worst.max(off / near.abs().max(f64::MIN_POSITIVE));
             }

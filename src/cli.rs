@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, exit codes in one place.
+//! The command line: one file per subcommand, and the exit codes in one place.
 
 mod adapters;
 mod bar;
@@ -16,8 +16,8 @@ mod preview;
 mod read_args;
 mod render;
 mod scene_args;
+mod scene_frames;
 mod shell;
-mod shots;
 mod signals;
 mod threads;
 
@@ -33,7 +33,7 @@ use std::process::ExitCode;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
 
-/// Renders spheres, from atoms to planets, and says how far from exact the answers are.
+/// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
 #[command(name = "halfline", version, about)]
 pub(crate) struct Arguments {
@@ -48,13 +48,13 @@ enum Command {
     Compare(compare::Compare),
     Merge(merge::Merge),
     Measure(Box<measure::Measure>),
-    Plan(Box<plan::Plan>),
+    Plan(Box<plan::PlanArgs>),
     Completions(shell::Completions),
     Man(shell::Man),
 }
 
-/// The arguments of this process: flags, else the environment, else the configuration file, else the defaults. What
-/// clap refuses, it says itself, and exits with 2.
+/// The arguments of this process: flags, else environment variables, else the configuration file, else the defaults.
+/// Clap prints usage errors itself and exits with 2.
 pub(crate) fn arguments() -> Result<Arguments> {
     exhaustion::listen();
     let configured = Config::load().and_then(|config| config.apply(Arguments::command()));
@@ -63,14 +63,14 @@ pub(crate) fn arguments() -> Result<Arguments> {
         Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
     };
     let mut matches = command.clone().try_get_matches().unwrap_or_else(|error| end(&error));
-    // A file that cannot be read is a fault of the commands that take options from it: help needs none, nor do the others.
+    // A configuration file that cannot be read is an error only for commands that use it; help does not.
     if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
         return Err(fault);
     }
     Arguments::from_arg_matches_mut(&mut matches).or_else(|error| end(&error.format(&mut command.clone())))
 }
 
-/// Prints what clap has to say and ends the process. Help and version are results, which must arrive.
+/// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
 fn end(told: &clap::Error) -> ! {
     let arrived = told.print().and_then(|()| io::stdout().flush());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
@@ -98,24 +98,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Prints a line for people on standard error. A standard error that cannot be written is not a failure; `eprintln` would panic.
+/// Prints a message on standard error. A standard error that cannot be written is not a failure; `eprintln` would
+/// panic.
 pub(crate) fn say(message: fmt::Arguments<'_>) {
-    // In one piece, so that lines of several processes do not mix.
+    // One write, so that lines of several processes do not mix.
     let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
 }
 
-/// Ends work when somebody pressed ctrl-C or asked the process to end.
+/// Ends work on ctrl-C or a request to terminate.
 fn watch() -> Watch {
     Watch::default().while_true(go_on)
 }
 
-/// Prints a result on standard output, where it must arrive.
+/// Prints a result on standard output; failing to do so is an error.
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::write("-", error))
 }
 
-/// What a shell script may rely on. 0 is success, 1 a difference found by `compare`, 2 also what clap uses.
+/// The exit codes, which scripts may rely on. 0 is success, 1 a difference found by `compare`; 2 is also clap's.
 pub(crate) fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Settings { .. } => 2,

@@ -132,7 +132,7 @@ pub(crate) fn exponent(x: f64) -> i32 {
     if field != 0 { field - 1023 } else { exponent(x * f64::from_bits((1023 + 64) << 52)) - 64 }
 }
 
-/// x 2^k. Exact unless the result leaves the range of normal numbers; then rounded once, as x 2^k would be.
+/// x 2^k. Exact unless the result is subnormal or overflows; then rounded once.
 pub(crate) fn ldexp(x: f64, k: i32) -> f64 {
     let power = |k: i32| f64::from_bits(((k + 1023) as u64) << 52);
     match k {
@@ -160,7 +160,7 @@ mod tests {
     fn division_and_root_invert_multiplication() {
         let x = Dd::sum(1.0 / 3.0, 1e-20);
         let y = Dd::sum(std::f64::consts::PI, -3e-18);
-        // 2^-100: the bound of the module's head.
+        // 2^-100: the bound stated at the head of the module.
         let near = |a: Dd, b: Dd| ((a - b).value() / b.hi).abs() <= 2f64.powi(-100);
         assert!(near((x * y) / y, x), "{:?}", (x * y) / y);
         assert!(near((y * y).sqrt(), y), "{:?}", (y * y).sqrt());

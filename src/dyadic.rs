@@ -1,7 +1,7 @@
-//! Exact binary numbers m 2^e with a big integer m: every f64 is one, and sums and products stay so.
+//! Exact binary numbers m 2^e with a big integer m. Every f64 is one; sums and products are exact.
 //!
-//! No common denominator is ever sought: a product adds exponents, a sum shifts the operand with the larger one.
-//! Quotients and roots leave the ring and are truncated to a stated number of bits.
+//! No common denominator is needed: a product adds exponents, a sum shifts the operand with the larger one. Quotients
+//! and roots are truncated to a stated number of bits.
 
 use crate::dd::{self, Dd};
 use dashu_int::ops::{BitTest, SquareRoot};
@@ -25,12 +25,12 @@ impl Dyadic {
         debug_assert!(x.is_finite(), "{x}");
         let bits = x.to_bits();
         let (field, fraction) = ((bits >> 52 & 0x7ff) as i64, bits & ((1 << 52) - 1));
-        // Subnormals share the exponent of the smallest normals, without the leading one.
+        // Subnormals have the exponent of the smallest normals and no implicit leading one.
         let (m, e) = if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
         if m == 0 {
             return Self::ZERO;
         }
-        // Short integers make short products: scene numbers are often round.
+        // Short integers make short products, and the numbers of scenes are often round.
         let zeros = m.trailing_zeros();
         let sign = if x < 0.0 { Sign::Negative } else { Sign::Positive };
         Self { m: IBig::from_parts(sign, UBig::from(m >> zeros)), e: e + i64::from(zeros) }
@@ -75,21 +75,21 @@ impl Dyadic {
         if length <= bits {
             return self;
         }
-        // A right shift of a negative number rounds down: one unit of the last bit kept, either way.
+        // A right shift of a negative number rounds down: the error is one unit of the last kept bit either way.
         let cut = length - bits;
         Self { m: self.m >> cut, e: self.e + cut as i64 }
     }
 
     /// self / by with a relative error below 2^-(bits-1); `by` is not 0.
     pub(crate) fn over(&self, by: &Self, bits: usize) -> Self {
-        // The quotient of integers keeps at least len(self) + shift - len(by) bits of which the last is truncated.
+        // The quotient of integers has at least len(self) + shift - len(by) bits, of which the last is truncated.
         let shift = (bits + 1 + by.m.bit_len()).saturating_sub(self.m.bit_len());
         Self { m: (&self.m << shift) / &by.m, e: self.e - by.e - shift as i64 }.truncate(bits + 1)
     }
 
     /// The root of a number that is not negative, with a relative error below 2^-(bits-1).
     pub(crate) fn sqrt(&self, bits: usize) -> Self {
-        // A root of 2 bits + 2 bits has bits + 1 of them; the exponent must be even to be halved.
+        // The root of 2 bits + 2 bits has bits + 1 of them; the exponent must be even to be halved.
         let shift = (2 * bits + 2).saturating_sub(self.m.bit_len()) as i64;
         let shift = shift + (self.e - shift).rem_euclid(2);
         let (_, magnitude) = (&self.m << shift as usize).into_parts();
@@ -102,9 +102,9 @@ impl Dyadic {
         let (sign, magnitude) = self.m.clone().into_parts();
         let lost = magnitude.trailing_zeros().is_some_and(|zeros| zeros < cut);
         let top = u64::try_from(magnitude >> cut).expect("64 bits are left");
-        // The last of 64 bits stands for all that were cut: a conversion to 53 bits rounds as if it saw them.
+        // The last of the 64 bits is a sticky bit for all that were cut, so the conversion to 53 bits rounds correctly.
         let x = (top | u64::from(lost)) as f64;
-        // 5000 is beyond any shift that matters: x is an integer below 2^65 and f64 ends at 2^-1074 and 2^1024.
+        // 5000 is beyond any shift that matters: x is an integer below 2^65, and f64 ranges from 2^-1074 to 2^1024.
         let x = dd::ldexp(x, (self.e + cut as i64).clamp(-5000, 5000) as i32);
         if sign == Sign::Negative { -x } else { x }
     }

@@ -1,20 +1,21 @@
-//! What can go wrong, sorted by who can mend it.
+//! Errors, classified by who can correct them: scene author, caller or machine.
 
 use crate::quote::{printable, shortened};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The underlying error, kept so that a caller can walk the chain.
+/// The underlying error, kept as the source of ours.
 pub type Source = Box<dyn std::error::Error + Send + Sync>;
 
 /// `Result` with halfline's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Every failure of the library. The variants say whose turn it is: the author of the scene, the caller, the machine.
+/// Every failure of the library. The variant says who can correct it: the author of the scene, the caller or the owner
+/// of the machine.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The scene cannot be rendered as it stands: malformed text, a negative radius, a degenerate camera.
+    /// The scene cannot be rendered as written: malformed text, a negative radius, a degenerate camera.
     #[error("{place}: {}; {}", printable(problem), printable(mend))]
     Scene {
         /// Where in the scene: file, line, column, field.
@@ -27,20 +28,20 @@ pub enum Error {
         #[source]
         source: Option<Source>,
     },
-    /// The caller asked for something that does not exist or does not go together.
+    /// The settings name something that does not exist, or contradict each other.
     #[error("{}; {}", printable(problem), printable(mend))]
     Settings {
-        /// What does not go together.
+        /// The setting and what is wrong with it.
         problem: String,
-        /// What to ask for instead.
+        /// What to set instead.
         mend: String,
     },
     /// No adapter fits the request.
     #[error("{}; {}", printable(problem), printable(mend))]
     Adapter {
-        /// What was looked for and what was found.
+        /// What was searched for and what was found.
         problem: String,
-        /// What to install or ask for.
+        /// What to install or select.
         mend: String,
     },
     /// The work does not fit the adapter or the memory.
@@ -48,18 +49,18 @@ pub enum Error {
     Limits {
         /// What is too large, with the numbers.
         problem: String,
-        /// What would fit.
+        /// The largest size that fits.
         mend: String,
     },
-    /// The device went away in the middle of the work.
+    /// The device was lost during the work.
     #[error("the device was lost: {}; try again, with a smaller --size or another --adapter", printable(.0))]
     DeviceLost(String),
-    /// The promised accuracy cannot be had here.
+    /// The promised accuracy cannot be reached here.
     #[error("{}; {}", printable(problem), printable(mend))]
     Accuracy {
         /// Which promise failed and why.
         problem: String,
-        /// What would reach it.
+        /// A setting that reaches it.
         mend: String,
     },
     /// A file could not be read or written.
@@ -79,17 +80,17 @@ pub enum Error {
 }
 
 impl Error {
-    /// A fault of the scene at `place`.
+    /// An error of the scene at `place`.
     pub fn scene(place: impl Into<Place>, problem: impl Into<String>, mend: impl Into<String>) -> Self {
         Self::Scene { place: Box::new(place.into()), problem: problem.into(), mend: mend.into(), source: None }
     }
 
-    /// A fault of the request.
+    /// An error of the settings.
     pub fn settings(problem: impl Into<String>, mend: impl Into<String>) -> Self {
         Self::Settings { problem: problem.into(), mend: mend.into() }
     }
 
-    /// A file that cannot be read; an error of ours that a reader passed on as the system's stays what it is.
+    /// A file that cannot be read. An [`Error`] that a reader wrapped in an [`std::io::Error`] is returned unchanged.
     pub fn read(path: impl AsRef<Path>, source: std::io::Error) -> Self {
         match source.downcast::<Self>() {
             Ok(ours) => ours,
@@ -103,7 +104,7 @@ impl Error {
     }
 }
 
-/// A place in a scene: as much as is known of file, line, column and field. Lines and columns count from 1.
+/// A place in a scene, as far as it is known: file, line, column, field. Lines and columns count from 1.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Place {
     /// The file's name as the user gave it; `None` for a scene made in memory.
@@ -133,7 +134,8 @@ impl Place {
         self
     }
 
-    /// The same place at a byte of `text`, which is the file's; a byte beyond it, or within a character, is its end.
+    /// The same place at a byte offset of `text`, the content of the file. An offset past the end or within a character
+    /// gives the end of the text.
     pub fn at_byte(self, text: &str, byte: usize) -> Self {
         let before = text.get(..byte).unwrap_or(text);
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
@@ -154,7 +156,7 @@ impl From<&str> for Place {
     }
 }
 
-/// Characters of a field's name in a message; a file may give a column any name.
+/// The longest field name in a message, in characters; a file may name a column anything.
 const FIELD: usize = 80;
 
 impl fmt::Display for Place {
@@ -170,7 +172,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// The one of `all` that bears this name.
+/// The element of `all` with this name.
 pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'static str) -> Result<T> {
     all.iter().copied().find(|x| of(*x) == name).ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|x| of(*x)).collect();

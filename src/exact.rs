@@ -1,10 +1,10 @@
-//! The judge: what a ray hits, decided in exact arithmetic.
+//! The judge: decides in exact arithmetic which sphere a ray hits.
 //!
-//! The numbers of a scene are exact, and so is the question they pose: which sphere does the ray through the centre of
-//! a pixel meet first? Sums and products of f64 are binary numbers, of which big integers lose nothing
-//! (`dyadic.rs`); the basis of an oblique camera brings in two square roots, over which signs are still decided
-//! by squaring (`exact/field.rs`, `exact/decide.rs`). Double-doubles with proven bounds settle the easy cases first
-//! (`exact/filter.rs`), and what is reported is rounded from more bits than it has (`exact/answer.rs`).
+//! The numbers of a scene are exact, and so is the question which sphere the ray through a pixel centre hits first.
+//! Sums and products of f64 are binary numbers, which big integers represent exactly (`dyadic.rs`). The basis of an
+//! oblique camera adds two square roots, over which signs are still decided by squaring (`exact/field.rs`,
+//! `exact/decide.rs`). Double-doubles with proven bounds decide the easy cases first (`exact/filter.rs`), and results
+//! are rounded from more bits than they have (`exact/answer.rs`).
 //!
 //! A tangent ray hits. t counts from just above 0: an eye on a surface does not hit it there, but may hit its far side.
 //! From inside the far root is the hit. Equal t goes to the lower index.
@@ -20,19 +20,19 @@ use crate::dd::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::scene::{Scene, Spheres, check_sphere};
-use answer::{Name, Path};
+use answer::{DecidedHit, Path};
 pub use decide::Root;
-use decide::{Frame, Lens, Line, Meeting};
-use filter::{Basis, Body, Hit, Screen, Verdict};
+use decide::{ExactFrame, ExactLens, Line, Meeting};
+use filter::{AxesDd, Body, FilterHit, FilterResult, Screen};
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::cmp::Ordering;
 
 /// The nearest hit of a ray.
 ///
-/// `t`, `distance` and `depth` are within (1/2 + 2^-10) ulp of the real numbers. The hit point is known within 2^-64
-/// of the smaller of distance and radius; `normal` (likewise relative to 1) and `position` are then rounded, each
-/// component to the nearest f64. All of it holds away from the ends of f64's range, where results become infinite or
+/// `t`, `distance` and `depth` are within (1/2 + 2^-10) ulp of the real numbers. The hit point is known within 2^-64 of
+/// the smaller of distance and radius; `normal` (likewise relative to 1) and `position` are then rounded, each
+/// component to the nearest f64. All of this holds away from the limits of f64, where results become infinite or
 /// subnormal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
@@ -54,19 +54,19 @@ pub struct Truth {
     pub tangent: bool,
 }
 
-/// What [`Judge`] keeps of a sphere, bytes, besides the digits of numbers that have many.
+/// Bytes per sphere in [`Judge`], without the digits of long numbers.
 pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>()) as u64;
 
-/// A scene ready to be judged, pixel by pixel, from any number of threads.
+/// A scene set up for exact decisions, pixel by pixel, from any number of threads.
 pub struct Judge {
     bench: Bench,
-    lens: Lens,
+    lens: ExactLens,
     viewport: crate::camera::Viewport,
     size: [u32; 2],
 }
 
 impl Judge {
-    /// Prepares camera and spheres: about a microsecond for each sphere.
+    /// Sets up camera and spheres: about a microsecond per sphere.
     ///
     /// # Errors
     /// Those of [`Scene::check`].
@@ -74,18 +74,18 @@ impl Judge {
         scene.check()?;
         let (width, height) = (scene.image.width, scene.image.height);
         let viewport = scene.camera.viewport(width, height)?;
-        let lens = Lens::of(viewport, width, height);
-        let mut bench = Bench::new(Frame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
+        let lens = ExactLens::of(viewport, width, height);
+        let mut bench = Bench::new(ExactFrame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
         if viewport.is_parallel() {
             bench.screen_aside(filter::exponent(&viewport));
         }
         Ok(Self { bench, lens, viewport, size: [width, height] })
     }
 
-    /// The same viewport cut `fine` times as finely both ways: rows and columns are from now on those of the finer frame.
+    /// The same viewport divided `fine` times as finely both ways: rows and columns then refer to the finer frame.
     pub(crate) fn refined(self, fine: u32) -> Self {
         let [width, height] = self.size.map(|side| side * fine);
-        Self { lens: Lens::of(self.viewport, width, height), size: [width, height], ..self }
+        Self { lens: ExactLens::of(self.viewport, width, height), size: [width, height], ..self }
     }
 
     /// The nearest hit of the ray through the centre of row `i`, column `j`, over all spheres.
@@ -93,7 +93,7 @@ impl Judge {
         self.bench.nearest(&self.ray(i, j), 0..self.bench.bodies.len() as u32)
     }
 
-    /// The same over some spheres; indices beyond the scene's are passed over.
+    /// The same over some spheres; indices beyond the scene's are ignored.
     pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
         self.bench.nearest(&self.ray(i, j), candidates.iter().copied())
     }
@@ -105,7 +105,7 @@ impl Judge {
         Some([t.hi, t.lo])
     }
 
-    /// (t - t*)/t* where t* is the real t of that root of sphere `id`: what an f64 result is off by.
+    /// (t - t*)/t* where t* is the exact t of that root of sphere `id`: the relative error of an f64 result.
     ///
     /// NaN when the line misses the sphere or `t` is NaN, infinite for an infinite `t`; where t* is 0, 0 for a `t` of
     /// 0 and infinite for any other.
@@ -124,9 +124,9 @@ impl Judge {
         }
     }
 
-    fn ray(&self, i: u32, j: u32) -> Rays {
-        Rays {
-            quick: filter::Ray::through(&self.viewport, self.size, i, j),
+    fn ray(&self, i: u32, j: u32) -> RayForms {
+        RayForms {
+            quick: filter::FilterRay::through(&self.viewport, self.size, i, j),
             line: self.lens.line(i, j),
             stretch: self.lens.stretch(),
             planar: true,
@@ -137,19 +137,20 @@ impl Judge {
 
 /// The nearest hit of any ray: `origin` + t `direction`, both exact, the direction of any length but zero.
 ///
-/// A ray that is not finite or leads nowhere hits nothing, and a sphere that [`Scene::check`] would refuse is not hit.
+/// A ray that is not finite or has no direction hits nothing, and an invalid sphere (see [`Scene::check`]) is not hit.
 pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Option<Truth> {
     let finite = origin.iter().chain(&direction).all(|x| x.is_finite());
     if !finite || direction == [0.0; 3] {
         return None;
     }
-    let rays = Rays::along(direction);
-    let bench = Bench::new(Frame::world(origin), origin, spheres);
+    let rays = RayForms::along(direction);
+    let bench = Bench::new(ExactFrame::world(origin), origin, spheres);
     bench.nearest(&rays, 0..bench.bodies.len() as u32)
 }
 
-/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value. It is zero only
-/// where the eye is exactly on the surface: what f64 cannot hold beside zero is the least normal number, with its sign.
+/// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value. It is zero
+/// only where the eye is exactly on the surface; a value that underflows f64 is the smallest normal number with its
+/// sign.
 pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> Dd {
     let p = dyadic::minus(&dyadic::vector(center), &dyadic::vector(eye));
     let power = decide::power(&p, radius).ldexp(2 * i64::from(k));
@@ -161,22 +162,22 @@ pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> Dd 
     }
 }
 
-/// One ray in both arithmetics; the exact one is made when first asked for.
-struct Rays {
-    quick: filter::Ray,
+/// One ray in both arithmetics; the exact one is computed when it is first needed.
+struct RayForms {
+    quick: filter::FilterRay,
     line: Line,
-    /// The real direction times this is the exact one.
+    /// The factor from the real direction to the exact one.
     stretch: Dyadic,
     /// Whether the third component is a depth.
     planar: bool,
-    exact: OnceCell<decide::Ray>,
+    exact: OnceCell<decide::ExactRay>,
 }
 
-impl Rays {
-    /// A direction of its own; finite and not zero.
+impl RayForms {
+    /// A ray with a given direction; finite and not zero.
     fn along(direction: [f64; 3]) -> Self {
         Self {
-            quick: filter::Ray::along(direction),
+            quick: filter::FilterRay::along(direction),
             line: Line { dir: dyadic::vector(direction), from: None },
             stretch: Dyadic::from(1),
             planar: false,
@@ -184,16 +185,16 @@ impl Rays {
         }
     }
 
-    fn exact(&self, frame: &Frame) -> &decide::Ray {
+    fn exact(&self, frame: &ExactFrame) -> &decide::ExactRay {
         self.exact.get_or_init(|| frame.ray(self.line.clone()))
     }
 }
 
 /// A frame and the spheres in it.
 struct Bench {
-    frame: Frame,
+    frame: ExactFrame,
     eye: [f64; 3],
-    basis: Basis,
+    basis: AxesDd,
     bodies: Vec<Body>,
     screens: Vec<Screen>,
 }
@@ -202,15 +203,15 @@ struct Bench {
 struct Best<'a> {
     id: u32,
     body: &'a Body,
-    hit: Hit,
+    hit: FilterHit,
     root: Root,
     tangent: bool,
     meeting: OnceCell<Meeting>,
 }
 
 impl Bench {
-    fn new(frame: Frame, eye: [f64; 3], spheres: &Spheres) -> Self {
-        let basis = Basis::of(&frame);
+    fn new(frame: ExactFrame, eye: [f64; 3], spheres: &Spheres) -> Self {
+        let basis = AxesDd::of(&frame);
         let make = |(center, radius): (&[f64; 3], &f64)| {
             if check_sphere(*center, *radius, Place::default).is_err() {
                 return (Body::new(&frame, eye, &basis, eye, 1.0), Screen::NEVER);
@@ -223,12 +224,12 @@ impl Bench {
         Self { frame, eye, basis, bodies, screens }
     }
 
-    /// Screens for parallel rays, whose origins are 2^`k` of their own away from the eye.
+    /// The f64 data for parallel rays, whose origins are up to 2^`k` away from the eye.
     fn screen_aside(&mut self, k: i32) {
         self.screens.par_iter_mut().zip(&self.bodies).for_each(|(screen, body)| screen.aside(body, k));
     }
 
-    fn nearest(&self, rays: &Rays, ids: impl Iterator<Item = u32>) -> Option<Truth> {
+    fn nearest(&self, rays: &RayForms, ids: impl Iterator<Item = u32>) -> Option<Truth> {
         let mut best: Option<Best> = None;
         for id in ids {
             if self.screens.get(id as usize).is_none_or(|screen| rays.quick.misses(screen)) {
@@ -243,14 +244,14 @@ impl Bench {
         best.and_then(|best| self.truth(rays, &best))
     }
 
-    /// The sphere as a contender, if the ray hits it.
-    fn hit(&self, rays: &Rays, id: u32) -> Option<Best<'_>> {
+    /// The candidate hit of the sphere, if the ray hits it.
+    fn hit(&self, rays: &RayForms, id: u32) -> Option<Best<'_>> {
         let body = &self.bodies[id as usize];
         let best = |hit, root| Best { id, body, hit, root, tangent: false, meeting: OnceCell::new() };
         match rays.quick.meet(body) {
-            Verdict::Miss => None,
-            Verdict::Hit(hit, root) => Some(best(hit, root)),
-            Verdict::Unsure(hit) => {
+            FilterResult::Miss => None,
+            FilterResult::FilterHit(hit, root) => Some(best(hit, root)),
+            FilterResult::Unsure(hit) => {
                 let best = best(hit, Root::Near);
                 let (field, meeting) = (&self.frame.field, self.meeting(rays, &best));
                 let tangent = meeting.hit(field)?;
@@ -260,30 +261,30 @@ impl Bench {
         }
     }
 
-    /// Whether `next` is nearer, or as near with a lower index.
-    fn beats(&self, rays: &Rays, next: &Best, best: &Best) -> bool {
+    /// Whether `next` is nearer, or at the same t with a lower index.
+    fn beats(&self, rays: &RayForms, next: &Best, best: &Best) -> bool {
         let same = next.body.center == best.body.center && next.body.radius == best.body.radius;
         let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
         let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
         order.unwrap_or_else(exact).then(next.id.cmp(&best.id)) == Ordering::Less
     }
 
-    fn meeting<'b>(&self, rays: &Rays, best: &'b Best) -> &'b Meeting {
+    fn meeting<'b>(&self, rays: &RayForms, best: &'b Best) -> &'b Meeting {
         best.meeting.get_or_init(|| self.meet(rays, best.body))
     }
 
-    fn meet(&self, rays: &Rays, body: &Body) -> Meeting {
+    fn meet(&self, rays: &RayForms, body: &Body) -> Meeting {
         self.frame.meet(rays.exact(&self.frame), body.center, body.radius)
     }
 
-    fn truth(&self, rays: &Rays, best: &Best) -> Option<Truth> {
-        let name = Name { id: best.id, root: best.root, tangent: best.tangent };
+    fn truth(&self, rays: &RayForms, best: &Best) -> Option<Truth> {
+        let name = DecidedHit { id: best.id, root: best.root, tangent: best.tangent };
         answer::quick(name, self.eye, &self.basis, rays, best.body, &best.hit)
             .or_else(|| answer::slow(name, &self.frame, rays, self.meeting(rays, best), best.body.radius))
     }
 
     /// 128 bits of t: more than a double-double holds.
-    fn t(&self, rays: &Rays, id: u32, root: Root) -> Option<Dyadic> {
+    fn t(&self, rays: &RayForms, id: u32, root: Root) -> Option<Dyadic> {
         let meeting = self.meet(rays, self.bodies.get(id as usize)?);
         Some(Path::new(&self.frame, rays, &meeting, root, 128)?.t())
     }

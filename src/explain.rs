@@ -1,4 +1,5 @@
-//! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. Nothing is rendered.
+//! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. No ray is
+//! traced.
 
 use crate::budget::Need;
 use crate::certify::binned::BinnedScene;
@@ -15,7 +16,7 @@ use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::raster::Raster;
-use crate::render::{Place, Rays, Renderer};
+use crate::render::{Executor, FrameRays, Renderer};
 use crate::report::Timings;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Backend, Settings};
@@ -35,16 +36,16 @@ pub struct Explanation {
     pub halfline: &'static str,
     /// Spheres in the scene.
     pub spheres: u64,
-    /// Things in the scene file that are no spheres and are left out.
+    /// Objects of the scene file that are not spheres and are left out.
     pub skipped: u64,
     /// Columns and rows of the full frame.
     pub size: [u32; 2],
-    /// Which part of it would be rendered: x0, y0, x1, y1, the ends excluded.
+    /// The window that would be rendered: x0, y0, x1, y1, ends excluded.
     pub window: [u32; 4],
-    /// Viewing rays: pixels of that part.
+    /// Viewing rays: the pixels of the window.
     pub rays: u64,
-    /// Samples of each pixel that colour and alpha would be the means of: as many passes more, by the kernel's twin that asks
-    /// samples and writes nothing but ids and colour. 1 where they are the answers of pixel centres.
+    /// Samples per pixel whose mean is the colour and the alpha: one more pass per sample, by a kernel that writes only
+    /// ids and colour. 1 for pixel centres.
     pub samples: u32,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
@@ -52,80 +53,81 @@ pub struct Explanation {
     pub adapter: String,
     /// `fast`, `certified` or `exact`.
     pub accuracy: &'static str,
-    /// The form of the quadratic, `certified` or `exact`.
+    /// The intersection method, `certified` or `exact`.
     pub method: &'static str,
-    /// Why these two.
+    /// Why this accuracy and this method.
     pub reason: String,
-    /// What is allowed, or promised where answers are certified.
+    /// The allowed relative error; promised where answers are certified.
     pub tolerance: f64,
-    /// What rounding can do at worst; `None` where answers are certified.
+    /// The predicted worst-case rounding error; `None` where answers are certified.
     pub predicted: Option<Prediction>,
-    /// The arithmetic of the kernel, and where it comes from.
+    /// The arithmetic of the kernel and the source of its input.
     pub precision: String,
     /// How candidates are found.
     pub search: &'static str,
-    /// Why so.
+    /// Why this search.
     pub search_reason: String,
     /// How the spheres are binned into tiles; `None` where every ray tests all of them.
-    pub staged: Option<Staged>,
-    /// The files that make up the kernel, in their order; empty where no kernel runs.
-    pub kernel: Vec<Part>,
+    pub staged: Option<BinnedCounts>,
+    /// The shader files of the kernel, in order; empty where no kernel runs.
+    pub kernel: Vec<ShaderFile>,
     /// What is uploaded.
-    pub uploaded: Vec<Binding>,
-    /// What the kernel writes and the host reads back, for all pixels together.
-    pub written: Vec<Binding>,
-    /// In how many dispatches: bands of rows that fit the adapter's bindings and half a second of software; a faster adapter
-    /// takes fewer. 0 where no kernel runs.
+    pub uploaded: Vec<DeviceBuffer>,
+    /// The buffers that the kernel writes and the host reads back, for all pixels together.
+    pub written: Vec<DeviceBuffer>,
+    /// The number of dispatches: bands of rows that fit the adapter's bindings and half a second of a software adapter;
+    /// a faster adapter takes fewer. 0 where no kernel runs.
     pub dispatches: u64,
-    /// How much there is room for.
+    /// How many spheres fit.
     pub room: Room,
-    /// What the frame holds when it is done.
+    /// The buffers of the finished frame.
     pub frame: Vec<Shown>,
-    /// What is not needed, and why.
+    /// What this scene does not need, and why.
     pub left_out: Vec<LeftOut>,
     /// The warnings of the frame's report, as far as they are known before a ray is traced.
     pub warnings: Vec<String>,
 }
 
-/// Spheres by what becomes of them.
+/// Spheres by their place in the candidate lists.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Staged {
-    /// Wholly in front of the eye, in the lists of tiles.
+pub struct BinnedCounts {
+    /// In the tiles' lists: wholly in front of the eye.
     pub front: u64,
-    /// Around the eye, across its plane, or large and close: asked by every ray.
+    /// Tested by every ray: around the eye, across its plane, or large and close.
     pub near: u64,
-    /// Behind the eye or beside the image: no ray meets them, none is uploaded.
+    /// Not uploaded, because no ray can hit them: behind the eye or outside the image.
     pub unseen: u64,
 }
 
-/// How many spheres there is room for, for this image.
+/// The number of spheres that fit for this image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Room {
-    /// What the adapter's bindings can hold of spheres that lie like these; `None` where no kernel runs.
+    /// The number that the adapter's bindings hold of spheres distributed like these; `None` where no kernel runs.
     pub adapter: Option<u64>,
-    /// What this machine's memory can hold now, the scene's own included; `None` where the system does not tell.
+    /// The number that this machine's free memory holds, including the scene's own; `None` where the system does not
+    /// report it.
     pub host: Option<u64>,
-    /// What the frame needs of that memory besides the scene, bytes: an estimate.
+    /// Estimate of the memory that the frame needs besides the scene, bytes.
     pub needed: u64,
-    /// What is free of it, bytes.
+    /// Free memory, bytes.
     pub free: Option<u64>,
 }
 
-/// A file of WGSL.
+/// A WGSL file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Part {
+pub struct ShaderFile {
     /// Its name under shaders/.
     pub file: &'static str,
-    /// Its lines.
+    /// Its number of lines.
     pub lines: usize,
 }
 
 /// A buffer on the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Binding {
+pub struct DeviceBuffer {
     /// Its name in WGSL.
     pub name: &'static str,
-    /// Its size.
+    /// Its size in bytes.
     pub bytes: u64,
 }
 
@@ -136,24 +138,24 @@ pub struct Shown {
     pub name: &'static str,
     /// Rows, columns, and components if more than one.
     pub shape: Vec<u64>,
-    /// The type of its values, by NumPy's name.
+    /// The type of its values, as NumPy names it.
     pub dtype: &'static str,
-    /// Its size.
+    /// Its size in bytes.
     pub bytes: u64,
-    /// Whether it was asked for; ids are always there.
+    /// Whether it is requested; ids are always present.
     pub asked: bool,
 }
 
-/// Something that this scene does not need.
+/// A part of the renderer that this scene does not need.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
-    /// What.
+    /// The part.
     pub what: &'static str,
     /// Why.
     pub why: String,
 }
 
-/// Explains what `scene` requires on the adapter that `settings` choose, or on the CPU path if there is none.
+/// Reports what `scene` requires on the adapter that `settings` select, or on the CPU path if there is none.
 ///
 /// # Errors
 /// As [`Renderer::explain`].
@@ -170,29 +172,29 @@ pub fn wgsl(scene: &Scene, settings: &Settings) -> Result<String> {
 }
 
 impl Renderer {
-    /// Explains what rendering `scene` would do here. It takes the decisions of [`Renderer::render`], the self-test of the
-    /// adapter's arithmetic among them, and traces no ray.
+    /// Reports what rendering `scene` would do here. It takes the same decisions as [`Renderer::render`], including the
+    /// self-test of the adapter's arithmetic, and traces no ray.
     ///
     /// # Errors
     /// Those of [`Renderer::render`] that need no ray.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        let explained = |this: &mut Self, plan: Plan, rays: Rays| this.explanation(plan, rays, scene, settings);
+        let explained = |this: &mut Self, plan: Plan, rays: FrameRays| this.explanation(plan, rays, scene, settings);
         let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
         explanation.warnings.extend(blocker);
         Ok(explanation)
     }
 
-    /// The WGSL that would be compiled here for the pixels of `scene`, the name of its file above each part. On the CPU path it
-    /// is what an adapter would get that does not share loads.
+    /// The WGSL that would be compiled here for `scene`, with the name of its file above each part. On the CPU path it
+    /// is the kernel of an adapter that does not share loads.
     ///
     /// # Errors
     /// Those of [`Renderer::explain`]; [`Error::Settings`] where no kernel runs.
     pub fn wgsl(&mut self, scene: &Scene, settings: &Settings) -> Result<String> {
-        let composed = |this: &mut Self, plan: Plan, rays: Rays| {
+        let composed = |this: &mut Self, plan: Plan, rays: FrameRays| {
             let raster = Raster::centres(rays.window);
             let setup = FrameSetup::new(plan, scene, settings, raster, &Pool::default(), &mut Timings::default())?;
             if !setup.is_traced() {
-                let problem = "these answers are made in exact arithmetic on the CPU: there is no kernel";
+                let problem = "exact answers are computed on the CPU without a kernel";
                 return Err(Error::settings(problem, "use another --accuracy or camera"));
             }
             Ok(compose(&this.kernel_of(&setup)).with_banners())
@@ -200,21 +202,21 @@ impl Renderer {
         self.planned(scene, settings, composed).map(|(text, _)| text)
     }
 
-    /// The kernel of a frame, where it is computed.
+    /// The kernel of a frame on this device.
     fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
         let sharing = match &self.place {
-            Place::Gpu(gpu) => gpu.summary.sharing(),
-            Place::Cpu => Sharing::None,
+            Executor::Gpu(gpu) => gpu.summary.sharing(),
+            Executor::Cpu => Sharing::None,
         };
         Kernel { sharing, ..setup.plan.kernel }.with_generals(setup.has_nears())
     }
 
-    /// What is done of this plan, where it was decided to do it.
-    fn explanation(&self, plan: Plan, rays: Rays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        let Rays { window, samples } = rays;
+    /// The report of a plan on this device.
+    fn explanation(&self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Explanation> {
+        let FrameRays { window, samples } = rays;
         let gpu = match &self.place {
-            Place::Gpu(gpu) => Some(&**gpu),
-            Place::Cpu => None,
+            Executor::Gpu(gpu) => Some(&**gpu),
+            Executor::Cpu => None,
         };
         let need = Need::of(&plan, settings, scene, window, gpu.is_some());
         let free = memory::free(&self.pool);
@@ -251,7 +253,7 @@ impl Renderer {
             predicted,
             search: plan.search.name(),
             search_reason: plan.search_reason.to_owned(),
-            staged: binned.as_ref().map(|binned| Staged::of(binned, scene)),
+            staged: binned.as_ref().map(|binned| BinnedCounts::of(binned, scene)),
             frame: frame(settings, [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
@@ -265,12 +267,12 @@ impl Renderer {
     }
 }
 
-/// What the device would be given to do.
+/// The work of a device.
 #[derive(Default)]
 struct Work {
-    kernel: Vec<Part>,
-    uploaded: Vec<Binding>,
-    written: Vec<Binding>,
+    kernel: Vec<ShaderFile>,
+    uploaded: Vec<DeviceBuffer>,
+    written: Vec<DeviceBuffer>,
     dispatches: u64,
     spheres: Option<u64>,
 }
@@ -279,24 +281,24 @@ impl Work {
     fn of(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
         let pool = Pool::default();
         let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
-        let parts = compose(kernel).files().into_iter().map(|(file, lines)| Part { file, lines }).collect();
+        let parts = compose(kernel).files().into_iter().map(|(file, lines)| ShaderFile { file, lines }).collect();
         let pixels = view.record.pixels() as u64;
         let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
-        let mut uploaded = vec![Binding { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
-        let bytes = |(name, bytes): (&'static str, &[u8])| Binding { name, bytes: bytes.len() as u64 };
+        let mut uploaded = vec![DeviceBuffer { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
+        let bytes = |(name, bytes): (&'static str, &[u8])| DeviceBuffer { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
         let written =
-            KernelOutput::of(kernel).map(|out| Binding { name: out.name, bytes: pixels * out.bytes() }).collect();
+            KernelOutput::of(kernel).map(|out| DeviceBuffer { name: out.name, bytes: pixels * out.bytes() }).collect();
         let limits = BindingLimits::from(&gpu.limits);
         let mut cut = Bands::new(kernel, &input, limits);
         let bands: Vec<_> = std::iter::from_fn(|| cut.next(&SubmissionBudget::default())).collect();
         if let Some(candidates) = candidates {
-            // Band by band into the same buffers: all of it passes through.
-            let mut of_lists: Vec<Binding> = Vec::new();
+            // The bands pass through the same buffers one after another.
+            let mut of_lists: Vec<DeviceBuffer> = Vec::new();
             for (name, more) in bands.iter().flat_map(|band| Entries::of(&candidates, band).sizes(&candidates)) {
                 match of_lists.iter_mut().find(|b| b.name == name) {
                     Some(b) => b.bytes += more,
-                    None => of_lists.push(Binding { name, bytes: more }),
+                    None => of_lists.push(DeviceBuffer { name, bytes: more }),
                 }
             }
             uploaded.extend(of_lists);
@@ -307,16 +309,16 @@ impl Work {
 }
 
 impl Work {
-    /// So many passes of another kernel come on top.
+    /// Adds `passes` passes of another kernel.
     fn add(&mut self, pass: Self, passes: u32) {
         let passes = u64::from(passes);
         let new = pass.kernel.into_iter().filter(|part| !self.kernel.contains(part)).collect::<Vec<_>>();
         self.kernel.extend(new);
         for (all, more) in [(&mut self.uploaded, pass.uploaded), (&mut self.written, pass.written)] {
-            for Binding { name, bytes } in more {
+            for DeviceBuffer { name, bytes } in more {
                 match all.iter_mut().find(|b| b.name == name) {
                     Some(b) => b.bytes += passes * bytes,
-                    None => all.push(Binding { name, bytes: passes * bytes }),
+                    None => all.push(DeviceBuffer { name, bytes: passes * bytes }),
                 }
             }
         }
@@ -325,7 +327,7 @@ impl Work {
     }
 }
 
-impl Staged {
+impl BinnedCounts {
     fn of(binned: &BinnedScene, scene: &Scene) -> Self {
         let (front, near) = (binned.seen, binned.generals.len() as u64);
         Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
@@ -333,15 +335,17 @@ impl Staged {
 }
 
 fn precision(plan: &Plan, traced: bool) -> String {
-    let host = "the world is moved to the eye in f64 on the host";
+    let host = "spheres are moved relative to the eye in f64 on the host";
     match (plan.accuracy, plan.kernel.method) {
         (Accuracy::Exact, _) => "double-double and exact integers on the CPU, every pixel".into(),
-        _ if !traced => "double-double and exact integers on the CPU, every pixel: f32 cannot bound this lens".into(),
-        (Accuracy::Certified, _) => {
-            format!("f32 with a bound of its error; {host}; what stays open is settled in exact arithmetic")
+        _ if !traced => {
+            "double-double and exact integers on the CPU, every pixel: f32 cannot bound this field of view".into()
         }
-        (_, Method::Native64) => format!("f64; {host} and handed over as sums of two f32"),
-        (_, Method::DoubleFloat) => format!("sums of two f32, 48 bits, where the self-test allows it; {host}"),
+        (Accuracy::Certified, _) => {
+            format!("f32 with an error bound; {host}; unsure pixels are settled in exact arithmetic")
+        }
+        (_, Method::Native64) => format!("f64; {host} and passed as sums of two f32"),
+        (_, Method::DoubleFloat) => format!("sums of two f32 (48 bits), if the adapter passes the self-test; {host}"),
         _ => format!("f32; {host} and rounded once"),
     }
 }
@@ -363,45 +367,45 @@ fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
     Aov::ALL.iter().filter_map(shown).collect()
 }
 
-/// What is not requested or not in the scene, and what is therefore left out.
+/// What is left out because it is not requested or not in the scene.
 fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, device: bool) -> Vec<LeftOut> {
     let mut out = Vec::new();
     let mut leave = |what, why: &str| out.push(LeftOut { what, why: why.to_owned() });
     if !device {
         let why = match plan.accuracy {
-            Accuracy::Exact => "exact answers are made on the CPU",
-            Accuracy::Certified if settings.backend != Backend::Cpu => "the CPU does this frame",
-            _ => "the CPU path runs the kernels' twins",
+            Accuracy::Exact => "exact answers are computed on the CPU",
+            Accuracy::Certified if settings.backend != Backend::Cpu => "this frame is computed on the CPU",
+            _ => "the CPU path runs the kernels' CPU twins",
         };
         leave("device", why);
     }
     match plan.shade() {
-        None => leave("shading", "no picture is asked for"),
-        Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not show them"),
+        None => leave("shading", "no picture is requested"),
+        Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not use them"),
         Some(_) if scene.spheres.colors.is_none() => {
-            leave("sphere colours", "the scene has none: one constant for all");
+            leave("sphere colours", "the scene has none; all spheres have the default colour");
         }
         Some(_) => {}
     }
     if !kernel.t {
-        leave("t", "no distance, depth or position is asked for");
+        leave("t", "no distance, depth or position is requested");
     }
     if !kernel.normal {
         match plan.shade() {
-            None | Some(Shade::Flat) => leave("normals", "nobody asked, and nothing is shaded by them"),
-            Some(_) => leave("normal buffer", "nobody asked: normals are made for shading and not kept"),
+            None | Some(Shade::Flat) => leave("normals", "not requested, and the shading does not use them"),
+            Some(_) => leave("normal buffer", "not requested: normals are computed for shading and not stored"),
         }
     }
     match plan.accuracy {
         Accuracy::Fast => leave("certificate", "the accuracy is fast"),
-        _ if !kernel.depth_interval => leave("width of the depth's interval", "no bound is asked for"),
+        _ if !kernel.depth_interval => leave("width of the depth's interval", "no bound is requested"),
         _ => {}
     }
     if !kernel.is_wide() {
-        leave("low parts of the spheres", "only arithmetic beyond f32 reads them");
+        leave("low parts of the spheres", "only methods beyond f32 read them");
     }
     if device && kernel.sharing == Sharing::None {
-        leave("sharing of loads", "this adapter loads a shared address once by itself, or has no fitting subgroups");
+        leave("sharing of loads", "this adapter's hardware shares loads, or it has no suitable subgroups");
     }
     out
 }

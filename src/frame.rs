@@ -1,5 +1,5 @@
-//! The frame: what a rendering leaves behind, as plain buffers with shapes, units and a value on a miss.
-//! The modules below write them to files.
+//! The frame: the result of a rendering, as plain buffers with shapes, units and a value on a miss. The modules below
+//! write them to files.
 
 pub mod array;
 mod atomic;
@@ -8,6 +8,7 @@ mod encode;
 mod exr;
 pub mod file;
 pub mod format;
+pub mod image_file;
 pub mod merge;
 pub mod npy;
 mod npz;
@@ -15,7 +16,6 @@ mod pfm;
 mod plain;
 pub mod png;
 pub mod provenance;
-pub mod sheet;
 pub mod srgb;
 
 use crate::error::{Error, Result};
@@ -40,11 +40,11 @@ pub enum Aov {
     Id,
     /// 1 hit, 0 miss, H,W u8.
     Mask,
-    /// 0 answered and certified in f32, 1 settled, 255 not certified, H,W u8; a miss is answered like a hit.
+    /// 0 certified in f32, 1 settled, 255 not certified, H,W u8; a miss has a certainty like a hit.
     Certainty,
     /// Proven bound of the distance's error, H,W f64, scene units; 0 on a miss, +inf where nothing is proven.
     Bound,
-    /// How much of the pixel is covered: the share of its samples that hit, H,W f32; 0 on a miss.
+    /// Coverage of the pixel: the share of its samples that hit, H,W f32; 0 on a miss.
     Alpha,
 }
 
@@ -87,7 +87,7 @@ impl Aov {
         }
     }
 
-    /// The type of its values, by NumPy's name: `float32`, `float64`, `int32` or `uint8`.
+    /// The type of its values, as NumPy names it: `float32`, `float64`, `int32` or `uint8`.
     pub fn dtype(self) -> &'static str {
         match self {
             Self::Color | Self::Normal | Self::Alpha => "float32",
@@ -107,7 +107,7 @@ impl fmt::Display for Aov {
 impl FromStr for Aov {
     type Err = Error;
 
-    /// The buffer of that name; [`Error::Settings`] lists the names there are.
+    /// The buffer with this name; [`Error::Settings`] lists the names.
     fn from_str(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|aov| aov.name() == name).ok_or_else(|| {
             let names = Self::ALL.map(Self::name).join(", ");
@@ -131,7 +131,7 @@ pub enum Data {
 }
 
 impl Data {
-    /// How many values.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::F32(values) => values.len(),
@@ -141,12 +141,12 @@ impl Data {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The type of the values, by NumPy's name.
+    /// The type of the values, as NumPy names it.
     pub fn dtype(&self) -> &'static str {
         match self {
             Self::F32(_) => "float32",
@@ -160,7 +160,7 @@ impl Data {
 /// One buffer of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Buffer {
-    /// Which one.
+    /// The buffer's name.
     pub aov: Aov,
     /// `[H, W]` or `[H, W, 3]`.
     pub shape: Vec<usize>,
@@ -171,28 +171,28 @@ pub struct Buffer {
 /// A rendered frame: its buffers and its report.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// Columns of the buffers, pixels: those of the window.
+    /// Columns of the window.
     pub width: u32,
-    /// Rows of the buffers, pixels.
+    /// Rows of the window.
     pub height: u32,
-    /// Which part of the full frame the buffers hold.
+    /// The window of the full frame that the buffers hold.
     pub window: Window,
     /// W and H of the full frame, pixels.
     pub full: [u32; 2],
-    /// The buffers asked for and the ids, in the order of [`Aov::ALL`].
+    /// The requested buffers and the ids, in the order of [`Aov::ALL`].
     pub buffers: Vec<Buffer>,
-    /// Who computed it, how and how long.
+    /// The report: device, method, times, warnings.
     pub report: crate::report::Report,
 }
 
 impl Frame {
-    /// The buffer, if it was asked for.
+    /// The buffer, if it was requested.
     #[must_use]
     pub fn get(&self, aov: Aov) -> Option<&Buffer> {
         self.buffers.iter().find(|buffer| buffer.aov == aov)
     }
 
-    /// The values of an f32 buffer (colour, normal, alpha), if it was asked for.
+    /// The values of an f32 buffer (colour, normal, alpha), if it was requested.
     #[must_use]
     pub fn f32(&self, aov: Aov) -> Option<&[f32]> {
         match &self.get(aov)?.data {
@@ -201,7 +201,7 @@ impl Frame {
         }
     }
 
-    /// The values of an f64 buffer (distance, depth, position, bound), if it was asked for.
+    /// The values of an f64 buffer (distance, depth, position, bound), if it was requested.
     #[must_use]
     pub fn f64(&self, aov: Aov) -> Option<&[f64]> {
         match &self.get(aov)?.data {
@@ -210,7 +210,7 @@ impl Frame {
         }
     }
 
-    /// Index of the sphere each pixel shows, -1 on a miss; H x W, always there.
+    /// Index of the sphere that each pixel shows, -1 on a miss; H x W, always present.
     #[must_use]
     pub fn ids(&self) -> &[i32] {
         match self.get(Aov::Id).map(|buffer| &buffer.data) {
@@ -219,7 +219,7 @@ impl Frame {
         }
     }
 
-    /// The picture in 8-bit sRGB, alpha 255, if colour was asked for.
+    /// The picture in 8-bit sRGB, alpha 255, if colour was requested.
     #[must_use]
     pub fn image(&self) -> Option<image::RgbaImage> {
         let bytes: Vec<u8> = self
@@ -245,22 +245,22 @@ impl Buffer {
         buffer.check().map(|()| buffer)
     }
 
-    /// Whether shape, type and number of values are those the buffer's name promises; the writers ask this first.
+    /// Checks shape, type and number of values against the buffer's name; writers call it first.
     ///
     /// # Errors
-    /// [`Error::Settings`] with what was found and what was promised.
+    /// [`Error::Settings`] with the found and the expected layout.
     pub fn check(&self) -> Result<()> {
         let (aov, channels) = (self.aov, self.aov.channels());
         let tail: &[usize] = if channels > 1 { &[channels] } else { &[] };
-        // A product that overflows belongs to no buffer that fits the memory.
+        // A product that overflows is larger than any buffer in memory.
         let values = self.shape.iter().try_fold(1usize, |n, side| n.checked_mul(*side));
         let shaped = self.shape.len() >= 2 && &self.shape[2..] == tail && values == Some(self.data.len());
         if shaped && self.data.dtype() == aov.dtype() {
             return Ok(());
         }
         let (dtype, len) = (self.data.dtype(), self.data.len());
-        let problem = format!("{len} values of {dtype} in the shape {:?} are no {aov} buffer", self.shape);
+        let problem = format!("found {len} values of {dtype} in the shape {:?} for the {aov} buffer", self.shape);
         let axes = if channels > 1 { "[H, W, 3]" } else { "[H, W]" };
-        Err(Error::settings(problem, format!("give {axes} of {}", aov.dtype())))
+        Err(Error::settings(problem, format!("use {axes} of {}", aov.dtype())))
     }
 }

@@ -1,26 +1,27 @@
 //! halfline renders spheres, from atoms to planets, headless, on any GPU, on software Vulkan or on the CPU.
 //!
-//! The data's way, one direction, and the files follow it:
+//! The data flows one way, and the modules follow it:
 //!
 //! ```text
 //! scene file -> Scene (f64, world) -> View (canonical camera) -> rays -> nearest hit -> shade -> Frame -> files
 //! ```
 //!
-//! - [`scene`]: spheres, colours, camera, image; f64 and taken as exact. Readers make it.
-//! - [`camera`]: the general perspective camera and the orthographic one, by the names of the lecture: eye, view, up; basis u, v, w; viewport
-//!   vw x vh at distance d.
-//! - [`view`]: *move the world, not the ray*. Spheres come into the canonical camera in f64 and are rounded once.
+//! - [`scene`]: spheres, colours, camera and image in f64, taken as exact. Readers make it.
+//! - [`camera`]: the general perspective camera and the orthographic one, by the names of the lecture: eye, view, up;
+//!   basis u, v, w; viewport vw x vh at distance d.
+//! - [`view`]: *move the world, not the ray*. Spheres are moved into the canonical camera in f64 and rounded once.
 //! - [`ray`]: one viewing ray per pixel, (u, v, -d) from the origin; only t > 0 counts.
-//! - [`intersect`]: THE list of forms of the ray-sphere quadratic, each a WGSL file with a CPU twin.
-//! - [`shade`]: a hit becomes a colour.
+//! - [`intersect`]: the list of forms of the ray-sphere quadratic, each a WGSL file with a CPU twin.
+//! - [`shade`]: the colour of a hit.
 //! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their files.
-//! - [`render`](mod@render): one frame the whole way; a [`Renderer`] keeps device and kernels for many.
-//! - [`trace`](mod@trace): the same for given rays.
-//! - [`settings`]: what is asked for besides the scene.
-//! - [`plan`]: the one place that decides what a scene requires.
-//! - [`quote`]: foreign text in messages.
-//! - [`progress`]: who is told how far the work is, and who may end it.
-//! - [`measure`]: how far apart two frames are; speed against error of every form, held against exact arithmetic.
+//! - [`render`](mod@render): renders one frame from scene to buffers; a [`Renderer`] keeps device and kernels for many.
+//! - [`trace`](mod@trace): traces given rays.
+//! - [`settings`]: the settings of a rendering.
+//! - [`plan`]: decides what a scene requires: method, accuracy, search.
+//! - [`quote`]: quotes text of files in messages.
+//! - [`progress`]: progress reporting and cancellation.
+//! - [`measure`]: compares frames, and measures speed against error of every method, with exact arithmetic as the
+//!   reference.
 //!
 //! # Ten lines
 //!

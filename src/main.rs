@@ -1,4 +1,4 @@
-//! The command `halfline`: run, print one error, exit with its code.
+//! The command `halfline`: runs, prints at most one error, exits with its code.
 
 mod cli;
 

@@ -1,7 +1,6 @@
-//! Measuring: numbers about frames and about how far they lie apart.
+//! Measurements: comparing frames, and speed and error of every method.
 
 pub mod compare;
-pub mod contender;
 pub mod export;
 pub mod frames;
 pub mod picture;
@@ -14,10 +13,11 @@ pub mod run;
 pub mod score;
 pub mod suite;
 pub mod total;
+pub mod variant;
 pub mod verdict;
 
 use crate::error::{Error, Place, Result};
-pub use crate::frame::array::{Array, Number, Values};
+pub use crate::frame::array::{Array, ArrayValue, Values};
 use crate::frame::{npy, png};
 use crate::memory::check;
 use std::fs::File;
@@ -46,15 +46,16 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>> {
 }
 
 impl Array {
-    /// Reads a .png or .npy file, told apart by content; `-` is standard input.
+    /// Reads a .png or .npy file, detected by content; `-` is standard input.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit the memory, [`Error::Scene`] at the file for one that makes no sense.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit into memory,
+    /// [`Error::Scene`] at a malformed file.
     pub fn read(path: &Path) -> Result<Self> {
         Self::from_bytes(&bytes_of(path)?, &path.display().to_string())
     }
 
-    /// The array in `bytes`, a whole .png or .npy file.
+    /// Reads the array in `bytes`, a complete .png or .npy file.
     ///
     /// # Errors
     /// [`Error::Scene`] at the file `name`.
@@ -64,7 +65,7 @@ impl Array {
         } else if bytes.starts_with(npy::MAGIC) {
             npy::read(bytes, name)
         } else {
-            Err(Error::scene(Place::file(name), "neither PNG nor .npy", "give a frame that halfline wrote"))
+            Err(Error::scene(Place::file(name), "not a PNG or .npy file", "use a frame that halfline wrote"))
         }
     }
 }

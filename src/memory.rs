@@ -1,5 +1,5 @@
-//! Memory: what cannot be had is refused before the work, where the system would promise it and later end the process;
-//! and what was had is kept from frame to frame.
+//! Memory limits and buffer reuse. A request that exceeds the free memory is refused before the work begins, because an
+//! overcommitting system would grant it and end the process later. Buffers are reused from frame to frame.
 
 mod free;
 mod room;
@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use std::any::Any;
 use std::sync::Mutex;
 
-/// Vectors of earlier frames, to be written again: having the system hand out and clear the same pages for every frame
-/// takes a third of a frame's time.
+/// Vectors of earlier frames for reuse: allocating and clearing the pages of every frame takes a third of a frame's
+/// time.
 #[derive(Debug, Default)]
 pub(crate) struct Pool(Mutex<Vec<Spare>>);
 
@@ -20,17 +20,18 @@ pub(crate) struct Pool(Mutex<Vec<Spare>>);
 struct Spare {
     /// A `Vec` of some type.
     vector: Box<dyn Any + Send>,
-    /// Its size.
+    /// Its size in bytes.
     bytes: u64,
-    /// Frames since it was last of use.
+    /// Frames since its last use.
     age: u32,
 }
 
-/// Frames after which nobody is expected to ask again.
+/// Frames after which an unused vector is freed.
 const STALE: u32 = 2;
 
 impl Pool {
-    /// A vector with room for `n`, and whatever an earlier frame left in it: who takes it writes all of it.
+    /// A vector with capacity for `n`, with the contents that an earlier frame left in it: the caller overwrites all of
+    /// it.
     pub(crate) fn take<T: Send + 'static>(&self, n: usize) -> Vec<T> {
         let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let room = |spare: &Spare| spare.vector.downcast_ref::<Vec<T>>().map(Vec::capacity).filter(|c| *c >= n);
@@ -39,15 +40,18 @@ impl Pool {
         spares.swap_remove(place).vector.downcast().map_or_else(|_| Vec::new(), |vector| *vector)
     }
 
-    /// A vector of `n` values, all of which the caller writes; new ones are zeros.
+    /// A vector of `n` values, all of which the caller overwrites; new ones are zeros.
     ///
     /// # Errors
-    /// [`Error::Limits`] when the memory cannot be had.
+    /// [`Error::Limits`] when the memory cannot be allocated.
     pub(crate) fn values<T: Send + Clone + Default + 'static>(&self, n: usize) -> Result<Vec<T>> {
         let mut vector = self.take(n);
         vector.truncate(n);
         vector.try_reserve_exact(n - vector.len()).map_err(|_| Error::Limits {
-            problem: format!("{} bytes for one buffer of the frame cannot be had", n.saturating_mul(size_of::<T>())),
+            problem: format!(
+                "{} bytes for one buffer of the frame cannot be allocated",
+                n.saturating_mul(size_of::<T>())
+            ),
             mend: "render a smaller --size or fewer buffers".into(),
         })?;
         vector.resize(n, T::default());
@@ -63,13 +67,13 @@ impl Pool {
         }
     }
 
-    /// Bytes of everything that is kept: the next frame takes of these before it asks the system.
+    /// Bytes of all vectors in the pool, which the next frame reuses before it allocates.
     pub(crate) fn kept(&self) -> u64 {
         let spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         spares.iter().map(|spare| spare.bytes).sum()
     }
 
-    /// A frame begins: what was of no use for some frames is let go.
+    /// Begins a frame: frees vectors that were not used for some frames.
     pub(crate) fn next_frame(&self) {
         let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         spares.retain_mut(|spare| {
@@ -94,6 +98,6 @@ mod tests {
         assert_eq!(pool.values::<u32>(100).expect("room"), [7; 100], "as it was left");
         assert_eq!(pool.values::<u32>(3).expect("room"), [0; 3], "taken already");
         (0..=STALE).for_each(|_| pool.next_frame());
-        assert_eq!(pool.take::<f32>(1), [0.0; 0], "nobody asked for frames");
+        assert_eq!(pool.take::<f32>(1), [0.0; 0], "unused vectors are freed");
     }
 }

@@ -11,10 +11,10 @@ use std::io::{self, Read};
 /// The bytes every .npy file begins with.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// NumPy itself refuses longer headers; those of this program have about a hundred bytes.
+/// The longest header that NumPy accepts; those of this program have about a hundred bytes.
 const LONGEST: usize = 10_000;
 
-/// A header: what follows it in the file.
+/// A header: the layout of the values after it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Header {
     pub(crate) dtype: DType,
@@ -28,9 +28,9 @@ pub(crate) struct Header {
 pub(crate) enum DType {
     /// A type string of the array interface, such as `<f8`.
     Plain(String),
-    /// So many values of one type.
+    /// An array of that many values of one type.
     Array(u64, Box<DType>),
-    /// Named fields, one after the other.
+    /// Named fields in sequence.
     Record(Vec<Field>),
 }
 
@@ -41,22 +41,22 @@ pub(crate) struct Field {
     pub(crate) dtype: DType,
 }
 
-/// Why a file has no header that can be used.
+/// Why a file has no usable header.
 #[derive(Debug)]
 pub(crate) enum Fault {
     Io(io::Error),
-    /// The file begins with other bytes than [`MAGIC`].
+    /// The file does not begin with [`MAGIC`].
     Magic,
     /// The file ends before its header does.
     Cut,
-    /// The header has so many bytes.
+    /// The length of the header in bytes is too large.
     Long(usize),
     /// The header's text, or the part of it that a message can quote.
     Malformed(String),
 }
 
 impl Fault {
-    /// The part of the file at fault.
+    /// The part of the file that is wrong.
     pub(crate) fn field(&self) -> &'static str {
         if matches!(self, Self::Magic) { "magic" } else { "header" }
     }
@@ -75,7 +75,7 @@ impl Display for Fault {
 }
 
 impl Header {
-    /// Reads the header; `reader` is then at the first value. Memory is bounded, whatever the file claims.
+    /// Reads the header; `reader` is then at the first value. Memory is bounded independently of the file's content.
     pub(crate) fn read(reader: &mut impl Read) -> Result<Self, Fault> {
         let mut exact = |bytes: &mut [u8]| {
             reader.read_exact(bytes).map_err(|error| match error.kind() {
@@ -111,8 +111,8 @@ impl Header {
         is_countable.then_some(header)
     }
 
-    /// The number of bytes that follow; `None` where they are not fixed, or where a product of sides overflows, even
-    /// beside a side of 0.
+    /// The number of bytes of the array's data. `None` if the data type has no fixed size, or if the product of the
+    /// nonzero sides overflows a u64.
     pub(crate) fn data_bytes(&self) -> Option<u64> {
         let one = self.dtype.bytes()? as u64;
         let nonzero = self.shape.iter().filter(|side| **side > 0).try_fold(one, |n, side| n.checked_mul(*side))?;
@@ -142,12 +142,12 @@ impl DType {
         }
     }
 
-    /// Bytes of a value; `None` where they are not fixed (Python objects) or more than memory can have.
+    /// Bytes per value; `None` if they are not fixed (Python objects) or exceed any memory.
     pub(crate) fn bytes(&self) -> Option<usize> {
         match self {
             Self::Plain(name) => {
                 let kind = name.chars().nth(1)?;
-                // `<M8[ns]` ends in a unit.
+                // `<M8[ns]` ends with a unit.
                 let digits = name.get(2..)?.split('[').next()?;
                 let size: usize = digits.parse().ok()?;
                 // Text is counted in characters of four bytes.

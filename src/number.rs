@@ -1,8 +1,9 @@
-//! The numbers of the CPU twins: one body of code, several arithmetics.
+//! Number types of the CPU twins: one body of code, several arithmetics.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number type for the twins of the kernels. f32 mirrors the device bit for bit where the device rounds as IEEE does.
+/// A number type for the CPU twins of the kernels. f32 equals the device bit for bit where the device rounds as IEEE 754
+/// does.
 pub trait Number:
     Copy
     + PartialOrd
@@ -23,11 +24,11 @@ pub trait Number:
     const HALF: Self;
     /// 1.
     const ONE: Self;
-    /// Exactly this number.
+    /// This f32, exactly.
     fn from_f32(x: f32) -> Self;
-    /// hi and what rounding took from it, as far as this arithmetic can hold it.
+    /// hi plus its rounding error lo, as far as this arithmetic holds them.
     fn from_hi_lo(hi: f32, lo: f32) -> Self;
-    /// The nearest f32, and the f32 nearest to what it lacks.
+    /// The nearest f32, and the f32 nearest to the remainder.
     fn to_hi_lo(self) -> (f32, f32);
     /// Times a power of two.
     fn scaled(self, power: Self) -> Self {

@@ -1,4 +1,4 @@
-//! What a scene requires, decided in one place: which kernel, which sharing, which buffers, which precision.
+//! Decides what a scene requires: accuracy, method, search, kernel and buffers.
 
 mod choose;
 mod search;
@@ -13,25 +13,25 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use serde::Serialize;
 
-/// The decisions for one scene and request, in words that can be printed.
+/// The decisions for one scene and its settings, with their reasons.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
-    /// The form of the quadratic; `certified` and `exact` choose their own.
+    /// The intersection method; `certified` and `exact` choose their own.
     pub method: &'static str,
-    /// What the answers are worth: fast, certified or exact.
+    /// The accuracy of the answers: fast, certified or exact.
     pub accuracy: Accuracy,
     /// Why this accuracy and this method.
     pub reason: String,
-    /// What rounding can do at worst, where that was asked before choosing.
+    /// The predicted worst-case rounding error, where it was computed for the choice.
     pub predicted: Option<Prediction>,
-    /// How candidates are found: never `auto`.
+    /// How candidates are found; never `auto`.
     #[serde(serialize_with = "by_name")]
     pub search: Search,
-    /// Why so.
+    /// Why this search.
     pub search_reason: &'static str,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
-    /// The kernel of the samples, where colour and alpha are means of them; then `kernel` makes no colour.
+    /// The kernel of the samples, with several samples per pixel; `kernel` then computes no colour.
     #[serde(skip)]
     pub(crate) sampled: Option<Kernel>,
 }
@@ -41,16 +41,16 @@ fn by_name<S: serde::Serializer>(search: &Search, serializer: S) -> Result<S::Ok
 }
 
 impl Plan {
-    /// How colour is made, if anybody asked for it.
+    /// The shading, if colour is requested.
     pub(crate) fn shade(&self) -> Option<Shade> {
         self.sampled.unwrap_or(self.kernel).shade
     }
 
-    /// Decides what `scene` requires for the buffers asked for, among the methods that `admits` lets run.
+    /// Decides what `scene` requires for the requested buffers, among the methods that `admits` accepts.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a method together with a certificate or parallel rays, [`Error::Scene`] for spheres that do not fit one
-    /// frame.
+    /// [`Error::Settings`] for a method together with a certificate or parallel rays, [`Error::Scene`] for spheres that
+    /// exceed the range of one frame.
     pub fn new(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Self> {
         if settings.search == Search::Tree {
             return Err(search::only_given_rays());
@@ -81,7 +81,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Decides for so many given rays and spheres: no pixels, no colour.
+    /// The plan for given rays: no pixels, no colour.
     ///
     /// # Errors
     /// [`Error::Settings`] for a certificate or tiles.
@@ -93,12 +93,16 @@ impl Plan {
         Ok(plan)
     }
 
-    /// What the settings alone decide: a kernel that writes nothing but ids.
+    /// What the settings alone decide: a kernel that writes only ids.
     pub(crate) fn for_method(settings: &Settings) -> Result<Self> {
         let promised = matches!(settings.accuracy, Accuracy::Certified | Accuracy::Exact);
         if let (Some(method), true) = (settings.method, promised) {
-            let problem = format!("method {} runs alone and cannot be {}", method.name(), settings.accuracy.name());
-            return Err(Error::settings(problem, "leave out --method or --accuracy"));
+            let problem = format!(
+                "method {} is uncertified, so the accuracy cannot be {}",
+                method.name(),
+                settings.accuracy.name()
+            );
+            return Err(Error::settings(problem, "remove --method or --accuracy"));
         }
         let method = settings.method.unwrap_or(Method::Stable);
         let kernel = Kernel::bare(method);
@@ -107,7 +111,7 @@ impl Plan {
         Ok(Self { method, accuracy, reason, predicted: None, search, search_reason, kernel, sampled: None })
     }
 
-    /// The same without tiles, where the spheres cannot be binned into them.
+    /// The same plan without tiles, where the spheres cannot be binned into them.
     pub(crate) fn without_tiles(self) -> Self {
         let without = |kernel: Kernel| Kernel { tiles: false, ..kernel };
         let (kernel, sampled) = (without(self.kernel), self.sampled.map(without));

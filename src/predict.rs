@@ -1,79 +1,82 @@
-//! What rounding can do to a method's answers, known before anything is rendered: a bound from the spheres' extents
+//! Predicts the worst-case rounding error of a method before anything is rendered: a bound from the spheres' extents
 //! alone, for every ray of every picture from this eye. docs/prediction.md derives it line by line.
 //!
 //! Two numbers, each the exact counterpart of what [`crate::measure::score`] observes:
 //!
-//! - *outline*: a ray whose distance l from a sphere's centre differs from its radius r by more than outline * r is
-//!   not misjudged: no false hit, no false miss;
-//! - *distance*: |t - t*| / t* of what is rightly shown, and of a sphere shown in the place of another that is as near.
+//! - *outline*: a ray whose distance l from a sphere's centre differs from its radius r by more than outline * r has
+//!   the right answer: no false hit, no false miss;
+//! - *distance*: |t - t*| / t* of a correct hit, and of a sphere shown in place of another that is equally near.
 //!
-//! With k = |p|/r, p from the eye to the centre, the perpendicular form has an outline of order k u and the lecture's
-//! forms of order k^2 u: they subtract squares of the distance from each other. Near the outline D is small and its
-//! error counts by its square root, which is what makes distances worst there.
+//! With k = |p|/r, p from the eye to the centre, the perpendicular form has an outline error of order k u and the
+//! lecture's forms of order k^2 u, because they subtract squares of the distance. Near the outline D is small and t has
+//! the square root of its error, so distances are worst there.
 
 use crate::error::{Error, Result};
 use crate::intersect::{Form, Method};
+use crate::quote::number;
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// The unit roundoff of WGSL's f32: it may round either way.
+/// The unit roundoff of WGSL's f32, which may round either way.
 const U: f64 = 1.0 / (1u64 << 23) as f64;
-/// The host's rounding to f32, to nearest.
+/// The host's rounding error of f32, to nearest.
 const HOST: f64 = 1.0 / (1u64 << 24) as f64;
-/// What two f32 keep of an f64: the low part is rounded to 24 bits of what the high one left, half an ulp at most.
+/// Relative error of an f64 stored as two f32: the low part holds 24 bits of the remainder, half an ulp at most.
 const PAIR: f64 = HOST * HOST;
-/// f64 on a device, rounding either way like its f32.
+/// The unit roundoff of f64 on a device, rounding either way.
 const U64: f64 = 1.0 / (1u64 << 52) as f64;
 /// c - e rotated by the host in f64, as a vector: 5 * 2^-53 |c - e|_1 a component (certify/lens.rs), twice sqrt(3).
 const ROTATED: f64 = 15.0 / (1u64 << 53) as f64;
 /// The power of the eye from double-double, in a unit in which max(|p|, r) is at least 1 and the terms below 16.
 const POWER: f64 = HOST * HOST * HOST / (1u64 << 20) as f64;
-/// t times a length, in f64 on the host: some ten roundings.
+/// t times a length, in f64 on the host: about ten roundings.
 const ASSEMBLED: f64 = 1.0 / (1u64 << 49) as f64;
-/// The largest norm of (a_y b_z + a_z b_y, ...) for unit vectors, sqrt(4/3) at a = b = (1, 1, 1)/sqrt(3): what the
-/// roundings of a cross product add up to.
+/// The largest norm of (a_y b_z + a_z b_y, ...) for unit vectors, sqrt(4/3) at a = b = (1, 1, 1)/sqrt(3): the sum of
+/// the rounding errors of a cross product.
 const CROSS: f64 = 1.1548;
-/// Numbers below 2^-126 may be flushed; |d| < 4 and a few factors of 2 lie between t and what is flushed.
+/// Numbers below 2^-126 may be flushed; |d| < 4 and a few factors of 2 lie between t and the flushed numbers.
 const VANISH: f64 = HOST * HOST * HOST * HOST * HOST / 4.0;
-/// Products of two errors, and the rounding of the extents to f32: some ten times 2^-23 of the bound itself, 2^-10 where
-/// an error is so large that its square counts.
+/// Products of two errors, and the rounding of the extents to f32: about ten times 2^-23 of the bound itself, 2^-10
+/// where an error is so large that its square matters.
 const INFLATE: f64 = 1.0 + 1.0 / 1024.0;
 
 /// A-priori bounds of one method on one scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prediction {
-    /// How far an outline may be off, in radii of its sphere.
+    /// Bound of the error of an outline, in radii of its sphere.
     pub outline: f64,
-    /// How far a distance may be off, relative to itself; infinite where nothing can be said.
+    /// Bound of the relative error of a distance; infinite where there is no bound.
     pub distance: f64,
-    /// The sphere with the worst of both; indices count in the scene's order.
+    /// The sphere with the worst of both, by its index in the scene's order.
     pub sphere: u32,
-    /// How far that sphere's centre is from the eye, in its radii.
+    /// The distance of that sphere's centre from the eye, in its radii.
     pub radii: f64,
 }
 
 impl Prediction {
-    /// For `method` on `scene`; `None` without spheres.
+    /// The prediction for `method` on `scene`; `None` without spheres.
     ///
     /// # Errors
-    /// Those of [`View::new`]; [`Error::Settings`] for an orthographic camera, which no method that runs alone has.
+    /// Those of [`View::new`]; [`Error::Settings`] for an orthographic camera, which uncertified methods do not
+    /// support.
     pub fn of(scene: &Scene, method: Method) -> Result<Option<Self>> {
         Ok(Self::each(scene, &[method])?.map(|each| each[0]))
     }
 
-    /// For each of `methods`, in one pass over the spheres.
+    /// The predictions for each of `methods`, in one pass over the spheres.
     pub(crate) fn each(scene: &Scene, methods: &[Method]) -> Result<Option<Vec<Self>>> {
         if scene.camera.lens.is_orthographic() {
-            let problem = "no method runs alone with parallel rays, and nothing is predicted of certified answers";
-            return Err(Error::settings(problem, "render them, or give the camera a vfov"));
+            let problem =
+                "uncertified methods do not support orthographic cameras, and certified answers need no prediction";
+            return Err(Error::settings(problem, "render without a prediction, or give the camera a vfov"));
         }
         let view = View::without_spheres(scene)?;
         Ok(Self::among(view.moved(&scene.spheres.centers, &scene.spheres.radii), methods))
     }
 
-    /// For the spheres of `scene`'s view, which may not keep them.
+    /// The prediction for the spheres of `scene`'s view, which may not store their records.
     pub(crate) fn of_view(view: &View, scene: &Scene, method: Method) -> Option<Self> {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let one = |(id, s)| Self::of_sphere(&Extent::of(&s), id as u32, method);
@@ -97,51 +100,52 @@ impl Prediction {
             Form::General => lecture(&general(extent), extent),
             Form::Normalised => lecture(&normalised(extent), extent),
         };
-        // What is no number is no promise.
+        // NaN means that there is no bound.
         let sure = |x: f64| if x.is_nan() { f64::INFINITY } else { INFLATE * x };
         Self { outline: sure(outline), distance: sure(distance), sphere, radii: extent.k }
     }
 
-    /// Both together; of equally bad spheres the first.
+    /// The worse of both; for equally bad spheres the first.
     fn and(self, other: Self) -> Self {
         let worse = other.worst() > self.worst() || other.worst() == self.worst() && other.sphere < self.sphere;
         let named = if worse { other } else { self };
         Self { outline: self.outline.max(other.outline), distance: self.distance.max(other.distance), ..named }
     }
 
-    /// The larger of both numbers: what a tolerance is held against.
+    /// The larger of both numbers, which is compared with a tolerance.
     #[must_use]
     pub fn worst(&self) -> f64 {
         self.outline.max(self.distance)
     }
 }
 
-/// Outlines that are off by more than this are warned of: a fiftieth of a radius can be seen.
+/// Outline errors above this give a warning: a fiftieth of a radius is visible.
 const VISIBLE: f64 = 0.02;
 
 impl Prediction {
-    /// A warning with a number and a mend, where the error can be seen.
+    /// A warning with the numbers and a remedy, where the error is visible.
     #[must_use]
     pub fn warning(&self, method: Method) -> Option<String> {
         (self.outline > VISIBLE).then(|| {
-            let Self { outline, distance, sphere, radii } = self;
+            let [outline, distance, radii] = [self.outline, self.distance, self.radii].map(|x| number(x, 2));
+            let sphere = self.sphere;
             format!(
-                "method {} places outlines only within {outline:.1e} radii and distances within {distance:.1e}, worst at \
-                 sphere {sphere}, {radii:.1e} radii away; use --accuracy certified",
+                "method {} places outlines only within {outline} radii and distances within {distance}, worst at \
+                 sphere {sphere}, {radii} radii away; use --accuracy certified",
                 method.name()
             )
         })
     }
 }
 
-/// All that the bounds need to know of a sphere.
+/// The properties of a sphere that the bounds depend on.
 struct Extent {
     /// Distance of its centre in radii.
     k: f64,
     /// Power of the eye in squares of its radius, |k^2 - 1|, exact where k^2 - 1 would cancel.
     power: f64,
     outside: bool,
-    /// What flushing may take from t, relative to the distance of the surface.
+    /// The error of t due to flushing, relative to the distance of the surface.
     flushed: f64,
 }
 
@@ -155,13 +159,13 @@ impl Extent {
         Self { k: far / r, power: power.abs() / (r * r), outside: power > 0.0, flushed }
     }
 
-    /// |k - 1|: the distance of the surface.
+    /// |k - 1|: the distance of the surface in radii.
     fn gap(&self) -> f64 {
         self.power / (self.k + 1.0)
     }
 }
 
-/// Relative errors of one arithmetic: of its inputs, and of its operations.
+/// Relative errors of an arithmetic: of its inputs and of its operations.
 struct Arithmetic {
     /// Of p, as a vector.
     center: f64,
@@ -198,7 +202,7 @@ const F64: Arithmetic = Arithmetic {
     root: 4.6 * U64,
 };
 
-/// Its operations as published (intersect/double_float.rs names the sources), with v^3 terms in the last digit.
+/// Its operations as published (intersect/double_float.rs cites the sources), with v^3 terms in the last digit.
 const DOUBLE_FLOAT: Arithmetic = Arithmetic {
     center: PAIR + ROTATED,
     radius: PAIR,
@@ -220,7 +224,7 @@ impl Arithmetic {
         }
     }
 
-    /// A sum of three products, relative to the sum of their sizes.
+    /// A sum of three products, relative to the sum of their absolute values.
     fn dot(&self) -> f64 {
         self.mul + 2.0 * self.add
     }
@@ -228,20 +232,21 @@ impl Arithmetic {
 
 /// D = a r^2 - g.g with g = p x d, t = c/q or q/a: intersect/stable.rs in any arithmetic.
 fn perpendicular(a: &Arithmetic, s: &Extent) -> [f64; 2] {
-    // Of g, in r |d|: its products and both its inputs, |p||d| as large. Its differences are off by a share of g itself.
+    // Of g, in r |d|: its products and both its inputs, |p||d| as large. Its differences have an error relative to g
+    // itself.
     let tilt = (CROSS * a.mul + a.center + a.direction) * s.k;
     // |g| = r |d| at the outline; of squares, a r^2 and g.g, half.
     let outline = tilt + a.add + 0.5 * (2.0 * a.dot() + 2.0 * a.mul) + a.radius;
     // Of D, in a r^2, for a ray that hits: |g| <= r |d|.
     let e = tilt * (2.0 + tilt) + 2.0 * (a.direction + a.radius + a.dot() + a.mul + a.add);
-    // Of D over the least that b^2 or D leave for q, c: sqrt(D) and sqrt(D + e) differ by less than sqrt(e).
+    // Error of D over the smallest b^2 or D for q, c: sqrt(D) and sqrt(D + e) differ by less than sqrt(e).
     let x2 = e / s.power;
-    // b, q, and all else that is relative to t; b >= sqrt(a c) or q >= sqrt(a |c|).
+    // b, q, and all errors that are relative to t; b >= sqrt(a c) or q >= sqrt(a |c|).
     let b = (a.dot() + a.center + a.direction) * s.k / s.power.sqrt();
     let host = a.power + POWER * (s.k * s.k).max(1.0) / s.power + ASSEMBLED;
     let y = b + host + a.div + 2.0 * a.add + a.root + a.dot() + 2.0 * a.direction + s.flushed;
     let lost = match s.outside {
-        // q = b + sqrt(D) with b^2 = D + a c: the worst loses a D as large as its error.
+        // q = b + sqrt(D) with b^2 = D + a c: the worst case loses a D as large as its error.
         true => (x2 / (1.0 + x2)).sqrt() + 1.0,
         // |b| + sqrt(D) where b may be 0 and D is at least a |c|.
         false if x2 < 1.0 => 1.0 / (1.0 - x2).sqrt(),
@@ -250,7 +255,7 @@ fn perpendicular(a: &Arithmetic, s: &Extent) -> [f64; 2] {
     [outline, if y < 1.0 { lost / (1.0 - y) - 1.0 } else { f64::INFINITY }]
 }
 
-/// What sets the lecture's forms apart, in r^2, r and the like.
+/// The errors in which the lecture's forms differ, in r^2, r and the like.
 struct Quadratic {
     /// Of D, in a r^2, by its arithmetic alone.
     squares: f64,
@@ -267,8 +272,8 @@ fn general(s: &Extent) -> Quadratic {
     Quadratic { squares, b: F32.dot() + F32.center + F32.direction, scale: F32.dot() + 2.0 * F32.direction }
 }
 
-/// b^2 - |p|^2 + r^2 for d divided by its length: the length is off by half of d.d and by sqrt, each quotient by its
-/// division, and b^2 by twice that, for nothing cancels it in |p|^2.
+/// b^2 - |p|^2 + r^2 for d divided by its length. The length has an error of half of d.d and of sqrt, each quotient one
+/// of its division, and b^2 twice that, because nothing cancels it in |p|^2.
 fn normalised(s: &Extent) -> Quadratic {
     let k2 = s.k * s.k;
     let length = 0.5 * F32.dot() + F32.root;
@@ -286,20 +291,20 @@ fn lecture(form: &Quadratic, s: &Extent) -> [f64; 2] {
         if e < 1.0 { e / ((1.0 - e).sqrt() + 1.0) } else { grow.max(1.0) }
     };
     let mut outline = tilt + F32.radius + of_square(form.squares);
-    // With the inputs', for a ray that hits.
+    // With the errors of the inputs, for a ray that hits.
     let e = form.squares + tilt * (2.0 + tilt) + 2.0 * (F32.direction + F32.radius);
-    // The sign of a root is that of c: a sphere is seen though it lies behind, or from inside not at all.
+    // The sign of a root is that of c: the wrong sign shows a sphere that lies behind, or hides one from inside.
     let sign = e + 2.0 * F32.root * s.k * s.k + U * (s.k * s.k + 1.0);
     if s.power <= sign {
         outline = outline.max(s.gap());
     }
     let x2 = e / s.power;
-    // sqrt(D) is off by min(sqrt(e), e/sqrt(D)): of the near root that is worst where D = e, of the far one from inside
-    // where D is largest.
+    // The error of sqrt(D) is min(sqrt(e), e/sqrt(D)): for the near root worst where D = e, for the far root from
+    // inside where D is largest.
     let rooted = if s.outside { x2 + (x2 * (1.0 + x2)).sqrt() } else { x2 * (1.0 + s.k) };
     let host = ASSEMBLED + s.flushed;
     let y = (form.b * s.k + F32.root) / s.gap() + form.scale + F32.div + F32.add + host;
-    // Off by the whole distance, the other root may be taken.
+    // With an error of the whole distance, the other root may be taken.
     let distance = rooted + y;
     [outline, if distance < 1.0 { distance } else { f64::INFINITY }]
 }

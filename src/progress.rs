@@ -21,7 +21,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// One word.
+    /// The name, one word.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -31,7 +31,7 @@ impl Step {
         }
     }
 
-    /// What is counted, in the plural.
+    /// What the step counts, in the plural.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -41,15 +41,15 @@ impl Step {
     }
 }
 
-/// How far a step of a frame is. Within a step `done` never decreases; it begins at 0 and, unless the frame fails, ends at
-/// `total`.
+/// Progress of one step. `done` never decreases within a step: it starts at 0 and ends at `total` unless the frame
+/// fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// What is being done.
+    /// The current step.
     pub step: Step,
-    /// How many of them are done; rows that threads are at work on count as done.
+    /// How many are done; rows that threads are working on count as done.
     pub done: u64,
-    /// Of how many: spheres or pixels, as [`Step::unit`] says.
+    /// The total number of spheres or pixels, as [`Step::unit`] says.
     pub total: u64,
 }
 
@@ -58,8 +58,8 @@ pub struct Progress {
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// Work that watches this token ends soon, with [`Error::Interrupted`]: after a band of rows on an adapter, after a few
-    /// rows on the CPU path.
+    /// Cancels the work that watches this token. It ends soon with [`Error::Interrupted`]: after a band of rows on an
+    /// adapter, after a few rows on the CPU path.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -76,11 +76,11 @@ impl Cancel {
     }
 }
 
-/// The interval at which waiting for another thread checks for cancellation.
+/// The interval at which a thread that waits for another one checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 type GoOn = dyn Fn() -> bool + Send + Sync;
-type Hear = dyn FnMut(Progress) + Send;
+type Callback = dyn FnMut(Progress) + Send;
 
 /// Watches long work: callbacks that report progress and that may cancel it. The default does neither.
 ///
@@ -93,7 +93,7 @@ type Hear = dyn FnMut(Progress) + Send;
 /// let (cancel, settings) = (Cancel::default(), Settings::default());
 /// let watch = Watch::default()
 ///     .cancelled_by(&cancel)
-///     .telling(|p| println!("{}: {} of {} {}", p.step.name(), p.done, p.total, p.step.unit()));
+///     .on_progress(|p| println!("{}: {} of {} {}", p.step.name(), p.done, p.total, p.step.unit()));
 /// let mut renderer = Renderer::new(&settings)?.watched_by(watch);
 /// cancel.cancel(); // from any thread, at any time
 /// assert!(matches!(renderer.render(&scene, &settings), Err(Error::Interrupted)));
@@ -104,18 +104,18 @@ type Hear = dyn FnMut(Progress) + Send;
 #[derive(Clone)]
 pub struct Watch {
     go_on: Arc<GoOn>,
-    hear: Option<Arc<Mutex<Hear>>>,
+    callback: Option<Arc<Mutex<Callback>>>,
 }
 
 impl Default for Watch {
     fn default() -> Self {
-        Self { go_on: Arc::new(|| true), hear: None }
+        Self { go_on: Arc::new(|| true), callback: None }
     }
 }
 
 impl fmt::Debug for Watch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Watch").field("told", &self.hear.is_some()).finish_non_exhaustive()
+        f.debug_struct("Watch").field("told", &self.callback.is_some()).finish_non_exhaustive()
     }
 }
 
@@ -136,11 +136,11 @@ impl Watch {
         self.while_true(move || !cancel.is_cancelled())
     }
 
-    /// Reports progress to `hear`, often, from the working threads, one call at a time; so it should be quick. A later
-    /// callback replaces an earlier one.
+    /// Reports progress to `callback` from the working threads, often but one call at a time, so `callback` should be quick. A
+    /// later callback replaces an earlier one.
     #[must_use]
-    pub fn telling(mut self, hear: impl FnMut(Progress) + Send + 'static) -> Self {
-        self.hear = Some(Arc::new(Mutex::new(hear)));
+    pub fn on_progress(mut self, callback: impl FnMut(Progress) + Send + 'static) -> Self {
+        self.callback = Some(Arc::new(Mutex::new(callback)));
         self
     }
 
@@ -157,11 +157,11 @@ impl Watch {
         if self.goes_on() { Ok(()) } else { Err(Error::Interrupted) }
     }
 
-    /// Runs uninterruptible work on a thread of its own and waits for it until it is done or cancelled. After a cancellation
-    /// the thread runs on until its work or the process ends.
+    /// Runs uninterruptible work on a separate thread and waits until it is done or cancelled. After a cancellation the
+    /// thread runs on until its work or the process ends.
     ///
     /// # Errors
-    /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where there is no thread.
+    /// Those of the work, [`Error::Interrupted`], and [`Error::Limits`] where no thread can be started.
     pub(crate) fn wait_for<T: Send + 'static>(&self, work: impl FnOnce() -> Result<T> + Send + 'static) -> Result<T> {
         let worker = thread::Builder::new().name("halfline work".into()).spawn(work).map_err(|e| Error::Limits {
             problem: format!("no thread could be started: {e}"),
@@ -177,7 +177,7 @@ impl Watch {
     /// Begins a step of `total` spheres or pixels.
     pub(crate) fn begin(&self, step: Step, total: u64) -> Doing<'_> {
         let doing = Doing { watch: self, step, total, done: AtomicU64::new(0) };
-        doing.tell();
+        doing.report();
         doing
     }
 }
@@ -196,7 +196,7 @@ impl Doing<'_> {
         let on = self.watch.goes_on();
         if on {
             self.done.fetch_add(more, Ordering::Relaxed);
-            self.tell();
+            self.report();
         }
         on
     }
@@ -204,7 +204,7 @@ impl Doing<'_> {
     /// Reports that `done` are done in all, no fewer than before; returns whether to go on.
     pub(crate) fn reached(&self, done: u64) -> bool {
         self.done.fetch_max(done, Ordering::Relaxed);
-        self.tell();
+        self.report();
         self.watch.goes_on()
     }
 
@@ -215,24 +215,24 @@ impl Doing<'_> {
     pub(crate) fn end(self) -> Result<()> {
         self.watch.check()?;
         self.done.store(self.total, Ordering::Relaxed);
-        // The last report is not to be dropped.
-        if let Some(hear) = &self.watch.hear {
-            self.tell_to(&mut *hear.lock().unwrap_or_else(PoisonError::into_inner));
+        // The last report must not be dropped, so this waits for the lock.
+        if let Some(callback) = &self.watch.callback {
+            self.report_to(&mut *callback.lock().unwrap_or_else(PoisonError::into_inner));
         }
         Ok(())
     }
 
     /// Reporting never blocks a worker: if another thread is reporting, its next report includes this one.
-    fn tell(&self) {
-        if let Some(Ok(mut hear)) = self.watch.hear.as_ref().map(|hear| hear.try_lock()) {
-            self.tell_to(&mut *hear);
+    fn report(&self) {
+        if let Some(Ok(mut callback)) = self.watch.callback.as_ref().map(|callback| callback.try_lock()) {
+            self.report_to(&mut *callback);
         }
     }
 
     /// Reads the count under the lock, so that reports never decrease.
-    fn tell_to(&self, hear: &mut Hear) {
+    fn report_to(&self, callback: &mut Callback) {
         let done = self.done.load(Ordering::Relaxed).min(self.total);
-        hear(Progress { step: self.step, done, total: self.total });
+        callback(Progress { step: self.step, done, total: self.total });
     }
 }
 
@@ -243,28 +243,28 @@ mod tests {
 
     /// Watches everything.
     fn listener() -> (Watch, Arc<Mutex<Vec<Progress>>>) {
-        let heard = Arc::new(Mutex::new(Vec::new()));
-        let ear = Arc::clone(&heard);
-        (Watch::default().telling(move |p| ear.lock().expect("an ear").push(p)), heard)
+        let reported = Arc::new(Mutex::new(Vec::new()));
+        let ear = Arc::clone(&reported);
+        (Watch::default().on_progress(move |p| ear.lock().expect("an ear").push(p)), reported)
     }
 
     #[test]
     fn progress_of_many_threads_is_reported_in_order_and_completely() {
-        let (watch, heard) = listener();
+        let (watch, reported) = listener();
         let doing = watch.begin(Step::Trace, 7000);
         (0..1000).into_par_iter().for_each(|_| assert!(doing.next(7)));
-        doing.end().expect("nobody minds");
-        let heard = heard.lock().expect("an ear");
-        assert_eq!((heard[0].done, heard[heard.len() - 1].done), (0, 7000));
-        assert!(heard.is_sorted_by_key(|p| p.done) && heard.iter().all(|p| p.total == 7000), "{heard:?}");
+        doing.end().expect("not cancelled");
+        let reported = reported.lock().expect("an ear");
+        assert_eq!((reported[0].done, reported[reported.len() - 1].done), (0, 7000));
+        assert!(reported.is_sorted_by_key(|p| p.done) && reported.iter().all(|p| p.total == 7000), "{reported:?}");
     }
 
     #[test]
     fn a_step_is_reported_at_both_ends() {
-        let (watch, heard) = listener();
+        let (watch, reported) = listener();
         watch.begin(Step::Stage, 3).end().expect("nobody minds");
         let of = |done| Progress { step: Step::Stage, done, total: 3 };
-        assert_eq!(*heard.lock().expect("an ear"), [of(0), of(3)]);
+        assert_eq!(*reported.lock().expect("an ear"), [of(0), of(3)]);
     }
 
     #[test]

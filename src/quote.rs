@@ -1,5 +1,5 @@
-//! Foreign text in messages: words of files, names of columns, paths. A message never carries a control character of a
-//! file to the terminal, and never more of a file than a person reads.
+//! Quotes text of files in messages: words, column names, paths. Control characters never reach the terminal, and long
+//! texts are shortened.
 
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter, Write};
@@ -7,11 +7,11 @@ use std::fmt::{self, Display, Formatter, Write};
 /// Characters of a quoted word; a longer word is cut there and ends in `...`.
 pub const LONGEST: usize = 40;
 
-/// Names that a message lists; it counts the others.
+/// The most names that a message lists; it counts the others.
 const LISTED: usize = 16;
 
-/// A text of a file between backticks: at most [`LONGEST`] characters, control characters escaped, bytes that are not
-/// UTF-8 replaced.
+/// Text of a file between backticks: at most [`LONGEST`] characters, with control characters escaped and invalid UTF-8
+/// replaced.
 pub fn quote<T: AsRef<[u8]> + ?Sized>(text: &T) -> Quote<'_> {
     Quote { text: text.as_ref(), longest: LONGEST, mark: "`" }
 }
@@ -21,12 +21,12 @@ pub fn unquoted<T: AsRef<[u8]> + ?Sized>(text: &T) -> Quote<'_> {
     Quote { mark: "", ..quote(text) }
 }
 
-/// As [`unquoted`], of at most so many characters.
+/// As [`unquoted`], but of at most `longest` characters.
 pub fn shortened(text: &str, longest: usize) -> Quote<'_> {
     Quote { text: text.as_bytes(), longest, mark: "" }
 }
 
-/// Names between commas: the first `LISTED` of them, and how many more there are.
+/// Names separated by commas: the first `LISTED` of them, and the number of the others.
 pub fn list<T: AsRef<[u8]>>(names: impl IntoIterator<Item = T>) -> String {
     let mut names = names.into_iter();
     let mut shown: Vec<String> = names.by_ref().take(LISTED).map(|name| unquoted(&name).to_string()).collect();
@@ -37,7 +37,32 @@ pub fn list<T: AsRef<[u8]>>(names: impl IntoIterator<Item = T>) -> String {
     shown.join(", ")
 }
 
-/// A message with every control character but the end of a line escaped.
+/// A number for a message, with `digits` significant digits: `0.4985` or `12`, with an exponent only below 0.001 and from
+/// a million on.
+pub fn number(x: f64, digits: usize) -> String {
+    let rounded = format!("{x:.*e}", digits.saturating_sub(1));
+    let exponent = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+    match exponent {
+        _ if x == 0.0 => "0".into(),
+        Some(exponent @ -3..6) => {
+            let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+            // Rounded first, so that digits before the point are significant too.
+            rounded.parse::<f64>().map_or(rounded, |x| format!("{x:.decimals$}"))
+        }
+        _ => rounded,
+    }
+}
+
+/// A number of things: `1 sphere`, `2 spheres`, `2 patches`.
+pub fn count(n: u64, noun: &str) -> String {
+    match n {
+        1 => format!("1 {noun}"),
+        _ if noun.ends_with("ch") => format!("{n} {noun}es"),
+        _ => format!("{n} {noun}s"),
+    }
+}
+
+/// A message with every control character escaped, except line feeds.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let safe = |c: char| c == '\n' || !is_control(c);
     if text.chars().all(safe) {
@@ -50,14 +75,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// Whether a terminal acts on the character: control characters (C0, DEL, C1), and those that turn the direction of
-/// text (Unicode 15, Bidi_Control).
+/// Whether a terminal interprets the character: control characters (C0, DEL, C1), and those that change the direction
+/// of text (Unicode 15, Bidi_Control).
 fn is_control(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// A text as a message shows it.
+/// Quoted text for a message.
 #[derive(Debug, Clone, Copy)]
 pub struct Quote<'a> {
     text: &'a [u8],
@@ -67,7 +92,8 @@ pub struct Quote<'a> {
 
 impl Display for Quote<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        // A character has at most four bytes, so nothing behind these is shown; one cut in two is beyond the last shown.
+        // A character has at most four bytes, so these bytes hold all that is shown; a character cut in two lies beyond
+        // the last shown.
         let bytes = &self.text[..self.text.len().min(4 * (self.longest + 1))];
         let text = String::from_utf8_lossy(bytes);
         let mut characters = text.chars();
@@ -87,6 +113,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn numbers_have_exponents_only_where_decimals_are_long() {
+        for (x, digits, shown) in [
+            (0.0, 2, "0"),
+            (0.498_52, 4, "0.4985"),
+            (0.01, 2, "0.010"),
+            (0.000_999_6, 2, "0.0010"),
+            (0.000_1, 2, "1.0e-4"),
+            (12.34, 2, "12"),
+            (-123_456.0, 2, "-120000"),
+            (999_960.0, 2, "1.0e6"),
+            (f64::INFINITY, 2, "inf"),
+            (f64::NAN, 2, "NaN"),
+        ] {
+            assert_eq!(number(x, digits), shown);
+        }
+    }
+
+    #[test]
+    fn one_thing_is_singular() {
+        assert_eq!([0, 1, 2].map(|n| count(n, "sphere")), ["0 spheres", "1 sphere", "2 spheres"]);
+        assert_eq!(count(2, "polygonal patch"), "2 polygonal patches");
+    }
+
+    #[test]
     fn control_characters_are_escaped_and_long_texts_cut() {
         for (text, shown) in [
             ("plain", "`plain`"),
@@ -102,7 +152,7 @@ mod tests {
         let long = "球".repeat(1 << 20);
         assert_eq!(quote(&long).to_string(), format!("`{}...`", "球".repeat(LONGEST)));
         assert_eq!(quote(&long[..3 * LONGEST]).to_string(), format!("`{}`", "球".repeat(LONGEST)));
-        // A byte that is no UTF-8 before the cut moves no character across it.
+        // An invalid byte before the cut does not move a character across it.
         let odd = [b"\xff".repeat(3), "球".repeat(100).into_bytes()].concat();
         assert_eq!(unquoted(&odd).to_string(), format!("{}{}...", "\u{fffd}".repeat(3), "球".repeat(LONGEST - 3)));
     }

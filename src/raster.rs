@@ -1,14 +1,14 @@
-//! Which rays a frame asks: those of a window's pixels, through their centres or through samples of them.
+//! The rays of a frame: through the centres of the window's pixels, or through samples of them.
 //!
-//! A sample is a pixel of a finer frame, of W K x H K pixels: so every formula and every bound holds for it as it stands,
-//! with W K and H K in the places of W and H. A pixel is cut into n x n strata of J x J of these finer pixels, K = n J, and
-//! each stratum is asked at one of them, chosen by a hash of row, column, sample and seed.
+//! A sample is a pixel of a finer frame of W K x H K pixels, so every formula and every bound holds for it with W K and
+//! H K in place of W and H. A pixel is divided into n x n strata of J x J finer pixels, K = n J. Each stratum is
+//! sampled at one of them, chosen by a hash of row, column, sample and seed.
 
 use crate::error::{Error, Result};
 use crate::scene::{ImagePlane, MAX_SIDE};
 use crate::window::Window;
 
-/// Finer pixels along a side of a stratum, at most.
+/// The most finer pixels along a side of a stratum.
 const FINEST: u32 = 16;
 
 /// The rays of a frame.
@@ -28,7 +28,7 @@ impl Raster {
         Self { window, strata: 1, jitter: 1, seed: 0 }
     }
 
-    /// `samples` of each of an image's pixels, as many as the next square, placed by `seed`; `None` for one.
+    /// `samples` per pixel of the image, rounded up to the next square and placed by `seed`; `None` for one.
     ///
     /// # Errors
     /// [`Error::Limits`] where the finer frame would have more columns or rows than a frame can have.
@@ -40,8 +40,8 @@ impl Raster {
         let most = MAX_SIDE as u32 / image.width.max(image.height).max(1);
         if strata > most {
             let side = u64::from(most) * u64::from(most);
-            let problem = format!("{samples} samples of a pixel are more than this image can be cut into");
-            return Err(Error::Limits { problem, mend: format!("take at most {side}, or a smaller --size") });
+            let problem = format!("{samples} samples per pixel are too many for an image of this size");
+            return Err(Error::Limits { problem, mend: format!("use at most {side}, or a smaller --size") });
         }
         let mut jitter = FINEST;
         while strata * jitter > most {
@@ -75,7 +75,7 @@ mod tests {
         let cut = |samples, side| raster(samples, side, 5).expect("room").map(|r| [r.count(), r.jitter]);
         assert_eq!([cut(0, 64), cut(1, 64)], [None; 2]);
         assert_eq!([cut(2, 64), cut(4, 64), cut(5, 64)], [Some([4, 16]), Some([4, 16]), Some([9, 16])]);
-        // 2^20 columns at most, all of them or one short of twice as many.
+        // At most 2^20 columns: exactly that many, or one short of twice as many.
         assert_eq!([cut(64, 1 << 13), cut(64, (1 << 13) + 1)], [Some([64, 16]), Some([64, 8])]);
         assert_eq!([cut(16, 1 << 18), cut(9, 1 << 18)], [Some([16, 1]), Some([9, 1])]);
         raster(u32::MAX, 17, 1).expect_err("2^16 strata of 17 columns");

@@ -4,23 +4,23 @@ use crate::number::Number;
 use crate::view::{Sphere, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
-/// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts: a ray is half a line.
+/// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray<R> {
     /// Direction.
     pub d: [R; 3],
 }
 
-/// A given ray as the kernel sees it; main/given_rays.wgsl declares it.
+/// A given ray as the kernel reads it; declared in main/given_rays.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct RayRecord {
-    /// Direction, its largest component in [1, 2). The fourth numbers of this and the next two are what rounding took
-    /// from its x, y, z.
+    /// Direction, with its largest component in [1, 2). The fourth components of this and the next two fields are the
+    /// rounding errors of its x, y, z.
     pub direction: [f32; 4],
     /// Origin minus the view's eye, in the frame's unit.
     pub origin: [f32; 4],
-    /// What rounding took from it.
+    /// Rounding errors of the origin.
     pub origin_low: [f32; 4],
 }
 
@@ -33,18 +33,18 @@ pub struct Hit<R> {
     pub id: u32,
 }
 
-/// id of a ray that hits nothing.
+/// The id of a miss.
 pub const NONE: u32 = u32::MAX;
 
-/// id where a certified kernel could not prove its answer: the host decides.
+/// The id where a certified kernel could not prove its answer and the host decides.
 pub(crate) const UNSURE: u32 = u32::MAX - 1;
 
 impl<R: Number> Hit<R> {
     /// No hit.
     pub const NONE: Self = Self { t: R::MISS, id: NONE };
 
-    /// Whether it takes the place of another where spheres come in an order of their own: it is closer, or as close and of
-    /// the lower id.
+    /// Whether this hit replaces `other` where spheres are tested in any order: it is closer, or as close with the
+    /// lower id.
     pub(crate) fn is_before(&self, other: &Self) -> bool {
         self.t < R::MISS && (self.t < other.t || self.t == other.t && self.id < other.id)
     }
@@ -65,7 +65,7 @@ pub fn positive<R: Number>(x: R) -> R {
     if x > R::ZERO { x } else { R::ZERO }
 }
 
-/// a . b, summed x, y, z: the order is part of the answer's last bit.
+/// a . b, summed in the order x, y, z, which determines the last bit.
 #[inline(always)]
 pub fn dot3<R: Number>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

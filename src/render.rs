@@ -1,4 +1,4 @@
-//! One frame, the whole way: scene, view, nearest hits, colour, frame.
+//! Renders one frame: scene, view, nearest hits, settling, shading, buffers.
 
 use crate::assemble::Answers;
 use crate::budget::Need;
@@ -17,6 +17,7 @@ use crate::kernel::Kernel;
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::progress::{Step, Watch};
+use crate::quote::number;
 use crate::raster::Raster;
 use crate::raw::Raw;
 use crate::report::{Report, Timings, milliseconds};
@@ -36,13 +37,13 @@ mod sample;
 /// Renders `scene` once. For many frames keep a [`Renderer`].
 ///
 /// # Errors
-/// Every kind of [`Error`]; nothing is half done.
+/// Every kind of [`Error`]; no partial frame is returned.
 pub fn render(scene: &Scene, settings: &Settings) -> Result<Frame> {
     Renderer::new(settings)?.render(scene, settings)
 }
 
-/// Where the files of `window` of `scene` come from: what was asked for, who computed it and how. [`Renderer::dry_run`] gives
-/// the report beforehand.
+/// Provenance of the files of `window` of `scene`: the settings, and the machine and method that computed them.
+/// [`Renderer::dry_run`] gives the report before rendering.
 #[must_use]
 pub fn origin<'a>(scene: &Scene, settings: &Settings, report: &'a Report, window: Window) -> Origin<'a> {
     Origin {
@@ -57,36 +58,39 @@ pub fn origin<'a>(scene: &Scene, settings: &Settings, report: &'a Report, window
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
 pub struct Renderer {
-    pub(crate) place: Place,
+    pub(crate) place: Executor,
     setup_ms: f64,
     pub(crate) watch: Watch,
     pub(crate) pool: Arc<Pool>,
     passed_over: Vec<String>,
 }
 
-/// Where frames are computed.
-pub(crate) enum Place {
+/// The device of a renderer.
+pub(crate) enum Executor {
     Gpu(Box<Gpu>),
     Cpu,
 }
 
 impl Renderer {
-    /// Opens what `settings.backend` and `settings.adapter` ask for. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` are
-    /// honoured where the settings leave a choice.
+    /// Opens the backend and the adapter that `settings` select. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` apply where the
+    /// settings leave a choice.
     ///
     /// # Errors
-    /// [`Error::Adapter`] when nothing fits, [`Error::Settings`] for what does not go together, such as an adapter on the
-    /// CPU path, [`Error::Accuracy`] for a promise that cannot be kept.
+    /// [`Error::Adapter`] when no adapter fits, [`Error::Settings`] for a contradiction, such as an adapter with the
+    /// CPU path, [`Error::Accuracy`] for an accuracy that cannot be reached.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
         if settings.backend == Backend::Cpu && settings.adapter.is_some() {
-            return Err(Error::settings("the cpu backend has no adapters", "leave out --adapter or use --backend gpu"));
+            return Err(Error::settings(
+                "--backend cpu does not use an adapter",
+                "remove --adapter or use --backend gpu",
+            ));
         }
-        // What no device can mend is told before one is opened.
+        // Errors that do not depend on a device are found before one is opened.
         Plan::for_method(settings)?;
         let mut passed_over = Vec::new();
         let place = match settings.backend {
-            Backend::Cpu => Place::Cpu,
+            Backend::Cpu => Executor::Cpu,
             Backend::Gpu | Backend::Auto => {
                 let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
                 let opened = match (&named, settings.backend) {
@@ -96,13 +100,13 @@ impl Renderer {
                         .transpose()?,
                 };
                 match opened {
-                    Some((open, summary)) => Place::Gpu(Box::new(Gpu::new(open, summary))),
-                    None if settings.backend == Backend::Auto => Place::Cpu,
+                    Some((open, summary)) => Executor::Gpu(Box::new(Gpu::new(open, summary))),
+                    None if settings.backend == Backend::Auto => Executor::Cpu,
                     None => return Err(device::none_found()),
                 }
             }
         };
-        if let (Place::Cpu, Some(last)) = (&place, passed_over.last_mut()) {
+        if let (Executor::Cpu, Some(last)) = (&place, passed_over.last_mut()) {
             last.push_str(": falling back to the CPU path");
         }
         let setup_ms = milliseconds(start);
@@ -115,7 +119,7 @@ impl Renderer {
         let summary = AdapterSummary::of_device(&device);
         let open = Open { device, queue, lost: Arc::new(Mutex::new(None)) };
         Self {
-            place: Place::Gpu(Box::new(Gpu::new(open, summary))),
+            place: Executor::Gpu(Box::new(Gpu::new(open, summary))),
             setup_ms: 0.0,
             watch: Watch::default(),
             pool: Arc::default(),
@@ -123,32 +127,31 @@ impl Renderer {
         }
     }
 
-    /// Why adapters that were found are not used, though nothing asked for another one; every report has it among its
-    /// warnings.
+    /// Why adapters that were found are not used although the settings allow them; these are warnings of every report.
     #[must_use]
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
 
-    /// Lets `watch` hear of every frame, and end it with [`Error::Interrupted`]; the renderer stays as good as new.
+    /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`]; the renderer stays usable.
     #[must_use]
     pub fn watched_by(mut self, watch: Watch) -> Self {
         self.watch = watch;
         self
     }
 
-    /// Whether an adapter computes the frames; the CPU reference path does otherwise.
+    /// Whether an adapter computes the frames; otherwise the CPU reference path does.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        matches!(self.place, Place::Gpu(_))
+        matches!(self.place, Executor::Gpu(_))
     }
 
     /// The adapter's name, `cpu` for the reference path.
     #[must_use]
     pub fn adapter(&self) -> &str {
         match &self.place {
-            Place::Gpu(gpu) => &gpu.summary.name,
-            Place::Cpu => cpu::NAME,
+            Executor::Gpu(gpu) => &gpu.summary.name,
+            Executor::Cpu => cpu::NAME,
         }
     }
 
@@ -156,52 +159,53 @@ impl Renderer {
     #[must_use]
     pub fn driver(&self) -> String {
         match &self.place {
-            Place::Gpu(gpu) => gpu.summary.driver.clone(),
-            Place::Cpu => cpu::driver(),
+            Executor::Gpu(gpu) => gpu.summary.driver.clone(),
+            Executor::Cpu => cpu::driver(),
         }
     }
 
-    /// Whether `method` can run here. On the CPU path all can.
+    /// Checks that `method` can run here. On the CPU path every method can.
     ///
     /// # Errors
-    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it; what measuring it runs into.
+    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it, and the errors of the
+    /// self-test.
     pub fn check_method(&mut self, method: Method) -> Result<()> {
         match &mut self.place {
-            Place::Gpu(gpu) => gpu.check_method(method),
-            Place::Cpu => Ok(()),
+            Executor::Gpu(gpu) => gpu.check_method(method),
+            Executor::Cpu => Ok(()),
         }
     }
 
-    /// What the adapter's arithmetic was measured to be; `None` for the reference path, which is what it should be.
+    /// The measured properties of the adapter's arithmetic; `None` for the reference path, which defines them.
     ///
     /// # Errors
-    /// What measuring it runs into.
+    /// The errors of the self-test.
     pub fn verdict(&mut self) -> Result<Option<&Verdict>> {
         match &mut self.place {
-            Place::Gpu(gpu) => gpu.verdict().map(Some),
-            Place::Cpu => Ok(None),
+            Executor::Gpu(gpu) => gpu.verdict().map(Some),
+            Executor::Cpu => Ok(None),
         }
     }
 
-    /// Whether kernels are timed by the device's own clock, beside the wall clock.
+    /// Whether the device's own clock times the kernels.
     #[must_use]
     pub fn has_clock(&self) -> bool {
-        matches!(&self.place, Place::Gpu(gpu) if gpu.has_clock())
+        matches!(&self.place, Executor::Gpu(gpu) if gpu.has_clock())
     }
 
-    /// How long kernels ran since this was last asked.
+    /// Kernel time since the last call.
     fn kernel_ms(&mut self) -> Option<f64> {
         match &mut self.place {
-            Place::Gpu(gpu) => gpu.kernel_ms(),
-            Place::Cpu => None,
+            Executor::Gpu(gpu) => gpu.kernel_ms(),
+            Executor::Cpu => None,
         }
     }
 
-    /// Takes back a frame that is no longer needed: later frames are written into its memory.
+    /// Returns the memory of a frame that is no longer needed to the pool of later frames.
     pub fn recycle(&mut self, frame: Frame) {
         for buffer in frame.buffers {
             match buffer.data {
-                // The kernels' ids are the same bits.
+                // The kernels' ids have the same bits.
                 Data::I32(v) => self.pool.put_back(bytemuck::allocation::cast_vec::<i32, u32>(v)),
                 Data::F32(v) => self.pool.put_back(v),
                 Data::F64(v) => self.pool.put_back(v),
@@ -210,40 +214,39 @@ impl Renderer {
         }
     }
 
-    /// Renders `scene`. The backend and adapter of `settings` were chosen when the renderer was made and are not
-    /// looked at again.
+    /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.
     ///
     /// # Errors
     /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
     /// [`Error::Interrupted`].
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let work = |this: &mut Self, plan: Plan, rays: Rays| this.frame(plan, rays, scene, settings);
+        let work = |this: &mut Self, plan: Plan, rays: FrameRays| this.frame(plan, rays, scene, settings);
         let (mut frame, blocker) = self.planned(scene, settings, work)?;
         frame.report.warnings.extend(blocker);
         Ok(frame)
     }
 
-    /// What is known of a frame before it is rendered: who would compute it and how. No ray is traced.
+    /// The report of a frame before it is rendered: what would compute it and how. No ray is traced.
     ///
     /// # Errors
-    /// Those of [`Renderer::render`] that need no ray.
+    /// Those of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known = |this: &mut Self, plan: Plan, rays: Rays| Ok(this.report(&plan, scene, rays.samples));
+        let known = |this: &mut Self, plan: Plan, rays: FrameRays| Ok(this.report(&plan, scene, rays.samples));
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
-    /// Lets `work` happen as planned, where it may: on the CPU path if the adapter may not certify, with a warning.
+    /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify.
     pub(crate) fn planned<T>(
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        work: impl FnOnce(&mut Self, Plan, Rays) -> Result<T>,
+        work: impl FnOnce(&mut Self, Plan, FrameRays) -> Result<T>,
     ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let window = settings.window_of(scene)?;
         let samples =
             Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
-        let rays = Rays { window, samples };
+        let rays = FrameRays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.check_method(plan.kernel.method)?;
         let Some(blocker) = self.certification_blocker(&plan)? else {
@@ -255,21 +258,21 @@ impl Renderer {
                 mend: "use --backend auto or cpu, or --accuracy fast".into(),
             });
         }
-        let adapter = std::mem::replace(&mut self.place, Place::Cpu);
+        let adapter = std::mem::replace(&mut self.place, Executor::Cpu);
         let done = work(self, plan, rays);
         self.place = adapter;
-        done.map(|done| (done, Some(format!("{blocker}: the CPU path answered instead"))))
+        done.map(|done| (done, Some(format!("{blocker}: the CPU path is used instead"))))
     }
 
-    /// Why this adapter may not certify, if it may not.
+    /// Why this adapter may not certify; `None` if it may.
     fn certification_blocker(&mut self, plan: &Plan) -> Result<Option<String>> {
         match &mut self.place {
-            Place::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
+            Executor::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
                 let passed = gpu.verdict()?.f32;
                 let name = &gpu.summary.name;
                 let blocker = || {
                     format!(
-                        "{name} did not pass the self-test of its f32 arithmetic (halfline adapters), cannot certify"
+                        "{name} failed the self-test of its f32 arithmetic (see halfline adapters) and cannot certify"
                     )
                 };
                 Ok((!passed).then(blocker))
@@ -278,9 +281,9 @@ impl Renderer {
         }
     }
 
-    /// A window of one frame as planned.
-    fn frame(&mut self, plan: Plan, rays: Rays, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        let Rays { window, samples } = rays;
+    /// Renders a window of one frame with the plan.
+    fn frame(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let FrameRays { window, samples } = rays;
         let start = Instant::now();
         let pool = Arc::clone(&self.pool);
         pool.next_frame();
@@ -294,7 +297,7 @@ impl Renderer {
         let pixels = view.record.pixels();
         let tolerance = settings.promise().relative();
         let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
-        // What ran before, a self-test say, is not this frame's.
+        // Discards the time of earlier kernels, for example of a self-test.
         self.kernel_ms();
         let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
         watch.check()?;
@@ -336,7 +339,7 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// What is known of a frame before it is computed.
+    /// The report as far as it is known before the frame is computed.
     fn report(&self, plan: &Plan, scene: &Scene, samples: Option<Raster>) -> Report {
         Report {
             schema: "halfline-render",
@@ -359,7 +362,7 @@ impl Renderer {
         }
     }
 
-    /// Traces and settles: the kernel's answers into `raw`, and what was decided again.
+    /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.
     pub(crate) fn answer(
         &mut self,
         setup: &FrameSetup,
@@ -389,7 +392,7 @@ impl Renderer {
         settled
     }
 
-    /// The kernel's answers into `raw`.
+    /// Runs the kernel or its twin, with the answers in `raw`.
     fn trace_frame(&mut self, setup: &FrameSetup, scene: &Scene, raw: &mut Raw, timings: &mut Timings) -> Result<()> {
         let FrameSetup { plan, view, .. } = setup;
         let pool = Arc::clone(&self.pool);
@@ -397,12 +400,12 @@ impl Renderer {
         let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
         match &mut self.place {
-            Place::Gpu(gpu) => {
+            Executor::Gpu(gpu) => {
                 let kernel = Kernel { sharing: gpu.summary.sharing(), ..plan.kernel }.with_generals(setup.has_nears());
                 let input = Input { view, colors, rays: &[], candidates, tree: None };
                 gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
             }
-            Place::Cpu => timings.time("trace", || match candidates {
+            Executor::Cpu => timings.time("trace", || match candidates {
                 None => cpu::render(&plan.kernel, view, colors, raw, &row),
                 Some(CandidateList::Uncertified(tile_candidates)) => {
                     cpu::by_tiles(&plan.kernel, &tile_candidates, colors, raw, &row)
@@ -414,15 +417,15 @@ impl Renderer {
     }
 }
 
-/// Which rays a frame asks.
+/// The rays of a frame.
 #[derive(Clone, Copy)]
-pub(crate) struct Rays {
+pub(crate) struct FrameRays {
     pub(crate) window: Window,
-    /// Where colour and alpha are means.
+    /// The samples, where there are several per pixel.
     pub(crate) samples: Option<Raster>,
 }
 
-/// Hits in the buffer of ids; 0 in any other.
+/// The number of hits in the buffer of ids; 0 in any other.
 fn hits(buffer: &Buffer) -> u64 {
     match &buffer.data {
         Data::I32(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
@@ -430,7 +433,7 @@ fn hits(buffer: &Buffer) -> u64 {
     }
 }
 
-/// The largest proven relative error of the distance, where it was asked for; else what was promised of every pixel.
+/// The largest proven relative error of the distance, where it is requested; else the promised tolerance.
 fn bound(buffers: &[Buffer], promised: f64) -> f64 {
     let values = |aov: Aov| buffers.iter().find(|b| b.aov == aov).map(|b| &b.data);
     match (values(Aov::Bound), values(Aov::Distance)) {
@@ -441,7 +444,7 @@ fn bound(buffers: &[Buffer], promised: f64) -> f64 {
     }
 }
 
-/// Why no ray hits a sphere, and what would show one; `None` without spheres.
+/// Why no ray hits a sphere, and the remedy; `None` without spheres.
 fn missed(scene: &Scene, window: Option<Window>) -> Option<String> {
     let spheres = match scene.spheres.len() {
         0 => return None,
@@ -454,15 +457,15 @@ fn missed(scene: &Scene, window: Option<Window>) -> Option<String> {
         Look::View(view) => format!("along {}", point(view)),
     };
     Some(format!(
-        "no {ray} hits {spheres}: the picture is background; the eye is at {} and looks {looks}, {}; {}",
+        "no {ray} hits {spheres}, so the picture is background; the eye is at {} and looks {looks}, {}; {}",
         point(scene.camera.eye),
         scene.spheres.extent(),
-        slips_through(scene).unwrap_or_else(|| "--fit frames them".into())
+        slips_through(scene).unwrap_or_else(|| "use --fit to frame them".into())
     ))
 }
 
-/// How small the spheres in view are and what would show them, where that is why no ray meets one: a disc that is sqrt(2)
-/// pixels across holds the centre of one wherever it lies, a smaller one may lie between them.
+/// The size of the spheres in view and the remedy, where they are missed because they are small: a disc of sqrt(2)
+/// pixels diameter contains a pixel centre wherever it lies, a smaller one may lie between the centres.
 fn slips_through(scene: &Scene) -> Option<String> {
     let (camera, image) = (&scene.camera, &scene.image);
     let (basis, v) = (camera.basis().ok()?, camera.viewport(image.width, image.height).ok()?);
@@ -482,8 +485,9 @@ fn slips_through(scene: &Scene) -> Option<String> {
     };
     (largest > 0.0 && largest < std::f64::consts::SQRT_2).then(|| {
         format!(
-            "the largest sphere in view is {largest:.1e} pixels across and slips between the rays: \
-             {mend} or a larger --size shows it"
+            "the largest sphere in view is {} pixels across and lies between the rays: \
+             {mend} or a larger --size shows it",
+            number(largest, 2)
         )
     })
 }
@@ -493,7 +497,7 @@ mod tests {
     use super::*;
     use crate::{Aov, Camera, ImagePlane, Spheres};
 
-    /// An adapter whose arithmetic failed the self-test does not certify: the CPU path does, with a warning, or it is an error.
+    /// An adapter that failed the self-test does not certify: the CPU path is used with a warning, or it is an error.
     #[test]
     fn an_adapter_that_failed_the_self_test_does_not_certify() {
         let Some(_) = crate::testing::adapter_or_skip() else { return };
@@ -504,9 +508,9 @@ mod tests {
         let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
         let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
         assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");
-        let Place::Gpu(adapter) = &mut renderer.place else { panic!("a GPU was asked for") };
+        let Executor::Gpu(adapter) = &mut renderer.place else { panic!("a GPU was requested") };
         adapter.distrust();
-        let error = renderer.render(&scene, &gpu).expect_err("nobody may certify here");
+        let error = renderer.render(&scene, &gpu).expect_err("the CPU path is not allowed");
         assert!(matches!(error, Error::Accuracy { .. }), "{error}");
         let auto = Settings { backend: Backend::Auto, ..gpu.clone() };
         let report = renderer.render(&scene, &auto).expect("a frame").report;

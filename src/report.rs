@@ -17,17 +17,17 @@ pub struct Report {
     pub version: u32,
     /// The program that wrote it.
     pub halfline: &'static str,
-    /// Which picture of a sequence it is, from 1.
+    /// Number of the picture in a sequence, from 1.
     pub number: u64,
     /// Spheres in the scene.
     pub spheres: u64,
-    /// Things in the scene file that are no spheres and were left out.
+    /// Objects of the scene file that are not spheres and were left out.
     pub skipped: u64,
     /// Viewing rays: pixels of the window.
     pub rays: u64,
     /// Rays that hit something.
     pub hits: u64,
-    /// Samples of each pixel that colour and alpha are the means of; 1 where they are the answers of pixel centres.
+    /// Samples per pixel whose mean is the colour and the alpha; 1 for pixel centres.
     pub samples: u32,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
@@ -35,7 +35,7 @@ pub struct Report {
     pub driver: String,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
-    /// The form of the quadratic.
+    /// The intersection method: the form of the quadratic.
     pub method: &'static str,
     /// `fast`, `certified` or `exact`.
     pub accuracy: &'static str,
@@ -47,22 +47,22 @@ pub struct Report {
     pub search: &'static str,
     /// Share of the pixels whose answer is certified in f32.
     pub certified: f64,
-    /// Pixels settled in better arithmetic.
+    /// Pixels that were settled in exact arithmetic.
     pub settled: u64,
-    /// Proven bound of t's relative error, the promised tolerance or less; `None` when nothing is proven.
+    /// Proven bound of t's relative error, at most the tolerance; `None` when nothing is proven.
     pub bound: Option<f64>,
-    /// What rounding could do at worst, known beforehand; `None` where answers are certified.
+    /// Predicted worst-case rounding error; `None` where answers are certified.
     pub predicted: Option<Prediction>,
-    /// Opening the device, milliseconds.
+    /// Time to open the device, milliseconds.
     pub setup_ms: f64,
     /// Whole-frame wall times: view, upload, search, trace, settle, shade and readback; files excluded. The first
     /// includes compiling the kernel.
     pub frame_ms: Vec<f64>,
-    /// The kernels' part of each of these frames by the adapter's own clock; empty where it offers none.
+    /// Kernel time within each of these frames by the adapter's clock; empty where it has none.
     pub kernel_ms: Vec<f64>,
-    /// Where the last frame's time went.
+    /// Wall times of the last frame's stages, milliseconds.
     pub stages_ms: BTreeMap<&'static str, f64>,
-    /// Whether nothing was rendered, because every file was there already; what only rendering tells is then zero.
+    /// Whether nothing was rendered because every file existed already; fields that only rendering fills are then zero.
     pub resumed: bool,
     /// Warnings, in whole sentences.
     pub warnings: Vec<String>,

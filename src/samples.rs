@@ -11,21 +11,21 @@ use rayon::prelude::*;
 pub(crate) struct Means {
     /// Linear RGB, three numbers per pixel; empty if colour is not requested.
     pub(crate) color: Vec<f32>,
-    /// Share of the samples that hit.
+    /// Share of the samples that hit a sphere.
     pub(crate) alpha: Vec<f32>,
 }
 
-/// Sums over samples. f64 holds the sum of equal colours exactly, so that flat areas keep their colour to the last bit.
+/// Sums over samples. f64 holds the sum of equal colours exactly, so flat areas keep their colour to the last bit.
 pub(crate) struct Sums {
     color: Vec<f64>,
     hits: Vec<u32>,
 }
 
 impl Sums {
-    /// Zeros for so many pixels, with colour or without.
+    /// Zeros for `pixels` pixels, with colour or without.
     ///
     /// # Errors
-    /// [`crate::Error::Limits`] when the memory cannot be had.
+    /// [`crate::Error::Limits`] when the memory cannot be allocated.
     pub(crate) fn new(pixels: usize, color: bool, pool: &Pool) -> Result<Self> {
         let mut sums = Self { color: pool.values(if color { 3 * pixels } else { 0 })?, hits: pool.values(pixels)? };
         sums.color.fill(0.0);

@@ -1,5 +1,5 @@
-//! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact;
-//! the readers below make scenes, nothing else does.
+//! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact. The
+//! readers below make scenes.
 
 pub mod arrange;
 mod csv;
@@ -19,28 +19,29 @@ use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
 use crate::progress::Watch;
+use crate::quote::count;
 use glam::DVec3;
 use std::path::Path;
 
 pub use fit::Framing;
 pub use particles::{Altloc, Cell, FrameRange};
-pub use sequence::{Sequence, Shot};
+pub use sequence::{SceneFrame, Sequence};
 pub use source::Format;
 pub use style::Style;
 
-/// Linear RGB of a sphere that names no colour.
+/// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
 
-/// What is to be rendered. World coordinates, in whatever length unit the user likes.
+/// What is rendered. World coordinates are in any unit of length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Where the picture is taken from.
+    /// The camera.
     pub camera: Camera,
-    /// What the picture is taken on.
+    /// The image plane.
     pub image: ImagePlane,
-    /// What the picture is taken of.
+    /// The spheres.
     pub spheres: Spheres,
-    /// What the reader met and left out.
+    /// What the reader left out or assumed.
     pub skipped: Skipped,
 }
 
@@ -51,7 +52,7 @@ pub struct ImagePlane {
     pub width: u32,
     /// Rows, H.
     pub height: u32,
-    /// Linear RGB; black unless the scene says otherwise.
+    /// Linear RGB; black by default.
     pub background: [f32; 3],
 }
 
@@ -65,26 +66,26 @@ impl Default for ImagePlane {
 /// The spheres in the scene's order: a sphere's id is its index here.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
-    /// World centres.
+    /// Centres in world coordinates.
     pub centers: Vec<[f64; 3]>,
     /// Radii, positive and finite.
     pub radii: Vec<f64>,
-    /// Linear RGB per sphere; `None` when no sphere of the scene names a colour, so that none is uploaded.
+    /// Linear RGB per sphere; `None` when no sphere of the scene has a colour, so that none is uploaded.
     pub colors: Option<Vec<[f32; 3]>>,
 }
 
 impl Spheres {
-    /// How many.
+    /// The number of spheres.
     pub fn len(&self) -> usize {
         self.radii.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no spheres.
     pub fn is_empty(&self) -> bool {
         self.radii.is_empty()
     }
 
-    /// The corners of the box around all spheres; not finite where there is none.
+    /// The corners of the box around all spheres; not finite for no spheres.
     #[must_use]
     pub fn bounds(&self) -> [DVec3; 2] {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -95,16 +96,16 @@ impl Spheres {
         [low, high]
     }
 
-    /// Where the spheres are, in words.
+    /// The box around all spheres, in words.
     pub fn extent(&self) -> String {
         let [low, high] = self.bounds();
         format!("the spheres lie between {} and {}", point(low), point(high))
     }
 
-    /// Makes room for so many more, with or without colours of their own.
+    /// Reserves capacity for `more` spheres, with or without colours.
     ///
     /// # Errors
-    /// [`Error::Limits`] where the memory has none.
+    /// [`Error::Limits`] where memory is short.
     pub(crate) fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
         let n = self.len();
         let room = |capacity: usize| capacity - n >= more;
@@ -117,7 +118,7 @@ impl Spheres {
         let entries = entries(n, more, each, "spheres")?;
         extend_to(&mut self.centers, entries)?;
         extend_to(&mut self.radii, entries)?;
-        // Where the first sphere names a colour, adding it makes the list.
+        // If the first sphere has a colour, adding it makes the list.
         if self.colors.is_some() || colored && n > 0 {
             let colors = self.colors.get_or_insert_default();
             extend_to(colors, entries)?;
@@ -126,7 +127,7 @@ impl Spheres {
         Ok(())
     }
 
-    /// As [`Spheres::push`], where the memory has room for it.
+    /// As [`Spheres::push`], but an error where memory is short.
     ///
     /// # Errors
     /// [`Error::Limits`].
@@ -136,7 +137,7 @@ impl Spheres {
         Ok(())
     }
 
-    /// Adds one sphere. The first colour given makes a colour list; spheres without one get [`DEFAULT_COLOR`] in it.
+    /// Adds one sphere. The first colour creates the colour list; spheres without one get [`DEFAULT_COLOR`] in it.
     pub fn push(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) {
         match (&mut self.colors, color) {
             (Some(colors), color) => colors.push(color.unwrap_or(DEFAULT_COLOR)),
@@ -154,7 +155,7 @@ impl Spheres {
 
 /// A point in words.
 pub(crate) fn point(p: DVec3) -> String {
-    // Written out, a number of the solar system's scale fits a line and one near the ends of f64 does not.
+    // Decimal notation where it is short: for numbers up to the scale of the solar system, not near the limits of f64.
     let number = |x: f64| match x.abs() {
         size if size == 0.0 || (1e-9..1e16).contains(&size) => x.to_string(),
         _ => format!("{x:e}"),
@@ -162,12 +163,12 @@ pub(crate) fn point(p: DVec3) -> String {
     format!("({}, {}, {})", number(p.x), number(p.y), number(p.z))
 }
 
-/// What a reader met that is no sphere, counted by kind, in the file's order of first meeting; and what it assumed.
+/// What a reader left out, counted by kind in the order of first occurrence, and what it assumed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Skipped {
-    /// Kind in the singular (`polygon`) and how many.
+    /// Kind in the singular (`polygon`) and count.
     pub kinds: Vec<(&'static str, u64)>,
-    /// What the file does not say and was assumed, or was chosen among what it says: whole sentences, with the numbers.
+    /// Assumptions about what the file does not say, and choices among what it says: whole sentences, with the numbers.
     pub assumed: Vec<String>,
 }
 
@@ -180,85 +181,84 @@ impl Skipped {
         }
     }
 
-    /// A warning for each kind, for people.
+    /// One warning per kind.
     pub fn warnings(&self) -> Vec<String> {
-        let plural = |n: u64| if n == 1 { "" } else { "s" };
         self.kinds
             .iter()
-            .map(|(kind, n)| format!("{n} {kind}{} skipped: only spheres are rendered", plural(*n)))
+            .map(|(kind, n)| format!("{} skipped: only spheres are rendered", count(*n, kind)))
             .chain(self.assumed.iter().cloned())
             .collect()
     }
 
-    /// Counts one more of `kind`, or refuses it where the caller is strict.
+    /// Counts one more of `kind`, or returns an error where the options are strict.
     fn meet(&mut self, kind: &'static str, options: &ReadOptions, place: impl FnOnce() -> Place) -> Result<()> {
         if options.strict {
-            let mend = "take it out, or read without strict to leave it out";
-            return Err(Error::scene(place(), format!("a {kind} is no sphere"), mend));
+            let mend = "remove it, or read without strict to skip it";
+            return Err(Error::scene(place(), format!("expected a sphere, found a {kind}"), mend));
         }
         self.add(kind);
         Ok(())
     }
 
-    /// All kinds together.
+    /// The number of skipped items of all kinds.
     pub fn total(&self) -> u64 {
         self.kinds.iter().map(|(_, n)| n).sum()
     }
 }
 
-/// How a scene is read.
+/// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
-    /// Whether an item that is no sphere is an error; otherwise it is counted in [`Skipped`].
+    /// Whether an item that is not a sphere is an error; otherwise it is counted in [`Skipped`].
     pub strict: bool,
-    /// The file's format; `None` has its content, then its name, tell.
+    /// The file's format; `None` detects it from the content, then from the name.
     pub format: Option<Format>,
-    /// Which frames of a sequence.
+    /// The frames of a sequence that are read.
     pub frames: FrameRange,
-    /// The MODEL of a PDB or mmCIF file by its number; `None` takes the first as the first frame.
+    /// The model number of a PDB or mmCIF file; `None` takes the first.
     pub model: Option<i64>,
-    /// Which alternate locations of atoms.
+    /// Selection of alternate locations.
     pub altloc: Altloc,
-    /// The biological assembly to be built by the file's operators; `None` takes the atoms as they stand.
+    /// The biological assembly to build with the file's operators; `None` takes the atoms as they are.
     pub assembly: Option<String>,
-    /// Whether the atoms of small-molecule CIF are taken as the file lists them; otherwise its symmetry fills the cell.
+    /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
-    /// How particles look.
+    /// The style of the particles.
     pub style: Style,
-    /// Who may end the reading.
+    /// Cancellation of the reading.
     pub watch: Watch,
 }
 
 impl Scene {
-    /// Reads a scene file, or standard input when `path` is `-`, compressed by gzip or bzip2 or not. The content tells the
-    /// format, and then the name. Of a sequence, the first frame that is asked for.
+    /// Reads a scene file, or standard input when `path` is `-`, uncompressed or compressed with gzip or bzip2. The
+    /// format is detected from the content, then from the name. Of a sequence, the first selected frame is read.
     ///
-    /// Spheres are named by their id, counted from 0 in the file's order, also in errors. A file without a camera gets one
-    /// that shows all of it.
+    /// Ids count the spheres from 0 in the file's order, also in errors. A file without a camera gets one that shows
+    /// all of it.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that makes no scene,
-    /// [`Error::Settings`] for options that do not go with it.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that is not a scene,
+    /// [`Error::Settings`] for options that do not apply to it.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
         let mut sequence = Sequence::open(path, options)?;
         let first = sequence.next_scene()?;
         first.map(|frame| frame.scene).ok_or_else(|| sequence.nothing())
     }
 
-    /// Checks what a reader checks, for a scene made in memory: sizes, radii, finite numbers, the camera.
+    /// Checks a scene made in memory as a reader checks a file: sizes, radii, finite numbers, the camera.
     ///
     /// # Errors
-    /// [`Error::Scene`] naming the first field that cannot be rendered.
+    /// [`Error::Scene`] with the first field that cannot be rendered.
     pub fn check(&self) -> Result<()> {
         let s = &self.spheres;
         if s.centers.len() != s.radii.len() || s.colors.as_ref().is_some_and(|c| c.len() != s.radii.len()) {
             let problem = format!(
-                "{} centres, {} radii and {} colours do not make spheres",
+                "found {} centres, {} radii and {} colours",
                 s.centers.len(),
                 s.radii.len(),
                 s.colors.as_ref().map_or(0, Vec::len)
             );
-            return Err(Error::scene("spheres", problem, "give as many of each"));
+            return Err(Error::scene("spheres", problem, "use lists of the same length"));
         }
         for (index, (center, radius)) in s.centers.iter().zip(&s.radii).enumerate() {
             check_sphere(*center, *radius, || Place::field(format!("sphere {index}")))?;
@@ -270,8 +270,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// A fingerprint of everything that decides the picture: the same for the same numbers, wherever they came from.
-    /// 32 hexadecimal digits of BLAKE3.
+    /// A fingerprint of everything that determines the picture: equal for equal numbers, whatever their source. 32
+    /// hexadecimal digits of BLAKE3.
     pub fn fingerprint(&self) -> String {
         let mut hash = blake3::Hasher::new();
         hash.update(format!("{:?} {:?}", self.camera, self.image).as_bytes());
@@ -292,10 +292,10 @@ impl ImagePlane {
     }
 }
 
-/// Largest number of columns or rows: 2j + 1 - W stays exact in f32 far beyond it, and id buffers stay addressable.
+/// Largest number of columns or rows. 2j + 1 - W is exact in f32 far beyond it, and id buffers remain addressable.
 pub const MAX_SIDE: i64 = 1 << 20;
 
-/// A size in pixels that is positive and not absurd, as (W, H). One place for every reader and the command line.
+/// Checks an image size (W, H), for every reader and the command line.
 ///
 /// # Errors
 /// [`Error::Scene`] at `place`.
@@ -303,14 +303,14 @@ pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> R
     if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
         return Ok((width as u32, height as u32));
     }
-    let problem = format!("an image of {width} x {height} pixels cannot be made");
+    let problem = format!("an image cannot have {width} x {height} pixels");
     Err(Error::scene(place(), problem, format!("give two whole numbers between 1 and {MAX_SIDE}")))
 }
 
-/// A sphere that can be rendered: finite centre, positive finite radius. One place for every reader.
+/// Checks a sphere, for every reader: finite centre, positive finite radius.
 ///
 /// # Errors
-/// [`Error::Scene`] at `place`, with the field appended.
+/// [`Error::Scene`] at `place`, with the name of the field appended.
 pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) -> Result<()> {
     let inside = |field: &str| {
         let place = place();
@@ -318,27 +318,31 @@ pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) ->
         place.named(name)
     };
     if let Some(bad) = center.iter().find(|x| !x.is_finite()) {
-        return Err(Error::scene(inside("center"), format!("{bad} is not a place"), "give three finite numbers"));
+        return Err(Error::scene(
+            inside("center"),
+            format!("expected a finite number, found {bad}"),
+            "give three finite numbers",
+        ));
     }
     if !(radius > 0.0 && radius.is_finite()) {
-        let problem = format!("a radius of {radius} makes no sphere");
+        let problem = format!("the radius is {radius}");
         return Err(Error::scene(inside("radius"), problem, "give a positive finite number"));
     }
     Ok(())
 }
 
-/// A colour that can be shown: three finite numbers, none negative. One place for every reader.
+/// Checks a colour, for every reader: three finite numbers, none negative.
 ///
 /// # Errors
 /// [`Error::Scene`] at `place`.
 pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()> {
     match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
         None => Ok(()),
-        Some(bad) => Err(Error::scene(place(), format!("{bad} is no colour component"), "give linear RGB, 0 or more")),
+        Some(bad) => Err(Error::scene(place(), format!("the colour component is {bad}"), "give linear RGB, 0 or more")),
     }
 }
 
-/// The same fault, found by a check that knows only the field, at the place of that field in the file.
+/// Moves an error of a check that knows only the field to that field's place in the file.
 fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
     match error {
         Error::Scene { place: old, problem, mend, source } => {
@@ -349,7 +353,7 @@ fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
     }
 }
 
-/// The ending in lower case, empty if there is none.
+/// The file name extension in lower case; empty if there is none.
 fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }

@@ -10,13 +10,13 @@ use crate::window::Window;
 use serde::Serialize;
 use std::str::FromStr;
 
-/// Where to compute.
+/// Where to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// A GPU if there is one, a software adapter if not, the CPU path if there is no adapter at all.
+    /// A GPU if there is one, else a software adapter, else the CPU path.
     #[default]
     Auto,
-    /// An adapter, or an error.
+    /// An adapter; an error if there is none.
     Gpu,
     /// The CPU reference path.
     Cpu,
@@ -51,7 +51,7 @@ pub enum Accuracy {
     /// What the outputs require.
     #[default]
     Auto,
-    /// f32, no certificate.
+    /// f32 without a certificate.
     Fast,
     /// Proved equal to the exact answer.
     Certified,
@@ -85,47 +85,47 @@ impl FromStr for Accuracy {
 /// The settings of a rendering, besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
-    /// Where to compute.
+    /// Where to render.
     pub backend: Backend,
     /// Which adapter, by index or part of its name; `None` takes WGPU_ADAPTER_NAME or the first.
     pub adapter: Option<String>,
-    /// One form of the quadratic and nothing else; `None` leaves the choice to the plan.
+    /// A single intersection method, uncertified; `None` leaves the choice to the plan.
     pub method: Option<Method>,
     /// The accuracy of the answers.
     pub accuracy: Accuracy,
-    /// How candidates are found.
+    /// How the candidates of a ray are found.
     pub search: Search,
-    /// How a hit becomes a colour.
+    /// How a hit is shaded.
     pub shade: Shade,
-    /// Which buffers the frame shall hold; ids are always computed.
+    /// The buffers of the frame; ids are always computed.
     pub aovs: Vec<Aov>,
-    /// Samples of each pixel, which colour and alpha are the means of: the next square n x n, one point in each of n x n equal
-    /// squares of the pixel; 0 and 1 take the pixel's centre. All other buffers are the answers of the centre.
+    /// Samples per pixel whose mean is the colour and the alpha, rounded up to the next square n x n: one point in each
+    /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers are those of the centre.
     pub samples: u32,
-    /// Chooses these points, together with the pixel's place in the full frame.
+    /// Seed of the sample positions; they also depend on the pixel's place in the full frame.
     pub seed: u32,
-    /// Which part of the frame is rendered, bit for bit as the whole has it; `None` is all of it.
+    /// The part of the frame that is rendered, bit for bit as in the whole frame; `None` renders all of it.
     pub window: Option<Window>,
-    /// Bytes of memory that the caller needs for itself as long as it holds the frame, to write its files say: a frame that
-    /// would not leave so many free is refused.
+    /// Bytes of memory that the caller needs while it holds the frame, for example to write its files. A frame that
+    /// would leave fewer free is refused.
     pub reserve: u64,
-    /// The error that is allowed. Certified answers promise it of t, relative to itself; where accuracy and method are
-    /// left open, the cheapest method is taken whose predicted errors it allows. `None` promises the default and leaves
-    /// the choice to the buffers.
+    /// The allowed relative error of t. Certified answers stay within it. Where accuracy and method are open, the plan
+    /// takes the cheapest method whose predicted error stays within it. `None` promises the default and leaves the
+    /// choice to the plan.
     pub tolerance: Option<Tolerance>,
 }
 
 impl Settings {
-    /// What is promised of t where answers are certified.
+    /// The promised relative error of t where answers are certified.
     #[must_use]
     pub fn promise(&self) -> Tolerance {
         self.tolerance.unwrap_or_default()
     }
 
-    /// What is rendered of `scene`'s frame.
+    /// The part of `scene`'s frame that is rendered.
     ///
     /// # Errors
-    /// [`Error::Settings`] where the window is no part of it.
+    /// [`Error::Settings`] where the window does not lie within the frame.
     pub fn window_of(&self, scene: &Scene) -> Result<Window> {
         let (width, height) = (scene.image.width, scene.image.height);
         self.window.map_or(Ok(Window::full(width, height)), |window| window.within(width, height))
@@ -142,19 +142,19 @@ impl Settings {
 pub struct Tolerance(f64);
 
 impl Tolerance {
-    /// The promise, if f64 can hold it.
+    /// The tolerance, if f64 can hold it.
     ///
     /// # Errors
-    /// [`Error::Settings`] for 0, less than 2^-50, and what is no number.
+    /// [`Error::Settings`] for 0, for less than 2^-50 and for NaN.
     pub fn new(relative: f64) -> Result<Self> {
         if relative >= 2f64.powi(-50) && relative.is_finite() {
             return Ok(Self(relative));
         }
-        let problem = format!("a tolerance of {relative} cannot be promised");
+        let problem = format!("the tolerance {relative} is not a relative error that can be promised");
         Err(Error::settings(problem, "give a relative error of 2^-50 (8.9e-16) or more"))
     }
 
-    /// The number.
+    /// The relative error.
     #[must_use]
     pub fn relative(self) -> f64 {
         self.0
@@ -170,15 +170,15 @@ impl Default for Tolerance {
 /// How the candidates of a ray are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Search {
-    /// What the scene requires.
+    /// Chosen by the plan.
     #[default]
     Auto,
     /// Every ray tests all spheres.
     All,
-    /// The spheres are binned into tiles of 8 x 8 pixels that they may cover, nearest first; a ray tests those of its tile
-    /// until the rest lies behind its hit.
+    /// The spheres are binned into tiles of 8 x 8 pixels that they may cover, nearest first. A ray tests those of its
+    /// tile until the rest lies behind its hit.
     Tiles,
-    /// A tree of boxes over the spheres, for given rays; it changes no answer.
+    /// A tree of boxes over the spheres, for given rays; the answers are the same.
     Tree,
 }
 
@@ -197,7 +197,7 @@ impl Search {
         }
     }
 
-    /// The level of the lists of candidates: tiles, or one for the whole image.
+    /// The level of the candidate lists: tiles, or one list for the whole image.
     pub(crate) fn level(self) -> u32 {
         if self == Self::All { WHOLE } else { 0 }
     }

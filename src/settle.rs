@@ -1,4 +1,5 @@
-//! Settle: what f32 could not prove is decided again, in double-double with proven bounds and then exactly.
+//! Settling: pixels that f32 could not prove are decided again, in double-double with proven bounds and, where that is
+//! not enough, exactly.
 
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
@@ -12,26 +13,26 @@ use crate::view::View;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A pixel that was decided again.
+/// A pixel that was settled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Settled {
-    /// Its place in the buffers: row times columns plus column, of the window.
+    /// Its index in the buffers: row times columns plus column, in the window.
     pub(crate) pixel: u32,
     /// What its ray hits.
     pub(crate) truth: Option<Truth>,
 }
 
-/// The pixels of `ids` that a certified kernel left open.
+/// The pixels that a certified kernel marked unsure.
 pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
     ids.par_iter().positions(|id| *id == UNSURE).map(|pixel| pixel as u32).collect()
 }
 
-/// Candidates that may be held at once: 64 MiB, and as much again for those of each pixel's own.
+/// The most candidates held at once: 64 MiB, and as much again for each pixel's own lists.
 const AT_ONCE: usize = 1 << 24;
 
-/// Decides every unsure pixel, among the spheres that may be its nearest hit by their lower bounds of depth. The twin asks
-/// anew: its bounds hold as the kernel's do, however either rounds. `go_on` is asked before every pixel; after a `false` the
-/// answers are worth nothing.
+/// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth. The CPU
+/// twin computes these bounds anew; they hold as the kernel's do, whichever way either rounds. `go_on` is called before
+/// every pixel; if it returns false, the result is incomplete and must be discarded.
 pub(crate) fn settle(
     scene: &Scene,
     view: &View,
@@ -63,7 +64,7 @@ struct Settler<'a> {
 }
 
 impl Settler<'_> {
-    /// How many candidates a pixel may have.
+    /// The most candidates that a pixel may have.
     fn most(&self, pixel: u32) -> usize {
         let [row, column] = self.twin.view.place(pixel);
         let [first, end] = self.twin.lists.range(row, column);
@@ -80,7 +81,7 @@ impl Settler<'_> {
         let [row, column] = twin.view.sample_position(row, column);
         let slopes = twin.slopes(row, column);
         let mut all: Vec<_> = twin.candidates(&slopes).collect();
-        // The depth that the nearest hit surely does not exceed.
+        // An upper bound of the depth of the nearest hit.
         let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
         let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
         let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
@@ -93,7 +94,7 @@ impl Settler<'_> {
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
         let lists: Vec<Vec<u32>> = pixels.par_iter().map(|pixel| self.candidates(*pixel)).collect();
-        // Only the spheres in question are prepared; in their order, so that the lower id stays the lower.
+        // Only the candidates are set up, in their order, so that the lower id stays the lower.
         let mut ids: Vec<u32> = lists.concat();
         ids.par_sort_unstable();
         ids.dedup();
@@ -115,7 +116,7 @@ impl Settler<'_> {
     }
 }
 
-/// Decides every pixel of the window among all spheres: the judge itself. `go_on` is asked before every row.
+/// Decides every pixel of the window among all spheres, in exact arithmetic only. `go_on` is called before every row.
 pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
     let record = &view.record;
     let judge = Judge::new(scene)?.refined(record.fine());
@@ -131,7 +132,7 @@ pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync
     Ok((0..record.rows).into_par_iter().flat_map_iter(row).collect())
 }
 
-/// Colours what was settled, from its exact normal.
+/// Colours the settled pixels from their exact normals.
 pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled], color: &mut [f32]) {
     for s in settled {
         let rgb = match &s.truth {

@@ -15,15 +15,15 @@ use crate::view::View;
 
 /// A plan with the data that it needs.
 pub(crate) struct FrameSetup {
-    /// The plan, without tiles where the lens does not allow them.
+    /// The plan, without tiles where the camera does not allow them.
     pub(crate) plan: Plan,
     pub(crate) view: View,
-    /// The scene binned into tiles; `None` where every ray tests all spheres, and where every pixel is decided exactly.
+    /// The scene binned into tiles; `None` where every ray tests all spheres or every pixel is decided exactly.
     pub(crate) binned: Option<BinnedScene>,
 }
 
 impl FrameSetup {
-    /// For the rays of `raster` in one frame of `scene`.
+    /// The setup for the rays of `raster` in one frame of `scene`.
     ///
     /// # Errors
     /// Those of [`View::new`] and of [`BinnedScene::new`].
@@ -39,7 +39,8 @@ impl FrameSetup {
         if plan.accuracy != Accuracy::Certified && !plan.kernel.tiles {
             return Ok(Self { plan, view, binned: None });
         }
-        // A form's tiles are tiles; one list for the whole image, in its order, is a certified kernel's search alone.
+        // An uncertified method always bins into tiles; a single list for the whole image exists for the certified
+        // kernel alone.
         let level = if plan.kernel.certify { plan.search.level() } else { Search::Tiles.level() };
         let tolerance = settings.promise().relative();
         let binned = timings.time("stage", || BinnedScene::new(scene, &view, tolerance, &TERMS, level, pool))?;
@@ -62,24 +63,24 @@ impl FrameSetup {
         })
     }
 
-    /// Whether a kernel or its twin runs: not for exact answers, nor where f32 cannot bound the lens.
+    /// Whether a kernel or its twin runs: not for exact answers, nor where f32 cannot bound the projection.
     pub(crate) fn is_traced(&self) -> bool {
         self.plan.accuracy == Accuracy::Fast || self.binned.is_some()
     }
 
-    /// What rounding can do at worst; `None` where answers are certified.
+    /// The predicted worst-case rounding error; `None` where answers are certified.
     pub(crate) fn predicted(&self, scene: &Scene) -> Option<Prediction> {
         let of_view = || Prediction::of_view(&self.view, scene, self.plan.kernel.method);
         (self.plan.accuracy == Accuracy::Fast).then(|| self.plan.predicted.or_else(of_view)).flatten()
     }
 
-    /// What is to be careful about, as far as it is known before a ray is traced.
+    /// The warnings that are known before a ray is traced.
     pub(crate) fn warnings(&self, scene: &Scene, settings: &Settings, predicted: Option<Prediction>) -> Vec<String> {
         let plan = &self.plan;
         let mut warnings = scene.skipped.warnings();
         warnings.extend(predicted.and_then(|predicted| predicted.warning(plan.kernel.method)));
         if scene.spheres.is_empty() {
-            warnings.push("the scene has 0 spheres: the picture is background".into());
+            warnings.push("the scene has 0 spheres, so every pixel is background".into());
         }
         if settings.search == Search::Tiles && plan.search == Search::All {
             warnings.push(plan.search_reason.into());

@@ -1,4 +1,4 @@
-//! From a hit to a colour: the twin of shade/.
+//! Shading: the colour of a hit. The twin of shade/.
 
 use crate::error::Error;
 use crate::intersect::Intersect;
@@ -8,14 +8,14 @@ use crate::scene::DEFAULT_COLOR;
 use crate::view::{Sphere, ViewRecord};
 use std::str::FromStr;
 
-/// How a hit becomes a colour.
+/// The shading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Shade {
-    /// The sphere's own colour.
+    /// The colour of the sphere.
     Flat,
     /// The world normal as a colour, (n + 1)/2.
     Normal,
-    /// Lambert with the light at the eye.
+    /// Lambert's law with a light at the eye.
     #[default]
     Headlight,
 }
@@ -34,7 +34,7 @@ impl Shade {
         }
     }
 
-    /// Whether the spheres' colours are looked at.
+    /// Whether it uses the spheres' colours.
     #[must_use]
     pub fn needs_colors(self) -> bool {
         self != Self::Normal
@@ -48,7 +48,7 @@ impl FromStr for Shade {
     }
 }
 
-/// What shading looks at, in the arithmetic of a twin; from the unit normal on, everything is f32.
+/// The input of shading, in the arithmetic of a twin; from the unit normal on, everything is f32.
 pub(crate) struct Surface<'a, R> {
     pub(crate) view: &'a ViewRecord,
     pub(crate) spheres: &'a [Sphere<R>],
@@ -85,7 +85,7 @@ impl<R: Number> Surface<'_, R> {
         }
     }
 
-    /// Linear RGB of a hit whose normal in the canonical camera is known.
+    /// Linear RGB of a hit with a known normal in the canonical camera.
     pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
         match shade {
             Shade::Flat => self.sphere_color(id),

@@ -1,10 +1,12 @@
-//! Tiles: squares of pixels that share a list of candidates. The constants that host, CPU path and shaders agree on.
+//! Tiles: squares of pixels that share a candidate list. The constants that the host, the CPU path and the shaders
+//! share.
 
-/// Pixels along a side of a tile, which is a workgroup; a layout test holds it against the shaders.
+/// Pixels along a side of a tile, which is a workgroup; a layout test compares it with the shaders.
 pub(crate) const TILE: u32 = 8;
 
-/// Entries that share a least depth, and that lists are padded to: what the largest sharing subgroup loads at once.
+/// Entries that share a minimum depth; lists are padded to multiples of it. It is what the largest sharing subgroup
+/// loads at once.
 pub(crate) const CHUNK: usize = 8;
 
-/// The level at which every image is one square of tiles.
+/// The level at which one tile covers the whole image.
 pub(crate) const WHOLE: u32 = 31;

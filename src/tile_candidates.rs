@@ -1,6 +1,6 @@
-//! Per-tile candidate lists for uncertified methods: the lists of the certified kernel, with the method's own records in
-//! their places. A method tests only the spheres that the rays of a tile may hit and that may be nearer than the current
-//! hit, so its false hits on other spheres do not show; every other answer is that of testing all spheres.
+//! Per-tile candidate lists for uncertified methods: the lists of the certified kernel with the method's own sphere
+//! records. A method tests only the spheres that the rays of a tile may hit and that may be nearer than the current
+//! hit. Its false hits on other spheres therefore do not appear; every other answer equals that of testing all spheres.
 
 use crate::certify::binned::BinnedScene;
 use crate::memory::Pool;
@@ -13,24 +13,24 @@ use bytemuck::Pod;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The rest of a list is skipped if it begins farther behind the hit than this share of its t. That is far more than the
-/// error of t in any usable method (half of f32's digits, for the lecture's). A method whose t is off by more may skip a
-/// sphere, and then shows another of its wrong answers or none.
+/// The rest of a list is skipped if it begins farther behind the hit than this share of the hit's t. The share is far
+/// larger than the error of t in any usable method (half of f32's digits for the lecture's). A method with a larger
+/// error may skip a sphere, and then gives another wrong answer or a miss.
 const MARGIN: f64 = 1.0 / (1 << 10) as f64;
 
-/// Beyond every t of a frame, and below a miss: without a hit no list is skipped.
+/// Larger than every t of a frame and smaller than the t of a miss: without a hit no list is skipped.
 const FAR: f64 = 3.0e38;
 
-/// A scene's spheres as the lists of a binned scene name them.
+/// The candidate lists of a binned scene, with access to the scene's spheres.
 #[derive(Clone, Copy)]
 pub(crate) struct TileCandidates<'a> {
     pub(crate) view: &'a View,
     pub(crate) spheres: &'a Spheres,
     pub(crate) binned: &'a BinnedScene,
-    /// Low parts are read too.
+    /// Whether rounding errors of the spheres are read too.
     pub(crate) wide: bool,
     pool: &'a Pool,
-    /// t for each unit of a chunk_min_depth's depth, less the margin.
+    /// t per unit of a chunk's minimum depth, less the margin.
     per_depth: f64,
 }
 
@@ -65,12 +65,12 @@ impl<'a> TileCandidates<'a> {
         Self { view, spheres, binned, wide, pool, per_depth: (1.0 - MARGIN) / view.pitch[2] }
     }
 
-    /// Centre and radius of the sphere of that id.
+    /// Centre and radius of the sphere with this id.
     fn world(&self, id: u32) -> ([f64; 3], f64) {
         (self.spheres.centers[id as usize], self.spheres.radii[id as usize])
     }
 
-    /// That sphere in the arithmetic of a twin.
+    /// The sphere with this id in the arithmetic of a twin.
     pub(crate) fn sphere<R: Number>(&self, id: u32) -> Sphere<R> {
         let (center, radius) = self.world(id);
         let record = self.view.sphere(id, center, radius);
@@ -80,30 +80,29 @@ impl<'a> TileCandidates<'a> {
         }
     }
 
-    /// The ids of a run of list entries; [`NONE`] is what fills a list up.
+    /// The ids of a range of list entries; [`NONE`] pads a list.
     pub(crate) fn ids(&self, entries: Range<usize>) -> impl Iterator<Item = u32> + '_ {
         self.binned.lists.details[entries].iter().map(|more| more.id)
     }
 
-    /// A ray that has hit something at a smaller t, in the frame's unit, need not test this chunk, nor what is behind it in
-    /// its list.
+    /// A ray whose current hit has a smaller t than this, in the frame's unit, skips this chunk and the rest of its list.
     pub(crate) fn limit(&self, chunk: usize) -> f32 {
         let depth = f64::from(self.binned.projection.depth) + f64::from(self.binned.lists.chunk_min_depths[chunk]);
         (depth * self.per_depth).min(FAR) as f32
     }
 
-    /// How many places of a band the general spheres take.
+    /// The number of entries that the general spheres take, padded to whole chunks.
     pub(crate) fn generals(&self) -> usize {
         self.binned.generals.len().next_multiple_of(CHUNK)
     }
 
-    /// The records of the general spheres and then of some list entries. Where a chunk has fewer, the last is repeated: a
-    /// sphere is not closer than itself.
+    /// The records of the general spheres and then of a range of list entries. Chunks are padded by repeating the last
+    /// sphere, which is not closer than itself.
     pub(crate) fn records(&self, entries: Range<usize>) -> Vec<SphereRecord> {
         self.places(entries, |id, (center, radius)| self.view.sphere(id, center, radius))
     }
 
-    /// What rounding took from each of these.
+    /// The rounding errors of each of these.
     pub(crate) fn residuals(&self, entries: Range<usize>) -> Vec<SphereResiduals> {
         self.places(entries, |_, (center, radius)| self.view.residuals_of(center, radius))
     }
@@ -114,7 +113,7 @@ impl<'a> TileCandidates<'a> {
         std::iter::repeat_n(0.0, self.generals() / CHUNK).chain(of_lists).collect()
     }
 
-    /// Leaves what was uploaded to the next band or frame.
+    /// Returns an uploaded vector to the pool.
     pub(crate) fn put_back<T: Send + 'static>(&self, vector: Vec<T>) {
         self.pool.put_back(vector);
     }
@@ -128,7 +127,7 @@ impl<'a> TileCandidates<'a> {
         let mut places: Vec<T> = self.pool.take(generals + entries.len());
         places.resize(generals + entries.len(), T::zeroed());
         let fill = |chunk: &mut [T], ids: [u32; CHUNK]| {
-            // All are fetched before any is made: they lie far apart.
+            // All spheres are loaded before any record is made, because they lie far apart in memory.
             let worlds = ids.map(|id| if id == NONE { Default::default() } else { self.world(id) });
             let mut last = T::zeroed();
             for ((place, id), world) in chunk.iter_mut().zip(ids).zip(worlds) {

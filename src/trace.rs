@@ -1,11 +1,11 @@
-//! Given rays instead of viewing rays: beams of a lidar, secondary rays, a debugger's questions.
+//! Traces given rays instead of viewing rays: lidar beams, secondary rays, single queries.
 //!
-//! Rays that share an origin see the world moved there in f64, like viewing rays. Rays from many points (spread over
-//! 1e6 units, say) carry their origins in a high and a low f32 part, and so do the centres: the kernel subtracts high
-//! from high and low from low. Rays are grouped by origin where the groups are large enough to pay for moving the world.
+//! Rays that share an origin are traced with the spheres moved there in f64, like viewing rays. Rays from many points
+//! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
+//! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
 
 use crate::dd;
-use crate::error::{Error, Place as Where, Result};
+use crate::error::{Error, Place, Result};
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, Rays};
@@ -14,7 +14,7 @@ use crate::number::Number;
 use crate::plan::Plan;
 use crate::raw::Raw;
 use crate::ray::{Hit, NONE, Ray, RayRecord, dot3};
-use crate::render::{Place, Renderer};
+use crate::render::{Executor, Renderer};
 use crate::report::Timings;
 use crate::scene::{Spheres, check_sphere};
 use crate::settings::{Search, Settings};
@@ -25,20 +25,20 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The answers to given rays, in their order.
+/// The results of given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hits {
     /// Index of the sphere; -1 on a miss.
     pub id: Vec<i32>,
-    /// The hit is at origin + t direction, in the direction's own length; +inf on a miss.
+    /// The hit is at origin + t direction, in units of the given direction; +inf on a miss.
     pub t: Vec<f64>,
-    /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] was asked for.
+    /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
-    /// How candidates were found: never `auto`. It does not change an answer.
+    /// How candidates were found; never `auto`. The answers do not depend on it.
     pub search: Search,
 }
 
-/// A group smaller than this is not worth moving the world for: its rays fill one workgroup.
+/// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
 const GROUP: usize = 64;
 
 /// Traces given rays once. For many calls keep a [`Renderer`].
@@ -51,12 +51,11 @@ pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], s
 
 impl Renderer {
     /// The closest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single
-    /// one for all. Directions have any length but zero. Of `settings`, `method` and `search`
-    /// count, and `aovs` for the normals.
+    /// one for all. Directions have any length but zero. Of `settings`, only `method`, `search` and, for normals,
+    /// `aovs` are used.
     ///
     /// # Errors
-    /// [`Error::Settings`] for rays that are no rays, [`Error::Scene`] for spheres that are no spheres, and what
-    /// [`Renderer::render`] returns.
+    /// [`Error::Settings`] for invalid rays, [`Error::Scene`] for invalid spheres, and those of [`Renderer::render`].
     pub fn trace(
         &mut self,
         spheres: &Spheres,
@@ -83,7 +82,7 @@ impl Renderer {
             let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
             let far = farthest(&records);
             let tree = (plan.search == Search::Tree).then(|| {
-                // Once for all groups: what is near what is the same from everywhere.
+                // Built once for all groups: neighbouring spheres are the same from every origin.
                 let shape = shape.get_or_insert_with(|| Shape::new(&spheres.centers, &spheres.radii));
                 Tree::new(shape.as_ref()?, &view, far, Slack::of(plan.kernel.method))
             });
@@ -98,14 +97,14 @@ impl Renderer {
             let kernel = Kernel { rays: group.kind, tree: tree.is_some(), ..plan.kernel };
             let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
             match &mut self.place {
-                Place::Gpu(gpu) => {
+                Executor::Gpu(gpu) => {
                     gpu.check_method(kernel.method)?;
                     let input =
                         Input { view: &view, colors: None, rays: &records, candidates: None, tree: tree.as_ref() };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
                 }
-                Place::Cpu => {
+                Executor::Cpu => {
                     on_cpu(&kernel, &view, &records, tree.as_ref(), &mut raw);
                 }
             }
@@ -127,22 +126,25 @@ impl Renderer {
 
 fn check(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Result<()> {
     for (index, (c, r)) in spheres.centers.iter().zip(&spheres.radii).enumerate() {
-        check_sphere(*c, *r, || Where::field(format!("sphere {index}")))?;
+        check_sphere(*c, *r, || Place::field(format!("sphere {index}")))?;
     }
     if origins.len() != 1 && origins.len() != directions.len() {
-        let problem = format!("{} origins for {} directions", origins.len(), directions.len());
-        return Err(Error::settings(problem, "give one origin, or one for each direction"));
+        let problem = format!("found {} origins for {} directions", origins.len(), directions.len());
+        return Err(Error::settings(problem, "use one origin, or one for each direction"));
     }
     if u32::try_from(directions.len()).is_err() {
-        let problem = format!("{} rays are more than one call numbers with 32 bits", directions.len());
-        return Err(Error::Limits { problem, mend: format!("trace at most {} at once", u32::MAX) });
+        let problem = format!("{} rays are more than 32-bit indices can number", directions.len());
+        return Err(Error::Limits { problem, mend: format!("trace at most {} rays per call", u32::MAX) });
     }
     if let Some(n) = origins.iter().position(|o| o.iter().any(|x| !x.is_finite())) {
-        return Err(Error::settings(format!("origin {n} is not finite"), "give three finite numbers"));
+        return Err(Error::settings(format!("origin {n} is not finite"), "use three finite numbers"));
     }
     let no_direction = |d: &[f64; 3]| d.iter().any(|x| !x.is_finite()) || d.iter().all(|x| *x == 0.0);
     if let Some(n) = directions.iter().position(no_direction) {
-        return Err(Error::settings(format!("direction {n} is zero or not finite"), "give a finite direction"));
+        return Err(Error::settings(
+            format!("direction {n} is zero or not finite"),
+            "use a finite direction that is not zero",
+        ));
     }
     Ok(())
 }
@@ -154,11 +156,11 @@ struct Group {
     rays: Vec<u32>,
 }
 
-/// By origin where that pays, else all together about the middle of their origins.
+/// Groups by origin where that pays; the other rays form one group about the middle of their origins.
 fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
     let mut by_origin: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
     for n in 0..count {
-        // + 0.0 makes -0.0 and 0.0 one origin.
+        // Adding 0.0 makes -0.0 and 0.0 the same origin.
         by_origin.entry(origin(n).map(|x| (x + 0.0).to_bits())).or_default().push(n as u32);
     }
     if by_origin.len() == 1 || by_origin.len() * GROUP <= count {
@@ -184,7 +186,7 @@ fn scale(direction: [f64; 3]) -> i32 {
     dd::exponent(DVec3::from_array(direction).abs().max_element())
 }
 
-/// A ray as a kernel sees it in `view`.
+/// A ray as the kernels read it in `view`.
 pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
     let f = scale(direction);
     let direction = direction.map(|x| dd::ldexp(x, -f));
@@ -197,13 +199,13 @@ pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> 
     RayRecord { direction: four(d, 0), origin: four(high, 1), origin_low: four(low, 2) }
 }
 
-/// The farthest origin from the view's eye, in the frame's unit; a hair more, for what rounding took.
+/// The largest distance of an origin from the view's eye, in the frame's unit, rounded up.
 pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
     let square = |r: &RayRecord| r.origin[..3].iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
     rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
 }
 
-/// A sphere moved to the origin of a ray: the twin of search/moved_origin.wgsl.
+/// A sphere moved to the origin of a ray; the twin of search/moved_origin.wgsl.
 fn moved<R: Number>(s: &SphereRecord, residuals: &SphereResiduals, ray: &RayRecord) -> Sphere<R> {
     let shrink = 1.0 / s.scale;
     let part = |k: usize| [s.center_radius[k], residuals.center_radius[k]];

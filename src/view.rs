@@ -22,7 +22,7 @@ use glam::DVec3;
 use moved::Moved;
 use rayon::prelude::*;
 
-/// The uniform of every kernel; view.wgsl declares it.
+/// The uniform of every kernel; declared in view.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct ViewRecord {
@@ -34,11 +34,11 @@ pub struct ViewRecord {
     pub back: [f32; 4],
     /// Linear RGB of a miss; the fourth number is unused.
     pub background: [f32; 4],
-    /// W of the full frame; where pixels are sampled, of the finer one whose pixels are the samples.
+    /// W of the full frame; with several samples per pixel, of the finer frame whose pixels are the samples.
     pub width: u32,
     /// H likewise.
     pub height: u32,
-    /// First row of the window, and of the band of it that a dispatch renders; in the full frame.
+    /// First row, in the full frame, of the window or of the band that a dispatch renders.
     pub first_row: u32,
     /// Rows in the window or the band.
     pub rows: u32,
@@ -48,15 +48,15 @@ pub struct ViewRecord {
     pub half_dv: f32,
     /// d, scaled.
     pub d: f32,
-    /// How many spheres every ray tests.
+    /// The number of spheres that every ray tests.
     pub spheres: u32,
-    /// 0: what no compiler knows (number/double_float.wgsl).
+    /// 0, but unknown to the compiler (number/double_float.wgsl).
     pub zero: u32,
-    /// What rounding took from half_du.
+    /// Rounding error of half_du.
     pub half_du_low: f32,
-    /// What rounding took from half_dv.
+    /// Rounding error of half_dv.
     pub half_dv_low: f32,
-    /// What rounding took from d.
+    /// Rounding error of d.
     pub d_low: f32,
     /// First column of the window in the full frame.
     pub first_column: u32,
@@ -66,9 +66,9 @@ pub struct ViewRecord {
     pub strata: u32,
     /// Pixels of the finer frame along a side of a stratum, a power of two.
     pub jitter: u32,
-    /// Which sample.
+    /// The index of the sample.
     pub sample: u32,
-    /// Chooses where in their strata samples lie.
+    /// Seed of the sample positions.
     pub seed: u32,
     /// WGSL rounds the size up to the alignment of the vectors.
     pub unused: [u32; 2],
@@ -80,7 +80,7 @@ impl ViewRecord {
         self.columns as usize * self.rows as usize
     }
 
-    /// Row and column in the full frame of a pixel of the window, by its place in the buffers.
+    /// Row and column in the full frame of a pixel of the window, by its index in the buffers.
     pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
         [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
     }
@@ -91,13 +91,13 @@ impl ViewRecord {
         [of(self.first_column, self.columns), of(self.first_row, self.rows)]
     }
 
-    /// K, 1 for pixel centres.
+    /// K, the pixels of the finer frame along a side of a pixel; 1 for pixel centres.
     #[inline(always)]
     pub(crate) fn fine(&self) -> u32 {
         self.strata * self.jitter
     }
 
-    /// Row and column of the ray of a pixel, in the finer frame: its own for pixel centres. The twin of main/sample.wgsl.
+    /// Row and column in the finer frame of a pixel's ray; the pixel's own for pixel centres. The twin of main/sample.wgsl.
     #[inline(always)]
     pub(crate) fn sample_position(&self, row: u32, column: u32) -> [u32; 2] {
         if self.fine() == 1 {
@@ -112,8 +112,8 @@ impl ViewRecord {
     }
 }
 
-/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques 9(3),
-/// 2020: four numbers of four.
+/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques
+/// 9(3), 2020: it maps four numbers to four.
 fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     let mix = |[x, y, z, w]: [u32; 4]| {
         let x = x.wrapping_add(y.wrapping_mul(w));
@@ -126,7 +126,7 @@ fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     mix(mix(v).map(|x| x ^ x >> 16))
 }
 
-/// A sphere as the kernels see it; search/closer_hit.wgsl declares it.
+/// A sphere as the kernels read it; declared in search/closer_hit.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct SphereRecord {
@@ -142,7 +142,7 @@ pub struct SphereRecord {
     pub unused: u32,
 }
 
-/// What rounding took from a [`SphereRecord`]; search/closer_hit.wgsl declares it.
+/// Rounding errors of a [`SphereRecord`]; declared in search/closer_hit.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub struct SphereResiduals {
@@ -161,7 +161,7 @@ pub struct Sphere<R> {
     pub center_radius: [R; 4],
     /// Power of the eye.
     pub power: R,
-    /// Unit of t.
+    /// Factor from the record's t to the frame's.
     pub scale: R,
 }
 
@@ -176,7 +176,7 @@ impl<R: Number> From<&SphereRecord> for Sphere<R> {
 }
 
 impl<R: Number> Sphere<R> {
-    /// A record with its low parts, as far as the arithmetic can hold them.
+    /// A record with its rounding errors, as far as the arithmetic holds them.
     pub(crate) fn with_residuals(s: &SphereRecord, low: &SphereResiduals) -> Self {
         Self {
             center_radius: std::array::from_fn(|k| R::from_hi_lo(s.center_radius[k], low.center_radius[k])),
@@ -186,10 +186,10 @@ impl<R: Number> Sphere<R> {
     }
 }
 
-/// Which records of the spheres a view holds.
+/// Which sphere records a view holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Records {
-    /// None: candidate lists have their own.
+    /// None: the candidate lists have their own.
     None,
     /// Rounded to f32.
     Rounded,
@@ -200,16 +200,16 @@ pub(crate) enum Records {
 /// The scene in the canonical camera.
 #[derive(Debug, Clone)]
 pub struct View {
-    /// What the kernels get.
+    /// The uniform of the kernels.
     pub record: ViewRecord,
-    /// One record per sphere, in the scene's order.
+    /// One record per sphere in the scene's order; empty where the kernel reads candidate lists.
     pub spheres: Vec<SphereRecord>,
-    /// What rounding took from each sphere, for rays from many points and for arithmetic beyond f32; else empty.
+    /// Rounding errors of each sphere, for rays from many points and for arithmetic beyond f32; else empty.
     pub residuals: Vec<SphereResiduals>,
     /// The basis, in f64.
     pub basis: Basis,
-    /// vw/(2W), vh/(2H) and d in f64, under the same power of two as the record's; of parallel rays vw/(2W) and vh/(2H) in
-    /// the frame's unit, and 1.
+    /// vw/(2W), vh/(2H) and d in f64, scaled by the same power of two as the record's; for parallel rays vw/(2W) and
+    /// vh/(2H) in the frame's unit, and 1.
     pub pitch: [f64; 3],
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
@@ -217,26 +217,26 @@ pub struct View {
     pub unit: i32,
 }
 
-/// The widest span of exponents that one frame's unit can hold with room for the roots themselves.
+/// The largest range of exponents in one frame that leaves room for the roots.
 const WIDEST: i32 = 240;
 
-/// The least exponent of a frame's unit: 2^1000 is a number that subnormal ones can be multiplied with. They are within
-/// 2^-74 of that unit, where f32 holds them as well.
+/// The least exponent of a frame's unit: 2^1000 can still be multiplied by subnormal numbers. Those are within 2^-74 of
+/// that unit, where f32 holds them too.
 const LEAST_UNIT: i32 = -1000;
 
 impl View {
-    /// Moves the world: spheres into the canonical camera of `scene`, pixels into a pitch.
+    /// Moves the spheres of `scene` into the canonical camera and computes the pixel pitch.
     ///
     /// # Errors
-    /// Whatever [`Scene::check`] finds; [`Error::Scene`] for numbers so far apart that c - e overflows or that the
-    /// sizes span more than 2^240.
+    /// The errors of [`Scene::check`]; [`Error::Scene`] for numbers so far apart that c - e overflows or that the sizes
+    /// span more than 2^240.
     pub fn new(scene: &Scene) -> Result<Self> {
         let mut view = Self::without_spheres(scene)?;
         view.move_world(&scene.spheres.centers, &scene.spheres.radii);
         Ok(view)
     }
 
-    /// The rays of `raster`, and the spheres in these records.
+    /// The view for the rays of `raster`, with these sphere records.
     ///
     /// # Errors
     /// As [`View::new`].
@@ -251,12 +251,12 @@ impl View {
         Ok(view)
     }
 
-    /// Camera, pixels and the frame's unit.
+    /// Camera, pixels and the frame's unit, without spheres.
     pub(crate) fn without_spheres(scene: &Scene) -> Result<Self> {
         Self::of_raster(scene, Raster::centres(Window::full(scene.image.width, scene.image.height)))
     }
 
-    /// The same for the rays of `raster`. The window says which of them are asked, and no other number depends on it.
+    /// The same for the rays of `raster`. The window selects the rays; no other number depends on it.
     fn of_raster(scene: &Scene, raster: Raster) -> Result<Self> {
         scene.check()?;
         let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
@@ -265,7 +265,7 @@ impl View {
         let basis = scene.camera.basis()?;
         let unit = unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?;
         let (pitch, pixel, low) = match parallel {
-            // The certified kernel alone has parallel rays, and reads no pitch.
+            // Only the certified kernel has parallel rays, and it does not read the pitch.
             true => (parallel_pitch(&viewport, width, height, unit), [0.0; 3], [0.0; 3]),
             false => scaled_pitch(&viewport, width, height),
         };
@@ -293,7 +293,7 @@ impl View {
         Ok(Self { parallel, ..view })
     }
 
-    /// A view along the world's axes from `eye`: what given rays are traced in.
+    /// A view along the world's axes from `eye`, for tracing given rays.
     pub(crate) fn along_axes(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<Self> {
         let basis = Basis { e: eye, u: DVec3::X, v: DVec3::Y, w: DVec3::Z };
         let unit = unit(eye, centers, radii)?;
@@ -302,7 +302,7 @@ impl View {
         Ok(view)
     }
 
-    /// A view from `basis` of so many spheres, which are not yet moved.
+    /// A view from `basis` for `spheres` spheres, which are not yet moved.
     fn of_basis(basis: Basis, record: ViewRecord, pitch: [f64; 3], spheres: usize, unit: i32) -> Self {
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
@@ -310,7 +310,7 @@ impl View {
         Self { record, spheres: Vec::new(), residuals: Vec::new(), basis, pitch, parallel: false, unit }
     }
 
-    /// The spheres in the arithmetic of a CPU twin, with their low parts where `wide`.
+    /// The spheres in the arithmetic of a CPU twin, with their rounding errors where `wide`.
     pub(crate) fn spheres_in<R: Number>(&self, wide: bool) -> Vec<Sphere<R>> {
         match wide {
             true => self.spheres.iter().zip(&self.residuals).map(|(s, low)| Sphere::with_residuals(s, low)).collect(),
@@ -325,15 +325,16 @@ impl View {
         self.residuals = spheres.par_iter().zip(moved).map(|(s, moved)| moved.residuals(s)).collect();
     }
 
-    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's; (0, 0, -1) of parallel rays.
+    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
+    /// (0, 0, -1) for parallel rays.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
         if self.parallel { [0.0, 0.0, -1.0] } else { self.aside(i, j) }
     }
 
-    /// Where the viewing ray of row i and column j begins, in the canonical camera.
+    /// The origin of the viewing ray of row i and column j, in the canonical camera.
     pub(crate) fn origin(&self, i: u32, j: u32) -> [f64; 3] {
         let [u, v, _] = self.aside(i, j);
-        // In the frame's unit u and v keep their bits, wherever in f64's range the scene lies.
+        // In the frame's unit u and v keep their bits, even at the limits of f64.
         if self.parallel { [u, v, 0.0].map(|x| dd::ldexp(x, self.unit)) } else { [0.0; 3] }
     }
 
@@ -343,7 +344,7 @@ impl View {
         [odd(self.record.width, j) * self.pitch[0], -odd(self.record.height, i) * self.pitch[1], -self.pitch[2]]
     }
 
-    /// The world point at `t` along a direction of the canonical camera, from an origin there.
+    /// The world point at `t` along a direction of the canonical camera, from an origin in it.
     pub(crate) fn point(&self, origin: [f64; 3], d: [f64; 3], t: f64) -> [f64; 3] {
         let from = self.basis.e + self.to_world(origin);
         (from + self.to_world(d) * t).to_array()
@@ -359,7 +360,7 @@ impl View {
         SphereRecord { id, ..Moved::new(&self.basis, center, radius).record(self.unit) }
     }
 
-    /// What rounding took from it.
+    /// Its rounding errors.
     pub(crate) fn residuals_of(&self, center: [f64; 3], radius: f64) -> SphereResiduals {
         let moved = Moved::new(&self.basis, center, radius);
         moved.residuals(&moved.record(self.unit))
@@ -381,7 +382,7 @@ impl View {
     }
 }
 
-/// The exponent in the middle of all sizes and distances from `eye`: the frame's unit.
+/// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
     let exponents = |(center, radius): (&[f64; 3], &f64)| {
         let away = (DVec3::from_array(*center) - eye).abs().max_element();
@@ -391,17 +392,17 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
     let Some((least, most)) = span.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
         return Ok(0);
     };
-    // c - e must not overflow, and squares of what 2^-k leaves must not vanish in double-double.
+    // c - e must not overflow, and squares of numbers scaled by 2^-k must not underflow in double-double.
     if most >= 1000 || most - least > WIDEST {
-        let problem = format!("sizes and distances from 2^{least} to 2^{most} do not fit one frame");
+        let problem = format!("sizes and distances from 2^{least} to 2^{most} exceed the range of one frame");
         let mend = format!("keep them within 2^{WIDEST} of each other and below 2^1000");
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
     Ok((least + (most - least) / 2).max(LEAST_UNIT))
 }
 
-/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2); in f64, in f32, and
-/// what rounding took.
+/// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2): in f64, in f32, and
+/// the rounding errors.
 fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3], [f32; 3]) {
     let largest = (viewport.vw / 2.0).max(viewport.vh / 2.0).max(viewport.d);
     let shift = -dd::exponent(largest);
@@ -413,7 +414,8 @@ fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32
     (pitch, pitch.map(|x| x as f32), pitch.map(|x| (x - f64::from(x as f32)) as f32))
 }
 
-/// vw/(2W), vh/(2H) in the frame's unit, and 1: scaled first, since a subnormal number would lose bits in the quotient.
+/// vw/(2W), vh/(2H) in the frame's unit, and 1. Scaling comes first, since a subnormal number would lose bits in the
+/// quotient.
 fn parallel_pitch(viewport: &Viewport, width: u32, height: u32, unit: i32) -> [f64; 3] {
     let part = |side: f64, count: u32| dd::ldexp(side, -unit) / (2.0 * f64::from(count));
     [part(viewport.vw, width), part(viewport.vh, height), 1.0]
@@ -436,7 +438,7 @@ mod tests {
                 counts[(j % 16) as usize] += 1;
             }
         }
-        // 180000 in 16 places: 11250 each, with a deviation of 103; five of them.
+        // 180000 in 16 bins: 11250 each, with a standard deviation of 103; the limit is five of them.
         assert!(counts.iter().all(|n| n.abs_diff(11_250) < 515), "{counts:?}");
     }
 }

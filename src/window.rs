@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use std::fmt;
 
-/// Columns x0 to x1 and rows y0 to y1 of a full frame, the ends excluded; counted from its top left corner.
+/// Columns x0 to x1 and rows y0 to y1 of a full frame, ends excluded, counted from its top left corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Window {
     /// First column.
@@ -23,17 +23,18 @@ impl Window {
         Self { x0: 0, y0: 0, x1: width, y1: height }
     }
 
-    /// Tile `number` of `count`, from 1, of a frame of `width` x `height` pixels: the frame is cut into as many equal
-    /// bands of rows as divide `count` and leave tiles nearest to squares, and each band into columns; row by row.
+    /// Tile `number` of `count`, from 1, of a frame of `width` x `height` pixels. The frame is cut into equal bands of
+    /// rows, and each band into equal columns; the number of bands divides `count` and makes the tiles nearest to
+    /// squares. Tiles are numbered row by row.
     ///
     /// # Errors
-    /// [`Error::Settings`] where there is no such tile, or where a tile would hold no pixel.
+    /// [`Error::Settings`] where there is no such tile, or where a tile would have no pixels.
     pub fn tile(number: u32, count: u32, width: u32, height: u32) -> Result<Self> {
         if !(1..=count).contains(&number) {
             let problem = format!("there is no tile {number} of {count}");
             return Err(Error::settings(problem, format!("count tiles from 1 to {}", count.max(1))));
         }
-        // How far from square a tile is: the longer side over the shorter.
+        // Aspect ratio of a tile: the longer side over the shorter.
         let lank = |rows: u32| {
             let [w, h] = [f64::from(width) / f64::from(count / rows), f64::from(height) / f64::from(rows)];
             (w / h).max(h / w)
@@ -42,7 +43,7 @@ impl Window {
         let rows = (1..=count.min(height)).filter(fits).min_by(|a, b| lank(*a).total_cmp(&lank(*b)));
         let Some(rows) = rows else {
             let problem = format!("{width} x {height} pixels cannot be cut into {count} equal tiles");
-            return Err(Error::settings(problem, "ask for fewer"));
+            return Err(Error::settings(problem, "use fewer tiles"));
         };
         let columns = count / rows;
         let [row, column] = [(number - 1) / columns, (number - 1) % columns];
@@ -67,7 +68,7 @@ impl Window {
         self.y1 - self.y0
     }
 
-    /// The window, if it holds a pixel and lies within a frame of `width` x `height`.
+    /// The window, if it is not empty and lies within a frame of `width` x `height`.
     ///
     /// # Errors
     /// [`Error::Settings`] with both.
@@ -75,8 +76,11 @@ impl Window {
         if self.x0 < self.x1 && self.y0 < self.y1 && self.x1 <= width && self.y1 <= height {
             return Ok(self);
         }
-        let problem = format!("the crop {self} is no part of a frame of {width} x {height} pixels");
-        Err(Error::settings(problem, "give x0,y0,x1,y1 with x0 < x1 and y0 < y1, within the frame, ends excluded"))
+        let problem = format!("the crop {self} does not lie within the frame of {width} x {height} pixels");
+        Err(Error::settings(
+            problem,
+            "give x0,y0,x1,y1 with x0 < x1 and y0 < y1, within the frame; x1 and y1 are excluded",
+        ))
     }
 }
 

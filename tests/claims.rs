@@ -28,7 +28,7 @@ fn faults(claims: &str) -> (Vec<String>, usize) {
     let mut faults = Vec::new();
     let mut rows = 0;
     // Other tables follow.
-    let claims = claims.split("## How much").next().unwrap_or_default();
+    let claims = claims.split("## Test coverage").next().unwrap_or_default();
     for line in claims.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| section")) {
         rows += 1;
         let cells: Vec<_> = line.replace("\\|", "/").split('|').map(str::to_owned).collect();

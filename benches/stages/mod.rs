@@ -1,4 +1,4 @@
-//! Times of a frame's stages for criterion, by the frame's own report; for kernel.rs and search.rs.
+//! Times of a frame's stages for criterion, from the frame's report; for kernel.rs and search.rs.
 
 #[path = "../../examples/cloud/mod.rs"]
 mod cloud;
@@ -18,7 +18,7 @@ pub(crate) fn scene(count: usize) -> Scene {
     scene
 }
 
-/// A group of few samples: what is timed is long against the clock's noise.
+/// A group of few samples, because each takes long compared with the clock's resolution.
 pub(crate) fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGroup<'a, WallTime> {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
@@ -31,7 +31,7 @@ pub(crate) fn renderer(settings: &Settings) -> Option<Renderer> {
     Renderer::new(settings).map_err(|error| println!("SKIPPED {}: {error}", settings.backend.name())).ok()
 }
 
-/// `part` of every frame's time, in milliseconds; the rest of the frame is rendered and not counted.
+/// The time of `part` in every frame, in milliseconds; the rest of the frame is rendered but not counted.
 pub(crate) fn bench(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,

@@ -1,4 +1,4 @@
-//! A scene of any size, for price.rs and benches/; benches/peers/run makes the very same for other programs.
+//! A scene of any size, for price.rs and benches/; benches/peers/run makes the same scene for other programs.
 
 use glam::DVec3;
 use halfline::{Camera, ImagePlane, Lens, Look, Scene, Skipped, Spheres};

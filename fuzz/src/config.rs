@@ -9,7 +9,7 @@ use halfline::Error;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// The file that is read again and again, in memory where the system has such a folder.
+/// The file that is read repeatedly, in memory where the system has such a folder.
 static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
     let folder = crate::harness::desk();
     std::fs::create_dir_all(&folder).expect("a folder of our own");
@@ -19,7 +19,7 @@ static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
     path
 });
 
-/// Reads the file and gives its words to options of the same names.
+/// Reads the file and passes its values to options of the same names.
 pub(crate) fn run(data: &[u8]) -> Result<(), Error> {
     std::fs::write(&*PATH, data).expect("a file of our own");
     let config = real::Config::load()?;

@@ -1,9 +1,9 @@
-//! The most memory that is held at once.
+//! Counts the peak memory.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The system's allocator, counted.
+/// The system's allocator with counters.
 pub(crate) struct Counting;
 
 static LIVE: AtomicUsize = AtomicUsize::new(0);
@@ -28,7 +28,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        // Both are held while one is copied to the other.
+        // Both blocks exist while one is copied to the other.
         more(size);
         // SAFETY: the caller's promise is handed on.
         let new = unsafe { System.realloc(pointer, layout, size) };
@@ -43,14 +43,14 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Begins to count; the bytes held now.
+/// Begins to count; returns the bytes held now.
 pub(crate) fn begin() -> usize {
     let live = LIVE.load(Relaxed);
     PEAK.store(live, Relaxed);
     live
 }
 
-/// Bytes held at once since, beyond those held then.
+/// The peak since then, less the bytes held then.
 pub(crate) fn most_since(begun: usize) -> usize {
     PEAK.load(Relaxed).saturating_sub(begun)
 }

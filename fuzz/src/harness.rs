@@ -1,27 +1,28 @@
-//! What is fuzzed and what must hold of it, whatever the bytes: no panic, no more memory and time than stated, errors that
-//! a terminal can show, and scenes that can be rendered. `tests/corpus.rs` runs the kept inputs through the same.
+//! The fuzz targets and their invariants for any input: no panic, bounded memory and time, errors that a terminal can
+//! show, and scenes that can be rendered. `tests/corpus.rs` runs the stored inputs through the same code.
 
 #[path = "pictures.rs"]
 mod pictures;
 
 use halfline::error::Error;
 use halfline::scene::style::{Coloring, Scale, Style};
-use halfline::scene::{Format, ReadOptions, Sequence, Shot};
+use halfline::scene::{Format, ReadOptions, SceneFrame, Sequence};
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
-/// Something that takes bytes.
+/// A fuzz target.
 pub(crate) struct Target {
     name: &'static str,
     kind: Kind,
 }
 
-/// Takes bytes, and panics where something does not hold.
+/// Runs an input, and panics where an invariant fails.
 type Run = fn(&[u8]) -> Allowed;
 
-/// What is done with the bytes.
+/// The kind of input.
 enum Kind {
-    /// A scene in this format, or in one that its content tells, compressed or not. The first byte chooses the options.
+    /// A scene in this format, or in one detected from its content, compressed or not. The first byte selects the
+    /// options.
     Scene(Option<Format>),
     /// Files that halfline wrote.
     Picture(Run),
@@ -29,31 +30,31 @@ enum Kind {
     Config,
 }
 
-/// What a run may cost at most.
+/// The limits of a run.
 pub(crate) struct Allowed {
-    /// Bytes held at once.
+    /// Peak memory in bytes.
     pub(crate) bytes: usize,
-    /// Seconds of one processor. A test of the suite does not time.
+    /// Seconds of one processor; not checked in the test suite.
     #[cfg_attr(not(fuzzing), expect(dead_code, reason = "only the fuzzer looks at it"))]
     pub(crate) seconds: f64,
 }
 
-/// Bytes that a reader may hold whatever the file: its buffers, blocks of lines, a decompressor, names of columns.
+/// Bytes that a reader may use for any file: its buffers, blocks of lines, a decompressor, names of columns.
 const FREE: usize = 24 << 20;
 
-/// Bytes for every byte of a file, decompressed. A byte of TOML can be a table (`src/scene/native/room.rs`), a byte of
-/// an array a number that is there in several forms.
+/// Bytes per byte of a file, decompressed. A byte of TOML can be a table (`src/scene/native/room.rs`), a byte of an
+/// array a number that exists in several forms.
 const PER_BYTE: usize = 256;
 const PER_BYTE_OF_TOML: usize = 1500;
 
-/// Seconds for a file, and for every byte of it: a million times what a plain reader takes, on a machine with other work.
+/// Seconds per file, and per byte of it: a million times those of a plain reader, on a machine with other load.
 const SECONDS: f64 = 1.0;
 const PER_BYTE_SECONDS: f64 = 1e-4;
 
-/// Decompressed bytes that are run; more only cost time.
+/// The most decompressed bytes that are run.
 const UNPACKED: u64 = 8 << 20;
 
-/// Characters of an error or a warning: a place, a few quoted words, a list of names.
+/// The most characters of an error or a warning: a place, a few quoted words, a list of names.
 const LONGEST: usize = 2000;
 
 impl Target {
@@ -70,7 +71,7 @@ impl Target {
         all
     }
 
-    /// The one of this name.
+    /// The target with this name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::all().into_iter().find(|target| target.name == name)
     }
@@ -80,7 +81,7 @@ impl Target {
         Self::all().iter().map(|target| target.name).collect()
     }
 
-    /// Takes the bytes, and panics where something does not hold; what that may have cost.
+    /// Runs the input, and panics where an invariant fails; returns the limits of the run.
     pub(crate) fn run(&self, data: &[u8]) -> Allowed {
         match self.kind {
             Kind::Scene(format) => scene(format, data),
@@ -113,8 +114,8 @@ fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     let Some(Unpacked { length, whole }) = unpacked(content) else { return allowed(0, 0) };
     let options = options(format, *choice);
     let at_once = read(Cursor::new(content.to_vec()), &options, length);
-    // The same bytes in pieces are the same scene. Of a damaged stream, a decompressor gives more or fewer bytes before its
-    // error, depending on the pieces.
+    // The same bytes in pieces must give the same scene. For a damaged stream, a decompressor delivers more or fewer
+    // bytes before its error, depending on the pieces.
     if choice & 0x80 != 0 {
         let in_pieces = read(Pieces { content: content.to_vec(), at: 0 }, &options, length);
         assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
@@ -123,14 +124,14 @@ fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     allowed(length, per_byte)
 }
 
-/// Bytes as a reader gets them.
+/// The input as a reader receives it.
 struct Unpacked {
     length: usize,
-    /// Whether decompressing them fails nowhere.
+    /// Whether it decompresses without error.
     whole: bool,
 }
 
-/// The bytes, decompressed; `None` where they are too many to be run.
+/// The decompressed bytes; `None` if there are too many.
 fn unpacked(content: &[u8]) -> Option<Unpacked> {
     let (mut count, mut whole) = (0, true);
     let mut pass = |reader: &mut dyn Read| {
@@ -149,14 +150,14 @@ fn unpacked(content: &[u8]) -> Option<Unpacked> {
     match content {
         [0x1f, 0x8b, ..] => pass(&mut flate2::bufread::MultiGzDecoder::new(content)),
         [b'B', b'Z', b'h', ..] => pass(&mut bzip2::bufread::MultiBzDecoder::new(content)),
-        // Arrays of an archive are deflated one by one, each to at most 1032 bytes for one.
+        // Arrays of an archive are deflated separately, with a factor of at most 1032.
         [b'P', b'K', ..] => count = content.len().saturating_mul(1032),
         _ => {}
     }
     (count as u64 <= UNPACKED).then_some(Unpacked { length: count.max(content.len()), whole })
 }
 
-/// Options that lead readers other ways, by the bits of a byte.
+/// Options that select other paths of the readers, by the bits of a byte.
 fn options(format: Option<Format>, choice: u8) -> ReadOptions {
     let columns: &[&str] = match choice & 3 {
         0 => &[],
@@ -191,7 +192,7 @@ fn options(format: Option<Format>, choice: u8) -> ReadOptions {
     options
 }
 
-/// What reading came to: a line for every frame, and one for the error that ended them.
+/// The result of reading: a line for every frame, and one for the error that ended them.
 fn read(reader: impl Read + Send + 'static, options: &ReadOptions, length: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut sequence = match Sequence::from_reader(reader, Path::new("fuzzed"), options) {
@@ -210,8 +211,8 @@ fn read(reader: impl Read + Send + 'static, options: &ReadOptions, length: usize
     }
 }
 
-/// A scene that was read can be rendered; what there is of it, in a line.
-fn check_shot(shot: &Shot, options: &ReadOptions, length: usize) -> String {
+/// Checks that a scene can be rendered; returns its description in a line.
+fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String {
     let (scene, spheres) = (&shot.scene, &shot.scene.spheres);
     scene.check().expect("a scene that was read can be rendered");
     assert!(spheres.radii.iter().all(|radius| *radius > 0.0 && radius.is_finite()));
@@ -220,7 +221,7 @@ fn check_shot(shot: &Shot, options: &ReadOptions, length: usize) -> String {
         assert_eq!(colors.len(), spheres.len());
         assert!(colors.iter().flatten().all(|c| *c >= 0.0 && c.is_finite()), "colours are light");
     }
-    // A sphere has three coordinates, and each takes a byte at least; an assembly repeats them.
+    // A sphere has three coordinates of at least one byte each; an assembly repeats spheres.
     assert!(options.assembly.is_some() || 3 * spheres.len() <= length, "{} spheres of {length} bytes", spheres.len());
     if let Some(cell) = &shot.cell {
         assert!(cell.origin.iter().chain(cell.edges.iter().flatten()).all(|x| x.is_finite()), "{cell:?}");
@@ -237,7 +238,7 @@ fn check_shot(shot: &Shot, options: &ReadOptions, length: usize) -> String {
     format!("{} {} {} {warnings:?}", shot.number, scene.fingerprint(), spheres.len())
 }
 
-/// An error says something, in few words that a terminal can show.
+/// Checks that an error is short and has no control characters.
 fn check_error(error: &Error) -> String {
     let text = error.to_string();
     check_words(&text);
@@ -250,7 +251,7 @@ fn check_words(text: &str) {
     assert!(!text.chars().any(|c| c.is_control() && c != '\n'), "{text:?}");
 }
 
-/// Bytes in pieces of awkward lengths.
+/// Bytes in pieces of irregular lengths.
 struct Pieces {
     content: Vec<u8>,
     at: usize,

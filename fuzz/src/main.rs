@@ -1,4 +1,4 @@
-//! One fuzz target of those in `harness`, named by `HALFLINE_FUZZ`; `list` prints them. `run` sets it.
+//! Runs the fuzz target of `harness` named in `HALFLINE_FUZZ`, which `run` sets; `list` prints the names.
 
 #![no_main]
 
@@ -23,7 +23,7 @@ static TARGET: LazyLock<Target> = LazyLock::new(|| {
     })
 });
 
-/// The processor's time of this thread, seconds: other work on the machine does not lengthen it.
+/// The processor time of this thread in seconds, which other load does not affect.
 fn processor_time() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: the pointer is valid for the call.

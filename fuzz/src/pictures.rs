@@ -1,11 +1,11 @@
-//! What `compare`, `merge` and `--resume` read: files that halfline wrote, and what became of them.
+//! The input of `compare`, `merge` and `--resume`: files that halfline wrote, possibly damaged.
 
 use super::{Allowed, allowed, check_error, desk};
 use halfline::frame::file::Target;
-use halfline::frame::format::Style;
+use halfline::frame::format::FormatOptions;
+use halfline::frame::image_file::ImageFile;
 use halfline::frame::merge::{Mosaic, Tile};
-use halfline::frame::sheet::Sheet;
-use halfline::measure::frames::Frames;
+use halfline::measure::frames::FrameFile;
 use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
@@ -15,10 +15,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// Bytes for every byte: deflate makes 1032 of one, and a few copies of rows are held.
+/// Bytes per byte: deflate expands up to 1032 times, and a few copies of rows are held.
 const PER_BYTE: usize = 5000;
 
-/// The formats by their endings, and the buffers that a file of each holds here.
+/// The formats by extension, and the buffers that a file of each holds here.
 const FORMATS: [(&str, &[Aov]); 7] = [
     ("png", &[Aov::Color]),
     ("exr", &[Aov::Color, Aov::Id, Aov::Depth]),
@@ -35,7 +35,7 @@ struct Desk {
     scene: Scene,
     left: Vec<PathBuf>,
     right: Vec<PathBuf>,
-    /// What rendering the left tiles reports.
+    /// The reports of rendering the left tiles.
     reports: Vec<Report>,
 }
 
@@ -57,7 +57,7 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
             let settings = settings(window, aovs);
             let frame = halfline::render(&scene, &settings).expect("a frame");
             let path = folder.join(format!("{side}-{n}.{ending}"));
-            let target = Target::new(aovs, &path, Style::default()).expect("a target");
+            let target = Target::new(aovs, &path, FormatOptions::default()).expect("a target");
             target.write(&frame, &origin(&scene, &settings, &frame.report, window)).expect("written");
             (path, frame.report)
         };
@@ -69,13 +69,13 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
 
 /// A picture or an array that `compare` reads.
 pub(crate) fn compare(data: &[u8]) -> Allowed {
-    if let Err(error) = Frames::from_bytes(data, "fuzzed") {
+    if let Err(error) = FrameFile::from_bytes(data, "fuzzed") {
         check_error(&error);
     }
     allowed(data.len(), PER_BYTE)
 }
 
-/// The file with the left of a frame; the first byte tells with which right of it.
+/// The file of the left tile; the first byte selects the right tile.
 pub(crate) fn merge(data: &[u8]) -> Allowed {
     let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
     let format = usize::from(*choice) % FORMATS.len();
@@ -89,10 +89,10 @@ pub(crate) fn merge(data: &[u8]) -> Allowed {
         Ok(mosaic.size())
     };
     match write() {
-        // What was written is a file of halfline again, and holds the pixels of the tile.
+        // The merged file must be valid and contain the pixels of the tile.
         Ok([width, height]) => {
-            let (_, whole) = Sheet::read(&whole).expect("a whole file");
-            let (_, left) = Sheet::from_bytes(content, "fuzzed").expect("it was merged");
+            let (_, whole) = ImageFile::read(&whole).expect("a whole file");
+            let (_, left) = ImageFile::from_bytes(content, "fuzzed").expect("it was merged");
             assert_eq!((whole.window, whole.full), (Window::full(width, height), [width, height]));
             for (whole, part) in whole.layers.iter().zip(&left.layers) {
                 let pixel = part.kind.size() * part.channels;
@@ -112,7 +112,7 @@ pub(crate) fn merge(data: &[u8]) -> Allowed {
     allowed(content.len(), PER_BYTE)
 }
 
-/// The file that `--resume` finds; the first byte tells instead of which one.
+/// The file that `--resume` finds; the first byte selects the file that it replaces.
 pub(crate) fn resume(data: &[u8]) -> Allowed {
     let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
     let desk = &*DESK;
@@ -121,7 +121,7 @@ pub(crate) fn resume(data: &[u8]) -> Allowed {
     let found = desk.folder.join(format!("found.{ending}"));
     fs::write(&found, content).expect("a file of our own");
     let settings = settings(WINDOWS[0], aovs);
-    let target = Target::new(aovs, &found, Style::default()).expect("a target");
+    let target = Target::new(aovs, &found, FormatOptions::default()).expect("a target");
     let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]));
     let wanted = fs::read(&desk.left[format]).expect("there");
     assert_eq!(taken, content == wanted, "the wanted file and no other is taken");

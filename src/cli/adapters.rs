@@ -6,7 +6,7 @@ use halfline::{adapters, verdicts};
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-/// Lists every adapter: driver, limits, subgroups, f64, and what its arithmetic was measured to be.
+/// Lists every adapter: driver, limits, subgroups, f64, and the measured properties of its arithmetic.
 ///
 /// Examples:
 ///   halfline adapters
@@ -17,7 +17,7 @@ pub(crate) struct Adapters {
     /// Prints one JSON object.
     #[arg(long)]
     json: bool,
-    /// Measures the arithmetic again, whatever was remembered of it.
+    /// Measures the arithmetic again and ignores stored results.
     #[arg(long)]
     retest: bool,
 }
@@ -39,7 +39,7 @@ impl Adapters {
             format!("{object}\n")
         } else if found.is_empty() {
             "no Vulkan, Metal or DX12 adapter was found; rendering falls back to the CPU path\n\
-             software Vulkan on Debian or Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1\n"
+             to install software Vulkan on Debian or Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1\n"
                 .to_owned()
         } else {
             let mut text = String::new();
@@ -50,10 +50,10 @@ impl Adapters {
                 });
                 let f64 = if a.f64 { "yes" } else { "no" };
                 let mib = |bytes: u64| bytes >> 20;
-                // Writing to a String cannot fail.
+                // Writing to a String does not fail.
                 let _ = writeln!(
                     text,
-                    "{}: {} ({}, {})\n   driver {}\n   subgroup {subgroup}, f64 {f64}, {} MiB a binding, {} MiB a buffer\n{}",
+                    "{}: {} ({}, {})\n   driver {}\n   subgroup {subgroup}, f64 {f64}, {} MiB per binding, {} MiB per buffer\n{}",
                     a.index,
                     a.name,
                     a.kind,

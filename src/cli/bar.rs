@@ -1,7 +1,7 @@
-//! How far long work is, for people at a terminal: a line on stderr that comes after a second and goes with the work.
+//! Progress on a terminal: a line on standard error that appears after a second and is cleared at the end.
 
 use super::go_on;
-use super::lines::{Lines, Talk};
+use super::lines::{ProgressLines, ProgressOutput};
 use halfline::progress::{Progress, Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -10,44 +10,45 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// A frame that is done sooner shows nothing.
+/// A faster frame shows no line.
 const LONG: Duration = Duration::from_secs(1);
 
-/// How often the line is drawn.
+/// The interval at which the line is drawn.
 const TICK: Duration = Duration::from_millis(100);
 
-/// The line. The threads that work only leave a note; another draws it.
+/// The progress line. Working threads only store their progress; another thread draws it.
 pub(super) struct Bar {
-    /// What programs hear instead.
-    lines: Option<Arc<Mutex<Lines>>>,
+    /// Progress lines for programs, used instead of the bar.
+    lines: Option<Arc<Mutex<ProgressLines>>>,
     notes: Arc<Mutex<Notes>>,
     line: ProgressBar,
-    /// Dropped to end the drawing; `None` where nobody looks.
+    /// Dropping it ends the drawing; `None` where there is no terminal.
     drawing: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// What was heard last.
+/// The latest progress.
 #[derive(Default)]
 struct Notes {
     latest: Option<Progress>,
     /// When the frame and its step began.
     frame: Option<Instant>,
     step: Option<Instant>,
-    /// When that much was done.
-    heard: Option<Instant>,
+    /// When that progress was reported.
+    reported: Option<Instant>,
 }
 
 impl Bar {
     pub(super) fn new() -> Self {
-        Self::talking(Talk::Auto, 1)
+        Self::with_output(ProgressOutput::Auto, 1)
     }
 
-    /// The line, or what else shall be told of so many frames.
-    pub(super) fn talking(talk: Talk, frames: u32) -> Self {
+    /// The progress line, or the chosen output for programs, for `frames` frames.
+    pub(super) fn with_output(output: ProgressOutput, frames: u32) -> Self {
         let notes = Arc::<Mutex<Notes>>::default();
         let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let lines = matches!(talk, Talk::Json | Talk::Openjd).then(|| Arc::new(Mutex::new(Lines::new(talk, frames))));
-        let drawing = if talk == Talk::Auto && std::io::stderr().is_terminal() {
+        let lines = matches!(output, ProgressOutput::Json | ProgressOutput::Openjd)
+            .then(|| Arc::new(Mutex::new(ProgressLines::new(output, frames))));
+        let drawing = if output == ProgressOutput::Auto && std::io::stderr().is_terminal() {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());
             let draw = move || {
@@ -57,7 +58,7 @@ impl Bar {
                 }
                 artist.line.finish_and_clear();
             };
-            // Where the system allows no more threads there is no line.
+            // Where the system allows no more threads, no line is drawn.
             std::thread::Builder::new().spawn(draw).ok().map(|drawing| (stop, drawing))
         } else {
             None
@@ -65,27 +66,28 @@ impl Bar {
         Self { lines, notes, line, drawing }
     }
 
-    /// Ends work on an interrupt, and tells the line about it.
+    /// Ends work on an interrupt, and stores progress for the line.
     pub(super) fn watch(&self) -> Watch {
         let watch = Watch::default().while_true(go_on);
         if let Some(lines) = self.lines.clone() {
-            return watch.telling(move |progress| lines.lock().unwrap_or_else(PoisonError::into_inner).hear(progress));
+            return watch
+                .on_progress(move |progress| lines.lock().unwrap_or_else(PoisonError::into_inner).record(progress));
         }
         if self.drawing.is_none() {
             return watch;
         }
         let notes = Arc::clone(&self.notes);
-        watch.telling(move |progress| notes.lock().unwrap_or_else(PoisonError::into_inner).hear(progress))
+        watch.on_progress(move |progress| notes.lock().unwrap_or_else(PoisonError::into_inner).record(progress))
     }
 
-    /// All is done and written.
+    /// Ends the line when all is rendered and written.
     pub(super) fn finish(self) {
         if let Some(lines) = &self.lines {
             lines.lock().unwrap_or_else(PoisonError::into_inner).finish();
         }
     }
 
-    /// Says something without drawing over it.
+    /// Prints a message without drawing over it.
     pub(super) fn aside<T>(&self, say: impl FnOnce() -> T) -> T {
         self.line.suspend(say)
     }
@@ -95,43 +97,44 @@ impl Drop for Bar {
     fn drop(&mut self) {
         if let Some((stop, drawing)) = self.drawing.take() {
             drop(stop);
-            // A line that cannot be drawn is no reason to fail.
+            // A line that cannot be drawn is not an error.
             let _ = drawing.join();
         }
     }
 }
 
 impl Notes {
-    fn hear(&mut self, progress: Progress) {
+    fn record(&mut self, progress: Progress) {
         let now = Instant::now();
         if self.latest.is_none_or(|latest| latest.step != progress.step || latest.done > progress.done) {
             self.step = Some(now);
-            // A frame begins with staging; the judge of a measurement has no other step.
+            // A frame begins with staging; exact decisions in `measure` have no other step.
             if progress.step == Step::Stage || self.latest.is_none_or(|latest| latest.step >= progress.step) {
                 self.frame = self.step;
             }
         }
         self.latest = Some(progress);
-        self.heard = Some(now);
+        self.reported = Some(now);
     }
 }
 
-/// Who draws.
+/// The drawing thread's state.
 struct Artist {
     line: ProgressBar,
-    /// The step on the line and its beginning; `None` while nothing is shown.
+    /// The step on the line and when it began; `None` while nothing is shown.
     step: Option<(Step, Instant)>,
 }
 
 impl Artist {
     fn draw(&mut self, notes: &Notes) {
-        let Notes { latest: Some(progress), frame: Some(frame), step: Some(began), heard: Some(heard) } = *notes else {
+        let Notes { latest: Some(progress), frame: Some(frame), step: Some(began), reported: Some(reported) } = *notes
+        else {
             return;
         };
         let Progress { step, done, total } = progress;
         if frame.elapsed() < LONG {
             if self.step.take().is_some() {
-                // Hiding alone would leave the line where it is.
+                // Hiding alone would leave the line on the screen.
                 self.line.finish_and_clear();
                 self.line.set_draw_target(ProgressDrawTarget::hidden());
                 self.line.reset();
@@ -144,7 +147,7 @@ impl Artist {
             self.line.set_style(style(step));
             self.line.set_length(total);
         }
-        self.line.set_message(words(progress, heard.duration_since(began), heard.elapsed()));
+        self.line.set_message(words(progress, reported.duration_since(began), reported.elapsed()));
         self.line.set_position(done);
         if !shown {
             self.line.set_draw_target(ProgressDrawTarget::stderr());
@@ -153,13 +156,13 @@ impl Artist {
     }
 }
 
-/// Staging tells nothing between its ends, so it has no bar.
+/// Staging reports only its beginning and its end, so it has no bar.
 fn style(step: Step) -> ProgressStyle {
     let template = if step == Step::Stage { "{spinner} {msg}" } else { "{wide_bar} {percent:>3} %  {msg}" };
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// What is being done, how fast, and how long it will take at that rate: `done` took `spent`, `since` ago.
+/// The step, its rate and the remaining time at that rate: `done` took `spent`, reported `since` ago.
 fn words(Progress { step, done, total }: Progress, spent: Duration, since: Duration) -> String {
     let (name, unit, since) = (step.name(), step.unit(), since.as_secs_f64());
     if step == Step::Stage || done == 0 {
@@ -169,7 +172,7 @@ fn words(Progress { step, done, total }: Progress, spent: Duration, since: Durat
     format!("{name} {}{unit}/s, {} left", quantity(rate), span((total - done) as f64 / rate - since))
 }
 
-/// A number of three digits and its thousands.
+/// A number with three digits and a suffix for thousands.
 fn quantity(x: f64) -> String {
     let (unit, mark) = [(1e9, " G"), (1e6, " M"), (1e3, " k")].into_iter().find(|(u, _)| x >= *u).unwrap_or((1.0, " "));
     let x = x / unit;
@@ -177,7 +180,7 @@ fn quantity(x: f64) -> String {
     format!("{x:.digits$}{mark}")
 }
 
-/// A time for people.
+/// A duration in readable units.
 fn span(seconds: f64) -> String {
     let whole = seconds.ceil().clamp(0.0, 359_999.0) as u64;
     let [hours, minutes, seconds] = [whole / 3600, whole / 60 % 60, whole % 60];
@@ -207,17 +210,17 @@ mod tests {
     #[test]
     fn progress_begins_with_the_first_step_of_a_frame() {
         let mut notes = Notes::default();
-        let mut hear = |step, done| {
-            notes.hear(Progress { step, done, total: 10 });
+        let mut record = |step, done| {
+            notes.record(Progress { step, done, total: 10 });
             (notes.frame, notes.step)
         };
-        let stage = hear(Step::Stage, 0);
+        let stage = record(Step::Stage, 0);
         assert_eq!(stage.0, stage.1);
-        hear(Step::Stage, 10);
-        let trace = hear(Step::Trace, 0);
+        record(Step::Stage, 10);
+        let trace = record(Step::Trace, 0);
         assert!(trace.0 == stage.0 && trace.1 > stage.1, "another step of the same frame");
-        assert_eq!(hear(Step::Trace, 5), trace);
-        let again = hear(Step::Stage, 0);
+        assert_eq!(record(Step::Trace, 5), trace);
+        let again = record(Step::Stage, 0);
         assert!(again.0 > trace.1, "another frame");
     }
 }

@@ -1,18 +1,18 @@
-//! No output is an input of the same command, and no two outputs are one file: told before any work.
+//! Checks before any work that no output is an input of the same command and that no two outputs are the same file.
 
-use super::shots::{number_in, numbered};
+use super::scene_frames::{number_in, numbered};
 use halfline::error::{Error, Result};
 use halfline::frame::file::{is_standard, is_standard_output};
 use std::path::{Path, PathBuf};
 
-/// Where a file lies or will lie, the same however its name is written.
+/// The location of a file, existing or not, independent of how its name is written.
 pub(super) fn place(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let new = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(new).unwrap_or_else(|| path.to_path_buf())
 }
 
-/// Refuses an output that is an input too.
+/// Returns an error for an output that is also an input.
 ///
 /// # Errors
 /// [`Error::Settings`] naming both.
@@ -20,17 +20,17 @@ pub(super) fn check_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inpu
     for output in outputs {
         if let Some(input) = inputs.iter().find(|input| is_same_file(output, input)) {
             let names = match input == output {
-                true => format!("{} is read", output.display()),
-                false => format!("{} is {}, which is read", output.display(), input.display()),
+                true => format!("{} is an input", output.display()),
+                false => format!("{} is the input {}", output.display(), input.display()),
             };
-            return Err(Error::settings(format!("{names} and would be overwritten"), "name another file to write"));
+            return Err(Error::settings(format!("{names} and would be overwritten"), "use another output file"));
         }
     }
     Ok(())
 }
 
-/// Refuses names with a place for a number that are one file for some of these numbers, which may be different ones: `z%d`
-/// and `z1%d`.
+/// Returns an error for name patterns that give the same file for some numbers, which may be different ones: `z%d` and
+/// `z1%d`.
 ///
 /// # Errors
 /// [`Error::Settings`] naming both and the file.
@@ -39,20 +39,20 @@ pub(super) fn check_numbered(names: &[&Path], numbers: impl Iterator<Item = u64>
     for (n, (name, first)) in names.iter().zip(&places).enumerate() {
         for (other, second) in names.iter().zip(&places).skip(n + 1).filter(|(_, second)| *second != first) {
             let clash = numbers.clone().map(|number| numbered(second, number)).find(|file| {
-                // A name without a place for a number is one file for all.
+                // A name without a place for a number is one file for all numbers.
                 *file == *first || number_in(first, file).is_some_and(|own| numbers.clone().any(|n| n == own))
             });
             if let Some(file) = clash {
                 let [name, other, file] = [*name, *other, file.as_path()].map(Path::display);
                 let problem = format!("{name} and {other} would both write {file}");
-                return Err(Error::settings(problem, "name files that differ in more than their number"));
+                return Err(Error::settings(problem, "use names that differ in more than their number"));
             }
         }
     }
     Ok(())
 }
 
-/// Whether both names are of one regular file, by links or not. Devices and pipes may be read and written.
+/// Whether both names refer to one regular file, by links or not. Devices and pipes may be both read and written.
 fn is_same_file(output: &Path, input: &Path) -> bool {
     let output = if is_standard_output(output) { Path::new("/dev/stdout") } else { output };
     let input = if is_standard(input) { Path::new("/dev/stdin") } else { input };

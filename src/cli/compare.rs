@@ -6,18 +6,18 @@ use super::clash::check_inputs;
 use super::print;
 use halfline::error::{Error, Result};
 use halfline::frame::file::{is_standard, is_standard_output};
-use halfline::measure::frames::Frames;
+use halfline::measure::frames::FrameFile;
 use halfline::measure::picture;
-use report::Found;
+use report::FrameComparison;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Tells where and by how much two frames (.png, .npy, .npz, .exr or .pfm) differ; exits with 1 beyond the tolerance.
+/// Compares two frames (.png, .npy, .npz, .exr or .pfm); exits with 1 if they differ by more than the tolerance.
 ///
-/// Of files with several buffers those of the same name are compared; a buffer that only one file has is a difference.
-/// NaN equals NaN and an infinity equals itself. Against anything else they differ infinitely, beyond any tolerance.
-/// Frames of different shapes, and PNGs of 8 and of 16 bits, are different.
+/// In files with several buffers, those of the same name are compared; a buffer that only one file has is a difference.
+/// NaN equals NaN and an infinity equals itself; against anything else they differ infinitely, beyond any tolerance.
+/// FrameFile of different shapes, and PNGs of 8 and of 16 bits, are different.
 ///
 /// Examples:
 ///   halfline compare expected.png actual.png -o difference.png
@@ -30,13 +30,13 @@ pub(crate) struct Compare {
     a: PathBuf,
     /// The actual frame; `-` is standard input.
     b: PathBuf,
-    /// The greatest difference allowed, in the files' own units (PNG: levels).
+    /// The largest allowed difference, in the files' units (PNG: levels).
     #[arg(long, value_name = "X", default_value = "0", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// Which buffers to compare, such as depth,normal; else all.
+    /// The buffers to compare, such as depth,normal [default: all].
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     aov: Vec<String>,
-    /// Writes expected | difference | actual as one PNG, equal or not; `-` is standard output.
+    /// Writes expected | difference | actual as one PNG, even if they are equal; `-` is standard output.
     #[arg(short, long, value_name = "PNG")]
     output: Option<PathBuf>,
     /// Prints one JSON object; numbers that are not finite are the strings "inf", "-inf" and "nan".
@@ -47,7 +47,7 @@ pub(crate) struct Compare {
 fn tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x >= 0.0 => Ok(x),
-        _ => Err("a tolerance is a number, 0 or more".into()),
+        _ => Err("expected a number, 0 or more".into()),
     }
 }
 
@@ -55,22 +55,25 @@ impl Compare {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let to_stdout = self.output.as_deref().is_some_and(is_standard_output);
         if is_standard(&self.a) && is_standard(&self.b) {
-            return Err(Error::settings("standard input holds one frame, not two", "name a file for A or for B"));
+            return Err(Error::settings(
+                "only one of the frames can come from standard input",
+                "use a file for A or for B",
+            ));
         }
         if to_stdout && self.json {
             let problem = "the picture and the JSON cannot both go to standard output";
-            return Err(Error::settings(problem, "name a file after -o"));
+            return Err(Error::settings(problem, "use a file for -o"));
         }
         check_inputs(self.output.as_deref(), &[self.a.clone(), self.b.clone()])?;
         self.output.as_deref().map_or(Ok(()), picture::check)?;
-        let (a, b) = (Frames::read(&self.a)?, Frames::read(&self.b)?);
-        let pairs = Frames::pairs(&a, &b, &self.aov)?;
-        let found = Found::of(&a, &b, pairs, self.tolerance);
+        let (a, b) = (FrameFile::read(&self.a)?, FrameFile::read(&self.b)?);
+        let pairs = FrameFile::pairs(&a, &b, &self.aov)?;
+        let found = FrameComparison::of(&a, &b, pairs, self.tolerance);
         if let Some(path) = &self.output {
             found.draw(path)?;
         }
         let text = if self.json { found.json()? } else { found.summary() };
-        // With the picture on standard output, the summary is talk.
+        // With the picture on standard output, the summary goes to standard error.
         if to_stdout {
             let _ = io::stderr().write_all(format!("{text}\n").as_bytes());
         } else {

@@ -1,7 +1,7 @@
-//! Where options come from besides the command line: a variable of the environment, and a configuration file.
+//! Sources of options besides the command line: environment variables and a configuration file.
 //!
-//! A flag beats the variable `HALFLINE_NAME`, which beats the file's `name`, which beats the default. The file is
-//! `$HALFLINE_CONFIG`, or else `halfline/config.toml` in `$XDG_CONFIG_HOME` (`~/.config`), if it is there.
+//! A flag overrides the variable `HALFLINE_NAME`, which overrides the file's `name`, which overrides the default. The
+//! file is `$HALFLINE_CONFIG`, or else `halfline/config.toml` in `$XDG_CONFIG_HOME` (`~/.config`), if it exists.
 
 use clap::builder::BoolishValueParser;
 use clap::{Arg, ArgAction, Command};
@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-/// The options that may be set so: what a user or a machine always wants, not what one picture shows.
+/// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
 const NAMES: [&str; 20] = [
     "accuracy",
     "adapter",
@@ -37,35 +37,34 @@ const NAMES: [&str; 20] = [
     "unit",
 ];
 
-/// The commands that they are set for; what `compare` tolerates is a judgement, which a file of preferences must not
-/// soften.
+/// The commands that they apply to. The tolerance of `compare` is a test criterion, which a file of preferences must
+/// not relax.
 const COMMANDS: [&str; 3] = ["render", "plan", "measure"];
 
-/// Bytes of a configuration file, many times as many as all options take.
+/// The most bytes of a configuration file, many times the length of all options.
 const LONGEST: u64 = 1 << 16;
 
-/// Whether a command takes options from the file.
+/// Whether a command uses the file.
 pub(super) fn is_configured(command: &str) -> bool {
     COMMANDS.contains(&command)
 }
 
-/// The configuration file's words by the options' names.
+/// The values of the configuration file by option name.
 #[derive(Debug, Default)]
-pub(super) struct Config(BTreeMap<String, Word>);
+pub(super) struct Config(BTreeMap<String, ConfigValue>);
 
-/// What a file says of an option, and where.
+/// The value of an option and its place in the file.
 #[derive(Debug)]
-struct Word {
+struct ConfigValue {
     text: String,
     place: Place,
 }
 
 impl Config {
-    /// Of this process.
+    /// The configuration of this process.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that is named and cannot be read, [`Error::Settings`] with the place of what cannot be
-    /// meant.
+    /// [`Error::Io`] for a named file that cannot be read, [`Error::Settings`] with the place of an invalid entry.
     pub(super) fn load() -> Result<Self> {
         let named = env::var_os("HALFLINE_CONFIG").filter(|name| !name.is_empty()).map(PathBuf::from);
         let home = || Some(PathBuf::from(env::var_os("HOME")?).join(".config"));
@@ -76,11 +75,11 @@ impl Config {
         let opened = File::open(&path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut text));
         opened.map_err(|e| Error::read(&path, e))?;
         if text.len() as u64 > LONGEST {
-            let problem = format!("{}: a configuration file of more than {LONGEST} bytes", path.display());
-            return Err(Error::Limits { problem, mend: "name a smaller one in HALFLINE_CONFIG".into() });
+            let problem = format!("{}: the configuration file has more than {LONGEST} bytes", path.display());
+            return Err(Error::Limits { problem, mend: "use a smaller one in HALFLINE_CONFIG".into() });
         }
         let text = String::from_utf8(text).map_err(|_| {
-            Error::settings(format!("{}: the file is no UTF-8 text", path.display()), "save it as UTF-8")
+            Error::settings(format!("{}: the file is not UTF-8 text", path.display()), "save it as UTF-8")
         })?;
         Self::parse(&text, &path.display().to_string())
     }
@@ -90,13 +89,13 @@ impl Config {
         let fail = |start: usize, problem: &str, mend: String| wrong(&place(start), problem, mend);
         let table = toml::de::DeTable::parse(text).map_err(|e| {
             let message = e.message().lines().collect::<Vec<_>>().join(", ");
-            fail(e.span().map_or(0, |span| span.start), &message, "mend the TOML there".into())
+            fail(e.span().map_or(0, |span| span.start), &message, "correct the TOML there".into())
         })?;
         let mut words = BTreeMap::new();
         for (key, value) in table.into_inner() {
             let name = key.get_ref().replace('_', "-");
             if !NAMES.contains(&name.as_str()) {
-                let problem = format!("`{}` is no option that a file may set", shortened(key.get_ref(), 40));
+                let problem = format!("`{}` is not an option that a file may set", shortened(key.get_ref(), 40));
                 return Err(fail(key.span().start, &problem, format!("the options are {}", NAMES.join(", "))));
             }
             let start = value.span().start;
@@ -108,20 +107,20 @@ impl Config {
                 _ => {
                     return Err(fail(
                         start,
-                        "the value is no word, number or truth",
+                        "expected a string, a number or a boolean",
                         "write it as on the command line".into(),
                     ));
                 }
             };
-            words.insert(name, Word { text: word, place: place(start) });
+            words.insert(name, ConfigValue { text: word, place: place(start) });
         }
         Ok(Self(words))
     }
 
-    /// The command whose options know of the environment and of this file.
+    /// The command with the environment variables and the values of this file added to its options.
     ///
     /// # Errors
-    /// [`Error::Settings`] with the place of a word that its option does not take.
+    /// [`Error::Settings`] with the place of a value that its option does not accept.
     pub(super) fn apply(&self, command: Command) -> Result<Command> {
         let mut fault = Ok(());
         let mut option = |argument: Arg| {
@@ -139,13 +138,13 @@ impl Config {
         let Some(name) = argument.get_long().filter(|name| NAMES.contains(name)).map(str::to_owned) else {
             return (argument, Ok(()));
         };
-        // People write 1 and yes into variables too.
+        // Variables may also contain 1 and yes.
         let argument = match argument.get_action() {
             ArgAction::SetTrue => argument.value_parser(BoolishValueParser::new()),
             _ => argument,
         };
         let argument = argument.env(format!("HALFLINE_{}", name.to_uppercase().replace('-', "_")));
-        // Help names the variable, not what it holds: a manual is the same on every machine.
+        // Help shows the variable's name but not its value, so that manuals are the same on every machine.
         let argument = argument.hide_env_values(true);
         match self.0.get(&name) {
             Some(word) => match word.check(&name, &argument) {
@@ -157,15 +156,15 @@ impl Config {
     }
 }
 
-impl Word {
-    /// Whether the option takes it: clap would say what is wrong, but not where.
+impl ConfigValue {
+    /// Checks the value with the option's parser; clap's own error would not name the place.
     fn check(&self, name: &str, argument: &Arg) -> Result<()> {
         let alone = Arg::new("word").value_parser(argument.get_value_parser().clone()).allow_hyphen_values(true);
         let taken = Command::new("config").no_binary_name(true).arg(alone).try_get_matches_from([&self.text]);
         taken.map(drop).map_err(|error| {
             let why = std::error::Error::source(&error).map_or_else(String::new, |why| format!(": {why}"));
-            let problem = format!("`{}` is no value of {name}{why}", shortened(&self.text, 40));
-            wrong(&self.place, &problem, format!("write what --{name} takes on the command line"))
+            let problem = format!("`{}` is not a valid value of {name}{why}", shortened(&self.text, 40));
+            wrong(&self.place, &problem, format!("use a value that --{name} accepts on the command line"))
         })
     }
 }

@@ -1,22 +1,22 @@
-//! Memory that cannot be had, whoever asks for it, ends the process with the exit code of limits and not as a crash.
+//! Failed memory allocations end the process with the exit code for limits instead of a crash.
 //!
-//! What is known beforehand is refused beforehand, with numbers. What is left are small requests and those of dependencies:
-//! there the standard library prints how many bytes failed and aborts. A limit of the process (`ulimit -v`) or of the system
-//! is no fault of the program, so that abort becomes exit code 5; any other abort stays one.
+//! Large requests are checked beforehand and refused with numbers. Small requests and those of dependencies remain: for
+//! them the standard library prints the number of bytes and aborts. A limit of the process (`ulimit -v`) or of the
+//! system is not a fault of the program, so this abort becomes exit code 5; any other abort stays one.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether any request failed.
+/// Whether any allocation failed.
 static EXHAUSTED: AtomicBool = AtomicBool::new(false);
 
-/// Lets an abort end the process with exit code 5 once a request has failed.
+/// Makes an abort end the process with exit code 5 after an allocation has failed.
 pub(super) fn listen() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, 5, &EXHAUSTED);
 }
 
-/// The system's allocator, and a note of its failures.
+/// The system's allocator, with a flag for failures.
 struct Noting;
 
 #[global_allocator]
@@ -31,9 +31,9 @@ fn noted(memory: *mut u8) -> *mut u8 {
 
 #[expect(
     unsafe_code,
-    reason = "there is no safe way to hear of failed requests: every call goes to the system as it came"
+    reason = "there is no safe way to detect failed requests; every call is passed to the system unchanged"
 )]
-// SAFETY: the requirements of each method are those of the same method of `System`, which gets the same arguments.
+// SAFETY: the requirements of each method are those of the same method of `System`, which receives the same arguments.
 unsafe impl GlobalAlloc for Noting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         noted(unsafe { System.alloc(layout) })

@@ -1,37 +1,40 @@
-//! `--legend`: what may be a legend's file, and how it is written.
+//! `--legend`: checks the legend's file name and writes the file.
 
 use super::clash::place;
 use super::scene_args::SceneArgs;
-use super::shots::{check_pattern, numbered};
+use super::scene_frames::{check_pattern, numbered};
 use halfline::error::{Error, Result};
 use halfline::frame::file::{check_writable, write_atomically};
 use halfline::scene::style::Legend;
 use std::path::{Path, PathBuf};
 
-/// The file of legends that is asked for, if it can be one; told before any work.
-pub(super) fn check(asked: &SceneArgs) -> Result<()> {
-    let Some(path) = &asked.read.legend else { return Ok(()) };
+/// Checks the name of the legend's file before any work.
+pub(super) fn check(args: &SceneArgs) -> Result<()> {
+    let Some(path) = &args.read.legend else { return Ok(()) };
     if !is_png(path) && !ends_in(path, "svg") {
-        return Err(Error::settings(format!("{} is no legend", path.display()), "end the name in .svg or .png"));
+        return Err(Error::settings(
+            format!("a legend cannot be written to {}", path.display()),
+            "use the file name extension .svg or .png",
+        ));
     }
-    if asked.files.names()?.iter().any(|other| place(other) == place(path)) {
+    if args.files.names()?.iter().any(|other| place(other) == place(path)) {
         let problem = format!("{} would be written twice", path.display());
-        return Err(Error::settings(problem, "name a file of its own for the legend"));
+        return Err(Error::settings(problem, "use another file for the legend"));
     }
-    if asked.read.has_many_legends() {
+    if args.read.has_many_legends() {
         check_pattern(path)?;
     }
     Ok(())
 }
 
-/// The legend's file of the picture of this number, if it can be written.
-pub(super) fn file(asked: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
-    let path = asked.read.legend.as_deref().map(|path| numbered(path, number));
+/// The legend's file for picture `number`, if one is requested and can be written.
+pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
+    let path = args.read.legend.as_deref().map(|path| numbered(path, number));
     path.as_deref().map_or(Ok(()), check_writable)?;
     Ok(path)
 }
 
-/// Writes a legend whole or not at all.
+/// Writes a legend atomically.
 pub(super) fn write(legend: &Legend, path: &Path) -> Result<()> {
     let plot = legend.plot()?;
     let bytes = if is_png(path) { plot.png } else { plot.svg.into_bytes() };

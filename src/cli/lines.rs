@@ -1,46 +1,46 @@
-//! How far long work is, for programs: lines of JSON on standard error, or those of Open Job Description on standard output
+//! Progress for programs: lines of JSON on standard error, or those of Open Job Description on standard output
 //! (<https://github.com/OpenJobDescription/openjd-specifications/wiki/How-Jobs-Are-Run>).
 
 use halfline::progress::{Progress, Step};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// What is told, and to whom.
+/// The form of progress reporting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Talk {
-    /// A line for people, on a terminal.
+pub(super) enum ProgressOutput {
+    /// A line on a terminal.
     Auto,
-    /// Nothing.
+    /// None.
     None,
-    /// One JSON object a line on standard error: step, done, total, frame.
+    /// One JSON object per line on standard error: step, done, total, frame.
     Json,
     /// openjd_progress and openjd_status on standard output.
     Openjd,
 }
 
-/// Within a step no more lines than this.
+/// The minimum interval between lines of one step.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Who tells it.
-pub(super) struct Lines {
-    talk: Talk,
-    /// How many frames there will be, and which this is, from 1.
+/// Prints the lines.
+pub(super) struct ProgressLines {
+    output: ProgressOutput,
+    /// The number of frames, and the index of the current one, from 1.
     frames: u32,
     frame: u32,
     latest: Option<Progress>,
     told: Instant,
 }
 
-impl Lines {
-    pub(super) fn new(talk: Talk, frames: u32) -> Self {
-        Self { talk, frames, frame: 0, latest: None, told: Instant::now() }
+impl ProgressLines {
+    pub(super) fn new(output: ProgressOutput, frames: u32) -> Self {
+        Self { output, frames, frame: 0, latest: None, told: Instant::now() }
     }
 
-    /// Tells it, unless something like it was told just now. Nobody to listen is no reason to fail.
-    pub(super) fn hear(&mut self, progress: Progress) {
+    /// Prints a line unless one was printed just before. A closed output is not an error.
+    pub(super) fn record(&mut self, progress: Progress) {
         if self.is_due(progress) {
             let lines = self.lines(progress);
-            let _ = if self.talk == Talk::Json {
+            let _ = if self.output == ProgressOutput::Json {
                 io::stderr().write_all(lines.as_bytes())
             } else {
                 io::stdout().write_all(lines.as_bytes())
@@ -48,9 +48,9 @@ impl Lines {
         }
     }
 
-    /// Tells that the files are written.
+    /// Prints that the files are written.
     pub(super) fn finish(&self) {
-        if self.talk == Talk::Openjd {
+        if self.output == ProgressOutput::Openjd {
             let _ = io::stdout().write_all(b"openjd_progress: 100.0\nopenjd_status: done\n");
         }
     }
@@ -58,7 +58,7 @@ impl Lines {
     fn is_due(&mut self, progress: Progress) -> bool {
         let Progress { step, done, total } = progress;
         let latest = self.latest.replace(progress);
-        // A frame begins with an earlier step than the last one ended with, or with less of the same.
+        // A new frame begins with an earlier step than the last one ended with, or with less of the same.
         if latest.is_none_or(|latest| (step, done) < (latest.step, latest.done)) {
             self.frame += 1;
         }
@@ -74,10 +74,10 @@ impl Lines {
 
     fn lines(&self, Progress { step, done, total }: Progress) -> String {
         let (name, unit) = (step.name(), step.unit());
-        if self.talk == Talk::Json {
+        if self.output == ProgressOutput::Json {
             return format!("{{\"step\":\"{name}\",\"done\":{done},\"total\":{total},\"frame\":{}}}\n", self.frame);
         }
-        // What share of a frame a step begins and ends at is a guess; how far it is, is not.
+        // The share of a frame at which a step begins and ends is an estimate.
         let (begin, end) = match step {
             Step::Stage => (0.0, 0.05),
             Step::Trace => (0.05, 0.75),
@@ -93,8 +93,8 @@ impl Lines {
 mod tests {
     use super::*;
 
-    fn told(talk: Talk, frames: u32) -> Vec<String> {
-        let mut lines = Lines::new(talk, frames);
+    fn told(output: ProgressOutput, frames: u32) -> Vec<String> {
+        let mut lines = ProgressLines::new(output, frames);
         let mut all = Vec::new();
         for _ in 0..frames {
             for (step, done, total) in [
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn frames_are_counted_and_pauses_kept() {
-        let lines = told(Talk::Json, 2);
+        let lines = told(ProgressOutput::Json, 2);
         assert_eq!(lines.len(), 12, "a quarter of a step, just now, is not told: {lines:?}");
         assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
         assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn percent_never_falls() {
-        let lines = told(Talk::Openjd, 3);
+        let lines = told(ProgressOutput::Openjd, 3);
         let percents: Vec<f64> =
             lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")?.parse().ok()).collect();
         assert!(percents.len() == 18 && percents.is_sorted() && percents[17] < 100.0, "{percents:?}");

@@ -9,9 +9,9 @@ use super::{go_on, print, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::frame::file::check_writable;
-use halfline::measure::contender::Contender;
 use halfline::measure::record::Record;
 use halfline::measure::run::{Options, Subject, measure};
+use halfline::measure::variant::Variant;
 use halfline::measure::{export, report};
 use halfline::scene::{ReadOptions, Scene};
 use halfline::settings::{Backend, Search, Tolerance};
@@ -20,9 +20,9 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Measures speed against error: every method on a scene or on a suite of scenes, on the GPU and on the CPU.
+/// Measures speed and error of every method on a scene or a suite of scenes, on the GPU and on the CPU.
 ///
-/// Each method renders a first frame, then methods take turns; errors are against exact arithmetic. Examples:
+/// Each method renders a first frame, then the methods alternate; errors are relative to exact arithmetic. Examples:
 ///   halfline measure scenes/weekend.toml --out weekend
 ///   halfline measure --suite ladder --methods textbook,stable,certified --out ladder
 ///   halfline measure --from weekend/records.json
@@ -31,48 +31,49 @@ use std::process::ExitCode;
 pub(crate) struct Measure {
     #[command(flatten)]
     subject: What,
-    /// Who takes part, by name: textbook, unit, geometric, stable, f64, double-float, certified, exact [default: all].
+    /// The methods: textbook, unit, geometric, stable, f64, double-float, certified, exact [default: all].
     #[arg(long, value_name = "M,M,...", value_delimiter = ',', conflicts_with = "from")]
-    methods: Vec<Contender>,
-    /// A folder for records.json, records.csv, report.html and the plots, made if it is not there.
+    methods: Vec<Variant>,
+    /// The folder for records.json, records.csv, report.html and the plots; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Prints the whole record on standard output, instead of a table.
+    /// Prints the whole record as JSON on standard output instead of a table.
     #[arg(long)]
     json: bool,
     /// Frames after the first; slow methods render fewer [default: 5, in suites 1].
     #[arg(long, value_name = "N", conflicts_with = "from")]
     repeat: Option<NonZeroU32>,
-    /// Image size in pixels, of a scene or of the ladder.
+    /// Image size in pixels, of a scene or of the ladder suite.
     #[arg(long, value_name = "WxH", value_parser = scene_size, conflicts_with = "from")]
     size: Option<(u32, u32)>,
     /// Where to measure: auto (both), gpu, cpu.
     #[arg(long, value_name = "B", default_value = "auto", conflicts_with = "from")]
     backend: Backend,
-    /// Which adapter, by index or part of its name (halfline adapters lists them).
+    /// The adapter, by index or part of its name (see halfline adapters).
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "from")]
     adapter: Option<String>,
     /// Promised relative error of certified distances; at least 2^-50.
     #[arg(long, value_name = "X", default_value = "1e-5", value_parser = tolerance, allow_negative_numbers = true, conflicts_with = "from")]
     tolerance: Tolerance,
-    /// How candidates are found: auto, all, tiles. Left open, forms ask all spheres, so that their errors are their own.
+    /// The candidate search: auto, all, tiles. With auto, uncertified methods test all spheres, so that their errors
+    /// are their own.
     #[arg(long, value_name = "S", default_value = "auto", conflicts_with = "from")]
     search: Search,
-    /// The CPU path leaves out what would take longer than this for one frame, seconds.
+    /// Methods that would take longer than this for one frame on the CPU path are skipped, seconds.
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds, conflicts_with = "from")]
     patience: f64,
 }
 
-/// What is measured, or was.
+/// What to measure or to export.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct What {
     /// The scene: .toml, .nff, or - for standard input.
     scene: Option<PathBuf>,
-    /// Scenes made for measuring: extremes (where renderers break), ladder (a wall from near to far).
+    /// A suite of scenes: extremes (hard cases for renderers), ladder (a wall of spheres from near to far).
     #[arg(long, value_name = "SUITE")]
     suite: Option<Suite>,
-    /// Measures nothing and exports a records.json again; - is standard input.
+    /// Exports an existing records.json again without measuring; - is standard input.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
 }
@@ -110,10 +111,10 @@ impl Measure {
         let options = Options {
             backend: self.backend,
             adapter: self.adapter.clone(),
-            contenders: match &self.methods[..] {
-                [] => Contender::all(),
-                // In the list's order, each once.
-                some => Contender::all().into_iter().filter(|contender| some.contains(contender)).collect(),
+            variants: match &self.methods[..] {
+                [] => Variant::all(),
+                // In the order of the list, without duplicates.
+                some => Variant::all().into_iter().filter(|variant| some.contains(variant)).collect(),
             },
             rounds: self.repeat.map(NonZeroU32::get),
             tolerance: self.tolerance,
@@ -129,7 +130,7 @@ impl Measure {
     fn subject(&self) -> Result<Subject> {
         let subject = match (&self.subject.suite, &self.subject.scene) {
             (Some(Suite::Extremes), _) if self.size.is_some() => {
-                return Err(Error::settings("the extremes have sizes of their own", "leave out --size"));
+                return Err(Error::settings("the scenes of the suite extremes have fixed sizes", "remove --size"));
             }
             (Some(Suite::Extremes), _) => {
                 let folder = std::env::var_os("HALFLINE_DATA").map(PathBuf::from);
@@ -141,7 +142,7 @@ impl Measure {
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 Subject::scene(name.to_string_lossy(), scene)
             }
-            (None, None) => return Err(Error::settings("nothing is to be measured", "name a scene or a --suite")),
+            (None, None) => return Err(Error::settings("there is nothing to measure", "use a scene or --suite")),
         };
         Ok(match self.size {
             Some((width, height)) => subject.resized([width, height]),
@@ -159,19 +160,19 @@ fn read(path: &Path) -> Result<Record> {
     Record::from_json(&text.map_err(|e| Error::read(path, e))?, &path.display().to_string())
 }
 
-/// Whether files can be put into the folder, or the folder be made; asked before the work begins.
+/// Checks before the work begins that files can be written into the folder, or that it can be created.
 fn check_folder(folder: &Path) -> Result<()> {
     if folder.is_dir() {
         return check_writable(&folder.join("records.json"));
     }
     if folder.exists() {
-        let why = std::io::Error::new(ErrorKind::NotADirectory, "it is not a folder");
+        let why = std::io::Error::new(ErrorKind::NotADirectory, "the path is not a folder");
         return Err(Error::write(folder, why));
     }
     check_writable(folder)
 }
 
-/// Everything that the record is exported to.
+/// Writes all exports of the record.
 fn write(record: &Record, folder: &Path) -> Result<()> {
     if !go_on() {
         return Err(Error::Interrupted);
@@ -181,7 +182,7 @@ fn write(record: &Record, folder: &Path) -> Result<()> {
     report::write(record, folder).map(drop)
 }
 
-/// The command line as a shell takes it.
+/// The command line, quoted for a shell.
 fn command() -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+".contains(c);
     let quoted = |text: String| match !text.is_empty() && text.chars().all(plain) {
@@ -195,6 +196,6 @@ fn command() -> String {
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 => Ok(x),
-        _ => Err("a time is a positive number of seconds".into()),
+        _ => Err("expected a positive number of seconds".into()),
     }
 }

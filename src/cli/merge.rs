@@ -4,17 +4,18 @@ use super::clash::check_inputs;
 use super::{go_on, say};
 use halfline::error::{Error, Result};
 use halfline::frame::file::{check_writable, is_special, is_standard_output};
-use halfline::frame::format::Format;
+use halfline::frame::format::FileFormat;
 use halfline::frame::merge::{Mosaic, Tile};
+use halfline::quote::count;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Puts tiles together into the full frame, byte for byte the file that rendering it whole would have written.
+/// Merges tiles into the full frame: byte for byte the file that rendering the whole frame would have written.
 ///
-/// Tiles are files of one format that `halfline render` wrote with --tile or --crop; they say themselves where they belong.
-/// Nothing is written unless they hold every pixel once, of one rendering: the same scene, size, settings, adapter, driver
-/// and program. Otherwise the tiles that are foreign or overlap, and the parts that are missing, are named (exit code 3).
-///
+/// Tiles are files of one format that `halfline render` wrote with --tile or --crop; each contains its position. The
+/// tiles must cover every pixel exactly once and belong to one rendering: the same scene, size, settings, adapter,
+/// driver and program. Otherwise nothing is written, and the error names the tiles that differ or overlap and the
+/// missing parts (exit code 3).
 /// Examples:
 ///   halfline merge tile-*.png -o full.png
 ///   halfline merge left.exr right.exr -o both.exr
@@ -24,7 +25,7 @@ pub(crate) struct Merge {
     /// The tiles, in any order.
     #[arg(required = true, value_name = "TILE")]
     tiles: Vec<PathBuf>,
-    /// The full frame, in the tiles' format: its ending must be theirs; - is standard output.
+    /// The full frame, with the file name extension of the tiles; - is standard output.
     #[arg(short, long, value_name = "FULL")]
     output: PathBuf,
 }
@@ -43,14 +44,14 @@ impl Merge {
         let mosaic = Mosaic::new(tiles)?;
         let (format, output) = (mosaic.format(), self.output.display());
         let has_no_ending = is_standard_output(&self.output) || is_special(&self.output);
-        if !has_no_ending && Format::of(&self.output) != Some(format) {
-            let problem = format!("the tiles are {} files, {output} is none", format.ending());
-            return Err(Error::settings(problem, format!("end its name in {}", format.ending())));
+        if !has_no_ending && FileFormat::of(&self.output) != Some(format) {
+            let problem = format!("the tiles are {} files, but {output} is not", format.ending());
+            return Err(Error::settings(problem, format!("use the file name extension {}", format.ending())));
         }
         mosaic.warnings().iter().for_each(|warning| say(format_args!("warning: {warning}")));
         mosaic.write(&self.output, &go_on)?;
         let ([width, height], n) = (mosaic.size(), mosaic.len());
-        say(format_args!("{n} tiles are {width} x {height} pixels: {output}"));
+        say(format_args!("merged {} into {output}, {width} x {height} pixels", count(n as u64, "tile")));
         Ok(ExitCode::SUCCESS)
     }
 }

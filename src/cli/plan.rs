@@ -3,91 +3,94 @@
 use super::scene_args::SceneArgs;
 use super::{print, say};
 use halfline::error::{Error, Result};
-use halfline::explain::{Binding, Explanation, Part, Room, explain, wgsl};
+use halfline::explain::{DeviceBuffer, Explanation, Room, ShaderFile, explain, wgsl};
+use halfline::quote::{count, number};
 use std::fmt::{self, Display};
 use std::process::ExitCode;
 
-/// Tells what a scene requires, what would be compiled, uploaded and computed and why, and what is left out.
-///
-/// Takes the options of render, and renders nothing: put `plan` in the place of `render`.
-///
-/// Examples:
-///   halfline plan scenes/weekend.toml -o weekend.png --aov distance=t.npy
-///   halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
-///   halfline plan scenes/weekend.toml --aov depth=z.npy --wgsl
+/// Explains what rendering a scene would compile, upload and compute, and why, without tracing a ray.
 #[derive(Debug, clap::Args)]
-#[command(verbatim_doc_comment)]
-pub(crate) struct Plan {
+#[command(after_help = EXAMPLES, next_line_help = true)]
+pub(crate) struct PlanArgs {
     #[command(flatten)]
-    asked: SceneArgs,
+    args: SceneArgs,
     /// Prints one JSON object on standard output.
-    #[arg(long)]
+    #[arg(long, help_heading = "Reporting")]
     json: bool,
     /// Prints the whole compute shader, with the name of its file above each part.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long, help_heading = "Reporting", conflicts_with = "json")]
     wgsl: bool,
 }
 
-impl Plan {
+const EXAMPLES: &str = "\
+The options are those of halfline render.
+
+Examples:
+  halfline plan scenes/weekend.toml -o weekend.png --aov distance=t.npy
+  halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
+  halfline plan scenes/weekend.toml --aov depth=z.npy --wgsl";
+
+impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let targets = self.asked.files.targets(1)?;
-        let scene = self.asked.scene()?;
-        let settings = self.asked.settings_for(&scene, &self.asked.settings(&targets), &targets)?;
+        let targets = self.args.files.targets(1)?;
+        let scene = self.args.scene()?;
+        let settings = self.args.settings_for(&scene, &self.args.settings(&targets), &targets)?;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
-        let told = explain(&scene, &settings)?;
-        told.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
+        let explanation = explain(&scene, &settings)?;
+        explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
-            true => serde_json::to_string(&told).map_err(|e| Error::write("-", e.into()))?,
-            false => Words(&told).to_string(),
+            true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
+            false => PlanText(&explanation).to_string(),
         };
         print(&format!("{}\n", text.trim_end()))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
-/// An explanation for people.
-struct Words<'a>(&'a Explanation);
+/// An explanation as text.
+struct PlanText<'a>(&'a Explanation);
 
-impl Display for Words<'_> {
+impl Display for PlanText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let e = self.0;
         writeln!(
             f,
-            "scene      {} spheres, {} x {} rays, {} things skipped",
-            e.spheres, e.size[0], e.size[1], e.skipped
+            "scene      {}, {} x {} rays, {} skipped",
+            count(e.spheres, "sphere"),
+            e.size[0],
+            e.size[1],
+            count(e.skipped, "object")
         )?;
         let [x0, y0, x1, y1] = e.window;
         if [x0, y0, x1, y1] != [0, 0, e.size[0], e.size[1]] {
             writeln!(f, "crop       columns {x0} to {x1}, rows {y0} to {y1}, ends excluded: {} rays", e.rays)?;
         }
         if let Some(staged) = e.staged {
-            let halfline::explain::Staged { front, near, unseen } = staged;
-            writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can meet and nobody uploads")?;
+            let halfline::explain::BinnedCounts { front, near, unseen } = staged;
+            writeln!(f, "           {front} in front, {near} near, {unseen} that no ray can hit and are not uploaded")?;
         }
         if e.samples > 1 {
             let samples = e.samples;
-            writeln!(
-                f,
-                "samples    {samples} of each pixel for colour and alpha: as many passes more, of ids and colour"
-            )?;
+            writeln!(f, "samples    {samples} per pixel for colour and alpha: one more pass each, of ids and colour")?;
         }
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
-        writeln!(f, "accuracy   {}, tolerance {:.1e}", e.accuracy, e.tolerance)?;
+        writeln!(f, "accuracy   {}, tolerance {}", e.accuracy, number(e.tolerance, 2))?;
         writeln!(f, "method     {}", e.method)?;
         writeln!(f, "why        {}", e.reason)?;
         if let Some(p) = &e.predicted {
+            let [outline, distance, radii] = [p.outline, p.distance, p.radii].map(|x| number(x, 2));
             writeln!(
                 f,
-                "predicted  outline within {:.1e} radii, distance within {:.1e}; worst sphere {}, {:.1e} radii away",
-                p.outline, p.distance, p.sphere, p.radii
+                "predicted  outline within {outline} radii, distance within {distance}; worst sphere {}, {radii} radii away",
+                p.sphere
             )?;
         }
         writeln!(f, "precision  {}", e.precision)?;
         writeln!(f, "search     {}: {}", e.search, e.search_reason)?;
-        let lines = |parts: &[Part]| parts.iter().map(|part| part.lines).sum::<usize>();
+        let lines = |parts: &[ShaderFile]| parts.iter().map(|part| part.lines).sum::<usize>();
         if !e.kernel.is_empty() {
             let what = if e.dispatches == 1 { "dispatch" } else { "dispatches" };
             writeln!(f, "kernel     {} lines of WGSL, {} {what}", lines(&e.kernel), e.dispatches)?;
@@ -106,7 +109,7 @@ impl Display for Words<'_> {
         writeln!(f, "frame")?;
         for shown in &e.frame {
             let shape: Vec<_> = shown.shape.iter().map(u64::to_string).collect();
-            let always = if shown.asked { "" } else { ", always made" };
+            let always = if shown.asked { "" } else { ", always present" };
             let [name, dtype, shape] = [shown.name, shown.dtype, &shape.join(" x ")];
             writeln!(f, "  {name:20} {:>14} bytes, {shape} of {dtype}{always}", shown.bytes)?;
         }
@@ -115,11 +118,11 @@ impl Display for Words<'_> {
     }
 }
 
-fn write_parts(f: &mut fmt::Formatter<'_>, parts: &[Part]) -> fmt::Result {
+fn write_parts(f: &mut fmt::Formatter<'_>, parts: &[ShaderFile]) -> fmt::Result {
     parts.iter().try_for_each(|part| writeln!(f, "  shaders/{:32} {:>4} lines", part.file, part.lines))
 }
 
-fn write_bindings(f: &mut fmt::Formatter<'_>, title: &str, bindings: &[Binding]) -> fmt::Result {
+fn write_bindings(f: &mut fmt::Formatter<'_>, title: &str, bindings: &[DeviceBuffer]) -> fmt::Result {
     if bindings.is_empty() {
         return Ok(());
     }

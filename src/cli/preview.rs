@@ -1,5 +1,5 @@
-//! The picture in the terminal: half blocks in colours of 24 bits, two pixels a character. Crates that do this bring
-//! decoders and protocols that a look does not need.
+//! Shows the picture in the terminal with half blocks in 24-bit colours, two pixels per character. Crates for this also
+//! contain decoders and protocols that are not needed here.
 
 use super::say;
 use console::Term;
@@ -9,12 +9,12 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::str::FromStr;
 
-/// Where the picture is shown.
+/// When the picture is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Preview {
-    /// On a terminal that takes colours.
+    /// Only on a terminal with colours.
     Auto,
-    /// On whatever standard error is.
+    /// Always, on standard error.
     Blocks,
 }
 
@@ -25,21 +25,21 @@ impl FromStr for Preview {
         match text {
             "auto" => Ok(Self::Auto),
             "blocks" => Ok(Self::Blocks),
-            _ => Err("choose auto or blocks"),
+            _ => Err("use auto or blocks"),
         }
     }
 }
 
 impl Preview {
-    /// Shows the colour of `frame` on standard error, as wide as the terminal or as the frame.
+    /// Shows the colour of `frame` on standard error, at most as wide as the terminal or the frame.
     pub(super) fn show(self, frame: &Frame) {
         let terminal = Term::stderr();
         if self == Self::Auto && (!terminal.is_term() || std::env::var_os("NO_COLOR").is_some()) {
             return say(format_args!(
-                "no preview: standard error is no terminal with colours; --preview=blocks insists"
+                "no preview, because standard error is not a terminal with colours; use --preview=blocks to show it anyway"
             ));
         }
-        // Two rows stay for the prompt and what is said.
+        // Two rows are left for the prompt and messages.
         let (rows, columns) = terminal.size_checked().unwrap_or((26, 80));
         if let Some(color) = frame.f32(Aov::Color) {
             let size = [frame.width as usize, frame.height as usize];
@@ -49,7 +49,7 @@ impl Preview {
     }
 }
 
-/// The picture in at most so many columns and rows of half blocks: the mean of the linear colours that each stands for.
+/// The picture in at most `columns` x `rows` half blocks; each shows the mean of its linear colours.
 fn blocks(color: &[f32], [width, height]: [usize; 2], [columns, rows]: [usize; 2]) -> String {
     let shrink = (width as f64 / columns as f64).max(height as f64 / rows as f64).max(1.0);
     let [w, h] = [width, height].map(|side| ((side as f64 / shrink) as usize).max(1));
@@ -64,7 +64,8 @@ fn blocks(color: &[f32], [width, height]: [usize; 2], [columns, rows]: [usize; 2
     for y in (0..h).step_by(2) {
         for x in 0..w {
             let rgb = |y: usize| [0, 1, 2].map(|channel| mean(x, y, channel).to_string()).join(";");
-            // Upper halves in the foreground; below the last row there is no background. A String takes everything.
+            // Upper halves are the foreground; below the last row there is no background. Writing to a String does not
+            // fail.
             let below = if y + 1 < h { format!("48;2;{}", rgb(y + 1)) } else { "49".into() };
             _ = write!(out, "\x1b[38;2;{};{below}m\u{2580}", rgb(y));
         }

@@ -8,72 +8,79 @@ use halfline::scene::style::{self, ColorMap, Coloring, Radii, Scale};
 use halfline::scene::{Altloc, Format, FrameRange, ReadOptions, Style};
 use std::path::PathBuf;
 
-/// Reading: which part of the file, in which look.
+/// The heading of the options that change how the spheres look.
+const LOOK: &str = "Spheres and colours";
+
+/// The options for reading a file, and for the spheres in it.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Reading and looks")]
+#[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
-    /// The file's format, where neither content nor name tell: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv, npy, npz.
+    /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
+    /// npy, npz.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
-    /// Which frames of a sequence, from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last.
+    /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     frames: Option<FrameRange>,
-    /// The MODEL of a PDB or mmCIF file, by its number.
+    /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
-    /// Alternate locations of atoms: all, highest (occupancy), or those of one name.
+    /// Alternate locations of atoms: all, highest (occupancy), or an identifier.
     #[arg(long, value_name = "A", default_value = "all")]
     altloc: Altloc,
-    /// The biological assembly to build by the file's operators, by its id, such as 1.
+    /// Biological assembly to build, by its identifier, such as 1.
     #[arg(long, value_name = "ID")]
     assembly: Option<String>,
-    /// Atoms of small-molecule CIF as the file lists them, without the symmetry that fills the cell.
+    /// Takes the atoms of a small-molecule CIF as listed; by default its symmetry fills the cell.
     #[arg(long)]
     as_listed: bool,
-    /// Refuses a scene with anything but spheres in it.
+    /// Fails if the scene contains anything but spheres.
     #[arg(long)]
     strict: bool,
-    /// Radii of elements: vdw, covalent.
-    #[arg(long, value_name = "R", default_value = "vdw")]
+    /// Radii of elements: vdw (van der Waals), covalent.
+    #[arg(long, help_heading = LOOK, value_name = "R", default_value = "vdw")]
     radii: Radii,
-    /// One radius for all spheres, whatever the file says.
-    #[arg(long, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
+    /// Radius of all spheres; overrides the file.
+    #[arg(long, help_heading = LOOK, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
     radius: Option<f64>,
     /// Multiplies every radius.
-    #[arg(long, value_name = "X", default_value = "1", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
+        allow_negative_numbers = true)]
     radius_scale: f64,
-    /// One colour for all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
-    #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
+    /// Colour of all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
+    #[arg(long, help_heading = LOOK, value_name = "C", value_parser = color, conflicts_with = "color_by")]
     color: Option<[f32; 3]>,
-    /// Colours by: element, chain, or any column of numbers that the file has; of several (vx,vy,vz) by their length.
-    #[arg(long, value_name = "COLUMN,...")]
+    /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
+    #[arg(long, help_heading = LOOK, value_name = "COLUMN,...")]
     color_by: Option<String>,
-    /// Which colours a column becomes: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category.
-    /// Default: category for names (chain, type), else viridis.
-    #[arg(long, value_name = "M")]
+    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
+    /// category for names, else viridis].
+    #[arg(long, help_heading = LOOK, value_name = "M")]
     map: Option<ColorMap>,
-    /// The numbers at the ends of the map; else the least and the largest there are.
-    #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by", allow_hyphen_values = true)]
+    /// Values at the ends of the colour map [default: minimum and maximum].
+    #[arg(long, help_heading = LOOK, value_name = "A,B", value_parser = range, requires = "color_by",
+        allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// Uses a logarithmic colour scale.
-    #[arg(long, requires = "color_by")]
+    #[arg(long, help_heading = LOOK, requires = "color_by")]
     log: bool,
-    /// Where the legend of the colours is written: .svg or .png; of several frames without --range with %d, as -o.
-    #[arg(long, value_name = "FILE", requires = "color_by")]
+    /// Writes the legend of the colours: .svg or .png; with %d for several frames without --range.
+    #[arg(long, help_heading = LOOK, value_name = "FILE", requires = "color_by")]
     pub(super) legend: Option<PathBuf>,
-    /// Periodic copies along the edges of the file's cell, the spheres themselves included.
-    #[arg(long, value_name = "A,B,C", value_parser = copies)]
+    /// Periodic copies along the three edges of the file's cell, original included.
+    #[arg(long, help_heading = LOOK, value_name = "A,B,C", value_parser = copies)]
     copies: Option<[u32; 3]>,
-    /// Leaves out the spheres whose centre c has X,Y,Z . c > D; may be given more than once.
-    #[arg(long, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
+    /// Removes spheres whose centre c has X,Y,Z . c > D; may be repeated.
+    #[arg(long, help_heading = LOOK, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
     clip: Vec<[f64; 4]>,
-    /// Draws the edges of the file's cell in beads, of this radius if one is given.
-    #[arg(long, value_name = "RADIUS", value_parser = positive, num_args = 0..=1, require_equals = true)]
+    /// Draws the edges of the file's cell with beads, of this radius if given.
+    #[arg(long, help_heading = LOOK, value_name = "RADIUS", value_parser = positive, num_args = 0..=1,
+        require_equals = true)]
     outline: Option<Option<f64>>,
 }
 
 impl ReadArgs {
-    /// How the file is read.
+    /// The options for reading.
     pub(super) fn options(&self) -> ReadOptions {
         let coloring = match (&self.color, self.color_by.as_deref()) {
             (Some(color), _) => Coloring::One(*color),
@@ -99,31 +106,31 @@ impl ReadArgs {
         }
     }
 
-    /// The frames of a sequence that are named.
+    /// The selected frames of a sequence.
     pub(super) fn frames(&self) -> Option<&FrameRange> {
         self.frames.as_ref()
     }
 
-    /// Whether several frames each have a legend of their own.
+    /// Whether several frames have a legend each.
     pub(super) fn has_many_legends(&self) -> bool {
         self.range.is_none() && self.frames.as_ref().is_some_and(|frames| frames.count() > 1)
     }
 
-    /// What is done to the spheres.
+    /// The arrangement of the spheres.
     pub(super) fn arrangement(&self) -> Arrangement {
         let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
         Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.outline.map(bead) }
     }
 }
 
-/// Finite numbers between commas, as many as are wanted.
+/// Finite numbers separated by commas, exactly `N` of them.
 pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
     <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "give a positive number".into())
+    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a positive number".into())
 }
 
 pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
@@ -131,17 +138,17 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| "write two different finite numbers, such as 0,1.5".into())
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| "expected two different finite numbers, such as 0,1.5".into())
 }
 
 fn plane(text: &str) -> Result<[f64; 4], String> {
     numbers(text)
         .filter(|p| p[..3] != [0.0; 3])
-        .ok_or_else(|| "write a direction and a number, such as 0,0,1,2.5".into())
+        .ok_or_else(|| "expected a direction and a number, such as 0,0,1,2.5".into())
 }
 
 fn copies(text: &str) -> Result<[u32; 3], String> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok().filter(|n| *n > 0)).collect();
     let numbers = numbers.and_then(|numbers| <[u32; 3]>::try_from(numbers).ok());
-    numbers.ok_or_else(|| "write three whole numbers from 1 on, such as 2,2,1".into())
+    numbers.ok_or_else(|| "expected three positive whole numbers, such as 2,2,1".into())
 }

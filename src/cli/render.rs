@@ -2,10 +2,10 @@
 
 use super::bar::Bar;
 use super::clash::check_inputs;
-use super::lines::Talk;
+use super::lines::ProgressOutput;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
-use super::shots::{Numbered, Shots};
+use super::scene_frames::{Numbered, SceneFrames};
 use super::{go_on, legend, print, say, threads};
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -21,44 +21,50 @@ use std::collections::BTreeSet;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
 
-/// Renders a scene: a picture, and the buffers beside it that are asked for.
-///
-/// Examples:
-///   halfline render scenes/weekend.toml -o weekend.png
-///   halfline render balls.nff -o balls.png --aov id=id.npy --aov distance=t.npy --json
-///   halfline render planet.toml -o planet.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60 --size 1920x1080
+/// Renders a picture of a scene or of particles, and the buffers behind it.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = EXAMPLES, next_line_help = true)]
 pub(crate) struct Render {
     #[command(flatten)]
-    asked: SceneArgs,
-    /// Renders N times in one process, for measuring.
-    #[arg(long, value_name = "N", default_value = "1")]
-    repeat: NonZeroU32,
-    /// Prints one JSON object about the rendering on standard output.
-    #[arg(long)]
-    json: bool,
-    /// Leaves alone every file that is whole and says word for word that it comes from this very rendering; renders nothing
-    /// if all do.
-    #[arg(long)]
+    args: SceneArgs,
+    /// Skips files that exist, are complete and come from the same rendering.
+    #[arg(long, help_heading = "Output")]
     resume: bool,
-    /// Progress reporting: a line on a terminal, none, lines of JSON on standard error, or the lines of Open Job
-    /// Description on standard output.
-    #[arg(long, value_name = "P", value_enum, default_value = "auto")]
-    progress: Talk,
-    /// Shows the picture in the terminal, in half blocks of 24-bit colours; =blocks insists where there is no terminal.
-    #[arg(long, value_name = "blocks", num_args = 0..=1, require_equals = true, default_missing_value = "auto")]
+    /// Prints one JSON object about the rendering on standard output.
+    #[arg(long, help_heading = REPORTING)]
+    json: bool,
+    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
+    /// Description on standard output).
+    #[arg(long, help_heading = REPORTING, value_name = "P", value_enum, hide_possible_values = true,
+        default_value = "auto")]
+    progress: ProgressOutput,
+    /// Shows the picture in a terminal with 24-bit colours; =blocks shows it on any standard error.
+    #[arg(long, help_heading = REPORTING, value_name = "blocks", num_args = 0..=1, require_equals = true,
+        default_missing_value = "auto")]
     preview: Option<Preview>,
+    /// Renders N times in one process, for time measurements.
+    #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1")]
+    repeat: NonZeroU32,
 }
+
+/// The heading of the options that report on the rendering.
+const REPORTING: &str = "Reporting";
+
+const EXAMPLES: &str = "\
+Examples:
+  halfline render scenes/weekend.toml -o weekend.png
+  halfline render molecule.pdb --color-by chain -o molecule.png
+  halfline render scenes/weekend.toml -o w.png --aov id=id.npy --aov depth=z.npy
+  halfline render planet.toml -o p.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60";
 
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.check()?;
-        let mut settings = self.asked.settings(&targets);
+        let mut settings = self.args.settings(&targets);
         if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
             settings.aovs.push(Aov::Color);
         }
-        // A device takes its time to open, on another core than the one that reads.
+        // Opening a device takes time, so it runs beside the reading of the scene.
         let (opened, renderer) = std::thread::scope(|scope| {
             let open = || Renderer::new(&settings);
             let other = (!threads::is_alone()).then(|| std::thread::Builder::new().spawn_scoped(scope, open));
@@ -69,59 +75,59 @@ impl Render {
                 _ => (first, open()),
             }
         });
-        // What is wrong with the scene is told first, whatever adapters there are.
-        let ((mut shots, mut shot), renderer) = (opened?, renderer?);
-        let bar = Bar::talking(self.progress, self.repeat.get().saturating_mul(self.asked.expected()));
+        // Errors of the scene are reported before those of the adapter.
+        let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
+        let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
         let mut renderer = renderer.watched_by(bar.watch());
-        if self.asked.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
+        if self.args.accuracy.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
-        let mut told = BTreeSet::new();
-        while let Some(now) = shot {
+        let mut printed = BTreeSet::new();
+        while let Some(now) = picture {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            self.picture(&now, &settings, &mut renderer, &bar, &mut told)?;
-            shot = self.ready(&mut shots)?;
+            self.picture(&now, &settings, &mut renderer, &bar, &mut printed)?;
+            picture = self.ready(&mut scene_frames)?;
         }
         bar.finish();
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Renders one scene and writes its files, if anything is left to render. What was `told` is not told again.
+    /// Renders one scene and writes its files, unless all exist. Messages in `printed` are not printed again.
     fn picture(
         &self,
-        shot: &Numbered,
+        picture: &Numbered,
         settings: &Settings,
         renderer: &mut Renderer,
         bar: &Bar,
-        told: &mut BTreeSet<String>,
+        printed: &mut BTreeSet<String>,
     ) -> Result<()> {
-        let scene = &shot.scene;
-        let mut targets = self.asked.files.targets(shot.number)?;
-        let settings = &self.asked.settings_for(scene, settings, &targets)?;
+        let scene = &picture.scene;
+        let mut targets = self.args.files.targets(picture.number)?;
+        let settings = &self.args.settings_for(scene, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.dry_run(scene, settings)?;
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {
-                let which = if self.asked.is_many() { format!("picture {}: ", shot.number) } else { String::new() };
+                let which = if self.args.is_many() { format!("picture {}: ", picture.number) } else { String::new() };
                 bar.aside(|| {
-                    say(format_args!("{which}already there: every file is whole and from this very rendering"));
+                    say(format_args!("{which}already there: every file is complete and comes from the same rendering"));
                 });
-                self.write_legend(shot)?;
-                return self.tell(&Report { resumed: true, number: shot.number, ..report });
+                self.write_legend(picture)?;
+                return self.print_report(&Report { resumed: true, number: picture.number, ..report });
             }
         }
         let mut once = |words: String| {
-            if !told.contains(&words) {
+            if !printed.contains(&words) {
                 bar.aside(|| say(format_args!("{words}")));
-                told.insert(words);
+                printed.insert(words);
             }
         };
         once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
-        frame.report.number = shot.number;
+        frame.report.number = picture.number;
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             once(frame.report.reason.clone());
         }
@@ -129,16 +135,16 @@ impl Render {
         if !targets.is_empty() {
             write(&frame, &targets, &origin(scene, settings, &frame.report, frame.window))?;
         }
-        self.write_legend(shot)?;
+        self.write_legend(picture)?;
         if let Some(preview) = self.preview {
             preview.show(&frame);
         }
-        self.tell(&frame.report)?;
+        self.print_report(&frame.report)?;
         renderer.recycle(frame);
         Ok(())
     }
 
-    /// The last of the frames, its report telling the times of all, and what its files cannot hold.
+    /// Renders the repeated frames; returns the last one with the times of all and the warnings of its files.
     fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
         let mut frame = renderer.render(scene, settings)?;
         let mut times = frame.report.frame_ms.clone();
@@ -155,15 +161,15 @@ impl Render {
         Ok(frame)
     }
 
-    fn write_legend(&self, shot: &Numbered) -> Result<()> {
-        match (legend::file(&self.asked, shot.number)?, &shot.legend) {
+    fn write_legend(&self, picture: &Numbered) -> Result<()> {
+        match (legend::file(&self.args, picture.number)?, &picture.legend) {
             (Some(path), Some(legend)) => legend::write(legend, &path),
             _ => Ok(()),
         }
     }
 
-    /// Prints the report, if it is asked for.
-    fn tell(&self, report: &Report) -> Result<()> {
+    /// Prints the report if --json is given.
+    fn print_report(&self, report: &Report) -> Result<()> {
         if !self.json {
             return Ok(());
         }
@@ -172,39 +178,39 @@ impl Render {
     }
 
     /// The opened file and its first scene.
-    fn first(&self) -> Result<(Shots<'_>, Option<Numbered>)> {
-        let mut shots = Shots::open(&self.asked)?;
-        let first = self.ready(&mut shots)?;
-        Ok((shots, first))
+    fn first(&self) -> Result<(SceneFrames<'_>, Option<Numbered>)> {
+        let mut scene_frames = SceneFrames::open(&self.args)?;
+        let first = self.ready(&mut scene_frames)?;
+        Ok((scene_frames, first))
     }
 
-    /// The next scene, if it can be rendered and every file of it can be written.
-    fn ready(&self, shots: &mut Shots<'_>) -> Result<Option<Numbered>> {
-        let Some(shot) = shots.next_shot()? else { return Ok(None) };
-        let targets = self.asked.files.targets(shot.number)?;
-        let legend = legend::file(&self.asked, shot.number)?;
-        check_inputs(targets.iter().map(Target::path).chain(legend.as_deref()), &shots.inputs())?;
+    /// The next scene, once its files are known to be writable.
+    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<Numbered>> {
+        let Some(picture) = scene_frames.next_frame()? else { return Ok(None) };
+        let targets = self.args.files.targets(picture.number)?;
+        let legend = legend::file(&self.args, picture.number)?;
+        check_inputs(targets.iter().map(Target::path).chain(legend.as_deref()), &scene_frames.inputs())?;
         targets.iter().try_for_each(Target::check)?;
-        shot.scene.check()?;
-        Ok(Some(shot))
+        picture.scene.check()?;
+        Ok(Some(picture))
     }
 
-    /// What goes into the files of the first picture; one place for what does not go together.
+    /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
-        let targets = self.asked.files.targets(1)?;
-        if self.asked.is_many() {
-            self.asked.files.check_many()?;
+        let targets = self.args.files.targets(1)?;
+        if self.args.is_many() {
+            self.args.files.check_many()?;
         }
-        legend::check(&self.asked)?;
-        self.asked.check_outputs()?;
+        legend::check(&self.args)?;
+        self.args.check_outputs()?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
-            let problem = "nothing is asked for";
-            return Err(Error::settings(problem, "name a picture with -o, a buffer with --aov, or --json"));
+            let problem = "no output is requested";
+            return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
         }
         let standard = targets.iter().filter(|target| target.is_standard()).count();
-        if standard + usize::from(self.json) + usize::from(self.progress == Talk::Openjd) > 1 {
-            let problem = "standard output takes one thing, a picture, a buffer, the JSON or the lines of openjd";
-            return Err(Error::settings(problem, "name files for the others"));
+        if standard + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1 {
+            let problem = "standard output can hold only one of: a picture, a buffer, the JSON, the lines of openjd";
+            return Err(Error::settings(problem, "use files for the others"));
         }
         Ok(targets)
     }

@@ -1,9 +1,9 @@
-//! What `render` and `plan` share: the scene, the camera, the buffers and how sure they must be.
+//! The options that `render` and `plan` share: the scene, the camera, the image and its buffers, and the accuracy.
 
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
 use super::read_args::{ReadArgs, numbers};
-use super::shots::{Shots, number_in};
+use super::scene_frames::{SceneFrames, number_in};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
@@ -17,108 +17,121 @@ use halfline::window::Window;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
-/// A scene and what is asked of it.
+/// The options of `render` and `plan`, in the groups of their help.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// The scene or the particles: toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, each also
-    /// compressed (gz, bz2); - for standard input.
+    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz; also .gz or
+    /// .bz2); - for standard input.
     pub(super) scene: PathBuf,
     #[command(flatten)]
-    pub(super) files: FileArgs,
-    /// Image size in pixels; a given viewport keeps its shape, a vfov its height.
-    #[arg(long, value_name = "WxH", value_parser = scene_size)]
-    pub(super) size: Option<(u32, u32)>,
-    /// Anti-aliasing: colour and alpha are the means of so many samples of each pixel, rounded up to the next square;
-    /// everything else stays the answer of the pixel's centre.
-    #[arg(long, value_name = "N", default_value = "1")]
-    samples: NonZeroU32,
-    /// Chooses where in their pixels samples lie.
-    #[arg(long, value_name = "S", default_value = "0")]
-    seed: u32,
-    /// Renders only columns x0 to x1 and rows y0 to y1 of the image, the ends excluded, bit for bit as the whole has
-    /// them.
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
-    crop: Option<Window>,
-    /// Renders only tile I, from 1, of N equal ones: bands of rows cut into columns, row by row.
-    #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
-    tile: Option<(u32, u32)>,
-    /// One form of the quadratic and nothing else, uncertified: textbook, unit, geometric, stable, f64,
-    /// double-float.
-    #[arg(long, value_name = "M")]
-    method: Option<Method>,
-    /// How sure the answers must be: auto, fast, certified, exact.
-    #[arg(long, value_name = "A", default_value = "auto")]
-    accuracy: Accuracy,
-    /// The error that is allowed, at least 2^-50: of the distance, relative to it, and of outlines, in radii. Certified
-    /// answers promise it (1e-5 if it is left out); with accuracy auto and no method, the cheapest method is taken whose
-    /// predicted errors it allows.
-    #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
-    tolerance: Option<Tolerance>,
-    /// How candidates are found: auto, all, tiles (tree is for given rays, which only the library
-    /// takes).
-    #[arg(long, value_name = "S", default_value = "auto")]
-    search: Search,
-    /// How a hit becomes a colour: flat, normal, headlight.
-    #[arg(long, value_name = "S", default_value = "headlight")]
-    shade: Shade,
-    /// Where to compute: auto, gpu, cpu.
-    #[arg(long, value_name = "B", default_value = "auto")]
-    pub(super) backend: Backend,
-    /// Which adapter, by index or part of its name (halfline adapters lists them).
-    #[arg(long, value_name = "NAME|INDEX")]
-    adapter: Option<String>,
+    pub(super) read: ReadArgs,
     #[command(flatten)]
     pub(super) camera: CameraArgs,
     #[command(flatten)]
-    pub(super) read: ReadArgs,
+    pub(super) image: ImageArgs,
+    #[command(flatten)]
+    pub(super) accuracy: AccuracyArgs,
+    #[command(flatten)]
+    pub(super) files: FileArgs,
 }
 
-/// What replaces parts of the scene's camera.
+/// The camera options, which replace parts of the scene's camera.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct CameraArgs {
-    /// The eye.
+    /// Position of the eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(super) eye: Option<DVec3>,
-    /// The point it looks at.
+    /// Point to look at.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "view")]
     at: Option<DVec3>,
-    /// The direction it looks in.
+    /// Direction to look in.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     view: Option<DVec3>,
-    /// Up in the scene.
+    /// Up direction of the scene.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     up: Option<DVec3>,
-    /// Full height of the view, degrees; makes an orthographic camera a perspective one.
+    /// Moves the eye so that all spheres are in view; the default for files without a camera.
+    #[arg(long, conflicts_with = "eye")]
+    pub(super) fit: bool,
+    /// Vertical field of view, degrees; makes the camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,
-    /// Parallel rays: full height of the view in the scene's unit, or as high as all spheres need. Its answers are always
-    /// certified or exact.
+    /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
+    /// always certified or exact.
     #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
     ortho: Option<Option<f64>>,
-    /// Moves the eye so that all spheres are seen whole, as near as that allows; a file without a camera is framed so anyway.
-    #[arg(long, conflicts_with = "eye")]
-    pub(super) fit: bool,
-    /// N pictures from all sides, around up: the first from where the camera stands. Of the frames of a sequence, each is
-    /// turned by its number.
+    /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
 }
 
+/// The image options.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub(super) struct ImageArgs {
+    /// Image size in pixels. With a vfov the width of the view follows; a viewport keeps its size.
+    #[arg(long, value_name = "WxH", value_parser = scene_size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
+    /// pixel's centre.
+    #[arg(long, value_name = "N", default_value = "1")]
+    samples: NonZeroU32,
+    /// Seed of the sample positions.
+    #[arg(long, value_name = "S", default_value = "0")]
+    seed: u32,
+    /// Renders only columns X0 to X1 and rows Y0 to Y1, ends excluded.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
+    crop: Option<Window>,
+    /// Renders only tile I of N equal ones, counted from 1 row by row; see halfline merge.
+    #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
+    tile: Option<(u32, u32)>,
+    /// Shading: flat, normal, headlight.
+    #[arg(long, value_name = "S", default_value = "headlight")]
+    shade: Shade,
+}
+
+/// The options for accuracy and speed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy and speed")]
+pub(super) struct AccuracyArgs {
+    /// Accuracy of the answers: auto, fast, certified, exact.
+    #[arg(long, value_name = "A", default_value = "auto")]
+    accuracy: Accuracy,
+    /// Allowed error of distances (relative) and outlines (in radii), at least 2^-50. Certified answers stay within it
+    /// (1e-5 if not given); with accuracy auto, the cheapest method that does is used.
+    #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: Option<Tolerance>,
+    /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
+    #[arg(long, value_name = "M")]
+    method: Option<Method>,
+    /// Candidate search: auto, all, tiles.
+    #[arg(long, value_name = "S", default_value = "auto")]
+    search: Search,
+    /// Where to render: auto, gpu, cpu.
+    #[arg(long, value_name = "B", default_value = "auto")]
+    pub(super) backend: Backend,
+    /// Adapter, by index or part of its name (see halfline adapters).
+    #[arg(long, value_name = "NAME|INDEX")]
+    adapter: Option<String>,
+}
+
 impl SceneArgs {
-    /// The scene as the options change it; of several, the first.
+    /// The scene with the options applied; of several, the first.
     pub(super) fn scene(&self) -> Result<Scene> {
-        let first = Shots::open(self)?.next_shot()?;
-        first.map(|shot| shot.scene).ok_or_else(|| Error::settings("there is no scene", "ask for other --frames"))
+        let first = SceneFrames::open(self)?.next_frame()?;
+        first
+            .map(|shot| shot.scene)
+            .ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
     }
 
-    /// Whether several pictures are asked for.
+    /// Whether several pictures are rendered.
     pub(super) fn is_many(&self) -> bool {
         self.expected() > 1
     }
 
-    /// How many pictures are asked for, as far as is known before the file is read.
+    /// The number of pictures, as far as it is known before the file is read.
     pub(super) fn expected(&self) -> u32 {
         match (self.read.frames(), self.camera.spin) {
             (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
@@ -126,7 +139,7 @@ impl SceneArgs {
         }
     }
 
-    /// The numbers that go into names, as far as is known before the file is read; the first of very many.
+    /// The numbers that go into names, as far as they are known before the file is read; only the first of very many.
     fn numbers(&self) -> Vec<u64> {
         const MANY: usize = 1 << 16;
         match (self.read.frames(), self.camera.spin) {
@@ -135,7 +148,8 @@ impl SceneArgs {
         }
     }
 
-    /// Refuses outputs that are one file, or the scene file. `Shots::inputs` knows the other files that are read.
+    /// Returns an error for outputs that are one file, or the scene file. `SceneFrames::inputs` gives the other files that
+    /// are read.
     pub(super) fn check_outputs(&self) -> Result<()> {
         let mut names = self.files.names()?;
         names.extend(self.read.legend.as_deref());
@@ -150,14 +164,14 @@ impl SceneArgs {
         }
     }
 
-    /// Which part of the scene's image is asked for.
+    /// The selected window of the scene's image.
     pub(super) fn window(&self, scene: &Scene) -> Result<Option<Window>> {
         let image = &scene.image;
-        let tile = self.tile.map(|(number, count)| Window::tile(number, count, image.width, image.height));
-        Ok(tile.transpose()?.or(self.crop))
+        let tile = self.image.tile.map(|(number, count)| Window::tile(number, count, image.width, image.height));
+        Ok(tile.transpose()?.or(self.image.crop))
     }
 
-    /// The same settings for one scene, whose frame goes into these files.
+    /// The settings for one scene, whose frame is written to these files.
     pub(super) fn settings_for(&self, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Settings> {
         let window = self.window(scene)?;
         let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
@@ -165,19 +179,19 @@ impl SceneArgs {
         Ok(Settings { window, reserve, ..settings.clone() })
     }
 
-    /// The options besides the scene and what is asked of its image, for these buffers.
+    /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {
-            backend: self.backend,
-            adapter: self.adapter.clone(),
-            method: self.method,
-            accuracy: self.accuracy,
-            search: self.search,
-            shade: self.shade,
-            tolerance: self.tolerance,
+            backend: self.accuracy.backend,
+            adapter: self.accuracy.adapter.clone(),
+            method: self.accuracy.method,
+            accuracy: self.accuracy.accuracy,
+            search: self.accuracy.search,
+            shade: self.image.shade,
+            tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
-            samples: self.samples.get(),
-            seed: self.seed,
+            samples: self.image.samples.get(),
+            seed: self.image.seed,
             window: None,
             reserve: 0,
         }
@@ -190,9 +204,7 @@ impl CameraArgs {
         let keep_height = !matches!(self.ortho, None | Some(None));
         if self.eye.is_some() {
             return match self.ortho {
-                Some(None) => {
-                    Err(Error::settings("an eye is given, and no height of the view", "give --ortho a height"))
-                }
+                Some(None) => Err(Error::settings("--ortho needs a height when --eye is given", "use --ortho HEIGHT")),
                 _ => Ok(None),
             };
         }
@@ -230,9 +242,9 @@ impl CameraArgs {
 
 pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    let sides = sides.ok_or("write WxH, such as 1920x1080")?;
+    let sides = sides.ok_or("expected WxH, such as 1920x1080")?;
     halfline::scene::check_size(sides, || "--size".into()).map_err(|e| match e {
-        // The option is named already.
+        // The message already names the option.
         Error::Scene { problem, mend, .. } => format!("{problem}; {mend}"),
         other => other.to_string(),
     })
@@ -242,34 +254,34 @@ fn crop(text: &str) -> Result<Window, String> {
     let sides: Option<Vec<u32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     match sides.as_deref() {
         Some(&[x0, y0, x1, y1]) => Ok(Window { x0, y0, x1, y1 }),
-        _ => Err("write X0,Y0,X1,Y1, four whole numbers such as 0,0,640,360".into()),
+        _ => Err("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360".into()),
     }
 }
 
 fn tile(text: &str) -> Result<(u32, u32), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-    numbers.ok_or_else(|| "write I/N, such as 3/16".into())
+    numbers.ok_or_else(|| "expected I/N, such as 3/16".into())
 }
 
 fn vector(text: &str) -> Result<DVec3, String> {
-    numbers(text).map(DVec3::from_array).ok_or_else(|| "write three finite numbers, such as 1,-2,3.5".into())
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
 }
 
 pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {
-    let number = text.parse().map_err(|_| "a tolerance is a number".to_owned())?;
+    let number = text.parse().map_err(|_| "expected a number".to_owned())?;
     Tolerance::new(number).map_err(|e| e.to_string())
 }
 
 fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
-        _ => Err("an angle lies between 0 and 180 degrees".into()),
+        _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
     }
 }
 
 fn height(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("a height is a positive number, in the scene's unit".into()),
+        _ => Err("expected a positive number, in the scene's unit".into()),
     }
 }

@@ -1,5 +1,5 @@
-//! `halfline completions SHELL` and `halfline man`: what shells and readers of manuals ask for, made from the definition of
-//! the options.
+//! `halfline completions SHELL` and `halfline man`: shell completions and manual pages, generated from the definition
+//! of the options.
 
 use super::Arguments;
 use super::config::Config;
@@ -10,7 +10,7 @@ use halfline::frame::file::{check_writable, write_atomically};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Prints what a shell needs to complete halfline's commands and options.
+/// Prints the shell completions of halfline's commands and options.
 ///
 /// Examples:
 ///   halfline completions bash > ~/.local/share/bash-completion/completions/halfline
@@ -19,11 +19,11 @@ use std::process::ExitCode;
 #[derive(Debug, Args)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct Completions {
-    /// Which shell.
+    /// The shell.
     shell: Shell,
 }
 
-/// Prints the manual page, or writes those of all commands into a folder.
+/// Prints the manual page, or writes the pages of all commands into a folder.
 ///
 /// Examples:
 ///   halfline man | man -l -
@@ -31,7 +31,7 @@ pub(crate) struct Completions {
 #[derive(Debug, Args)]
 #[command(verbatim_doc_comment)]
 pub(crate) struct Man {
-    /// The folder, which must exist: halfline.1, halfline-render.1, ...
+    /// An existing folder for halfline.1, halfline-render.1, ...
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -53,7 +53,7 @@ impl Man {
             return Ok(ExitCode::SUCCESS);
         };
         if !folder.is_dir() {
-            let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "there is no such folder");
+            let missing = std::io::Error::new(std::io::ErrorKind::NotFound, "the folder does not exist");
             return Err(Error::write(folder, missing));
         }
         let parts = command.get_subcommands().map(|part| {

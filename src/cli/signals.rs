@@ -1,4 +1,5 @@
-//! Signals: the first request to end lets the work end tidily within [`GRACE`], the second ends the process at once.
+//! Signals: the first request to terminate lets the work end in order within [`GRACE`], the second ends the process at
+//! once.
 
 #[cfg(unix)]
 use halfline::Error;
@@ -10,37 +11,37 @@ use std::{io, io::Read, os::unix::net::UnixStream, thread, time::Duration};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Requests to end.
+/// The signals that request termination.
 #[cfg(unix)]
 const ENDS: [i32; 3] = [SIGINT, SIGTERM, signal_hook::consts::SIGHUP];
 #[cfg(not(unix))]
 const ENDS: [i32; 2] = [SIGINT, SIGTERM];
 
-/// How long the work may take to end. Passes over many millions of spheres do not look at the request in between. What is
-/// being written has no name yet, so the process can end at any time.
+/// The time that the work may take to end, because passes over many millions of spheres do not check for requests.
+/// Unfinished files have no name yet, so the process can end at any time.
 #[cfg(unix)]
 const GRACE: Duration = Duration::from_millis(500);
 
-/// Takes the signals over. Where the system refuses, its default ends the process, which is right too. Other signals
-/// keep their default, which a user may want (a core file by ctrl-\, say).
+/// Installs the handlers. Where the system refuses, its default action ends the process, which is acceptable. Other
+/// signals keep their default action, which a user may want (such as a core file by ctrl-\).
 pub(super) fn listen() {
     for signal in ENDS {
-        // In this order: the shutdown looks at the flag before the first signal sets it.
+        // The order matters: the shutdown checks the flag before the first signal sets it.
         let _ = register_conditional_shutdown(signal, 130, &INTERRUPTED);
         let _ = register(signal, &INTERRUPTED);
     }
-    // Its default ends the process in the middle of a write beyond `ulimit -f`. With any handler the write fails, and
-    // the failure is reported like that of a full disk.
+    // The default action of SIGXFSZ ends the process in the middle of a write beyond `ulimit -f`. With any handler the
+    // write fails, and the failure is reported like that of a full disk.
     #[cfg(unix)]
     {
         static BEYOND_FILE_SIZE: AtomicBool = AtomicBool::new(false);
         let _ = register(signal_hook::consts::SIGXFSZ, &BEYOND_FILE_SIZE);
-        // Without a thread the work still ends, later.
+        // Without this thread the work still ends, but later.
         let _ = end_after_grace();
     }
 }
 
-/// A thread that waits for the first request and ends the process [`GRACE`] later, if it is still there.
+/// Starts a thread that waits for the first request and ends the process after [`GRACE`].
 #[cfg(unix)]
 fn end_after_grace() -> io::Result<()> {
     let (mut requests, request) = UnixStream::pair()?;
@@ -50,7 +51,7 @@ fn end_after_grace() -> io::Result<()> {
     let wait = move || {
         if requests.read_exact(&mut [0]).is_ok() {
             thread::sleep(GRACE);
-            // A pipe that is full and never read holds the message, not the process.
+            // If standard error is a full pipe, the message blocks this thread and not the process.
             if thread::Builder::new().spawn(|| super::say(format_args!("{}", Error::Interrupted))).is_ok() {
                 thread::sleep(GRACE / 10);
             }
@@ -60,7 +61,7 @@ fn end_after_grace() -> io::Result<()> {
     thread::Builder::new().name("signals".into()).stack_size(1 << 16).spawn(wait).map(drop)
 }
 
-/// Whether no signal asked the process to end.
+/// Whether no termination was requested.
 pub(super) fn go_on() -> bool {
     !INTERRUPTED.load(Ordering::SeqCst)
 }

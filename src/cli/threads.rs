@@ -1,30 +1,30 @@
-//! The threads that share the work: as many as there are cores or as `RAYON_NUM_THREADS` says, within reason, and no more
-//! than the system lets the process have.
+//! The worker threads: as many as there are cores or as `RAYON_NUM_THREADS` says, up to a limit, and at most as many as
+//! the system allows the process.
 
 use super::say;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use std::sync::mpsc::{Sender, channel};
 use std::thread::{Builder, available_parallelism};
 
-/// Threads beyond this number and beyond the number of cores are only a burden.
+/// More threads than this, or than there are cores if that is more, slow the work down.
 const MOST: usize = 256;
 
-/// Starts the threads. Rayon starts them by itself otherwise, and panics where the system refuses one.
+/// Starts the threads. Rayon would start them itself, but panics where the system refuses one.
 pub(super) fn start() {
     let cores = available_parallelism().map_or(1, usize::from);
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0);
     let wanted = asked.unwrap_or(cores);
     let most = wanted.min(MOST.max(cores));
     if most < wanted {
-        say(format_args!("warning: RAYON_NUM_THREADS asks for {wanted} threads: {most} are used"));
+        say(format_args!("warning: RAYON_NUM_THREADS is {wanted}, but {most} threads are used"));
     }
-    // Threads are made before the pool, which cannot be made twice: each waits for what it is to run.
+    // Threads are started before the pool, which cannot be made twice; each waits for its work.
     let waiting: Vec<_> = (0..most).map_while(|number| waiting_thread(number).ok()).collect();
     if waiting.len() < most {
         let made = waiting.len().max(1);
-        say(format_args!("warning: the system allows {made} of {most} threads: the work takes longer"));
+        say(format_args!("warning: the system allows only {made} of {most} threads, so the work takes longer"));
     }
-    // Fails only where there is a pool already.
+    // Fails only if there is a pool already.
     let _ = match waiting.len() {
         0 => ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global(),
         made => {
@@ -38,16 +38,17 @@ pub(super) fn start() {
     };
 }
 
-/// Whether this thread is the only one that does the pool's work: then nothing may wait for it elsewhere.
+/// Whether this is the only thread of the pool; it must then not block on other threads.
 pub(super) fn is_alone() -> bool {
     rayon::current_thread_index().is_some()
 }
 
-/// A thread that runs what it is sent.
+/// A thread that runs the closure it receives.
 fn waiting_thread(number: usize) -> std::io::Result<Sender<ThreadBuilder>> {
     let (sender, receiver) = channel::<ThreadBuilder>();
     let run = move || {
-        // The allocator gives a thread addresses of its own with its first request: before memory is checked, not after.
+        // The allocator reserves addresses for a thread at its first allocation; this makes it happen before memory is
+        // checked.
         drop(std::hint::black_box(Box::new(number)));
         if let Ok(thread) = receiver.recv() {
             thread.run();

@@ -1,33 +1,41 @@
 //! The answer in f64: from double-doubles where their errors are small enough, else from exact numbers.
 
-use super::decide::{Frame, Meeting, Root};
-use super::field::Element;
-use super::filter::{Basis, Body, Hit, TINY};
-use super::{Rays, Truth};
+use super::decide::{ExactFrame, Meeting, Root};
+use super::field::FieldElement;
+use super::filter::{AxesDd, Body, FilterHit, TINY};
+use super::{RayForms, Truth};
 use crate::dd::{self, Dd};
 use crate::dyadic::{Dyadic, Dyadic3};
 
-/// What the head of [`Truth`] promises of the hit point, before rounding: relative to the smaller of distance and
+/// The error of the hit point that [`Truth`] guarantees, before rounding: relative to the smaller of distance and
 /// radius.
 const CLOSE: f64 = f64::from_bits((1023 - 64) << 52);
-/// Errors of directions, products and rotations in [`super::filter`] stay below 2^-96; a few of them.
+/// Errors of directions, products and rotations in [`super::filter`] are below 2^-96; this covers a few of them.
 const STEPS: f64 = f64::from_bits((1023 - 94) << 52);
 
-/// Who was hit and how; the decision is made.
+/// The decided hit: sphere and root.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Name {
+pub(crate) struct DecidedHit {
     pub(crate) id: u32,
     pub(crate) root: Root,
     pub(crate) tangent: bool,
 }
 
-/// The answer in double-double, if that is good enough.
-pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body: &Body, hit: &Hit) -> Option<Truth> {
+/// The answer in double-double, if it is precise enough.
+pub(crate) fn quick(
+    name: DecidedHit,
+    eye: [f64; 3],
+    basis: &AxesDd,
+    rays: &RayForms,
+    body: &Body,
+    hit: &FilterHit,
+) -> Option<Truth> {
     let ray = &rays.quick;
     let distance = hit.t * ray.a.sqrt();
     let from = ray.start(body.k);
     let aside = from.map_or(0.0, |[x, y]| x.hi.abs() + y.hi.abs());
-    // The hit point errs by its t; its place on the sphere also by p. A depth next to underflow has too few bits.
+    // The hit point has the error of its t; its position on the sphere also that of p. A depth close to underflow has
+    // too few bits.
     let good = (hit.error + STEPS) * distance.hi <= CLOSE * distance.hi.min(body.r)
         && STEPS * (distance.hi + body.size + aside) <= CLOSE * body.r
         && (!rays.planar || hit.t.hi * ray.dir[2].hi > TINY);
@@ -43,7 +51,7 @@ pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body:
     let offset = basis.world(offset);
     let scaled = |x: Dd, k: i32| dd::ldexp(x.value(), k);
     let position = std::array::from_fn(|n| (offset[n].ldexp(body.k) + Dd::from(eye[n])).value());
-    // An offset beyond f64 may still lead back into it.
+    // An offset beyond f64 may still give a finite position.
     position.iter().all(|x| x.is_finite()).then(|| Truth {
         id: name.id,
         root: name.root,
@@ -56,12 +64,18 @@ pub(crate) fn quick(name: Name, eye: [f64; 3], basis: &Basis, rays: &Rays, body:
     })
 }
 
-/// The answer from exact numbers, with as many bits as it needs; `None` when the line misses the sphere.
-pub(crate) fn slow(name: Name, frame: &Frame, rays: &Rays, meeting: &Meeting, radius: f64) -> Option<Truth> {
+/// The answer from exact numbers, with as many bits as necessary; `None` when the line misses the sphere.
+pub(crate) fn slow(
+    name: DecidedHit,
+    frame: &ExactFrame,
+    rays: &RayForms,
+    meeting: &Meeting,
+    radius: f64,
+) -> Option<Truth> {
     let ray = rays.exact(frame);
     let sign = if name.root == Root::Near { 1 } else { -1 };
     let radius = Dyadic::of(radius);
-    // A first look at the distance says how many bits the place on a small sphere needs beyond 2^-96.
+    // A first estimate of the distance gives the number of bits needed beyond 2^-96 for a position on a small sphere.
     let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
     let aside = |n| frame.aside(ray, n);
     let start = |n, bits| (&frame.field.value(&aside(n), bits) * &rays.stretch).over(&ray.a, bits);
@@ -70,7 +84,7 @@ pub(crate) fn slow(name: Name, frame: &Frame, rays: &Rays, meeting: &Meeting, ra
     let bits = 96 + (farthest - radius.magnitude()).max(0) as usize;
     let path = Path::new(frame, rays, meeting, name.root, bits)?;
     let offset: Dyadic3 = std::array::from_fn(|n| {
-        let mut sum = Element::ZERO;
+        let mut sum = FieldElement::ZERO;
         for (axis, along) in frame.axes.iter().zip(&ray.dir) {
             sum.add(axis.unit, &(along * &axis.vector[n]));
         }
@@ -92,15 +106,21 @@ pub(crate) fn slow(name: Name, frame: &Frame, rays: &Rays, meeting: &Meeting, ra
 
 /// One root along one ray: b' -+ sqrt(D') to some bits, and the lengths that follow from it.
 pub(crate) struct Path<'a> {
-    frame: &'a Frame,
-    rays: &'a Rays,
+    frame: &'a ExactFrame,
+    rays: &'a RayForms,
     bits: usize,
     pub(crate) scaled: Dyadic,
 }
 
 impl<'a> Path<'a> {
-    pub(crate) fn new(frame: &'a Frame, rays: &'a Rays, meeting: &Meeting, root: Root, bits: usize) -> Option<Self> {
-        // Two to four more steps follow, each below 2^-(bits+3) of the result.
+    pub(crate) fn new(
+        frame: &'a ExactFrame,
+        rays: &'a RayForms,
+        meeting: &Meeting,
+        root: Root,
+        bits: usize,
+    ) -> Option<Self> {
+        // Two to four more operations follow, each with an error below 2^-(bits+3) of the result.
         let bits = bits + 4;
         let scaled = meeting.scaled_root(&frame.field, root, bits)?;
         Some(Self { frame, rays, bits, scaled })
@@ -116,7 +136,7 @@ impl<'a> Path<'a> {
         &self.per_length() * &self.rays.stretch
     }
 
-    /// t d, with d and t as the scaled ray has them.
+    /// t d, with d and t of the scaled ray.
     fn depth(&self) -> Dyadic {
         &self.per_length() * &self.rays.exact(self.frame).dir[2]
     }

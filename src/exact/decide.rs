@@ -1,4 +1,4 @@
-//! The decisions themselves: does the ray meet the sphere, and which of two hits is nearer, in exact arithmetic.
+//! Exact decisions: whether a ray hits a sphere, and which of two hits is nearer.
 //!
 //! With A3 = up x (-view), alpha = |A3|, beta = |view| and B3 = (-view) x A3, the basis of the lecture is
 //! u = A3/alpha, v = B3/(alpha beta), -w = view/beta. The ray's direction times alpha beta is therefore
@@ -9,9 +9,9 @@
 //! t  = alpha beta (b' -+ sqrt(D')) / a'
 //! ```
 //!
-//! where every number but alpha, beta and the last root is a binary number: D' is an [`Element`] of their [`Field`].
+//! where every number but alpha, beta and the last root is a binary number: D' is an [`FieldElement`] of their [`Field`].
 //! u, v and d are multiplied by 2 W H so that the pixel's fractions vanish too; t is then so much smaller.
-//! A ray that comes with its own direction has alpha = beta = 1 and the axes of the world.
+//! A ray with its own direction has alpha = beta = 1 and the axes of the world.
 //!
 //! A parallel ray leaves from e + u A3/alpha + v B3/(alpha beta) along view/beta: u and v move the origin, the direction's
 //! are 0 and d is 1. With p as before, a' = alpha^2 beta^2, b' = (p.view) alpha, and
@@ -20,39 +20,39 @@
 //! a' c0 = alpha^2 beta^2 (p.p - r^2 + u^2 + v^2) - 2 u beta^2 (p.A3) alpha - 2 v (p.B3) alpha beta
 //! ```
 //!
-//! is no binary number any more, but still one of the field.
+//! is not a binary number any more, but still an element of the field.
 
-use super::field::{Element, Field, Unit};
+use super::field::{Field, FieldBasis, FieldElement};
 use crate::camera::{Camera, Look, Viewport};
 use crate::dyadic::{self, Dyadic, Dyadic3};
 use std::cmp::Ordering;
 
-/// Which of the two intersections of a line with a sphere.
+/// One of the two intersections of a line with a sphere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Root {
-    /// The smaller t: where the ray enters.
+    /// The smaller t: the ray enters.
     Near,
-    /// The larger t: where it leaves.
+    /// The larger t: the ray leaves.
     Far,
 }
 
 /// The eye and three orthogonal axes; a direction's component along one is counted in units of its length.
 #[derive(Debug, Clone)]
-pub(crate) struct Frame {
+pub(crate) struct ExactFrame {
     pub(crate) eye: Dyadic3,
-    pub(crate) axes: [Axis; 3],
+    pub(crate) axes: [ExactAxis; 3],
     pub(crate) field: Field,
 }
 
 /// An axis that is not normalised: alpha beta over its length is `unit`.
 #[derive(Debug, Clone)]
-pub(crate) struct Axis {
+pub(crate) struct ExactAxis {
     pub(crate) vector: Dyadic3,
-    pub(crate) unit: Unit,
+    pub(crate) unit: FieldBasis,
 }
 
-impl Frame {
-    /// The basis of a camera that has passed its check: right, up and forward.
+impl ExactFrame {
+    /// The basis of a valid camera: right, up and forward.
     pub(crate) fn of(camera: &Camera) -> Self {
         let eye = dyadic::vector(camera.eye.to_array());
         let view = match camera.look {
@@ -63,28 +63,32 @@ impl Frame {
         let right = dyadic::cross(&dyadic::vector(camera.up.to_array()), &back);
         let up = dyadic::cross(&back, &right);
         let field = Field { alpha2: dyadic::dot(&right, &right), beta2: dyadic::dot(&view, &view) };
-        let axis = |vector, unit| Axis { vector, unit };
-        Self { eye, axes: [axis(right, Unit::Beta), axis(up, Unit::One), axis(view, Unit::Alpha)], field }
+        let axis = |vector, unit| ExactAxis { vector, unit };
+        Self {
+            eye,
+            axes: [axis(right, FieldBasis::Beta), axis(up, FieldBasis::One), axis(view, FieldBasis::Alpha)],
+            field,
+        }
     }
 
     /// The axes of the world at `origin`.
     pub(crate) fn world(origin: [f64; 3]) -> Self {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let axes = axes.map(|x| Axis { vector: dyadic::vector(x), unit: Unit::One });
+        let axes = axes.map(|x| ExactAxis { vector: dyadic::vector(x), unit: FieldBasis::One });
         Self { eye: dyadic::vector(origin), axes, field: Field::rational() }
     }
 
     /// The ray with these components along the axes.
-    pub(crate) fn ray(&self, line: Line) -> Ray {
+    pub(crate) fn ray(&self, line: Line) -> ExactRay {
         let Line { dir, from } = line;
         let a = &(&self.field.alpha2 * &self.field.beta2) * &dyadic::dot(&dir, &dir);
-        Ray { dir, from, a }
+        ExactRay { dir, from, a }
     }
 
-    /// The ray's line and one sphere.
-    pub(crate) fn meet(&self, ray: &Ray, center: [f64; 3], radius: f64) -> Meeting {
+    /// The quantities of a ray's line and a sphere.
+    pub(crate) fn meet(&self, ray: &ExactRay, center: [f64; 3], radius: f64) -> Meeting {
         let p = dyadic::minus(&dyadic::vector(center), &self.eye);
-        let mut b = Element::ZERO;
+        let mut b = FieldElement::ZERO;
         for (axis, along) in self.axes.iter().zip(&ray.dir) {
             b.add(axis.unit, &(along * &dyadic::dot(&p, &axis.vector)));
         }
@@ -94,27 +98,27 @@ impl Frame {
     }
 
     /// a' c0
-    fn powers(&self, ray: &Ray, p: &Dyadic3, radius: f64) -> Element {
-        let mut ac = Element::ZERO;
-        ac.add(Unit::One, &(&ray.a * &power(p, radius)));
+    fn powers(&self, ray: &ExactRay, p: &Dyadic3, radius: f64) -> FieldElement {
+        let mut ac = FieldElement::ZERO;
+        ac.add(FieldBasis::One, &(&ray.a * &power(p, radius)));
         if let Some([u, v]) = &ray.from {
             // u and v are times the direction's length, and a' has its square.
             let Field { alpha2, beta2 } = &self.field;
             let depth = &ray.dir[2];
-            let aside = |axis: &Axis, by: &Dyadic| -(&(by * depth) * &dyadic::dot(p, &axis.vector)).ldexp(1);
-            ac.add(Unit::One, &(&(alpha2 * beta2) * &(&u.square() + &v.square())));
-            ac.add(Unit::Alpha, &(beta2 * &aside(&self.axes[0], u)));
-            ac.add(Unit::AlphaBeta, &aside(&self.axes[1], v));
+            let aside = |axis: &ExactAxis, by: &Dyadic| -(&(by * depth) * &dyadic::dot(p, &axis.vector)).ldexp(1);
+            ac.add(FieldBasis::One, &(&(alpha2 * beta2) * &(&u.square() + &v.square())));
+            ac.add(FieldBasis::Alpha, &(beta2 * &aside(&self.axes[0], u)));
+            ac.add(FieldBasis::AlphaBeta, &aside(&self.axes[1], v));
         }
         ac
     }
 
     /// Where a parallel ray leaves from, minus the eye, times a' over the direction's length: component n.
-    pub(crate) fn aside(&self, ray: &Ray, n: usize) -> Element {
-        let mut sum = Element::ZERO;
+    pub(crate) fn aside(&self, ray: &ExactRay, n: usize) -> FieldElement {
+        let mut sum = FieldElement::ZERO;
         if let Some([u, v]) = &ray.from {
-            sum.add(Unit::Alpha, &(&(&self.field.beta2 * u) * &self.axes[0].vector[n]));
-            sum.add(Unit::AlphaBeta, &(v * &self.axes[1].vector[n]));
+            sum.add(FieldBasis::Alpha, &(&(&self.field.beta2 * u) * &self.axes[0].vector[n]));
+            sum.add(FieldBasis::AlphaBeta, &(v * &self.axes[1].vector[n]));
         }
         sum
     }
@@ -127,7 +131,7 @@ pub(crate) fn power(p: &Dyadic3, radius: f64) -> Dyadic {
 
 /// The lens in exact numbers: (2 j + 1 - W) vw H, (H - 1 - 2 i) vh W and 2 W H d are 2 W H times u, v and d.
 #[derive(Debug, Clone)]
-pub(crate) struct Lens {
+pub(crate) struct ExactLens {
     wide: Dyadic,
     tall: Dyadic,
     /// `None` for parallel rays.
@@ -135,7 +139,7 @@ pub(crate) struct Lens {
     size: [i64; 2],
 }
 
-impl Lens {
+impl ExactLens {
     pub(crate) fn of(viewport: Viewport, width: u32, height: u32) -> Self {
         let (w, h) = (Dyadic::from(i64::from(width)), Dyadic::from(i64::from(height)));
         let (wide, tall) = (&Dyadic::of(viewport.vw) * &h, &Dyadic::of(viewport.vh) * &w);
@@ -174,7 +178,7 @@ pub(crate) struct Line {
 
 /// A line in a frame.
 #[derive(Debug, Clone)]
-pub(crate) struct Ray {
+pub(crate) struct ExactRay {
     pub(crate) dir: Dyadic3,
     from: Option<[Dyadic; 2]>,
     /// a'
@@ -185,9 +189,9 @@ pub(crate) struct Ray {
 #[derive(Debug, Clone)]
 pub(crate) struct Meeting {
     pub(crate) p: Dyadic3,
-    b: Element,
-    ac: Element,
-    disc: Element,
+    b: FieldElement,
+    ac: FieldElement,
+    disc: FieldElement,
 }
 
 impl Meeting {
@@ -276,7 +280,7 @@ pub(crate) fn order(field: &Field, first: &Meeting, second: &Meeting) -> Orderin
 }
 
 /// The sign of B^2 - (sqrt(D1) -+ sqrt(D2))^2, minus where the roots are `alike`.
-fn compare_squares(field: &Field, gap: &Element, d1: &Element, d2: &Element, alike: bool) -> Ordering {
+fn compare_squares(field: &Field, gap: &FieldElement, d1: &FieldElement, d2: &FieldElement, alike: bool) -> Ordering {
     let g = field.times(gap, gap).minus(&d1.plus(d2));
     let product = field.times(d1, d2);
     let mixed = match field.sign(&product) {

@@ -1,20 +1,20 @@
-//! The numbers x + y alpha + z beta + w alpha beta, where alpha^2 and beta^2 are exact binary numbers: what a ray of an
-//! oblique camera makes of the discriminant. Their signs are decided by squaring, never by refining an interval, so
-//! that exact tangency and exact ties come to an end.
+//! The numbers x + y alpha + z beta + w alpha beta with exact binary alpha^2 and beta^2: the discriminants of rays of
+//! an oblique camera. Their signs are decided by squaring and not by refining an interval, so that exact tangency and
+//! exact ties terminate.
 
 use crate::dyadic::Dyadic;
 use std::cmp::Ordering;
 
-/// Adjoins alpha and beta, two positive square roots; they may well be rational, or multiples of each other.
+/// Adjoins alpha and beta, two positive square roots, which may be rational or multiples of each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
     pub(crate) alpha2: Dyadic,
     pub(crate) beta2: Dyadic,
 }
 
-/// An index into [`Element`]; no axis needs the fourth.
+/// An index into [`FieldElement`]; the fourth is not needed for any axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Unit {
+pub(crate) enum FieldBasis {
     One = 0,
     Alpha = 1,
     Beta = 2,
@@ -23,9 +23,9 @@ pub(crate) enum Unit {
 
 /// The coefficients of 1, alpha, beta and alpha beta.
 #[derive(Debug, Clone)]
-pub(crate) struct Element(pub(crate) [Dyadic; 4]);
+pub(crate) struct FieldElement(pub(crate) [Dyadic; 4]);
 
-impl Element {
+impl FieldElement {
     pub(crate) const ZERO: Self = Self([const { Dyadic::ZERO }; 4]);
 
     pub(crate) fn plus(&self, b: &Self) -> Self {
@@ -36,7 +36,7 @@ impl Element {
         Self(std::array::from_fn(|k| &self.0[k] - &b.0[k]))
     }
 
-    /// The number itself where it is a binary one.
+    /// The number as a binary number, if it is one.
     pub(crate) fn plain(&self) -> Option<&Dyadic> {
         self.0[1..].iter().all(Dyadic::is_zero).then_some(&self.0[0])
     }
@@ -47,20 +47,20 @@ impl Element {
     }
 
     /// Adds `x` times `unit`.
-    pub(crate) fn add(&mut self, unit: Unit, x: &Dyadic) {
+    pub(crate) fn add(&mut self, unit: FieldBasis, x: &Dyadic) {
         let slot = &mut self.0[unit as usize];
         *slot = &*slot + x;
     }
 }
 
 impl Field {
-    /// The field of the binary numbers themselves: alpha = beta = 1.
+    /// The field of binary numbers: alpha = beta = 1.
     pub(crate) fn rational() -> Self {
         Self { alpha2: Dyadic::from(1), beta2: Dyadic::from(1) }
     }
 
     /// a b, by (a0 + a1 beta)(b0 + b1 beta) over the pairs x + y alpha.
-    pub(crate) fn times(&self, a: &Element, b: &Element) -> Element {
+    pub(crate) fn times(&self, a: &FieldElement, b: &FieldElement) -> FieldElement {
         let [a0, a1, a2, a3] = &a.0;
         let [b0, b1, b2, b3] = &b.0;
         let pair = |x0: &Dyadic, x1: &Dyadic, y0: &Dyadic, y1: &Dyadic| {
@@ -69,11 +69,11 @@ impl Field {
         let (low, high) = (pair(a0, a1, b0, b1), pair(a2, a3, b2, b3));
         let (left, right) = (pair(a0, a1, b2, b3), pair(a2, a3, b0, b1));
         let [h0, h1] = high.map(|x| &self.beta2 * &x);
-        Element([&low[0] + &h0, &low[1] + &h1, &left[0] + &right[0], &left[1] + &right[1]])
+        FieldElement([&low[0] + &h0, &low[1] + &h1, &left[0] + &right[0], &left[1] + &right[1]])
     }
 
     /// The exact sign.
-    pub(crate) fn sign(&self, a: &Element) -> Ordering {
+    pub(crate) fn sign(&self, a: &FieldElement) -> Ordering {
         let [x, y, z, w] = &a.0;
         let outer = self.sign_of_pair(x, y);
         let inner = self.sign_of_pair(z, w);
@@ -93,10 +93,10 @@ impl Field {
 
     /// The value with a relative error below 2^-bits; exactly 0 for 0.
     ///
-    /// The four terms are summed with roots of n bits. Each root and each product of roots errs by at most 2^-(n-3) of
-    /// its term, so the sum by 2^-(n-3) of the sum of magnitudes, of which cancellation may leave little: then n grows.
-    /// It stops growing because a sum that is exactly 0 is found out by [`Self::sign`].
-    pub(crate) fn value(&self, a: &Element, bits: usize) -> Dyadic {
+    /// The four terms are summed with roots of n bits. Each root and each product of roots has an error of at most
+    /// 2^-(n-3) of its term, so the sum has 2^-(n-3) of the sum of magnitudes; after cancellation n is increased. This
+    /// terminates because [`Self::sign`] detects a sum that is exactly 0.
+    pub(crate) fn value(&self, a: &FieldElement, bits: usize) -> Dyadic {
         let [x, y, z, w] = &a.0;
         let mut n = bits + 64;
         loop {
@@ -135,8 +135,8 @@ fn resolve(a: Ordering, b: Ordering, squares: impl FnOnce() -> Ordering) -> Orde
 mod tests {
     use super::*;
 
-    fn element(x: [i64; 4]) -> Element {
-        Element(x.map(Dyadic::from))
+    fn element(x: [i64; 4]) -> FieldElement {
+        FieldElement(x.map(Dyadic::from))
     }
 
     fn field(alpha2: i64, beta2: i64) -> Field {
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn products_and_values_survive_cancellation() {
-        // (sqrt(2) - 1)^64 = x - y sqrt(2) with x and y near 10^24: it leaves 10^-25 of them.
+        // (sqrt(2) - 1)^64 = x - y sqrt(2) with x and y near 10^24: their difference is about 10^-25.
         let field = field(2, 3);
         let mut power = element([-1, 1, 0, 0]);
         for _ in 0..6 {

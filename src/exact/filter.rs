@@ -1,4 +1,4 @@
-//! What double-double arithmetic can decide for certain, so that the exact signs are needed for close calls only.
+//! Decisions that double-double arithmetic can make with certainty; exact signs are needed only for close calls.
 //!
 //! Every sphere is moved into the frame (p = c - e along right, up, forward) and scaled by a power of two 2^-k that
 //! brings the larger of |p|_inf and r into [1, 2); the lens is scaled likewise. With N = |dir||p| and the relative
@@ -22,8 +22,8 @@
 //!
 //! Products that underflow err by less than [`TINY`]. The bounds themselves are f64: [`ROUNDED`] pays for that.
 
-use super::decide::{Frame, Root, odds, power, root};
-use super::field::Unit;
+use super::decide::{ExactFrame, Root, odds, power, root};
+use super::field::FieldBasis;
 use crate::camera::Viewport;
 use crate::dd::{self, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
@@ -35,13 +35,13 @@ const CROSS: f64 = power_of_two(-96);
 const SQUARES: f64 = power_of_two(-96);
 /// A handful of operations in f64, each within 2^-53, on numbers that are all positive.
 const ROUNDED: f64 = 1.0 + power_of_two(-40);
-/// Far above what any underflow loses (2^-1074 a product, operands below 2^7 but for quotients by a small a, which are
-/// not products) and far below what a decision needs; a D above it keeps 2^-100 in its root.
+/// Far above the errors of underflow (2^-1074 per product; operands are below 2^7 except quotients by a small a, which
+/// are not products) and far below any number that decides; a D above it has a relative error of 2^-100 in its root.
 pub(crate) const TINY: f64 = power_of_two(-900);
 /// Relative error of the power of the eye: see [`Body::new`].
 const POWER: f64 = power_of_two(-86);
-/// The f64 pass: cross products of rounded operands are within 4 sqrt(2) 2^-53 N (two roundings in, two on the way, on
-/// the nine products as above); 8 leaves room for |p| and the scale of `reach`.
+/// The f64 pass: cross products of rounded operands are within 4 sqrt(2) 2^-53 N (two roundings of the operands, two of
+/// the operations, for the nine products as above); 8 leaves room for |p| and the scale of `reach`.
 const SCREEN: f64 = 8.0 * power_of_two(-53);
 /// The f64 pass compares |dir x p|^2 (three squares and two sums) with a reach^2 (rounded a and reach, their square
 /// and product): fewer than 16 roundings between them.
@@ -53,18 +53,18 @@ const fn power_of_two(k: i64) -> f64 {
 }
 
 /// A frame's basis for [`Body::new`]: unit vectors, every component within 2^-104 of itself.
-pub(crate) struct Basis(pub(crate) [Dd3; 3]);
+pub(crate) struct AxesDd(pub(crate) [Dd3; 3]);
 
-impl Basis {
-    pub(crate) fn of(frame: &Frame) -> Self {
-        // 128 bits in each root and quotient leave 2^-106 to the rounding.
+impl AxesDd {
+    pub(crate) fn of(frame: &ExactFrame) -> Self {
+        // 128 bits in each root and quotient leave an error of 2^-106 for the rounding.
         let (alpha, beta) = (frame.field.alpha2.sqrt(128), frame.field.beta2.sqrt(128));
         Self(frame.axes.each_ref().map(|axis| {
             let length = match axis.unit {
-                Unit::One => &alpha * &beta,
-                Unit::Alpha => beta.clone(),
-                Unit::Beta => alpha.clone(),
-                Unit::AlphaBeta => Dyadic::from(1),
+                FieldBasis::One => &alpha * &beta,
+                FieldBasis::Alpha => beta.clone(),
+                FieldBasis::Beta => alpha.clone(),
+                FieldBasis::AlphaBeta => Dyadic::from(1),
             };
             axis.vector.each_ref().map(|x| x.over(&length, 128).to_dd())
         }))
@@ -76,7 +76,7 @@ impl Basis {
     }
 }
 
-/// A sphere as the frame sees it.
+/// A sphere in the frame.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     pub(crate) center: [f64; 3],
@@ -98,7 +98,7 @@ impl Body {
     ///
     /// The power is |p|^2 - r^2 in double-double while it is above 2^-10 of |p|^2 + r^2: products and sums err by at
     /// most 2^-97 of those, hence 2^-87 of it. Nearer to the surface it is computed exactly and rounded.
-    pub(crate) fn new(frame: &Frame, eye: [f64; 3], basis: &Basis, center: [f64; 3], radius: f64) -> Self {
+    pub(crate) fn new(frame: &ExactFrame, eye: [f64; 3], basis: &AxesDd, center: [f64; 3], radius: f64) -> Self {
         let (p, radius_scaled, k) = offset(eye, center, radius);
         let r2 = Dd::product(radius_scaled, radius_scaled);
         let p2 = dd::dot(p, p);
@@ -110,7 +110,7 @@ impl Body {
             let exact = power(&difference, radius).ldexp(-2 * i64::from(k));
             side = exact.sign();
             power_dd = exact.to_dd();
-            // Below 2^-800 the low word, or all of it, may be lost: then nothing follows from it but its sign.
+            // Below 2^-800 the low word, or all of it, may be lost: then only its sign is used.
             if side != Ordering::Equal && power_dd.hi.abs() < power_of_two(-800) {
                 power_error = f64::INFINITY;
             }
@@ -121,7 +121,7 @@ impl Body {
         Self { center, radius, k, p, r: radius_scaled, size, power: power_dd, power_error, side }
     }
 
-    /// The f64 pass's view of it.
+    /// The data for the f64 pass.
     pub(crate) fn screen(&self) -> Screen {
         let reach = self.r + SCREEN * self.size;
         Screen { p: self.p.map(|x| x.hi), reach2: reach * reach * COMPARE }
@@ -133,7 +133,7 @@ fn offset(eye: [f64; 3], center: [f64; 3], radius: f64) -> (Dd3, f64, i32) {
     let scaled = |by: f64| std::array::from_fn::<_, 3, _>(|n| Dd::diff(center[n] * by, eye[n] * by));
     let largest = |p: &Dd3, r: f64| p.iter().fold(r, |m, x| m.max(x.hi.abs()));
     let direct = scaled(1.0);
-    // A difference beyond f64 is taken of numbers 16 times smaller; what they lose at their end is 2^-2000 of it.
+    // A difference beyond f64 is computed from numbers 16 times smaller; their underflow is 2^-2000 of it.
     let (p, r, shift) = if direct.iter().all(|x| x.hi.is_finite() && x.lo.is_finite()) {
         (direct, radius, 0)
     } else {
@@ -143,7 +143,7 @@ fn offset(eye: [f64; 3], center: [f64; 3], radius: f64) -> (Dd3, f64, i32) {
     (p.map(|x| x.ldexp(-k)), dd::ldexp(r, -k), k + shift)
 }
 
-/// What the f64 pass reads of a sphere, in one piece of 32 bytes.
+/// The data of a sphere for the f64 pass, 32 bytes together.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Screen {
     p: [f64; 3],
@@ -151,7 +151,7 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    /// A sphere that nothing hits.
+    /// A sphere that no ray hits.
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
 
     /// The same for parallel rays whose origins, times 2^-`k`, have components up to 1: in that unit.
@@ -167,37 +167,37 @@ impl Screen {
 
 /// A ray in the frame: direction within 2^-99 of itself, scaled by 2^-k.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ray {
+pub(crate) struct FilterRay {
     pub(crate) dir: Dd3,
     /// |dir|^2, within 2^-97.
     pub(crate) a: Dd,
     /// At least |dir|.
     length: f64,
     pub(crate) k: i32,
-    /// Where a parallel ray leaves the plane of the eye, times 2^-k of its own.
+    /// The origin of a parallel ray in the plane of the eye, times 2^-k with its own k.
     from: Option<([Dd; 2], i32)>,
 }
 
-/// The exponent of a lens's largest number.
+/// The exponent of the largest number of a lens.
 pub(crate) fn exponent(lens: &Viewport) -> i32 {
     let depth = if lens.is_parallel() { 0.0 } else { lens.d };
     dd::exponent(lens.vw.max(lens.vh).max(depth))
 }
 
-impl Ray {
+impl FilterRay {
     fn new(dir: Dd3, k: i32) -> Self {
         let a = dd::dot(dir, dir);
         // The second term is for a direction whose square underflows.
         Self { dir, a, length: a.hi.sqrt() * ROUNDED + power_of_two(-500), k, from: None }
     }
 
-    /// A direction of its own; not zero.
+    /// A ray with a given direction; not zero.
     pub(crate) fn along(direction: [f64; 3]) -> Self {
         let k = dd::exponent(direction.iter().fold(0.0f64, |m, x| m.max(x.abs())));
         Self::new(direction.map(|x| Dd::from(dd::ldexp(x, -k))), k)
     }
 
-    /// Through the centre of row i, column j.
+    /// The ray through the centre of row i, column j.
     pub(crate) fn through(lens: &Viewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
         let k = exponent(lens);
         let [columns, rows] = odds([width.into(), height.into()], i, j).map(|n| n as f64);
@@ -211,7 +211,7 @@ impl Ray {
         Self::new([right, up, Dd::from(dd::ldexp(lens.d, -k))], k)
     }
 
-    /// Where a parallel ray leaves the plane of the eye, times 2^-k.
+    /// The origin of a parallel ray in the plane of the eye, times 2^-k.
     pub(crate) fn start(&self, k: i32) -> Option<[Dd; 2]> {
         self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
     }
@@ -228,18 +228,18 @@ impl Ray {
     }
 
     /// The double-double pass.
-    pub(crate) fn meet(&self, s: &Body) -> Verdict {
+    pub(crate) fn meet(&self, s: &Body) -> FilterResult {
         if let Some(from) = self.start(s.k) {
             return aside(from, s);
         }
         let e = CROSS * self.length * s.size + TINY;
         let b = dd::dot(self.dir, s.p);
         if s.side != Ordering::Less && b.hi < -e {
-            return Verdict::Miss;
+            return FilterResult::Miss;
         }
         let (disc, error) = self.discriminant(s, e);
         if s.side == Ordering::Greater && disc.hi < -error {
-            return Verdict::Miss;
+            return FilterResult::Miss;
         }
         let ahead = b.hi > e;
         let sure = match s.side {
@@ -248,8 +248,8 @@ impl Ray {
             Ordering::Greater => ahead && disc.hi > error,
         };
         let (t, error) = self.parameter(s, b, e, (disc, error));
-        let hit = Hit { t, error, k: s.k };
-        if sure { Verdict::Hit(hit, root(s.side)) } else { Verdict::Unsure(hit) }
+        let hit = FilterHit { t, error, k: s.k };
+        if sure { FilterResult::FilterHit(hit, root(s.side)) } else { FilterResult::Unsure(hit) }
     }
 
     /// D and its error; `e` is that of the components of dir x p.
@@ -261,7 +261,7 @@ impl Ray {
         (ar2 - l2, error * ROUNDED)
     }
 
-    /// t and its relative error for a line that meets the sphere.
+    /// t and its relative error for a line that hits the sphere.
     ///
     /// |b| + sqrt(D) = q is a sum of like signs; one root is q/a, the other |power|/q. Where D > E its root errs by at
     /// most E/sqrt(D), anywhere by sqrt(E), and roundings of q and its parts stay below 2^-98 q. An a that is itself next
@@ -285,57 +285,59 @@ impl Ray {
     }
 }
 
-/// The double-double pass for a parallel ray from that origin, in the sphere's unit. What is not finite decides nothing.
-fn aside([right, up]: [Dd; 2], s: &Body) -> Verdict {
+/// The double-double pass for a parallel ray from that origin, in the sphere's unit. Results that are not finite decide
+/// nothing.
+fn aside([right, up]: [Dd; 2], s: &Body) -> FilterResult {
     let (x, y, b) = (s.p[0] - right, s.p[1] - up, s.p[2]);
     let e = CROSS * (s.size + right.hi.abs() + up.hi.abs()) + TINY;
     let (l2, r2) = (x * x + y * y, Dd::product(s.r, s.r));
     let disc = r2 - l2;
     let error = ((2.0 * l2.hi.sqrt() + e) * e + SQUARES * (r2.hi + l2.hi) + TINY) * ROUNDED;
     if disc.hi < -error {
-        return Verdict::Miss;
+        return FilterResult::Miss;
     }
     let half = disc.sqrt();
     let of_root = if disc.hi > error { error / half.hi } else { error.sqrt() };
     let loss = (e + of_root + power_of_two(-98) * (b.hi.abs() + half.hi)) * ROUNDED;
     let (near, far) = (b - half, b + half);
     if far.hi < -loss {
-        return Verdict::Miss;
+        return FilterResult::Miss;
     }
-    let hit = |t: Dd| Hit {
+    let hit = |t: Dd| FilterHit {
         t,
         error: if t.hi > 2.0 * loss { loss / (t.hi - loss) * ROUNDED } else { f64::INFINITY },
         k: s.k,
     };
     match (disc.hi > error, near.hi > loss, near.hi < -loss && far.hi > loss) {
-        (true, true, _) => Verdict::Hit(hit(near), Root::Near),
-        (true, _, true) => Verdict::Hit(hit(far), Root::Far),
-        // Nobody knows which of the roots counts.
-        _ => Verdict::Unsure(Hit { error: f64::INFINITY, ..hit(far) }),
+        (true, true, _) => FilterResult::FilterHit(hit(near), Root::Near),
+        (true, _, true) => FilterResult::FilterHit(hit(far), Root::Far),
+        // It is not known which of the roots counts.
+        _ => FilterResult::Unsure(FilterHit { error: f64::INFINITY, ..hit(far) }),
     }
 }
 
-/// What the double-double pass says of one sphere. An unsure one still bounds the t it would have.
-pub(crate) enum Verdict {
+/// The result of the double-double pass for one sphere. An unsure result still bounds its t.
+pub(crate) enum FilterResult {
     Miss,
-    Hit(Hit, Root),
-    Unsure(Hit),
+    FilterHit(FilterHit, Root),
+    Unsure(FilterHit),
 }
 
 /// The root that counts: t for the scaled ray and sphere, its relative error, and the sphere's exponent.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Hit {
+pub(crate) struct FilterHit {
     pub(crate) t: Dd,
     pub(crate) error: f64,
     k: i32,
 }
 
-impl Hit {
-    /// The order of t where the errors leave no doubt.
+impl FilterHit {
+    /// The order of t, where the errors allow a decision.
     pub(crate) fn order(&self, other: &Self) -> Option<Ordering> {
         let k = self.k.max(other.k);
         let (s, t) = (self.t.ldexp(self.k - k), other.t.ldexp(other.k - k));
-        // The difference itself errs by 2^-100 of the larger; an infinite or undefined error leaves doubt.
+        // The difference itself has an error of 2^-100 of the larger; with an infinite or undefined error there is no
+        // decision.
         let doubt = (s.hi * (self.error + power_of_two(-99)) + t.hi * (other.error + power_of_two(-99))) * ROUNDED;
         let gap = (s - t).hi;
         (gap.abs() > doubt + TINY).then(|| gap.total_cmp(&0.0))

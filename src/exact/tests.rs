@@ -22,7 +22,7 @@ fn judge(camera: Camera, size: [u32; 2], balls: &[Ball]) -> Judge {
     Judge::new(&scene(camera, size, balls)).expect("a scene")
 }
 
-/// What the canonical camera sees straight ahead: the ray (0, 0, -1).
+/// The hit straight ahead of the canonical camera: the ray (0, 0, -1).
 fn ahead(balls: &[Ball]) -> Option<Truth> {
     judge(Camera::CANONICAL, [1, 1], balls).pixel(0, 0)
 }
@@ -50,7 +50,7 @@ fn beside(m: f64, q: [f64; 3]) -> [f64; 3] {
 }
 
 /// The nearest hit by exact signs alone.
-fn exactly(bench: &Bench, rays: &Rays) -> Option<Truth> {
+fn exactly(bench: &Bench, rays: &RayForms) -> Option<Truth> {
     let field = &bench.frame.field;
     let mut best: Option<(u32, Meeting, bool)> = None;
     for (id, body) in bench.bodies.iter().enumerate() {
@@ -62,7 +62,7 @@ fn exactly(bench: &Bench, rays: &Rays) -> Option<Truth> {
     }
     let (id, meeting, tangent) = best?;
     let body = &bench.bodies[id as usize];
-    let name = Name { id, root: decide::root(meeting.side(field)), tangent };
+    let name = DecidedHit { id, root: decide::root(meeting.side(field)), tangent };
     answer::slow(name, &bench.frame, rays, &meeting, body.radius)
 }
 
@@ -116,7 +116,7 @@ fn a_tangent_ray_hits_and_one_ulp_less_of_radius_is_missed() {
 
 #[test]
 fn tangency_is_decided_through_the_roots_of_an_oblique_basis() {
-    // (-2, 6, 3) is orthogonal to (3, 1, 0) and 7 long.
+    // (-2, 6, 3) is orthogonal to (3, 1, 0) and has length 7.
     for (m, scale) in [(3.0, 1.0), (1000.0, 0.25), (2f64.powi(40), 1.0)] {
         let (center, r) = (beside(m, [-2.0 * scale, 6.0 * scale, 3.0 * scale]), 7.0 * scale);
         let touch = oblique(&[(center, r)]).expect("the touch");
@@ -146,7 +146,7 @@ fn equal_t_goes_to_the_lower_index() {
         }
         let nearer = |(center, r): Ball| (center, r.next_up());
         let (last, tie) = (nearer(through[first]), through[(first + 1) % 4]);
-        // A tangent sphere that grows meets the ray earlier on its front.
+        // A tangent sphere that grows is hit earlier on its front.
         assert_eq!(oblique(&[tie, last]).expect("a hit").id, 1, "an ulp decides: {first}");
     }
 }
@@ -191,7 +191,8 @@ fn the_filter_says_what_exact_signs_say() {
                     continue;
                 };
                 assert_eq!((quick.id, quick.root, quick.tangent), (slow.id, slow.root, slow.tangent));
-                // Both round numbers that differ by 2^-60 of themselves; the vectors by so much of their scale.
+                // Both round numbers that differ by a relative 2^-60; the vectors differ by as much relative to their
+                // scale.
                 let near =
                     |a: f64, b: f64, size: f64| (a - b).abs() <= 2f64.powi(-52) * b.abs() + 2f64.powi(-60) * size;
                 assert!(near(quick.t, slow.t, 0.0) && near(quick.distance, slow.distance, 0.0), "{quick:?} {slow:?}");
@@ -207,7 +208,7 @@ fn the_filter_says_what_exact_signs_say() {
 
 #[test]
 fn the_filter_leaves_close_calls_to_exact_signs() {
-    // Double-doubles hold a shift of 2^-k beside a 3, but not what it does to a discriminant.
+    // Double-doubles represent a shift of 2^-k beside a 3, but not its effect on a discriminant.
     for k in 40..130 {
         let shift = 2f64.powi(-k);
         for m in [3.0, 1000.0, 2f64.powi(30) + 1.0] {
@@ -238,7 +239,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
         assert_eq!((outside.root, outside.t), (Root::Near, 2f64.powi(2 * k - 1)), "2^{k}");
         assert_eq!(judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &spheres), None, "looking out");
     }
-    // p = (3 + 4 x, 4 - 3 x, 0) and r = 5: c = 25 x^2, which a product of double-doubles drops.
+    // p = (3 + 4 x, 4 - 3 x, 0) and r = 5: c = 25 x^2, which is lost in a product of double-doubles.
     for k in 30..60 {
         let x = 2f64.powi(-k);
         let spheres = Spheres { centers: vec![[3.0, 4.0, 0.0]], radii: vec![5.0], colors: None };

@@ -1,10 +1,10 @@
-//! Arrays of numbers as files hold them.
+//! Arrays of numbers read from files.
 
 use super::{Buffer, Data};
 use crate::error::{Error, Result};
 use std::fmt;
 
-/// An array of numbers as a file holds it, whoever wrote it.
+/// An array of numbers as a file holds it, from halfline or another program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     name: String,
@@ -23,7 +23,7 @@ pub enum Values {
     U16(Vec<u16>),
     /// Ids.
     I32(Vec<i32>),
-    /// Wider integers of other programs.
+    /// Wider integers, from other programs.
     I64(Vec<i64>),
     /// Colour, normal.
     F32(Vec<f32>),
@@ -32,7 +32,7 @@ pub enum Values {
 }
 
 impl Values {
-    /// How many.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::U8(values) => values.len(),
@@ -44,12 +44,12 @@ impl Values {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Their type, by NumPy's name.
+    /// Their type, as NumPy names it.
     pub fn dtype(&self) -> &'static str {
         match self {
             Self::U8(_) => "uint8",
@@ -62,29 +62,29 @@ impl Values {
     }
 
     /// The value at `index`, exactly; `None` past the end.
-    pub fn get(&self, index: usize) -> Option<Number> {
+    pub fn get(&self, index: usize) -> Option<ArrayValue> {
         match self {
-            Self::U8(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::U16(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::I32(values) => values.get(index).map(|x| Number::Int((*x).into())),
-            Self::I64(values) => values.get(index).map(|x| Number::Int(*x)),
-            Self::F32(values) => values.get(index).map(|x| Number::Float((*x).into())),
-            Self::F64(values) => values.get(index).map(|x| Number::Float(*x)),
+            Self::U8(values) => values.get(index).map(|x| ArrayValue::Int((*x).into())),
+            Self::U16(values) => values.get(index).map(|x| ArrayValue::Int((*x).into())),
+            Self::I32(values) => values.get(index).map(|x| ArrayValue::Int((*x).into())),
+            Self::I64(values) => values.get(index).map(|x| ArrayValue::Int(*x)),
+            Self::F32(values) => values.get(index).map(|x| ArrayValue::Float((*x).into())),
+            Self::F64(values) => values.get(index).map(|x| ArrayValue::Float(*x)),
         }
     }
 }
 
 /// One value of an [`Array`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Number {
-    /// Of an integer type.
+pub enum ArrayValue {
+    /// A value of an integer type.
     Int(i64),
-    /// Of a floating type.
+    /// A value of a floating-point type.
     Float(f64),
 }
 
-impl Number {
-    /// The nearest f64: itself, for integers up to 2^53.
+impl ArrayValue {
+    /// The nearest f64; exact for integers up to 2^53.
     pub fn to_f64(self) -> f64 {
         match self {
             Self::Int(x) => x as f64,
@@ -93,36 +93,36 @@ impl Number {
     }
 }
 
-impl fmt::Display for Number {
+impl fmt::Display for ArrayValue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Int(x) => write!(f, "{x}"),
-            // Debug turns to exponents where Display writes out three hundred digits.
+            // Debug uses exponents where Display writes three hundred digits.
             Self::Float(x) => write!(f, "{x:?}"),
         }
     }
 }
 
-/// How many values a shape holds; `None` if any product of its sides overflows, even one that a zero would hide.
+/// The number of values of a shape; `None` if any product of its sides overflows, even where a side is 0.
 pub(crate) fn count(shape: &[usize]) -> Option<usize> {
     let nonzero = shape.iter().filter(|side| **side > 0).try_fold(1usize, |n, side| n.checked_mul(*side))?;
     Some(if shape.contains(&0) { 0 } else { nonzero })
 }
 
 impl Array {
-    /// An array of plain numbers; `name` is what messages call it.
+    /// An array of plain numbers; messages refer to it by `name`.
     ///
     /// # Errors
-    /// [`Error::Settings`] if the shape asks for another number of values.
+    /// [`Error::Settings`] if the shape holds another number of values.
     pub fn new(name: impl Into<String>, shape: Vec<usize>, values: Values) -> Result<Self> {
         if count(&shape) != Some(values.len()) {
-            let problem = format!("{} values do not fill the shape {shape:?}", values.len());
-            return Err(Error::settings(problem, "give as many values as the shape holds"));
+            let problem = format!("found {} values for the shape {shape:?}", values.len());
+            return Err(Error::settings(problem, "use as many values as the shape holds"));
         }
         Ok(Self { name: name.into(), shape, values, picture: false })
     }
 
-    /// The buffer of a frame, as its .npy file would hold it.
+    /// A frame's buffer, as its .npy file would hold it.
     ///
     /// # Errors
     /// See [`Array::new`].
@@ -136,18 +136,18 @@ impl Array {
         Self::new(name, buffer.shape, values)
     }
 
-    /// Marks the values as levels of a picture: 0 is black, the greatest of their type is white.
+    /// Marks the values as levels of a picture: 0 is black, the maximum of their type is white.
     pub(crate) fn picture(mut self) -> Self {
         self.picture = true;
         self
     }
 
-    /// What messages call it: the file's name.
+    /// The file's name, for messages.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The sides, slowest first.
+    /// The shape, slowest dimension first.
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
@@ -157,7 +157,7 @@ impl Array {
         &self.values
     }
 
-    /// Whether it was read from a picture, so that its values are levels: 0 black, the greatest of their type white.
+    /// Whether it was read from a picture, so that its values are levels: 0 is black, the maximum of their type white.
     pub fn is_picture(&self) -> bool {
         self.picture
     }

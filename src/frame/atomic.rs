@@ -1,6 +1,6 @@
-//! Files that are whole or not there, whatever ends the process.
+//! Atomic files: a file is written completely or not at all, even if the process is killed.
 
-use super::sheet::Sink;
+use super::image_file::Sink;
 use crate::error::{Error, Result};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
@@ -9,23 +9,23 @@ use tempfile::{NamedTempFile, TempPath};
 
 mod stale;
 
-/// Whether `path` stands for standard input or output.
+/// Whether `path` is standard input or output.
 pub fn is_standard(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Whether `path` stands for standard output, by one of its names.
+/// Whether `path` is standard output, by any of its names.
 pub fn is_standard_output(path: &Path) -> bool {
     let named = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name));
     is_standard(path) || cfg!(unix) && named
 }
 
-/// Whether there is a pipe or a device at `path`, which is written as it is and whose name says nothing of a format.
+/// Whether `path` is a pipe or a device, which is written directly and whose extension does not choose a format.
 pub fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
-/// Whether a file could be put at `path`: its folder exists and takes files, and `path` is no folder itself.
+/// Checks that a file can be created at `path`: its folder exists and is writable, and `path` is not a folder.
 ///
 /// # Errors
 /// [`Error::Io`] naming `path`.
@@ -37,24 +37,24 @@ pub fn check_writable(path: &Path) -> Result<()> {
     let refuse = |kind: ErrorKind, why: String| Err(Error::write(path, io::Error::new(kind, why)));
     match fs::metadata(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            refuse(ErrorKind::NotFound, format!("there is no folder {}", folder.display()))
+            refuse(ErrorKind::NotFound, format!("the folder {} does not exist", folder.display()))
         }
         Err(error) => Err(Error::write(path, error)),
         Ok(found) if !found.is_dir() => {
             refuse(ErrorKind::NotADirectory, format!("{} is not a folder", folder.display()))
         }
-        Ok(_) if file.is_dir() => refuse(ErrorKind::IsADirectory, "it is a folder".into()),
-        // Permission bits do not tell the whole story; making a file does.
+        Ok(_) if file.is_dir() => refuse(ErrorKind::IsADirectory, "the path is a folder".into()),
+        // Permission bits are not conclusive; creating a file is.
         Ok(_) => Unfinished::new(&file).map(drop).map_err(|error| Error::write(path, error)),
     }
 }
 
-/// Lets `fill` write the file at `path` so that it is never visible half written: a file without a name, in the same folder,
-/// gets the name when it is complete and on the disk. A link is followed and stays, whether its target is there or not;
-/// the permission bits of a file that is replaced are kept. Standard output, pipes and devices are written as they are.
+/// Lets `fill` write the file at `path` so that a partly written file is never visible: an anonymous file in the same
+/// folder gets its name when it is complete and on the disk. A link is followed and kept, whether its target exists or
+/// not; the permission bits of a replaced file are kept. Standard output, pipes and devices are written directly.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`, from `fill` or the system; an error of ours that `fill` wrapped, as itself.
+/// [`Error::Io`] naming `path`, from `fill` or the system; an [`Error`] that `fill` wrapped is returned unchanged.
 pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     let written = Destination::of(path).and_then(|destination| match destination {
         Destination::Standard => filled(io::stdout().lock(), |out| fill(out)),
@@ -64,7 +64,7 @@ pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Re
     written.map_err(|error| told(path, error))
 }
 
-/// The same for what is not written from its beginning to its end. A pipe gets it when it is complete.
+/// As [`write_atomically`], with seeking. A pipe gets the file when it is complete.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -84,17 +84,17 @@ pub(super) fn write_anywhere(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io
     written.map_err(|error| told(path, error))
 }
 
-/// The failure of writing `path`, unless it is one of ours.
+/// The error of writing `path`, unless it wraps an [`Error`].
 fn told(path: &Path, error: io::Error) -> Error {
     error.downcast::<Error>().unwrap_or_else(|error| Error::write(path, error))
 }
 
-/// What a name stands for.
+/// The kind of destination that a path refers to.
 enum Destination {
     Standard,
     /// A pipe or a device, which must not be replaced by a file.
     Special,
-    /// A file that is there or not, behind all links.
+    /// A file, existing or not, with all links resolved.
     File(PathBuf),
 }
 
@@ -108,9 +108,9 @@ impl Destination {
     }
 }
 
-/// Where the links end.
+/// The target of all links.
 fn followed(path: &Path) -> io::Result<PathBuf> {
-    // As many as Linux follows.
+    // The limit of Linux.
     const LINKS: usize = 40;
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -119,7 +119,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
             Err(_) => return Ok(path),
         }
     }
-    Err(io::Error::other("it is a link to itself"))
+    Err(io::Error::other("the link points to itself"))
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
@@ -131,7 +131,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<(
     {
         file.set_permissions(old.permissions())?;
     }
-    // Before the name: after a power cut the name must not be that of an empty file.
+    // Before it gets its name: after a power failure the name must not refer to an empty file.
     file.sync_all()?;
     unfinished.take_name(path)?;
     sync_folder(folder(path))
@@ -143,12 +143,12 @@ fn filled<W: Write>(out: W, fill: impl FnOnce(&mut BufWriter<W>) -> io::Result<(
     out.flush()
 }
 
-/// Lets a new name survive a power cut, where the system can.
+/// Makes a new name survive a power failure, where the system can.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     if cfg!(not(unix)) {
         return Ok(());
     }
-    // A folder may take files and not be readable.
+    // A folder may be writable but not readable.
     let Ok(folder) = File::open(folder) else { return Ok(()) };
     match folder.sync_all() {
         Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
@@ -160,12 +160,12 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 enum Unfinished {
     /// It disappears with the process.
     Nameless(File),
-    /// It bears a name of its own until it is complete, where the system has no nameless files.
+    /// It has a temporary name until it is complete, where the system has no anonymous files.
     Named(NamedTempFile),
 }
 
 impl Unfinished {
-    /// One that shall become `path`.
+    /// An unfinished file for `path`.
     fn new(path: &Path) -> io::Result<Self> {
         nameless(folder(path)).map_or_else(|| stale::new(path).map(Self::Named), |file| Ok(Self::Nameless(file)))
     }
@@ -177,10 +177,10 @@ impl Unfinished {
         }
     }
 
-    /// Puts it in the place of what is at `path`.
+    /// Replaces the file at `path`.
     fn take_name(self, path: &Path) -> io::Result<()> {
         let named = match self {
-            // A name can be given only where there is none; else it takes two steps.
+            // A link can only be made where there is no file; replacing one takes two steps.
             Self::Nameless(file) => match give_name(&file, path) {
                 Ok(()) => return Ok(()),
                 Err(_) => beside(file, path)?,
@@ -191,7 +191,7 @@ impl Unfinished {
     }
 }
 
-/// A name for a nameless file, or for its copy where it can get none.
+/// A temporary name for an anonymous file, or for a copy of it where it cannot be linked.
 fn beside(file: File, path: &Path) -> io::Result<TempPath> {
     stale::lock(&file);
     match stale::named(path, |name| give_name(&file, name)) {
@@ -200,7 +200,7 @@ fn beside(file: File, path: &Path) -> io::Result<TempPath> {
     }
 }
 
-/// A named file with the content of one that can get no name here.
+/// A named copy of a file that cannot be linked here.
 fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile> {
     let mut named = stale::new(path)?;
     file.rewind()?;
@@ -210,7 +210,7 @@ fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile> {
     Ok(named)
 }
 
-/// A file without a name in `folder`, where the system has such.
+/// An anonymous file in `folder`, where the system supports it.
 #[cfg(target_os = "linux")]
 fn nameless(folder: &Path) -> Option<File> {
     use rustix::fs::OFlags;
@@ -225,7 +225,7 @@ fn nameless(_: &Path) -> Option<File> {
     None
 }
 
-/// Gives a name to a file without one.
+/// Links an anonymous file to a name.
 #[cfg(target_os = "linux")]
 fn give_name(file: &File, name: &Path) -> io::Result<()> {
     use rustix::fs::{AtFlags, CWD, linkat};

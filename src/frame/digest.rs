@@ -1,19 +1,19 @@
-//! The hash of a file's samples, which its provenance holds: a number that a disk or a program changed is noticed.
+//! The hash of a file's samples, stored in its provenance to detect corrupted or edited files.
 
+use super::image_file::{Head, Rows, malformed};
 use super::provenance::Provenance;
-use super::sheet::{Head, Rows, malformed};
 use crate::error::Result;
 
 /// BLAKE3 of each buffer's samples in the order of [`Rows`], and of these hashes: 32 hexadecimal digits.
 pub(super) struct Digest(Vec<blake3::Hasher>);
 
 impl Digest {
-    /// Of so many buffers.
+    /// An empty digest of `layers` buffers.
     pub(super) fn new(layers: usize) -> Self {
         Self(vec![blake3::Hasher::new(); layers])
     }
 
-    /// Of all rows.
+    /// The digest of all rows.
     pub(super) fn of(head: &Head, rows: &mut dyn Rows) -> Result<Self> {
         let mut digest = Self::new(head.forms.len());
         for band in head.bands() {
@@ -24,9 +24,9 @@ impl Digest {
         Ok(digest)
     }
 
-    /// The next samples of a buffer.
+    /// Adds the next samples of a buffer.
     pub(super) fn update(&mut self, layer: usize, samples: &[u8]) {
-        // Below this, says BLAKE3, threads only cost.
+        // Below this size, threads make BLAKE3 slower, as its documentation says.
         const MANY: usize = 1 << 17;
         if samples.len() < MANY {
             self.0[layer].update(samples);
@@ -35,20 +35,20 @@ impl Digest {
         }
     }
 
-    /// As it is written.
+    /// The digest as text.
     pub(super) fn text(&self) -> String {
         let mut all = blake3::Hasher::new();
         self.0.iter().for_each(|layer| _ = all.update(layer.finalize().as_bytes()));
         all.finalize().to_hex()[..32].to_owned()
     }
 
-    /// Refuses samples that are not those of which `provenance` has the hash. Without a hash nothing is known.
+    /// Compares samples with the hash in `provenance`, if there is one.
     pub(super) fn check(&self, provenance: &Provenance, name: &str) -> Result<()> {
         match provenance.pixels() {
             Some(pixels) if pixels != self.text() => Err(malformed(
                 name,
                 "file",
-                "its pixels were changed after it was written, or cut: their hash is another",
+                "its pixels do not match their hash: the file was changed or cut after it was written",
             )),
             _ => Ok(()),
         }

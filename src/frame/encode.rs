@@ -1,28 +1,29 @@
-//! Buffers become the samples that a format stores.
+//! Encodes buffers as the samples that a format stores.
 
-use super::format::{Format, Style};
-use super::sheet::{Form, Kind, Rows};
+use super::format::{FileFormat, FormatOptions};
+use super::image_file::{LayerFormat, Rows, SampleType};
 use super::{Aov, Buffer, Data, Frame, srgb};
 use crate::error::Result;
+use crate::quote::number;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// The samples of a frame's buffers, made row by row.
+/// The samples of a frame's buffers, encoded row by row.
 pub(super) struct Encoder<'a> {
     buffers: Vec<&'a Buffer>,
-    forms: Vec<Form>,
-    /// What goes into the fourth channel of colour.
+    forms: Vec<LayerFormat>,
+    /// The fourth channel of colour.
     alpha: Option<&'a [f32]>,
     columns: usize,
-    format: Format,
-    style: &'a Style,
+    format: FileFormat,
+    style: &'a FormatOptions,
 }
 
 impl<'a> Encoder<'a> {
-    /// The buffers `aovs` of `frame` as `format` stores them; `None` for those that the frame does not hold or that do not
-    /// go into one file.
-    pub(super) fn new(frame: &'a Frame, aovs: &[Aov], format: Format, style: &'a Style) -> Option<Self> {
+    /// The buffers `aovs` of `frame` as `format` stores them; `None` if the frame lacks one of them or one file cannot
+    /// hold them.
+    pub(super) fn new(frame: &'a Frame, aovs: &[Aov], format: FileFormat, style: &'a FormatOptions) -> Option<Self> {
         let forms = format.forms(aovs, style.bits)?;
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
         let with_alpha = forms.iter().any(|form| form.channels == 4);
@@ -31,14 +32,14 @@ impl<'a> Encoder<'a> {
     }
 
     /// One buffer as .npy stores it.
-    pub(super) fn plain(buffer: &'a Buffer, style: &'a Style) -> Option<Self> {
-        let (format, columns) = (Format::Npy, buffer.shape[1]);
+    pub(super) fn plain(buffer: &'a Buffer, style: &'a FormatOptions) -> Option<Self> {
+        let (format, columns) = (FileFormat::Npy, buffer.shape[1]);
         let forms = format.forms(&[buffer.aov], style.bits)?;
         Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style })
     }
 
-    /// How the buffers are stored.
-    pub(super) fn forms(&self) -> &[Form] {
+    /// The sample format of each buffer.
+    pub(super) fn forms(&self) -> &[LayerFormat] {
         &self.forms
     }
 }
@@ -61,40 +62,40 @@ impl Rows for Encoder<'_> {
     }
 }
 
-fn floats(values: &[f32], form: Form) -> Cow<'_, [u8]> {
-    // Of a normal (n + 1) / 2: a miss is the middle grey.
+fn floats(values: &[f32], form: LayerFormat) -> Cow<'_, [u8]> {
+    // For a normal (n + 1) / 2, so a miss is middle grey.
     let share = |x: f32| if form.aov == Aov::Normal { f32::midpoint(x, 1.0) } else { x };
     match (form.kind, form.aov) {
-        (Kind::U16, Aov::Color) => made(values, |x| srgb::level16(x).to_le_bytes()).into(),
-        (Kind::U8, Aov::Color) => srgb::levels(values).into(),
-        (Kind::U16, _) => made(values, |x| share16(share(x)).to_le_bytes()).into(),
-        (Kind::U8, _) => made(values, |x| [share8(share(x))]).into(),
+        (SampleType::U16, Aov::Color) => made(values, |x| srgb::level16(x).to_le_bytes()).into(),
+        (SampleType::U8, Aov::Color) => srgb::levels(values).into(),
+        (SampleType::U16, _) => made(values, |x| share16(share(x)).to_le_bytes()).into(),
+        (SampleType::U8, _) => made(values, |x| [share8(share(x))]).into(),
         _ => plain(values, f32::to_le_bytes),
     }
 }
 
-fn doubles<'a>(values: &'a [f64], form: Form, style: &Style) -> Cow<'a, [u8]> {
+fn doubles<'a>(values: &'a [f64], form: LayerFormat, style: &FormatOptions) -> Cow<'a, [u8]> {
     let (aov, changed) = (form.aov, is_length(form.aov) && style.no_return.value() != f64::INFINITY);
     match form.kind {
-        Kind::U16 => made(values, |x| step(x, style.unit).to_le_bytes()).into(),
-        Kind::F32 => made(values, |x| (missed(aov, style, x) as f32).to_le_bytes()).into(),
+        SampleType::U16 => made(values, |x| step(x, style.unit).to_le_bytes()).into(),
+        SampleType::F32 => made(values, |x| (missed(aov, style, x) as f32).to_le_bytes()).into(),
         _ if changed => made(values, |x| missed(aov, style, x).to_le_bytes()).into(),
         _ => plain(values, f64::to_le_bytes),
     }
 }
 
-fn bytes(values: &[u8], form: Form, format: Format) -> Cow<'_, [u8]> {
+fn bytes(values: &[u8], form: LayerFormat, format: FileFormat) -> Cow<'_, [u8]> {
     match form.kind {
-        Kind::U32 => made(values, |x| u32::from(x).to_le_bytes()).into(),
-        Kind::F32 => made(values, |x| f32::from(x).to_le_bytes()).into(),
-        _ if format == Format::Png => made(values, |x| [if x == 0 { 0 } else { 255 }]).into(),
+        SampleType::U32 => made(values, |x| u32::from(x).to_le_bytes()).into(),
+        SampleType::F32 => made(values, |x| f32::from(x).to_le_bytes()).into(),
+        _ if format == FileFormat::Png => made(values, |x| [if x == 0 { 0 } else { 255 }]).into(),
         _ => Cow::Borrowed(values),
     }
 }
 
-fn with_alpha(linear: &[f32], alpha: &[f32], form: Form) -> Vec<u8> {
+fn with_alpha(linear: &[f32], alpha: &[f32], form: LayerFormat) -> Vec<u8> {
     match form.kind {
-        Kind::U16 => straight(linear, alpha, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes()),
+        SampleType::U16 => straight(linear, alpha, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes()),
         _ => straight(linear, alpha, |x| [srgb::level(x)], |x| [share8(x)]),
     }
 }
@@ -103,12 +104,12 @@ fn is_length(aov: Aov) -> bool {
     matches!(aov, Aov::Distance | Aov::Depth)
 }
 
-/// The number that is written, another one on a miss if that is asked for.
-fn missed(aov: Aov, style: &Style, x: f64) -> f64 {
+/// The written number; a miss may have another one.
+fn missed(aov: Aov, style: &FormatOptions, x: f64) -> f64 {
     if is_length(aov) && x == f64::INFINITY { style.no_return.value() } else { x }
 }
 
-/// The bytes that memory already holds, where it holds them as files do.
+/// The bytes of the values, where memory and file have the same byte order.
 fn plain<T: bytemuck::NoUninit + Sync, const N: usize>(
     values: &[T],
     little: impl Fn(T) -> [u8; N] + Sync,
@@ -126,7 +127,7 @@ fn made<T: Copy + Sync, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; 
     out
 }
 
-/// Red, green, blue and alpha, each of `N` bytes, of colours that were multiplied by alpha.
+/// Red, green, blue and alpha, each of `N` bytes, from colours premultiplied by alpha.
 fn straight<const N: usize>(
     linear: &[f32],
     alpha: &[f32],
@@ -144,25 +145,25 @@ fn straight<const N: usize>(
     out
 }
 
-/// The level nearest to a share of 1. The cast saturates, and NaN is 0.
+/// The 8-bit level nearest to a share of 1. The cast saturates, and NaN gives 0.
 fn share8(x: f32) -> u8 {
     (255.0 * x).round() as u8
 }
 
-/// The same of 65535, in f64: half a level is beyond f32's last bits.
+/// The 16-bit level, in f64: half a level is below the last bits of f32.
 fn share16(x: f32) -> u16 {
     (65535.0 * f64::from(x)).round() as u16
 }
 
-/// A length in whole units; 0 is kept for a miss, so a hit is 1 at least.
+/// A length in whole units; 0 means a miss, so a hit is at least 1.
 fn step(x: f64, unit: f64) -> u16 {
     if x.is_finite() { (x / unit).round().clamp(1.0, STEPS) as u16 } else { 0 }
 }
 
-/// The greatest length of a 16-bit PNG, in units.
+/// The largest length in a 16-bit PNG, in units.
 const STEPS: f64 = 65535.0;
 
-/// What does not fit the steps of a 16-bit PNG, in words.
+/// A warning about lengths that do not fit into a 16-bit PNG.
 pub(super) fn warning(buffer: &Buffer, unit: f64) -> Option<String> {
     let Data::F64(values) = &buffer.data else { return None };
     let beyond = |x: &&f64| x.is_finite() && (**x / unit).round() > STEPS;
@@ -173,7 +174,8 @@ pub(super) fn warning(buffer: &Buffer, unit: f64) -> Option<String> {
     let farthest = values.par_iter().filter(|x| x.is_finite()).copied().reduce(|| 0.0, f64::max);
     let (aov, enough) = (buffer.aov, farthest / STEPS);
     Some(format!(
-        "{count} values of {aov} are beyond 65535 steps of {unit} and are written as 65535, the farthest is {farthest}; \
-         give --unit {enough:.3e} or more, or write .exr or .npy"
+        "{count} values of {aov} exceed 65535 units of {unit} and are written as 65535; the largest is {farthest}; \
+         use --unit {} or more, or write .exr or .npy",
+        number(enough, 4)
     ))
 }

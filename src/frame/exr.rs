@@ -1,12 +1,12 @@
-//! OpenEXR: every buffer as channels of one part, f32 or u32, the display window being the full frame and the data window
-//! the part that was rendered. Compressed by ZIP without loss, sixteen rows at a time; the bytes are the same however many
-//! threads compress. Names of channels follow the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel`
-//! beyond. The layout of a file: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
+//! OpenEXR: every buffer as channels of one part, f32 or u32. The display window is the full frame, the data window the
+//! rendered part. Losslessly compressed by ZIP, sixteen rows at a time; the bytes do not depend on the number of
+//! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
+//! others. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
 use super::Aov;
-use super::format::Format;
+use super::format::FileFormat;
+use super::image_file::{Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use super::provenance::Provenance;
-use super::sheet::{Head, Input, Rows, Sink, invalid, malformed, pulled};
 use crate::error::Result;
 use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
@@ -18,19 +18,20 @@ use std::collections::VecDeque;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 
-/// The bytes every OpenEXR file begins with.
+/// The signature of OpenEXR files.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
-/// Rows that are compressed together.
+/// Rows per compressed block.
 pub(super) const ROWS: usize = 16;
 
-/// The attribute that holds the provenance, as JSON: the writer keeps attributes of our own in no order, so there is one.
+/// The attribute that holds the provenance as JSON. The writer does not keep the order of custom attributes, so there
+/// is only one.
 const ATTRIBUTE: &str = "halfline";
 
-/// Bytes of a sample.
+/// Bytes per sample.
 const SAMPLE: usize = 4;
 
-/// The channels of a buffer; those of [`Format::forms`].
+/// The channels of a buffer, as in [`FileFormat::forms`].
 fn names(aov: Aov) -> &'static [&'static str] {
     match aov {
         Aov::Color => &["R", "G", "B"],
@@ -46,25 +47,25 @@ fn names(aov: Aov) -> &'static [&'static str] {
     }
 }
 
-/// All that decides how samples lie in the file.
-struct Layout {
+/// The layout of the samples in the file.
+struct ExrLayout {
     header: Header,
-    /// What stands before the offsets of the blocks.
+    /// The bytes before the offset table.
     start: Vec<u8>,
-    /// In the file's order, the buffer of each channel and its place among that buffer's.
+    /// For each channel in the file's order, its buffer and its index in that buffer.
     channels: Vec<[usize; 2]>,
-    /// Samples of a pixel in each buffer.
+    /// Samples per pixel of each buffer.
     each: Vec<usize>,
     width: usize,
     height: usize,
 }
 
-impl Layout {
+impl ExrLayout {
     fn of(head: &Head) -> io::Result<Self> {
-        let text = |text: &str| Text::new_or_none(text).ok_or_else(|| invalid("EXR takes no such text"));
+        let text = |text: &str| Text::new_or_none(text).ok_or_else(|| invalid("the text cannot be stored in EXR"));
         let mut channels = Vec::new();
         for (layer, form) in head.forms.iter().enumerate() {
-            let kind = if form.kind == super::sheet::Kind::U32 { SampleType::U32 } else { SampleType::F32 };
+            let kind = if form.kind == super::image_file::SampleType::U32 { SampleType::U32 } else { SampleType::F32 };
             for (place, name) in names(form.aov).iter().enumerate() {
                 channels.push((ChannelDescription::named(*name, kind), [layer, place]));
             }
@@ -102,28 +103,29 @@ impl Layout {
         block * ROWS..(block * ROWS + ROWS).min(self.height)
     }
 
-    /// What the compressor asks of a block.
+    /// The bounds of a block, for the compressor.
     fn bounds(&self, block: usize) -> IntegerBounds {
         let rows = self.rows(block);
         IntegerBounds::new((0, rows.start as i32), (self.width, rows.len()))
     }
 
-    /// The number that names a block in the file.
+    /// The y coordinate that identifies a block in the file.
     fn y(&self, block: usize) -> i32 {
         self.header.own_attributes.layer_position.1 + (block * ROWS) as i32
     }
 
-    /// Bytes of a row of one channel.
+    /// Bytes per row of one channel.
     fn line(&self) -> usize {
         self.width * SAMPLE
     }
 
-    /// Bytes of so many rows of all channels.
+    /// Bytes of `rows` rows of all channels.
     fn size(&self, rows: usize) -> usize {
         rows * self.channels.len() * self.line()
     }
 
-    /// The samples of a block, in this machine's byte order as the compressor takes them: row by row, channel by channel.
+    /// The samples of a block in this machine's byte order, as the compressor expects them: row by row, channel by
+    /// channel.
     fn gather(&self, rows: &mut dyn Rows, block: usize) -> io::Result<Vec<u8>> {
         let range = self.rows(block);
         let mut bytes = vec![0; self.size(range.len())];
@@ -142,7 +144,7 @@ impl Layout {
         Ok(bytes)
     }
 
-    /// The other way round: rows of one buffer, counted from the block's first.
+    /// The inverse: rows of one buffer, counted from the block's first.
     fn scatter(&self, block: &[u8], layer: usize, rows: Range<usize>, out: &mut [u8]) {
         let channels = self.each[layer];
         self.lines(layer).for_each(|(line, place)| {
@@ -155,7 +157,7 @@ impl Layout {
         });
     }
 
-    /// Of a buffer, the places of its channels among all and among its own.
+    /// For each channel of a buffer, its index among all channels and within the buffer.
     fn lines(&self, layer: usize) -> impl Iterator<Item = (usize, usize)> {
         let all = self.channels.iter().enumerate();
         all.filter(move |(_, [of, _])| *of == layer).map(|(line, [_, place])| (line, *place))
@@ -164,10 +166,10 @@ impl Layout {
 
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
-    let layout = Layout::of(head)?;
+    let layout = ExrLayout::of(head)?;
     let (table, blocks) = (layout.start.len() as u64, layout.blocks());
     out.write_all(&layout.start)?;
-    // The offsets stand first and are known last.
+    // The offset table comes first in the file and is complete last.
     let mut place = table + 8 * blocks as u64;
     out.seek(SeekFrom::Start(place))?;
     let mut offsets = Vec::with_capacity(blocks);
@@ -195,20 +197,20 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
     out.seek(SeekFrom::Start(place)).map(drop)
 }
 
-/// How many blocks of so many bytes are compressed at once: two for each thread, in not too much memory.
+/// The number of blocks of `bytes` bytes compressed at once: two per thread, within a memory limit.
 fn blocks_together(bytes: usize) -> usize {
     const MEMORY: usize = 64 << 20;
     (MEMORY / (3 * bytes).max(1)).clamp(1, 2 * rayon::current_num_threads())
 }
 
-/// Bytes that this takes for blocks of so many rows' bytes, at most.
+/// The most bytes needed for blocks of rows of `row` bytes.
 pub(super) fn memory(row: u64) -> u64 {
     let block = ROWS as u64 * row;
     3 * block * blocks_together(usize::try_from(block).unwrap_or(usize::MAX / 3)) as u64
 }
 
-/// Opens what [`write`] wrote; `None` where it does not say where it comes from.
-pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+/// Opens a file that [`write`] wrote; `None` where it has no provenance.
+pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
     let meta = MetaData::read_from_buffered(&mut input, true).map_err(|error| fail(&error))?;
     let [found] = &meta.headers[..] else { return Ok(None) };
@@ -216,18 +218,18 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
         return Ok(None);
     };
     let words = Provenance::from_json(json.to_string().as_bytes());
-    let Some(head) = words.and_then(|words| Head::new(Format::Exr, words)) else { return Ok(None) };
-    // The words decide what the file is: what else its header says is compared and not believed.
-    let layout = Layout::of(&head).map_err(|error| fail(&error))?;
+    let Some(head) = words.and_then(|words| Head::new(FileFormat::Exr, words)) else { return Ok(None) };
+    // The provenance defines the content; the rest of the header must agree with it.
+    let layout = ExrLayout::of(&head).map_err(|error| fail(&error))?;
     let mut start = vec![0; layout.start.len()];
     let mut table = vec![0; 8 * layout.blocks()];
     let read = input.rewind().and_then(|()| input.read_exact(&mut start)).and_then(|()| input.read_exact(&mut table));
     read.map_err(|error| fail(&error))?;
     if start != layout.start {
-        return Err(fail(&"its header is not what its provenance says"));
+        return Err(fail(&"its header differs from its provenance"));
     }
     let offsets = table.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
-    // A band of rows of the merged frame meets one block of a tile more than it has itself.
+    // A band of rows of the merged frame overlaps at most one more block of a tile than its own number of blocks.
     let kept = head.band_rows() / ROWS + 1;
     let recent = VecDeque::new();
     let rows = Blocks { input, name: name.into(), layout, offsets, recent, kept, samples: Vec::new() };
@@ -236,19 +238,19 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
 
 /// The rows of a file, block by block.
 struct Blocks<'a> {
-    input: Box<dyn Input + 'a>,
+    input: Box<dyn SeekRead + 'a>,
     name: String,
-    layout: Layout,
+    layout: ExrLayout,
     offsets: Vec<u64>,
-    /// The last ones that were asked for: all buffers of some rows are asked for, and then those of others.
+    /// The last blocks that were read: all buffers of some rows are requested, then those of the next rows.
     recent: VecDeque<(usize, Vec<u8>)>,
-    /// So many.
+    /// The most of them.
     kept: usize,
     samples: Vec<u8>,
 }
 
 impl Blocks<'_> {
-    /// Reads a block, unless it is there.
+    /// Reads a block, unless it is cached.
     fn load(&mut self, block: usize) -> Result<()> {
         if self.recent.iter().any(|(known, _)| *known == block) {
             return Ok(());
@@ -261,14 +263,14 @@ impl Blocks<'_> {
         let [y, size] = start.map(i32::from_le_bytes);
         let most = self.layout.size(self.layout.rows(block).len());
         let size = usize::try_from(size).ok().filter(|size| *size <= most && y == self.layout.y(block));
-        let size = size.ok_or_else(|| fail(&format!("block {block} is not where its offset says")))?;
+        let size = size.ok_or_else(|| fail(&format!("block {block} is not at its offset")))?;
         let mut packed = vec![0; size];
         self.input.read_exact(&mut packed).map_err(|error| fail(&error))?;
         let (header, bounds) = (&self.layout.header, self.layout.bounds(block));
         let bytes = header.compression.decompress_image_section_from_le(header, packed, bounds, true);
         let bytes = bytes.map_err(|error| fail(&error))?;
         if bytes.len() != most {
-            return Err(fail(&format!("block {block} has {} bytes of {most}", bytes.len())));
+            return Err(fail(&format!("block {block} has {} bytes instead of {most}", bytes.len())));
         }
         self.recent.truncate(self.kept - 1);
         self.recent.push_front((block, bytes));

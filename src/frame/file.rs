@@ -1,13 +1,13 @@
-//! Where buffers go: the format by the file's ending, `-` for standard output.
+//! Output files: the format is chosen by the file name extension; `-` is standard output.
 
 pub use super::atomic::{check_writable, is_special, is_standard, is_standard_output, write_atomically};
 
 use super::atomic::write_anywhere;
 use super::digest::Digest;
 use super::encode::{self, Encoder};
-use super::format::{Format, Style};
+use super::format::{FileFormat, FormatOptions};
+use super::image_file::{self, Head, Opened, Rows};
 use super::provenance::{Origin, Provenance};
-use super::sheet::{self, Head, Opened, Rows};
 use super::{Aov, Frame};
 use crate::error::{Error, Result};
 use crate::window::Window;
@@ -21,38 +21,38 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
     aovs: Vec<Aov>,
-    format: Format,
-    style: Style,
+    format: FileFormat,
+    style: FormatOptions,
     path: PathBuf,
 }
 
 impl Target {
-    /// The buffers `aovs` at `path`, one or more. On standard output (`-`), and in pipes and
-    /// devices that are not named after a format, colour is PNG, everything else .npy. Where the
-    /// style is transparent, alpha goes beside colour into every format that has room for it.
+    /// The buffers `aovs` at `path`, one or more. On standard output (`-`), and in pipes and devices without a known
+    /// extension, colour is PNG and everything else .npy. With a transparent style, alpha is added to colour in every
+    /// format that can hold it.
     ///
     /// # Errors
-    /// [`Error::Settings`] naming the file, if its ending names no format that takes these buffers.
-    pub fn new(aovs: &[Aov], path: &Path, style: Style) -> Result<Self> {
+    /// [`Error::Settings`] naming the file, if its extension is not that of a format that can hold these buffers.
+    pub fn new(aovs: &[Aov], path: &Path, style: FormatOptions) -> Result<Self> {
         let fits =
-            |format: Format| aovs.iter().all(|aov| format.takes(*aov)) && (aovs.len() == 1 || format.holds_many());
-        let customary = if aovs == [Aov::Color] { Format::Png } else { Format::Npy };
-        let format = Format::of(path).or((is_standard_output(path) || is_special(path)).then_some(customary));
+            |format: FileFormat| aovs.iter().all(|aov| format.takes(*aov)) && (aovs.len() == 1 || format.holds_many());
+        let customary = if aovs == [Aov::Color] { FileFormat::Png } else { FileFormat::Npy };
+        let format = FileFormat::of(path).or((is_standard_output(path) || is_special(path)).then_some(customary));
         let Some(format) = format.filter(|format| fits(*format)) else {
             let names = aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(", ");
             let buffers = if aovs.len() == 1 { "buffer" } else { "buffers together" };
             let problem = format!("{} cannot hold the {names} {buffers}", path.display());
-            return Err(Error::settings(problem, format!("end the name in {}", Format::endings(fits))));
+            return Err(Error::settings(problem, format!("use the file name extension {}", FileFormat::endings(fits))));
         };
         Ok(Self::with_format(aovs, path, format, style))
     }
 
-    /// The bare numbers of one buffer at `path`, whatever its name ends in.
-    pub fn raw(aov: Aov, path: &Path, style: Style) -> Self {
-        Self::with_format(&[aov], path, Format::Raw, style)
+    /// One buffer's numbers without a header at `path`, whatever its extension.
+    pub fn raw(aov: Aov, path: &Path, style: FormatOptions) -> Self {
+        Self::with_format(&[aov], path, FileFormat::Raw, style)
     }
 
-    fn with_format(aovs: &[Aov], path: &Path, format: Format, style: Style) -> Self {
+    fn with_format(aovs: &[Aov], path: &Path, format: FileFormat, style: FormatOptions) -> Self {
         let mut aovs = aovs.to_vec();
         if style.transparent && aovs.contains(&Aov::Color) && format.takes_alpha() {
             aovs.push(Aov::Alpha);
@@ -62,27 +62,27 @@ impl Target {
         Self { aovs, format, style, path: path.to_path_buf() }
     }
 
-    /// Which buffers, in the order of [`Aov::ALL`].
+    /// The buffers, in the order of [`Aov::ALL`].
     pub fn aovs(&self) -> &[Aov] {
         &self.aovs
     }
 
-    /// In which format.
-    pub fn format(&self) -> Format {
+    /// The file format.
+    pub fn format(&self) -> FileFormat {
         self.format
     }
 
-    /// Where to.
+    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Whether it goes to standard output.
+    /// Whether it is standard output.
     pub fn is_standard(&self) -> bool {
         is_standard_output(&self.path)
     }
 
-    /// Whether it can be written, to be asked before the work begins.
+    /// Checks that the file can be written, for use before the work begins.
     ///
     /// # Errors
     /// See [`check_writable`].
@@ -90,18 +90,18 @@ impl Target {
         check_writable(&self.path)
     }
 
-    /// What the file says of where it comes from; .raw has no room for it.
+    /// The provenance of the file; .raw cannot hold it.
     pub fn provenance(&self, origin: &Origin<'_>) -> Provenance {
         Provenance::new(origin, self.format, &self.aovs, &self.style)
     }
 
-    /// Whether the file is there and is, byte for byte, what writing its own content again would give, and says word for
-    /// word that it comes from `origin`.
+    /// Whether the file exists, has the same provenance as `origin`, and is byte for byte what encoding its own content
+    /// again gives.
     pub fn is_there(&self, origin: &Origin<'_>) -> bool {
         self.is_there_while(origin, &|| true)
     }
 
-    /// The same; it is not when `go_on` says no before all of it is read.
+    /// As [`Target::is_there`], but false when `go_on` returns false before all of it is read.
     pub fn is_there_while(&self, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
         !self.is_standard() && self.is_whole(origin, go_on).unwrap_or(false)
     }
@@ -116,25 +116,25 @@ impl Target {
         Digest::of(&head, &mut Interruptible { rows, go_on })?.check(&head.provenance, &name)?;
         let rows = Opened::file(&self.path, &name)?.rows;
         let mut comparison = Comparison::with(&self.path)?;
-        let same = sheet::write(format, &head, &mut Interruptible { rows, go_on }, &mut comparison);
+        let same = image_file::write(format, &head, &mut Interruptible { rows, go_on }, &mut comparison);
         Ok(same.is_ok() && comparison.is_complete())
     }
 
-    /// Bytes of memory that writing the file, or reading it again, takes beside the frame; `columns` are those of the part
-    /// that is rendered.
+    /// Bytes of memory that writing the file, or reading it again, needs besides the frame; `columns` is the width of
+    /// the rendered window.
     pub fn memory(&self, columns: u32) -> u64 {
         let window = Window::full(columns, u32::MAX);
         let forms = self.format.forms(&self.aovs, self.style.bits).unwrap_or_default();
         Head { forms, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
     }
 
-    /// What the format cannot hold of `frame`, in whole sentences.
+    /// Warnings about what the format cannot hold of `frame`, in whole sentences.
     pub fn warnings(&self, frame: &Frame) -> Vec<String> {
-        let buffers = self.aovs.iter().filter(|_| self.format == Format::Png).filter_map(|aov| frame.get(*aov));
+        let buffers = self.aovs.iter().filter(|_| self.format == FileFormat::Png).filter_map(|aov| frame.get(*aov));
         buffers.filter_map(|buffer| encode::warning(buffer, self.style.unit)).collect()
     }
 
-    /// Writes the buffers of `frame`, and where they come from.
+    /// Writes the buffers of `frame` and their provenance.
     ///
     /// # Errors
     /// [`Error::Settings`] for a frame that lacks a buffer or holds a malformed one, [`Error::Io`] from the system.
@@ -142,28 +142,30 @@ impl Target {
         self.write_while(frame, origin, &|| true)
     }
 
-    /// The same, ended by [`Error::Interrupted`] when `go_on` says no before all of it is written.
+    /// As [`Target::write`], but ended by [`Error::Interrupted`] when `go_on` returns false before all of it is
+    /// written.
     ///
     /// # Errors
     /// As [`Target::write`].
     pub fn write_while(&self, frame: &Frame, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
-        let refuse = |problem: String| Error::settings(problem, "render it with the buffers that its files take");
+        let refuse = |problem: String| Error::settings(problem, "render the frame with the buffers of its files");
         let [columns, lines] = [origin.window.width() as usize, origin.window.height() as usize];
         for aov in &self.aovs {
             let buffer = frame.get(*aov);
-            let buffer = buffer
-                .ok_or_else(|| refuse(format!("{} was meant for {aov}, which is not there", self.path.display())))?;
+            let buffer = buffer.ok_or_else(|| {
+                refuse(format!("{} needs the buffer {aov}, which the frame lacks", self.path.display()))
+            })?;
             buffer.check()?;
             if buffer.shape[..2] != [lines, columns] || frame.width as usize != columns {
-                return Err(refuse(format!("the buffers do not fill the window {}", origin.window)));
+                return Err(refuse(format!("the buffers do not have the size of the window {}", origin.window)));
             }
         }
         let encoder = Encoder::new(frame, &self.aovs, self.format, &self.style);
-        let encoder = encoder.ok_or_else(|| refuse(format!("{} cannot hold them", self.path.display())))?;
+        let encoder = encoder.ok_or_else(|| refuse(format!("{} cannot hold the buffers", self.path.display())))?;
         let (forms, provenance) = (encoder.forms().to_vec(), self.provenance(origin));
         let mut head = Head { forms, provenance, window: origin.window, full: origin.full };
         let mut rows = Interruptible { rows: Box::new(encoder), go_on };
-        if self.format != Format::Raw {
+        if self.format != FileFormat::Raw {
             let digest = Digest::of(&head, &mut rows)?;
             head.provenance = head.provenance.with_pixels(&digest.text());
         }
@@ -171,18 +173,18 @@ impl Target {
     }
 }
 
-/// Writes a file from its beginning to its end, or as its format must.
+/// Writes a file sequentially, or with seeks where its format needs them.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`, those of `rows`.
-pub(super) fn write_file(format: Format, head: &Head, rows: &mut dyn Rows, path: &Path) -> Result<()> {
+/// [`Error::Io`] naming `path`, and those of `rows`.
+pub(super) fn write_file(format: FileFormat, head: &Head, rows: &mut dyn Rows, path: &Path) -> Result<()> {
     match format {
-        Format::Exr => write_anywhere(path, |out| sheet::write(format, head, rows, out)),
-        _ => write_atomically(path, |out| sheet::write(format, head, rows, &mut Onward(out))),
+        FileFormat::Exr => write_anywhere(path, |out| image_file::write(format, head, rows, out)),
+        _ => write_atomically(path, |out| image_file::write(format, head, rows, &mut Onward(out))),
     }
 }
 
-/// What is only written from its beginning to its end.
+/// A writer without seeking.
 struct Onward<'a>(&'a mut dyn Write);
 
 impl Write for Onward<'_> {
@@ -201,7 +203,7 @@ impl Seek for Onward<'_> {
     }
 }
 
-/// Rows that are given only as long as somebody wants them.
+/// Rows that stop when a callback returns false.
 pub(super) struct Interruptible<'a> {
     pub(super) rows: Box<dyn Rows + 'a>,
     pub(super) go_on: &'a (dyn Fn() -> bool + Sync),
@@ -213,11 +215,11 @@ impl Rows for Interruptible<'_> {
     }
 }
 
-/// Takes what would be written to a file and compares it with what is there.
+/// A writer that compares its input with an existing file.
 struct Comparison {
     file: BufReader<File>,
     length: u64,
-    /// Where the next byte goes, and how far any went.
+    /// The position of the next byte, and the end of the furthest write.
     place: u64,
     end: u64,
 }
@@ -229,7 +231,7 @@ impl Comparison {
         Ok(Self { file: BufReader::with_capacity(1 << 16, file), length, place: 0, end: 0 })
     }
 
-    /// Whether there was nothing more in the file.
+    /// Whether the file ended there.
     fn is_complete(&self) -> bool {
         self.end == self.length
     }
@@ -241,7 +243,7 @@ impl Write for Comparison {
         let (some, there) = (&bytes[..bytes.len().min(there.len())], &mut there[..bytes.len().min(1 << 12)]);
         self.file.read_exact(there)?;
         if some != there {
-            return Err(io::Error::other("it differs"));
+            return Err(io::Error::other("the content differs"));
         }
         self.place += some.len() as u64;
         self.end = self.end.max(self.place);

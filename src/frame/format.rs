@@ -1,7 +1,7 @@
-//! What a buffer can be written as, and what the formats leave to choose.
+//! File formats, the buffers that each can hold, and the options of the formats.
 
 use super::Aov;
-use super::sheet::{Form, Kind};
+use super::image_file::{LayerFormat, SampleType};
 use crate::error::{Error, Result};
 use std::path::Path;
 use std::str::FromStr;
@@ -9,26 +9,26 @@ use std::str::FromStr;
 /// The formats of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Format {
-    /// A picture: colour in sRGB, matte or normals, or whole steps of depth.
+pub enum FileFormat {
+    /// A picture: colour in sRGB, alpha or normals as levels, or lengths in whole units.
     Png,
-    /// All buffers as layers of one file, 32 bits a sample.
+    /// All buffers as layers of one file, 32 bits per sample.
     Exr,
-    /// One buffer, as it is.
+    /// One buffer, unchanged.
     Npy,
-    /// All buffers in one file, as they are.
+    /// All buffers in one file, unchanged.
     Npz,
     /// One buffer in f32, bottom row first.
     Pfm,
-    /// One buffer's little-endian numbers and nothing else.
+    /// One buffer's little-endian numbers without a header.
     Raw,
 }
 
-impl Format {
+impl FileFormat {
     /// Every format.
     pub const ALL: [Self; 6] = [Self::Png, Self::Exr, Self::Npy, Self::Npz, Self::Pfm, Self::Raw];
 
-    /// The ending that chooses it.
+    /// The file name extension of the format.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Png => ".png",
@@ -40,7 +40,7 @@ impl Format {
         }
     }
 
-    /// Whether a buffer can be written in it.
+    /// Whether it can hold a buffer.
     pub fn takes(self, aov: Aov) -> bool {
         match self {
             Self::Png => {
@@ -51,14 +51,17 @@ impl Format {
         }
     }
 
-    /// How it stores these buffers, in the order of [`Aov::ALL`]; `None` where it does not. `bits` are those of PNG.
-    pub fn forms(self, aovs: &[Aov], bits: Bits) -> Option<Vec<Form>> {
+    /// The sample formats of these buffers, in the order of [`Aov::ALL`]; `None` where it cannot hold them. `bits` is
+    /// for PNG.
+    pub fn forms(self, aovs: &[Aov], bits: Bits) -> Option<Vec<LayerFormat>> {
         let mut forms = Vec::new();
         for aov in aovs.iter().copied() {
             match forms.last_mut() {
-                // Alpha goes into the pixels of colour.
-                Some(Form { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => *channels = 4,
-                _ => forms.push(Form { aov, kind: self.kind(aov, bits), channels: aov.channels() }),
+                // Alpha is the fourth channel of colour.
+                Some(LayerFormat { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => {
+                    *channels = 4
+                }
+                _ => forms.push(LayerFormat { aov, kind: self.kind(aov, bits), channels: aov.channels() }),
             }
         }
         let ordered = aovs.is_sorted_by(|a, b| a < b) && aovs.iter().all(|aov| self.takes(*aov));
@@ -66,17 +69,17 @@ impl Format {
     }
 
     /// The type of the samples of a buffer.
-    fn kind(self, aov: Aov, bits: Bits) -> Kind {
+    fn kind(self, aov: Aov, bits: Bits) -> SampleType {
         match (self, aov.dtype(), aov) {
-            (Self::Png, _, Aov::Mask) => Kind::U8,
-            (Self::Png, "float64", _) => Kind::U16,
-            (Self::Png, ..) if bits == Bits::Sixteen => Kind::U16,
-            (Self::Png, ..) => Kind::U8,
-            (Self::Exr, _, Aov::Id | Aov::Certainty) => Kind::U32,
-            (Self::Exr | Self::Pfm, ..) | (_, "float32", _) => Kind::F32,
-            (_, "float64", _) => Kind::F64,
-            (_, "int32", _) => Kind::I32,
-            _ => Kind::U8,
+            (Self::Png, _, Aov::Mask) => SampleType::U8,
+            (Self::Png, "float64", _) => SampleType::U16,
+            (Self::Png, ..) if bits == Bits::Sixteen => SampleType::U16,
+            (Self::Png, ..) => SampleType::U8,
+            (Self::Exr, _, Aov::Id | Aov::Certainty) => SampleType::U32,
+            (Self::Exr | Self::Pfm, ..) | (_, "float32", _) => SampleType::F32,
+            (_, "float64", _) => SampleType::F64,
+            (_, "int32", _) => SampleType::I32,
+            _ => SampleType::U8,
         }
     }
 
@@ -85,18 +88,18 @@ impl Format {
         matches!(self, Self::Exr | Self::Npz)
     }
 
-    /// Whether alpha goes beside colour into the same file.
+    /// Whether alpha can be added to colour in the same file.
     pub fn takes_alpha(self) -> bool {
         self == Self::Png || self.holds_many()
     }
 
-    /// The format that `path` ends in, in capitals or not.
+    /// The format of `path`'s extension, in upper or lower case.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
         Self::ALL.into_iter().find(|format| format.ending()[1..].eq_ignore_ascii_case(ending))
     }
 
-    /// The endings of the formats that fit, for people.
+    /// The extensions of the formats that fit, for messages.
     pub(super) fn endings(fits: impl Fn(Self) -> bool) -> String {
         let all: Vec<_> = Self::ALL.into_iter().filter(|format| fits(*format)).map(Self::ending).collect();
         match &all[..] {
@@ -106,10 +109,10 @@ impl Format {
     }
 }
 
-/// The keyword of the bits of a component in a PNG.
+/// The keyword of the bits per component in a PNG.
 pub(super) const BITS: &str = "halfline:bits";
 
-/// Bits of a component in a PNG.
+/// Bits per component in a PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bits {
     /// 0 to 255.
@@ -126,20 +129,20 @@ impl FromStr for Bits {
         match text {
             "8" => Ok(Self::Eight),
             "16" => Ok(Self::Sixteen),
-            _ => Err(Error::settings(format!("a PNG of {text} bits is not written"), "choose 8 or 16")),
+            _ => Err(Error::settings(format!("a PNG cannot have {text} bits per component"), "use 8 or 16")),
         }
     }
 }
 
-/// What distance and depth are on a miss, outside of PNG, where it is 0.
+/// The value of distance and depth on a miss; in PNG it is always 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NoReturn {
     /// +inf.
     #[default]
     Inf,
-    /// NaN, which ROS takes.
+    /// NaN, as ROS expects.
     Nan,
-    /// 0, which OpenCV takes.
+    /// 0, as OpenCV expects.
     Zero,
 }
 
@@ -173,38 +176,38 @@ impl FromStr for NoReturn {
     }
 }
 
-/// What the formats leave to choose.
+/// The options of the formats.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Style {
-    /// Of colour, alpha and normals in PNG.
+pub struct FormatOptions {
+    /// Bits of colour, alpha and normals in PNG.
     pub bits: Bits,
-    /// Scene units per step of distance and depth in PNG; positive and finite.
+    /// Scene units per level of distance and depth in PNG; positive and finite.
     pub unit: f64,
-    /// Of distance and depth.
+    /// The value of distance and depth on a miss.
     pub no_return: NoReturn,
-    /// Colour was rendered before black and comes with alpha.
+    /// Whether colour was rendered on black and has alpha.
     pub transparent: bool,
 }
 
-impl Default for Style {
-    /// 8 bits, millimetres of metres, +inf on a miss, opaque.
+impl Default for FormatOptions {
+    /// 8 bits, a unit of 0.001 (millimetres if the scene is in metres), +inf on a miss, opaque.
     fn default() -> Self {
         Self { bits: Bits::Eight, unit: 0.001, no_return: NoReturn::Inf, transparent: false }
     }
 }
 
-impl Style {
-    /// What of it a file with these buffers depends on.
-    pub(super) fn words(&self, format: Format, aovs: &[Aov]) -> Vec<(&'static str, String)> {
+impl FormatOptions {
+    /// The options that a file with these buffers depends on.
+    pub(super) fn words(&self, format: FileFormat, aovs: &[Aov]) -> Vec<(&'static str, String)> {
         let any = |some: &[Aov]| some.iter().any(|aov| aovs.contains(aov));
         let (levels, lengths) = (any(&[Aov::Color, Aov::Alpha, Aov::Normal]), any(&[Aov::Distance, Aov::Depth]));
         let mut words = Vec::new();
-        if format == Format::Png && levels {
+        if format == FileFormat::Png && levels {
             words.push((BITS, if self.bits == Bits::Eight { "8" } else { "16" }.to_owned()));
         }
         if lengths {
             words.push(match format {
-                Format::Png => ("halfline:unit", format!("{:?}", self.unit)),
+                FileFormat::Png => ("halfline:unit", format!("{:?}", self.unit)),
                 _ => ("halfline:no-return", self.no_return.name().to_owned()),
             });
         }

@@ -1,11 +1,11 @@
-//! Parts of a frame become the frame: samples are copied as they are stored, so the file of the whole is byte for byte the
-//! one that rendering it whole would have written.
+//! Merges parts of a frame into the frame. Samples are copied as stored, so the merged file equals byte for byte the
+//! one that rendering the whole frame would have written.
 
 use super::atomic::is_standard;
 use super::digest::Digest;
 use super::file::write_file;
-use super::format::Format;
-use super::sheet::{Head, Opened, Rows};
+use super::format::FileFormat;
+use super::image_file::{Head, Opened, Rows};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::window::Window;
@@ -17,24 +17,23 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
-/// A part of a frame: what its file says, and where its pixels are.
+/// A part of a frame: the head of its file, and the location of its pixels.
 #[derive(Debug)]
 pub struct Tile {
-    /// The file's name, as errors call it.
+    /// The file's name, for errors.
     name: String,
-    format: Format,
+    format: FileFormat,
     head: Head,
     path: PathBuf,
-    /// What came through a pipe is read more than once from here.
+    /// A copy of a pipe's content, which is read more than once.
     _copy: Option<TempPath>,
 }
 
 impl Tile {
-    /// Reads what the file says, and none of its pixels.
+    /// Reads the head of the file but none of its pixels.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at one that is malformed or does not say where it
-    /// comes from.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at one that is malformed or has no provenance.
     pub fn open(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let copy = copy_of_pipe(path).map_err(|error| Error::read(path, error))?;
@@ -44,7 +43,7 @@ impl Tile {
     }
 }
 
-/// The content of a pipe or device; `None` for a file.
+/// A copy of the content of a pipe or device; `None` for a file.
 fn copy_of_pipe(path: &Path) -> std::io::Result<Option<TempPath>> {
     let mut input: Box<dyn Read> = match std::fs::metadata(path) {
         _ if is_standard(path) => Box::new(std::io::stdin()),
@@ -56,23 +55,24 @@ fn copy_of_pipe(path: &Path) -> std::io::Result<Option<TempPath>> {
     Ok(Some(copy.into_temp_path()))
 }
 
-/// Tiles that are the full frame, every pixel of it once.
+/// Tiles that cover every pixel of the full frame exactly once.
 #[derive(Debug)]
 pub struct Mosaic {
     tiles: Vec<Tile>,
-    format: Format,
+    format: FileFormat,
     head: Head,
 }
 
 impl Mosaic {
-    /// Finds out how `tiles` lie together.
+    /// Determines how `tiles` cover the frame.
     ///
     /// # Errors
-    /// [`Error::Scene`] at the tile that is foreign to most of the others (another scene, size, setting, adapter, driver or
-    /// program) or overlaps another, and with the rectangles that no tile holds. [`Error::Settings`] where there is no tile.
+    /// [`Error::Scene`] at the tile that differs from most of the others (another scene, size, setting, adapter, driver
+    /// or program) or overlaps another, and with the rectangles that no tile covers. [`Error::Settings`] where there is
+    /// no tile.
     pub fn new(tiles: Vec<Tile>) -> Result<Self> {
         let Some(common) = most_common(&tiles) else {
-            return Err(Error::settings("there is no tile to merge", "name the files that hold the parts of a frame"));
+            return Err(Error::settings("no tiles to merge", "name the files with the parts of a frame"));
         };
         tiles.iter().try_for_each(|tile| belongs(tile, common))?;
         overlap(&tiles)?;
@@ -85,8 +85,9 @@ impl Mosaic {
             if missing.len() > MOST {
                 named.push(format!("{} more", missing.len() - MOST));
             }
-            let problem = format!("none holds {} of {width} x {height} pixels ({pixels} pixels)", named.join(" and "));
-            let mend = "render each missing part with --crop x0,y0,x1,y1 and name it too";
+            let problem =
+                format!("no tile covers {} of {width} x {height} pixels ({pixels} pixels)", named.join(" and "));
+            let mend = "render each missing part with --crop x0,y0,x1,y1 and add it to the list";
             return Err(Error::scene(Place::file(format!("{} tiles", tiles.len())), problem, mend));
         }
         let provenance = common.head.provenance.without_pixels().of_window(full);
@@ -95,8 +96,8 @@ impl Mosaic {
         Ok(Self { tiles, format, head })
     }
 
-    /// The tiles' format.
-    pub fn format(&self) -> Format {
+    /// The format of the tiles.
+    pub fn format(&self) -> FileFormat {
         self.format
     }
 
@@ -105,35 +106,35 @@ impl Mosaic {
         self.head.full
     }
 
-    /// How many tiles.
+    /// The number of tiles.
     pub fn len(&self) -> usize {
         self.tiles.len()
     }
 
-    /// Whether there is none; there always is one.
+    /// Whether there are no tiles; always false.
     pub fn is_empty(&self) -> bool {
         self.tiles.is_empty()
     }
 
-    /// What to be careful about, in whole sentences.
+    /// Warnings, in whole sentences.
     pub fn warnings(&self) -> Vec<String> {
         let unproven = self.tiles.iter().filter(|tile| tile.head.provenance.pixels().is_none()).count();
         let says = match unproven {
             0 => return Vec::new(),
-            1 => "1 tile was written by an earlier halfline and has no hash of its".to_owned(),
-            n => format!("{n} tiles were written by an earlier halfline and have no hash of their"),
+            1 => "1 tile was written by an earlier version of halfline and has no hash of its".to_owned(),
+            n => format!("{n} tiles were written by an earlier version of halfline and have no hash of their"),
         };
-        vec![format!("{says} pixels: whether a disk or a program changed them is not known")]
+        vec![format!("{says} pixels, so changes to them cannot be detected")]
     }
 
-    /// Reads every pixel of every tile and checks it; then reads them again and writes the full frame, band by band of rows,
+    /// Reads every pixel of every tile and checks it; then reads them again and writes the full frame in bands of rows,
     /// so that neither tiles nor frame are in memory as a whole.
     ///
     /// # Errors
-    /// [`Error::Limits`] where not even a band fits the memory, [`Error::Scene`] at a tile that is malformed or whose pixels
-    /// are not those that were written, [`Error::Io`], [`Error::Interrupted`] when `go_on` says no.
+    /// [`Error::Limits`] where not even a band fits into memory, [`Error::Scene`] at a tile that is malformed or whose
+    /// pixels were changed, [`Error::Io`], and [`Error::Interrupted`] when `go_on` returns false.
     pub fn write(&self, path: &Path, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
-        // The band of the frame, and the parts of it that come from the tiles.
+        // The band of the frame, and the parts of it in the tiles.
         check(2 * self.head.memory(self.format), || "a band of the frame's rows".into())?;
         let mut rows = Tiles { mosaic: self, open: HashMap::new(), checks: Some(HashMap::new()), go_on };
         let digest = Digest::of(&self.head, &mut rows)?;
@@ -144,18 +145,18 @@ impl Mosaic {
     }
 }
 
-/// The rows of all tiles as those of the frame.
+/// The rows of all tiles as rows of the frame.
 struct Tiles<'a> {
     mosaic: &'a Mosaic,
-    /// Those that the last rows came from, by their numbers.
+    /// The open tiles of the last rows, by index.
     open: HashMap<usize, Box<dyn Rows>>,
-    /// The hashes of the tiles, where they are asked for.
+    /// The hashes of the tiles, where they are checked.
     checks: Option<HashMap<usize, Digest>>,
     go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Tiles<'_> {
-    /// Refuses tiles whose pixels are not those that were written.
+    /// Returns an error for tiles whose pixels do not match their hash.
     fn check(&self) -> Result<()> {
         let mut known = self.checks.iter().flatten();
         known.try_for_each(|(n, digest)| {
@@ -186,7 +187,11 @@ impl Rows for Tiles<'_> {
                 std::collections::hash_map::Entry::Vacant(place) => {
                     let opened = Opened::file(&tile.path, &tile.name)?;
                     if opened.head != tile.head {
-                        return Err(Error::scene(Place::file(&tile.name), "it has just changed", "merge again"));
+                        return Err(Error::scene(
+                            Place::file(&tile.name),
+                            "the file was changed while it was read",
+                            "merge again",
+                        ));
                     }
                     place.insert(opened.rows)
                 }
@@ -201,21 +206,21 @@ impl Rows for Tiles<'_> {
                 samples[(y - rows.start) * row + window.x0 as usize * pixel..][..line.len()].copy_from_slice(line);
             }
         }
-        // Not more files are open than the rows need.
+        // Closes tiles that the current rows do not need.
         self.open.retain(|n, _| met.contains(n));
         Ok(samples.into())
     }
 }
 
-/// More rectangles than this are counted, not named.
+/// At most this many rectangles are named; the others are counted.
 const MOST: usize = 8;
 
-/// A tile of the rendering that most tiles are of, the first of it; where two renderings are as common, of the first.
+/// The first tile of the rendering that most tiles belong to; of two equally common renderings, the first.
 fn most_common(tiles: &[Tile]) -> Option<&Tile> {
     let mut counts: HashMap<_, usize> = HashMap::new();
     let renderings: Vec<_> = tiles.iter().map(|tile| (tile.format, tile.head.provenance.rendering())).collect();
     renderings.iter().for_each(|rendering| *counts.entry(rendering).or_default() += 1);
-    // Of equal ones the last is taken, so they are asked backwards.
+    // `max_by_key` takes the last of equal elements, so the order is reversed.
     tiles.iter().zip(&renderings).rev().max_by_key(|(_, rendering)| counts[rendering]).map(|(tile, _)| tile)
 }
 
@@ -223,12 +228,12 @@ fn belongs(tile: &Tile, common: &Tile) -> Result<()> {
     let other = &common.name;
     let foreign = |what: String| Err(Error::scene(Place::file(&tile.name), what, "merge tiles of one rendering only"));
     if tile.format != common.format {
-        let [this, that] = [tile.format, common.format].map(Format::ending);
+        let [this, that] = [tile.format, common.format].map(FileFormat::ending);
         return foreign(format!("a tile in {this} among tiles in {that}"));
     }
     match tile.head.provenance.foreign(&common.head.provenance) {
         Some([key, this, that]) => {
-            foreign(format!("a tile of another rendering: {key} is {this:?}, but {that:?} in {other}"))
+            foreign(format!("the tile belongs to another rendering: {key} is {this:?}, but {that:?} in {other}"))
         }
         None => Ok(()),
     }
@@ -239,15 +244,15 @@ fn overlap(tiles: &[Tile]) -> Result<()> {
         let this = tile.head.window;
         for other in &tiles[..n] {
             if let Some(both) = common(this, other.head.window) {
-                let problem = format!("the tile holds {both}, which {} holds already", other.name);
-                return Err(Error::scene(Place::file(&tile.name), problem, "leave one of the two out"));
+                let problem = format!("the tile covers {both}, which {} covers already", other.name);
+                return Err(Error::scene(Place::file(&tile.name), problem, "remove one of the two"));
             }
         }
     }
     Ok(())
 }
 
-/// The pixels of both.
+/// The pixels in both.
 fn common(a: Window, b: Window) -> Option<Window> {
     let [x0, y0, x1, y1] = [a.x0.max(b.x0), a.y0.max(b.y0), a.x1.min(b.x1), a.y1.min(b.y1)];
     (x0 < x1 && y0 < y1).then_some(Window { x0, y0, x1, y1 })
@@ -257,7 +262,7 @@ fn area(window: &Window) -> u64 {
     u64::from(window.width()) * u64::from(window.height())
 }
 
-/// The pixels of `full` that none of `windows` holds, as few rectangles.
+/// The pixels of `full` that none of `windows` covers, as few rectangles.
 fn missing(full: Window, windows: impl Iterator<Item = Window>) -> Vec<Window> {
     let mut rest = vec![full];
     for window in windows {
@@ -289,7 +294,7 @@ fn missing(full: Window, windows: impl Iterator<Item = Window>) -> Vec<Window> {
     rest
 }
 
-/// What is left of `part`: above, below, left and right.
+/// The rest of `part`: above, below, left and right.
 fn without(part: Window, window: Window) -> Vec<Window> {
     let Some(hole) = common(part, window) else { return vec![part] };
     let around = [

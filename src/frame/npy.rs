@@ -1,13 +1,13 @@
-//! NumPy's .npy: one buffer per file, nothing lost. Written as format version 1.0, little endian, C order;
-//! read in any version, byte order and axis order, for the plain number types.
+//! NumPy's .npy: one buffer per file, without loss. Written as format version 1.0, little-endian, C order; read in any
+//! version, byte order and axis order, for plain number types.
 
 use super::Buffer;
 use super::array::{Array, Values};
 use super::encode::Encoder;
-use super::format::{Format, Style};
+use super::format::{FileFormat, FormatOptions};
+use super::image_file::{Head, LayerFormat, Rows, SampleType, SeekRead, Sink, invalid, pulled};
 use super::plain::{self, Plain};
 use super::provenance::Provenance;
-use super::sheet::{Form, Head, Input, Kind, Rows, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::npy::{DType, Header};
@@ -15,27 +15,29 @@ use std::io::{self, Write};
 
 pub(crate) use crate::npy::MAGIC;
 
-/// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`, and nothing behind it.
+/// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`, without provenance.
 ///
 /// # Errors
-/// `out`'s own, and `InvalidInput` for a buffer that fails [`Buffer::check`].
+/// The errors of `out`, and `InvalidInput` for a buffer that fails [`Buffer::check`].
 pub fn write(buffer: &Buffer, out: &mut dyn Write) -> io::Result<()> {
     buffer.check().map_err(invalid)?;
-    let (style, rows) = (Style::default(), buffer.shape[0]);
-    let mut encoder = Encoder::plain(buffer, &style).ok_or_else(|| invalid("no .npy holds this buffer"))?;
+    let (style, rows) = (FormatOptions::default(), buffer.shape[0]);
+    let mut encoder = Encoder::plain(buffer, &style).ok_or_else(|| invalid("a .npy cannot hold this buffer"))?;
     out.write_all(&header(encoder.forms()[0], [buffer.shape[1], rows])?)?;
     out.write_all(&pulled(&mut encoder, 0, 0..rows)?)
 }
 
-/// Writes the only buffer. A .npy has no room for words, so provenance follows the last number, where NumPy does not look.
+/// Writes the only buffer. The header of a .npy cannot hold metadata, so the provenance follows the last number, which
+/// NumPy does not read.
 pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     head.form()?;
     write_layer(head, 0, rows, out)?;
     out.write_all(head.provenance.trailer().as_bytes())
 }
 
-/// The types of samples, by NumPy's names.
-const TYPES: [(Kind, &str); 4] = [(Kind::F32, "<f4"), (Kind::F64, "<f8"), (Kind::I32, "<i4"), (Kind::U8, "|u1")];
+/// The sample types, with NumPy's names.
+const TYPES: [(SampleType, &str); 4] =
+    [(SampleType::F32, "<f4"), (SampleType::F64, "<f8"), (SampleType::I32, "<i4"), (SampleType::U8, "|u1")];
 
 /// Writes one buffer.
 pub(super) fn write_layer<W: Write + ?Sized>(
@@ -48,10 +50,11 @@ pub(super) fn write_layer<W: Write + ?Sized>(
     head.bands().try_for_each(|band| out.write_all(&pulled(rows, layer, band)?))
 }
 
-/// What stands before the numbers of `[width, height]` pixels.
-pub(super) fn header(form: Form, [width, height]: [usize; 2]) -> io::Result<Vec<u8>> {
+/// The header for the numbers of `[width, height]` pixels.
+pub(super) fn header(form: LayerFormat, [width, height]: [usize; 2]) -> io::Result<Vec<u8>> {
     let known = TYPES.iter().find(|(kind, _)| *kind == form.kind);
-    let (_, descr) = known.ok_or_else(|| invalid(format!("these samples of {} are not those of a .npy", form.aov)))?;
+    let (_, descr) =
+        known.ok_or_else(|| invalid(format!("a .npy cannot hold samples of {} of this type", form.aov)))?;
     let mut shape = vec![height as u64, width as u64];
     if form.channels > 1 {
         shape.push(form.channels as u64);
@@ -59,8 +62,8 @@ pub(super) fn header(form: Form, [width, height]: [usize; 2]) -> io::Result<Vec<
     Ok(Header::bytes(descr, &shape))
 }
 
-/// Opens what [`write_sheet`] wrote; `None` where it does not say where it comes from.
-pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+/// Opens a file that [`write_sheet`] wrote; `None` where it has no provenance.
+pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let (bytes, length) = plain::start(&mut *input, name)?;
     let (array, numbers) = Layout::of(&bytes, name)?;
     let (first, size) = ((bytes.len() - numbers.len()) as u64, array.bytes);
@@ -68,7 +71,7 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
         return Err(array.short(length.saturating_sub(first), name));
     };
     let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
-    let Some(head) = words.and_then(|words| Head::new(Format::Npy, words)) else { return Ok(None) };
+    let Some(head) = words.and_then(|words| Head::new(FileFormat::Npy, words)) else { return Ok(None) };
     if !head.form().and_then(|form| header(form, head.size())).is_ok_and(|header| bytes.starts_with(&header)) {
         return Ok(None);
     }
@@ -77,19 +80,18 @@ pub(super) fn open<'a>(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Opt
     Ok(Some((head, Box::new(rows))))
 }
 
-/// Reads the array in `bytes`, a whole .npy file; `name` is what errors call it. Booleans become 0 and 1,
-/// integers the next wider of i32 and i64 that holds them all. Behind the last value stands nothing, or where the file
-/// comes from.
+/// Reads the array in `bytes`, a complete .npy file; errors refer to it by `name`. Booleans become 0 and 1, integers
+/// the smaller of i32 and i64 that holds their type. After the last value there may be a provenance.
 ///
 /// # Errors
-/// [`Error::Scene`] at the file for anything malformed, truncated or not made of plain numbers.
+/// [`Error::Scene`] at the file for malformed, truncated or non-numeric data.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
     let (array, data) = Layout::of(bytes, name)?;
     let size = usize::try_from(array.bytes).ok();
     let Some((data, rest)) = size.and_then(|size| data.split_at_checked(size)) else {
         return Err(array.short(data.len() as u64, name));
     };
-    // Integers may become wider ones, and the order of the axes another.
+    // Integers may become wider, and the axes may be reordered.
     check(4 * data.len() as u64, || format!("the numbers of {name}"))?;
     let values = array.values(data);
     if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {
@@ -99,10 +101,10 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
 }
 
 fn malformed(name: &str, problem: String) -> Error {
-    Error::scene(Place::file(name), problem, "give a .npy file of plain numbers")
+    Error::scene(Place::file(name), problem, "use a .npy file of plain numbers")
 }
 
-/// Number types that are read: NumPy's letter and size.
+/// The supported number types: NumPy's letter and size.
 #[derive(Clone, Copy)]
 enum Type {
     Bool,
@@ -117,7 +119,7 @@ enum Type {
     F64,
 }
 
-/// How the numbers of an array lie in its file.
+/// The layout of an array in its file.
 struct Layout {
     of: Type,
     big_endian: bool,
@@ -128,7 +130,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// That of the file which begins with `bytes`, and those behind the header.
+    /// The layout of the file that begins with `bytes`, and the bytes after the header.
     fn of<'b>(bytes: &'b [u8], name: &str) -> Result<(Self, &'b [u8])> {
         let mut data = bytes;
         let header = Header::read(&mut data).map_err(|fault| malformed(name, fault.to_string()))?;
@@ -159,7 +161,7 @@ impl Layout {
         Ok((Self { of, big_endian, fortran: header.fortran, shape: shape.ok_or_else(large)?, bytes }, data))
     }
 
-    /// The fault of a file that has only so many bytes for the values.
+    /// The error for a file that has only `found` bytes of values.
     fn short(&self, found: u64, name: &str) -> Error {
         malformed(name, format!("{found} bytes cannot hold the {} bytes of shape {:?}", self.bytes, self.shape))
     }

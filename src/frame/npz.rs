@@ -1,18 +1,18 @@
-//! NumPy's .npz: a .npy for each buffer, NAME.npy, and provenance.json, stored in one ZIP without compression and with
-//! ZIP's own first date, so that the same buffers give the same bytes.
+//! NumPy's .npz: a .npy per buffer, NAME.npy, and provenance.json, in a ZIP file without compression. The date is
+//! always ZIP's first one, so that equal buffers give equal bytes.
 
-use super::format::Format;
+use super::format::FileFormat;
+use super::image_file::{Head, LayerFormat, Rows, SeekRead, Sink, malformed};
 use super::npy;
 use super::plain::Plain;
 use super::provenance::Provenance;
-use super::sheet::{Form, Head, Input, Rows, Sink, malformed};
 use crate::error::Result;
 use std::cell::Cell;
 use std::io::{self, Read, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
-/// The bytes every ZIP of files begins with.
+/// The signature of ZIP archives with files.
 pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
 
 const PROVENANCE: &str = "provenance.json";
@@ -23,7 +23,7 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
     let mut zip = ZipWriter::new_stream(UntilFailure { out, failed: &failed });
     let options = |bytes: usize| {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-        // ZIP counts to 2^32, ZIP64 further; the header of an array is short.
+        // ZIP is limited to 2^32 bytes, ZIP64 is not; an array's header is short.
         options
             .last_modified_time(DateTime::DEFAULT)
             .system(System::Unix)
@@ -39,14 +39,14 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
         zip.start_file(PROVENANCE, options(json.len()))?;
         zip.write_all(json.as_bytes())
     };
-    // Dropped before it is finished, it writes the end of an archive that is not whole: to nowhere.
+    // Dropping an unfinished writer would write the end of an incomplete archive; this discards it.
     write().inspect_err(|_| failed.set(true))?;
     zip.finish()?;
     Ok(())
 }
 
-/// Writes to `out` until a write fails, and discards the rest. A [`ZipWriter`] that could not finish tries again when it is
-/// dropped, and prints a second failure to standard error.
+/// Writes to `out` until a write fails, and discards the rest. A [`ZipWriter`] that could not finish tries again when
+/// it is dropped, and prints a second failure to standard error.
 struct UntilFailure<'a> {
     out: &'a mut dyn Sink,
     failed: &'a Cell<bool>,
@@ -68,12 +68,12 @@ impl Write for UntilFailure<'_> {
     }
 }
 
-fn member(form: &Form) -> String {
+fn member(form: &LayerFormat) -> String {
     format!("{}.npy", form.aov)
 }
 
-/// Opens what [`write`] wrote; `None` where it does not say where it comes from.
-pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+/// Opens a file that [`write`] wrote; `None` where it has no provenance.
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
     let mut zip = ZipArchive::new(input).map_err(|error| fail(&error))?;
     let json = match zip.by_name(PROVENANCE) {
@@ -84,11 +84,11 @@ pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<
         }
         Err(_) => return Ok(None),
     };
-    let Some(head) = Provenance::from_json(&json).and_then(|words| Head::new(Format::Npz, words)) else {
+    let Some(head) = Provenance::from_json(&json).and_then(|words| Head::new(FileFormat::Npz, words)) else {
         return Ok(None);
     };
     if zip.len() != head.forms.len() + 1 {
-        return Err(fail(&"it holds other members than its provenance says"));
+        return Err(fail(&"its members differ from those in its provenance"));
     }
     let mut layers = Vec::new();
     for (layer, form) in head.forms.iter().enumerate() {
@@ -97,15 +97,15 @@ pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<
         let size = header.len() as u64 + head.row(layer) as u64 * head.size()[1] as u64;
         let stored = file.compression() == CompressionMethod::Stored && !file.encrypted();
         let (Some(start), true) = (file.data_start(), stored && file.size() == size) else {
-            return Err(fail(&format!("its {} is not what its provenance says", form.aov)));
+            return Err(fail(&format!("its {} differs from its provenance", form.aov)));
         };
         let mut found = vec![0; header.len()];
         file.read_exact(&mut found).map_err(|error| fail(&error))?;
         if found != header {
-            return Err(fail(&format!("its {} is not what its provenance says", form.aov)));
+            return Err(fail(&format!("its {} differs from its provenance", form.aov)));
         }
         if head.provenance.pixels().is_none() {
-            // Without a hash there is the sum of the ZIP, which is checked at the end.
+            // Without a hash, the checksum of the ZIP is checked at the end.
             io::copy(&mut file, &mut io::sink()).map_err(|error| fail(&error))?;
         }
         layers.push((start + header.len() as u64, head.row(layer)));
@@ -115,5 +115,5 @@ pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<
     Ok(Some((head, Box::new(rows))))
 }
 
-/// No provenance is longer.
+/// The longest provenance.
 const LONGEST: u64 = 1 << 17;

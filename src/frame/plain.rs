@@ -1,18 +1,18 @@
-//! Samples that lie in a file as they are: in .npy, .npz and .pfm.
+//! Samples that a file holds uncompressed: .npy, .npz and .pfm.
 
-use super::sheet::{Input, Rows, malformed};
+use super::image_file::{Rows, SeekRead, malformed};
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 
-/// Where they lie.
+/// Their positions.
 pub(super) struct Plain<'a> {
-    pub(super) input: Box<dyn Input + 'a>,
+    pub(super) input: Box<dyn SeekRead + 'a>,
     pub(super) name: String,
-    /// Of each buffer, the place of its first byte and the bytes of a row.
+    /// For each buffer, the position of its first byte and the bytes per row.
     pub(super) layers: Vec<(u64, usize)>,
-    /// All rows there are, where the last one comes first.
+    /// The number of rows, where the last one comes first.
     pub(super) bottom_up: Option<usize>,
     pub(super) samples: Vec<u8>,
 }
@@ -24,7 +24,7 @@ impl Rows for Plain<'_> {
         self.samples.resize(rows.len() * row, 0);
         let read = self.input.seek(SeekFrom::Start(start + first as u64 * row as u64));
         read.and_then(|_| self.input.read_exact(&mut self.samples)).map_err(|error| match error.kind() {
-            ErrorKind::UnexpectedEof => malformed(&self.name, "file", "it ends before its last number"),
+            ErrorKind::UnexpectedEof => malformed(&self.name, "data", "it ends before its last number"),
             _ => Error::read(&self.name, error),
         })?;
         if self.bottom_up.is_some() {
@@ -34,7 +34,7 @@ impl Rows for Plain<'_> {
     }
 }
 
-/// Puts the last row first.
+/// Reverses the order of the rows.
 pub(super) fn reverse(samples: &mut [u8], row: usize) {
     let (mut first, mut last) = (0, samples.len() / row);
     while first + 1 < last {
@@ -45,10 +45,10 @@ pub(super) fn reverse(samples: &mut [u8], row: usize) {
     }
 }
 
-/// The first bytes of a file, as many as its header can have, and how long it is.
-pub(super) fn start(input: &mut dyn Input, name: &str) -> Result<(Vec<u8>, u64)> {
+/// The first bytes of a file, up to the longest header, and the file's length.
+pub(super) fn start(input: &mut dyn SeekRead, name: &str) -> Result<(Vec<u8>, u64)> {
     let mut bytes = Vec::new();
-    let mut read = |input: &mut dyn Input| {
+    let mut read = |input: &mut dyn SeekRead| {
         input.rewind()?;
         Read::take(&mut *input, HEADER).read_to_end(&mut bytes)?;
         input.seek(SeekFrom::End(0))
@@ -57,11 +57,11 @@ pub(super) fn start(input: &mut dyn Input, name: &str) -> Result<(Vec<u8>, u64)>
     Ok((bytes, length))
 }
 
-/// No header of ours is longer.
+/// The longest header that halfline writes.
 const HEADER: u64 = 1 << 12;
 
-/// What stands behind byte `from`, if it is no longer than a provenance.
-pub(super) fn tail(input: &mut dyn Input, from: u64, length: u64, name: &str) -> Result<Option<Vec<u8>>> {
+/// The bytes after `from`, if they are no longer than a provenance.
+pub(super) fn tail(input: &mut dyn SeekRead, from: u64, length: u64, name: &str) -> Result<Option<Vec<u8>>> {
     let Some(left) = length.checked_sub(from).filter(|left| *left <= LONGEST) else { return Ok(None) };
     let mut bytes = Vec::with_capacity(left as usize);
     let read = input.seek(SeekFrom::Start(from)).and_then(|_| Read::take(&mut *input, left).read_to_end(&mut bytes));
@@ -69,7 +69,7 @@ pub(super) fn tail(input: &mut dyn Input, from: u64, length: u64, name: &str) ->
     Ok(Some(bytes))
 }
 
-/// No provenance is longer, with what stands around it.
+/// The longest provenance with its delimiters.
 const LONGEST: u64 = 1 << 17;
 
 #[cfg(test)]

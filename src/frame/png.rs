@@ -1,9 +1,9 @@
-//! PNG: colour as a picture in sRGB of 8 or 16 bits; alpha, mask and normals as levels; distance and depth in whole steps
-//! of 16 bits. Where a picture came from is written inside, and where a crop lies.
+//! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, mask and normals as levels; distance and depth as 16-bit
+//! multiples of a unit. Text chunks hold the provenance, and a crop has its offset.
 
 use super::array::{Array, Values};
-use super::format::Format;
-use super::sheet::{Head, Input, Kind, Rows, Sink, invalid, pulled};
+use super::format::FileFormat;
+use super::image_file::{Head, Rows, SampleType, SeekRead, Sink, invalid, pulled};
 use super::srgb::levels;
 use super::{Aov, Buffer, Data};
 use crate::error::{Error, Place, Result};
@@ -13,56 +13,60 @@ use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
 use std::ops::Range;
 
-/// The bytes every PNG file begins with.
+/// The signature of PNG files.
 pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Keyword and text of each chunk that says where a picture came from; keywords are Latin-1, 1 to 79 characters.
-type Words = [(String, String)];
+/// Keyword and text of each provenance chunk; keywords are Latin-1, 1 to 79 characters.
+type TextChunks = [(String, String)];
 
-/// Writes the colour buffer as 8-bit RGB, each component [levelled](super::srgb::level), marked sRGB, with `words` as iTXt
-/// chunks. The same buffer and words give the same bytes: no date, no machine.
+/// Writes the colour buffer as 8-bit RGB, each component [encoded](super::srgb::level) and marked as sRGB, with `words`
+/// as iTXt chunks. Equal buffers and words give equal bytes: no date and no machine name is written.
 ///
 /// # Errors
-/// `out`'s own, and `InvalidInput` for another buffer than colour, one that fails [`Buffer::check`], or a keyword
-/// that PNG does not allow.
-pub fn write(color: &Buffer, words: &Words, out: &mut dyn Write) -> io::Result<()> {
+/// The errors of `out`, and `InvalidInput` for a buffer other than colour, one that fails [`Buffer::check`], or a
+/// keyword that PNG does not allow.
+pub fn write(color: &Buffer, words: &TextChunks, out: &mut dyn Write) -> io::Result<()> {
     color.check().map_err(invalid)?;
     let (Aov::Color, Data::F32(linear)) = (color.aov, &color.data) else {
-        return Err(invalid(Error::settings(format!("a {} buffer is no picture", color.aov), "write it as .npy")));
+        return Err(invalid(Error::settings(
+            format!("expected a color buffer, found a {} buffer", color.aov),
+            "write it as .npy",
+        )));
     };
     write_levels([color.shape[1], color.shape[0]], words, out, |out| out.write_all(&levels(linear)))
 }
 
-/// Writes `[width, height]` pixels of three sRGB levels each; `fill` writes these, row by row.
+/// Writes `[width, height]` pixels of three sRGB levels each; `fill` writes the levels row by row.
 pub(crate) fn write_levels(
     [width, height]: [usize; 2],
-    words: &Words,
+    words: &TextChunks,
     out: &mut dyn Write,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let side = |n: usize| u32::try_from(n).map_err(|_| io::Error::other(format!("{n} pixels are too many for PNG")));
-    let form = Form { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true };
+    let side =
+        |n: usize| u32::try_from(n).map_err(|_| io::Error::other(format!("a side of {n} pixels is too long for PNG")));
+    let form = SampleFormat { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true };
     form.write([side(width)?, side(height)?], None, words, out, fill)
 }
 
-/// Writes the only buffer. Only colour is marked as sRGB; a part of a frame says where it lies.
+/// Writes the only buffer. Only colour is marked as sRGB; a part of a frame gets its offset.
 pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     let layer = head.form()?;
     let color = match layer.channels {
         1 => ColorType::Grayscale,
         3 => ColorType::Rgb,
         4 => ColorType::Rgba,
-        n => return Err(invalid(format!("{n} channels of {} are no picture", layer.aov))),
+        n => return Err(invalid(format!("a PNG cannot hold {n} channels of {}", layer.aov))),
     };
     let depth = match layer.kind {
-        Kind::U8 => BitDepth::Eight,
-        Kind::U16 => BitDepth::Sixteen,
-        _ => return Err(invalid(format!("these samples of {} are not those of a PNG", layer.aov))),
+        SampleType::U8 => BitDepth::Eight,
+        SampleType::U16 => BitDepth::Sixteen,
+        _ => return Err(invalid(format!("a PNG cannot hold samples of {} of this type", layer.aov))),
     };
     let (window, [width, height]) = (head.window, head.full);
     let crop = (window.width(), window.height()) != (width, height);
     let offset = crop.then_some([window.x0, window.y0]);
-    let form = Form { color, depth, srgb: layer.aov == Aov::Color };
+    let form = SampleFormat { color, depth, srgb: layer.aov == Aov::Color };
     form.write([window.width(), window.height()], offset, head.provenance.words(), out, |out| {
         head.bands().try_for_each(|band| {
             let samples = pulled(rows, 0, band)?;
@@ -71,28 +75,28 @@ pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) 
     })
 }
 
-/// Two-byte samples in the other byte order: PNG's numbers are big endian.
+/// Swaps the bytes of two-byte samples: PNG is big-endian.
 fn swapped(samples: &[u8]) -> Vec<u8> {
     samples.as_chunks().0.iter().flat_map(|[a, b]| [*b, *a]).collect()
 }
 
-/// What the samples are.
-struct Form {
+/// The format of the samples.
+struct SampleFormat {
     color: ColorType,
     depth: BitDepth,
     srgb: bool,
 }
 
-/// Bytes of a chunk of compressed samples.
+/// Bytes per chunk of compressed samples.
 const CHUNK: usize = 1 << 16;
 
-impl Form {
+impl SampleFormat {
     /// Writes the file; `fill` writes the samples row by row.
     fn write(
         self,
         [width, height]: [u32; 2],
         offset: Option<[u32; 2]>,
-        words: &Words,
+        words: &TextChunks,
         out: &mut dyn Write,
         fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
@@ -103,14 +107,14 @@ impl Form {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
         encoder.set_compression(png::Compression::Fast);
-        // On shaded spheres smaller than the adaptive choice, and a third faster.
+        // Smaller than the adaptive choice for shaded spheres, and a third faster.
         encoder.set_filter(png::Filter::Paeth);
         for (keyword, text) in words {
             encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
         }
         let mut writer = encoder.write_header()?;
         if let Some([x, y]) = offset {
-            // In pixels, as the extensions to PNG say: <https://www.w3.org/TR/png-3/#11oFFs>.
+            // In pixels, as in the extensions to PNG: <https://www.w3.org/TR/png-3/#11oFFs>.
             let chunk: Vec<u8> = [x.to_be_bytes(), y.to_be_bytes()].concat().into_iter().chain([0]).collect();
             writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &chunk)?;
         }
@@ -122,10 +126,10 @@ impl Form {
     }
 }
 
-/// Opens what [`write_sheet`] wrote; `None` where it does not say where it comes from.
-pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+/// Opens a file that [`write_sheet`] wrote; `None` where it has no provenance.
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
     let mut options = png::DecodeOptions::default();
-    // Whatever a checksum says was changed is refused, words and all.
+    // A failed checksum is an error in text chunks too.
     options.set_skip_ancillary_crc_failures(false);
     options.set_ignore_adler32(false);
     let mut decoder = png::Decoder::new_with_options(input, options);
@@ -136,28 +140,28 @@ pub(super) fn open<'a>(input: Box<dyn Input + 'a>, name: &str) -> Result<Option<
     let texts = info.utf8_text.iter();
     let words = texts.map(|chunk| Ok((chunk.keyword.clone(), chunk.get_text()?)));
     let words = words.collect::<Result<_, png::DecodingError>>().map_err(|source| malformed(name, source))?;
-    let Some(head) = Head::new(Format::Png, words) else { return Ok(None) };
+    let Some(head) = Head::new(FileFormat::Png, words) else { return Ok(None) };
     let form = head.form().map_err(|source| malformed(name, png::DecodingError::IoError(source)))?;
-    let depth = if form.kind == Kind::U16 { BitDepth::Sixteen } else { BitDepth::Eight };
+    let depth = if form.kind == SampleType::U16 { BitDepth::Sixteen } else { BitDepth::Eight };
     let size = [info.width as usize, info.height as usize];
     let is_ours = size == head.size() && info.bit_depth == depth && !info.interlaced && info.palette.is_none();
     if !is_ours || info.color_type.samples() != form.channels {
         return Ok(None);
     }
     let (row, height) = (head.row(0), size[1]);
-    let lines = Lines { reader, name: name.into(), next: 0, height, row, depth, samples: Vec::new() };
+    let lines = PngRows { reader, name: name.into(), next: 0, height, row, depth, samples: Vec::new() };
     Ok(Some((head, Box::new(lines))))
 }
 
-/// Bytes that the decoder may allocate for words and for rows, of which none is longer than [`crate::scene::MAX_SIDE`]
-/// pixels; what a damaged file claims is not believed.
+/// Bytes that the decoder may allocate for text and for rows, which have at most [`crate::scene::MAX_SIDE`] pixels;
+/// larger claims of a damaged file are rejected.
 const ROWS_AND_WORDS: usize = 64 << 20;
 
 /// The rows of a file, in order.
-struct Lines<'a> {
-    reader: png::Reader<Box<dyn Input + 'a>>,
+struct PngRows<'a> {
+    reader: png::Reader<Box<dyn SeekRead + 'a>>,
     name: String,
-    /// The row that comes next.
+    /// The next row.
     next: usize,
     height: usize,
     /// Bytes of a row.
@@ -166,11 +170,11 @@ struct Lines<'a> {
     samples: Vec<u8>,
 }
 
-impl Rows for Lines<'_> {
+impl Rows for PngRows<'_> {
     fn rows(&mut self, _: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
         if rows.start != self.next {
-            let problem = format!("rows {rows:?} of {} were asked for after row {}", self.name, self.next);
-            return Err(Error::settings(problem, "read a PNG from its top"));
+            let problem = format!("rows {rows:?} of {} were requested after row {}", self.name, self.next);
+            return Err(Error::settings(problem, "read the rows of a PNG in order"));
         }
         self.samples.resize(rows.len() * self.row, 0);
         for row in self.samples.chunks_exact_mut(self.row) {
@@ -187,9 +191,9 @@ impl Rows for Lines<'_> {
     }
 }
 
-/// Reads the picture in `bytes`, a whole PNG file, as levels of 0..255 or 0..65535; `name` is what errors call it.
-/// Channels and alpha are the file's; palettes and transparent colours are resolved, and fewer than 8 bits are
-/// stretched to 8.
+/// Reads the picture in `bytes`, a complete PNG file, as levels of 0..255 or 0..65535; errors refer to it by `name`.
+/// Channels and alpha are those of the file; palettes and transparent colours are resolved, and fewer than 8 bits are
+/// scaled to 8.
 ///
 /// # Errors
 /// [`Error::Scene`] at the file, with the decoder's error, for anything malformed or truncated.
@@ -211,13 +215,13 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
 fn malformed(name: &str, source: png::DecodingError) -> Error {
     Error::Scene {
         place: Box::new(Place::file(name)),
-        problem: format!("not a whole PNG: {source}"),
-        mend: "give a PNG that other programs open".into(),
+        problem: format!("the PNG file is damaged or incomplete: {source}"),
+        mend: "use a PNG that other programs can open".into(),
         source: Some(source.into()),
     }
 }
 
-/// A decoded file. Samples are big endian, as PNG has them.
+/// A decoded file, with big-endian samples.
 struct Picture {
     width: usize,
     height: usize,
@@ -228,7 +232,7 @@ struct Picture {
 
 /// The picture with its palette resolved.
 fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
-    // Deflate expands by 1032 at most, so what claims to be larger is not believed and not allocated.
+    // Deflate expands by a factor of 1032 at most, so a larger claim is rejected and not allocated.
     let limit = bytes.len().saturating_mul(1032).saturating_add(1 << 16);
     let fail = |source: png::DecodingError| malformed(name, source);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: limit });
@@ -237,7 +241,7 @@ fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
     let mut reader = decoder.read_info().map_err(fail)?;
     let size = reader.output_buffer_size().filter(|size| *size <= limit);
     let size = size.ok_or_else(|| fail(png::DecodingError::LimitsExceeded))?;
-    // The samples, and a copy where they are of two bytes.
+    // The samples, and a copy if they have two bytes.
     check(2 * size as u64, || format!("the samples of {name}"))?;
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(fail)?;

@@ -1,8 +1,8 @@
-//! Where a file comes from: everything that its bytes depend on, as words that are written into it. No time, no path and
-//! no machine's name is among them, so that the same command writes the same bytes.
+//! Provenance: everything that a file's bytes depend on, as keywords and texts written into it. It contains no time,
+//! path or machine name, so that the same command writes the same bytes.
 
 use super::Aov;
-use super::format::{BITS, Bits, Format, Style};
+use super::format::{BITS, Bits, FileFormat, FormatOptions};
 use crate::report::{CPU_DRIVER, Report};
 use crate::trailer;
 use crate::window::Window;
@@ -15,42 +15,42 @@ const WINDOW: &str = "halfline:window";
 const BUFFERS: &str = "halfline:buffers";
 const PIXELS: &str = "halfline:pixels";
 
-/// What differs between parts of one rendering.
+/// The keywords that differ between parts of one rendering.
 const OF_THE_PART: [&str; 2] = [WINDOW, PIXELS];
 
-/// No provenance is longer; what a damaged file claims is not believed.
+/// The longest provenance; longer claims of a damaged file are rejected.
 const LONGEST: usize = 1 << 16;
 
-/// A rendering, as far as its files tell of it; [`crate::render::origin`] makes it.
+/// The rendering that files come from; made by [`crate::render::origin`].
 #[derive(Debug)]
 pub struct Origin<'a> {
     /// [`crate::Scene::fingerprint`].
     pub fingerprint: String,
     /// The promised relative error of certified answers.
     pub tolerance: f64,
-    /// Chooses the places of samples.
+    /// Seed of the sample positions.
     pub seed: u32,
-    /// Who computed it and how; [`crate::Renderer::dry_run`] reports it without rendering.
+    /// The machine and method that compute it; [`crate::Renderer::dry_run`] reports them without rendering.
     pub report: &'a Report,
-    /// Which part of the full frame.
+    /// The window in the full frame.
     pub window: Window,
     /// W and H of the full frame, pixels.
     pub full: [u32; 2],
 }
 
-/// Keywords and their texts, in the order they were written. Two files that were made alike have equal ones.
+/// Keywords and their texts, in the order they were written. Files of equal renderings have equal ones.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub struct Provenance(Vec<(String, String)>);
 
 impl Provenance {
-    /// That of a file with these buffers.
-    pub(super) fn new(origin: &Origin<'_>, format: Format, aovs: &[Aov], style: &Style) -> Self {
+    /// The provenance of a file with these buffers.
+    pub(super) fn new(origin: &Origin<'_>, format: FileFormat, aovs: &[Aov], style: &FormatOptions) -> Self {
         let Origin { fingerprint, tolerance, seed, report, window, full: [width, height] } = origin;
         let mut words = Self::default();
         words.set("Software", format!("halfline {}", report.halfline));
         words.set("halfline:scene", fingerprint);
         words.set("halfline:adapter", &report.adapter);
-        // However many threads there are, they answer alike.
+        // The answers do not depend on the number of threads.
         words.set("halfline:driver", if report.backend == "cpu" { CPU_DRIVER } else { &report.driver });
         words.set("halfline:method", report.method);
         words.set("halfline:accuracy", report.accuracy);
@@ -81,7 +81,7 @@ impl Provenance {
         self.0.iter().find(|(found, _)| found == key).map(|(_, text)| text.as_str())
     }
 
-    /// Gives a keyword its text: in its place, or behind the others.
+    /// Sets a keyword's text, in place or at the end.
     pub fn set(&mut self, key: &str, text: impl ToString) {
         match self.0.iter_mut().find(|(found, _)| found == key) {
             Some((_, old)) => *old = text.to_string(),
@@ -95,7 +95,7 @@ impl Provenance {
         Some([width.parse().ok()?, height.parse().ok()?])
     }
 
-    /// The part of the full frame, if it lies within it.
+    /// The window in the full frame, if it lies within it.
     pub fn window(&self) -> Option<Window> {
         let [width, height] = self.full()?;
         let ends: Vec<u32> = self.get(WINDOW)?.split(',').map(|end| end.parse().ok()).collect::<Option<_>>()?;
@@ -108,43 +108,43 @@ impl Provenance {
         self.get(BUFFERS)?.split(',').map(|name| name.parse().ok()).collect()
     }
 
-    /// The hash of the samples; files of earlier versions have none.
+    /// The hash of the samples; `None` in files of earlier versions.
     pub fn pixels(&self) -> Option<&str> {
         self.get(PIXELS)
     }
 
-    /// The same with the hash of the samples.
+    /// The provenance with the hash of the samples.
     #[must_use]
     pub(super) fn with_pixels(mut self, hash: &str) -> Self {
         self.set(PIXELS, hash);
         self
     }
 
-    /// The rendering, whatever part of it: without window and hash.
+    /// The provenance of the rendering alone: without window and hash.
     #[must_use]
     pub(super) fn rendering(&self) -> Self {
         self.0.iter().filter(|(key, _)| !OF_THE_PART.contains(&key.as_str())).cloned().collect()
     }
 
-    /// All but the hash of the samples.
+    /// The provenance without the hash of the samples.
     #[must_use]
     pub(super) fn without_pixels(&self) -> Self {
         self.0.iter().filter(|(key, _)| key != PIXELS).cloned().collect()
     }
 
-    /// Bits of a component, in PNG.
+    /// Bits per component in PNG.
     pub(super) fn bits(&self) -> Bits {
         if self.get(BITS) == Some("16") { Bits::Sixteen } else { Bits::Eight }
     }
 
-    /// The same, of another part of the frame.
+    /// The same with another window.
     #[must_use]
     pub fn of_window(mut self, window: Window) -> Self {
         self.set(WINDOW, window);
         self
     }
 
-    /// The first keyword that differs but for those of the part, and both texts.
+    /// The first keyword that differs, except those of the part, and both texts.
     pub(super) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
         let keys = self.0.iter().chain(&other.0).map(|(key, _)| key);
         let keys = keys.filter(|key| !OF_THE_PART.contains(&key.as_str()));
@@ -153,7 +153,7 @@ impl Provenance {
         differing.next()
     }
 
-    /// One JSON object on one line, in ASCII, in this order.
+    /// One JSON object on one line, in ASCII, in the order of the keywords.
     pub(super) fn to_json(&self) -> String {
         let json = serde_json::to_string(self).unwrap_or_default();
         let mut ascii = String::with_capacity(json.len());
@@ -161,24 +161,24 @@ impl Provenance {
             if c.is_ascii() {
                 ascii.push(c);
             } else {
-                // A String takes everything.
+                // Writing to a String does not fail.
                 c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| _ = write!(ascii, "\\u{unit:04x}"));
             }
         }
         ascii
     }
 
-    /// What [`Provenance::to_json`] wrote; `None` for anything else.
+    /// Parses the output of [`Provenance::to_json`]; `None` for anything else.
     pub(super) fn from_json(json: &[u8]) -> Option<Self> {
         if json.len() > LONGEST { None } else { serde_json::from_slice(json).ok() }
     }
 
-    /// The block behind the last number of a format that has no room for words.
+    /// The block after the last number, for formats whose headers cannot hold metadata.
     pub(super) fn trailer(&self) -> String {
         trailer::of(&self.to_json())
     }
 
-    /// What [`Provenance::trailer`] wrote; `None` for anything else.
+    /// Parses the output of [`Provenance::trailer`]; `None` for anything else.
     pub(crate) fn from_trailer(bytes: &[u8]) -> Option<Self> {
         let words = Self::from_json(trailer::json(bytes)?);
         words.filter(|words| words.trailer().as_bytes() == bytes)
@@ -199,12 +199,12 @@ impl Serialize for Provenance {
 
 impl<'de> Deserialize<'de> for Provenance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Words;
-        impl<'de> Visitor<'de> for Words {
+        struct KeywordVisitor;
+        impl<'de> Visitor<'de> for KeywordVisitor {
             type Value = Provenance;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of texts")
+                f.write_str("an object whose values are strings")
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Provenance, A::Error> {
@@ -215,7 +215,7 @@ impl<'de> Deserialize<'de> for Provenance {
                 Ok(Provenance(words))
             }
         }
-        deserializer.deserialize_map(Words)
+        deserializer.deserialize_map(KeywordVisitor)
     }
 }
 

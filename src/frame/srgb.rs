@@ -1,10 +1,10 @@
-//! The transfer function of sRGB, IEC 61966-2-1: linear light becomes levels.
+//! The sRGB transfer function of IEC 61966-2-1, from linear light to levels.
 
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
-/// The 8-bit sRGB level of a linear component: clamped to [0, 1], through the transfer function of IEC 61966-2-1,
-/// times 255, rounded to the nearest whole number. NaN is 0. Equal to the formula in f64 for every f32.
+/// The 8-bit sRGB level of a linear component: clamped to [0, 1], through the transfer function of IEC 61966-2-1, times
+/// 255, rounded to the nearest whole number. NaN gives 0. Equal to the formula in f64 for every f32.
 pub fn level(linear: f32) -> u8 {
     TABLE.level(linear)
 }
@@ -21,9 +21,9 @@ pub(super) fn levels(linear: &[f32]) -> Vec<u8> {
     levels
 }
 
-/// The 16-bit sRGB level of a linear component: as [`level`], of 65535.
+/// The 16-bit sRGB level of a linear component: as [`level`] with 65535 for 255.
 pub fn level16(linear: f32) -> u16 {
-    // The cast saturates, and NaN is 0.
+    // The cast saturates, and NaN gives 0.
     (65535.0 * encoded(linear.clamp(0.0, 1.0))).round() as u16
 }
 
@@ -32,30 +32,30 @@ fn level_by_formula(x: f32) -> u8 {
     (255.0 * encoded(x)).round() as u8
 }
 
-/// The formula itself, for x in [0, 1].
+/// The transfer function, for x in [0, 1].
 fn encoded(x: f32) -> f64 {
     let x = f64::from(x);
     if x <= 0.0031308 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Cells per unit of linear light. Levels are at least 1 / (12.92 * 255) > 1 / 4096 apart, the slope being greatest
-/// at black, so a cell holds at most one step; a power of two, so finding the cell is exact.
+/// Cells per unit of linear light. Steps between levels are at least 1 / (12.92 * 255) > 1 / 4096 apart, because the
+/// slope is greatest at black, so a cell holds at most one step. A power of two makes finding the cell exact.
 const CELLS: usize = 4096;
 
-static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
+static TABLE: LazyLock<LevelTable> = LazyLock::new(LevelTable::new);
 
-struct Table {
-    /// The least f32 of each level; NaN after the last, which nothing reaches.
+struct LevelTable {
+    /// The smallest f32 of each level; NaN after the last, which is never reached.
     least: [f32; 257],
     /// The level at the beginning of each cell; the last cell begins at 1.
     begin: [u8; CELLS + 1],
 }
 
-impl Table {
+impl LevelTable {
     fn new() -> Self {
         let mut least = [f32::NAN; 257];
         for (level, least) in least[..256].iter_mut().enumerate() {
-            // Positive floats are ordered like their bits.
+            // Positive floats have the order of their bits.
             let (mut low, mut high) = (0, 1f32.to_bits());
             while low < high {
                 let middle = low.midpoint(high);
@@ -71,7 +71,7 @@ impl Table {
     }
 
     fn level(&self, linear: f32) -> u8 {
-        // The cast saturates: below 0 and NaN fall into the first cell, above 1 into the last.
+        // The cast saturates: numbers below 0 and NaN are in the first cell, those above 1 in the last.
         let cell = ((linear * CELLS as f32) as usize).min(CELLS);
         let level = self.begin[cell];
         level + u8::from(linear >= self.least[usize::from(level) + 1])
@@ -106,7 +106,7 @@ mod tests {
             assert_eq!(level16(x), expected, "{x}");
         }
         for x in (0..=1f32.to_bits()).step_by(4001).map(f32::from_bits) {
-            // A level of 255 is 257 levels of 65535, and each is half a level off at most.
+            // A level of 255 is 257 levels of 65535, and each has an error of half a level at most.
             assert!((i32::from(level16(x)) - 257 * i32::from(level(x))).abs() <= 129, "{x:e}");
         }
     }

@@ -1,56 +1,57 @@
-//! Where and by how much two arrays differ.
+//! Compares two arrays: the places and sizes of their differences.
 
-use super::{Array, Number, Values};
+use super::{Array, ArrayValue, Values};
 use rayon::prelude::*;
 
-/// What [`compare`] found. Differences are absolute, in the files' own units (PNG: levels).
+/// The result of [`compare`]. Differences are absolute, in the files' own units (PNG: levels).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// What was allowed.
+    /// The tolerance.
     pub tolerance: f64,
-    /// Why the arrays cannot be compared value by value, such as two shapes; the rest is then zero and empty.
+    /// Why the arrays cannot be compared value by value, such as different shapes; the other fields are then zero and
+    /// empty.
     pub unlike: Option<String>,
-    /// How many pixels the arrays have.
+    /// The number of pixels.
     pub pixels: usize,
-    /// Pixels in which any component differs at all.
+    /// Pixels in which any component differs.
     pub differing: usize,
     /// Pixels in which any component differs by more than the tolerance.
     pub beyond: usize,
-    /// The greatest difference of two values.
+    /// The largest difference of two values.
     pub max: f64,
-    /// The mean difference over all values; infinite as soon as one is.
+    /// The mean difference over all values; infinite if one is.
     pub mean: f64,
-    /// The first place of the greatest difference; `None` where all is equal.
+    /// The first place of the largest difference; `None` where all values are equal.
     pub at: Option<At>,
 }
 
 /// A value in both arrays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct At {
-    /// Row, from 0 at the top.
+    /// RowDifference, from 0 at the top.
     pub row: usize,
     /// Column, from 0 at the left.
     pub column: usize,
     /// Component of the pixel, from 0.
     pub channel: usize,
     /// The first array's value.
-    pub a: Number,
+    pub a: ArrayValue,
     /// The second array's value.
-    pub b: Number,
+    pub b: ArrayValue,
 }
 
 impl Difference {
-    /// Whether the arrays are equal up to the tolerance.
+    /// Whether the arrays are equal within the tolerance.
     pub fn is_within(&self) -> bool {
         self.unlike.is_none() && self.beyond == 0
     }
 }
 
-/// Compares value by value; `tolerance` is the greatest difference allowed, 0 or more.
+/// Compares value by value; `tolerance` is the largest allowed difference, 0 or more.
 ///
-/// Numbers of different types are compared as numbers: integers exactly, anything else in f64. NaN equals NaN, an
-/// infinity equals itself; against anything else they differ infinitely, which no tolerance allows.
-/// Arrays of different shapes, and pictures of 8 and of 16 bits, are [unlike](Difference::unlike).
+/// Numbers of different types are compared as numbers: integers exactly, others in f64. NaN equals NaN, and an infinity
+/// equals itself; against anything else they differ infinitely, beyond any tolerance. Arrays of different shapes, and
+/// pictures of 8 and of 16 bits, are [unlike](Difference::unlike).
 pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
     let [rows, columns, channels] = a.layout();
     let mut found = Difference {
@@ -67,9 +68,9 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Difference {
         return found;
     }
     let width = columns * channels;
-    let per_row: Vec<Row> = (0..rows)
+    let per_row: Vec<RowDifference> = (0..rows)
         .into_par_iter()
-        .map(|row| Row::of(a.values(), b.values(), row * width..(row + 1) * width, channels, tolerance))
+        .map(|row| RowDifference::of(a.values(), b.values(), row * width..(row + 1) * width, channels, tolerance))
         .collect();
     // Summed in the order of the rows, so that the mean does not depend on the threads.
     for row in per_row {
@@ -95,10 +96,10 @@ fn unlike(a: &Array, b: &Array) -> Option<String> {
     }
     let (this, that) = (a.values().dtype(), b.values().dtype());
     (a.is_picture() && b.is_picture() && this != that)
-        .then(|| format!("the pictures hold levels of {this} and of {that}"))
+        .then(|| format!("the pictures have levels of {this} and of {that}"))
 }
 
-/// A shape in words: `480 x 640 x 3`.
+/// A shape as text: `480 x 640 x 3`.
 pub fn sides(shape: &[usize]) -> String {
     match shape {
         [] => "one value".into(),
@@ -106,9 +107,9 @@ pub fn sides(shape: &[usize]) -> String {
     }
 }
 
-/// How far two values lie apart.
-pub(crate) fn distance(a: Number, b: Number) -> f64 {
-    if let (Number::Int(a), Number::Int(b)) = (a, b) {
+/// The difference of two values.
+pub(crate) fn distance(a: ArrayValue, b: ArrayValue) -> f64 {
+    if let (ArrayValue::Int(a), ArrayValue::Int(b)) = (a, b) {
         return a.abs_diff(b) as f64;
     }
     let (a, b) = (a.to_f64(), b.to_f64());
@@ -119,19 +120,19 @@ pub(crate) fn distance(a: Number, b: Number) -> f64 {
     if apart.is_nan() { f64::INFINITY } else { apart }
 }
 
-/// Whether a distance is more than `tolerance` allows; no tolerance allows infinity.
+/// Whether a difference exceeds `tolerance`; infinity always does.
 pub(crate) fn is_beyond(distance: f64, tolerance: f64) -> bool {
     distance > 0.0 && !(distance <= tolerance && distance.is_finite())
 }
 
-/// The distance at `index`; both arrays hold it.
+/// The difference at `index`, which both arrays have.
 pub(crate) fn distance_at(a: &Values, b: &Values, index: usize) -> f64 {
     a.get(index).zip(b.get(index)).map_or(0.0, |(a, b)| distance(a, b))
 }
 
-/// What one row adds.
+/// The sums of one row.
 #[derive(Default)]
-struct Row {
+struct RowDifference {
     differing: usize,
     beyond: usize,
     sum: f64,
@@ -139,7 +140,7 @@ struct Row {
     at: Option<usize>,
 }
 
-impl Row {
+impl RowDifference {
     fn of(a: &Values, b: &Values, row: std::ops::Range<usize>, channels: usize, tolerance: f64) -> Self {
         let mut found = Self::default();
         for pixel in row.step_by(channels) {

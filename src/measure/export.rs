@@ -1,4 +1,4 @@
-//! A record as files: JSON for programs, CSV for spreadsheets.
+//! Exports a record: JSON for programs, CSV for spreadsheets.
 
 use super::record::Record;
 #[cfg(feature = "cli")]
@@ -7,15 +7,15 @@ use crate::error::{Error, Result};
 use crate::frame::file::write_atomically;
 use std::path::Path;
 
-/// The record as one JSON object, with a line for each field.
+/// The record as one JSON object, one line per field.
 ///
 /// # Errors
-/// None that are known of: every number of a record has a JSON.
+/// None are known: every number of a record can be written as JSON.
 pub fn json(record: &Record) -> Result<String> {
     serde_json::to_string(record).map(|text| text + "\n").map_err(|e| Error::write("-", e.into()))
 }
 
-/// Writes `records.json` (and with the feature `cli` `records.csv`) into the folder `dir`, each whole or not at all.
+/// Writes `records.json` (and with the feature `cli` `records.csv`) atomically into the folder `dir`.
 ///
 /// # Errors
 /// [`Error::Io`] naming the file.
@@ -27,7 +27,7 @@ pub fn write(record: &Record, dir: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A row per run; units stand in the names of the columns, raw samples are joined by semicolons.
+/// A row per run; column names contain the units, raw samples are joined by semicolons.
 #[cfg(feature = "cli")]
 fn csv(record: &Record, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
@@ -41,7 +41,7 @@ fn csv(record: &Record, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     table.flush()
 }
 
-/// Names and values of one run's columns. What is infinite or was not measured is empty, as in the JSON.
+/// Names and values of the columns of a run. Infinite and missing values are empty, as in the JSON.
 #[cfg(feature = "cli")]
 fn row(record: &Record, run: &Run) -> Vec<(String, String)> {
     let mut row = Vec::new();

@@ -1,5 +1,5 @@
-//! The buffers of a file as arrays with names, whatever the format and whoever wrote it; and which buffers of two files
-//! belong together.
+//! The buffers of a file as named arrays, whatever its format and program; and the buffers of two files that
+//! correspond.
 
 mod exr;
 mod npz;
@@ -16,8 +16,8 @@ use std::path::Path;
 
 /// A buffer of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
-    /// What the file calls it, `depth`; `None` where it does not say.
+pub struct NamedBuffer {
+    /// Its name in the file, such as `depth`; `None` where the file has none.
     pub name: Option<String>,
     /// Its values.
     pub array: Array,
@@ -25,18 +25,18 @@ pub struct Named {
 
 /// A file's buffers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Frames {
-    /// What messages call the file.
+pub struct FrameFile {
+    /// The file's name, for messages.
     pub name: String,
-    /// In the file's order.
-    pub buffers: Vec<Named>,
-    /// Column and row of the first pixel in the full frame, where the format has a place for it.
+    /// The buffers in the file's order.
+    pub buffers: Vec<NamedBuffer>,
+    /// Column and row of the first pixel in the full frame, where the format stores it.
     pub origin: Option<[i32; 2]>,
 }
 
-/// Buffers of two files that belong together.
+/// Corresponding buffers of two files.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pair<'a> {
+pub struct BufferPair<'a> {
     /// Their name, where either file gives one.
     pub name: Option<&'a str>,
     /// The first file's.
@@ -45,33 +45,33 @@ pub struct Pair<'a> {
     pub b: &'a Array,
 }
 
-/// What two files have in common.
+/// The buffers of two files, matched.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pairs<'a> {
+pub struct MatchedBuffers<'a> {
     /// The buffers that both have.
-    pub common: Vec<Pair<'a>>,
-    /// Buffers that only one of them has: its name, and the file's.
+    pub common: Vec<BufferPair<'a>>,
+    /// Buffers that only one of them has: the buffer's name, and the file's.
     pub missing: Vec<(&'a str, &'a str)>,
 }
 
-impl Frames {
-    /// Reads a .png, .npy, .npz, .exr or .pfm file, told apart by content; `-` is standard input.
+impl FrameFile {
+    /// Reads a .png, .npy, .npz, .exr or .pfm file, detected by content; `-` is standard input.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at the file for one that makes no sense,
-    /// [`Error::Limits`] for one that does not fit the memory.
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] at a malformed file, [`Error::Limits`] for one
+    /// that does not fit into memory.
     pub fn read(path: &Path) -> Result<Self> {
         Self::from_bytes(&bytes_of(path)?, &path.display().to_string())
     }
 
-    /// The same of a file's bytes; `name` is what errors call it.
+    /// Reads a file from memory; errors refer to it by `name`.
     ///
     /// # Errors
-    /// As [`Frames::read`].
+    /// As [`FrameFile::read`].
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
         let one = |aov: Option<String>, array: Array| Self {
             name: name.to_owned(),
-            buffers: vec![Named { name: aov, array }],
+            buffers: vec![NamedBuffer { name: aov, array }],
             origin: None,
         };
         match bytes {
@@ -83,29 +83,33 @@ impl Frames {
                 Ok(one(trailed_buffer(bytes), pfm::read(bytes, name)?))
             }
             _ => {
-                let mend = "give a frame that halfline wrote; .raw files say no shape";
-                Err(Error::scene(Place::file(name), "neither PNG, EXR, PFM, .npy nor .npz", mend))
+                let mend = "use a frame that halfline wrote; .raw files do not store a shape";
+                Err(Error::scene(Place::file(name), "not a PNG, EXR, PFM, .npy or .npz file", mend))
             }
         }
     }
 
-    /// Which buffers of two files are to be compared: those of the same name, or those that `wanted` names. Where each file
-    /// has a single buffer they belong together, whatever their names.
+    /// Matches the buffers of two files: those of the same name, or those in `wanted`. If each file has a single
+    /// buffer, they are matched whatever their names.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a name that a file does not have, and where a file does not say which buffer of the other it is.
-    pub fn pairs<'a>(a: &'a Self, b: &'a Self, wanted: &'a [String]) -> Result<Pairs<'a>> {
+    /// [`Error::Settings`] for a name that a file does not have, and for an unnamed buffer beside several.
+    pub fn pairs<'a>(a: &'a Self, b: &'a Self, wanted: &'a [String]) -> Result<MatchedBuffers<'a>> {
         if !wanted.is_empty() {
-            let pair = |name: &'a String| Ok(Pair { name: Some(name), a: a.buffer(name)?, b: b.buffer(name)? });
-            return Ok(Pairs { common: wanted.iter().map(pair).collect::<Result<_>>()?, missing: Vec::new() });
+            let pair = |name: &'a String| Ok(BufferPair { name: Some(name), a: a.buffer(name)?, b: b.buffer(name)? });
+            return Ok(MatchedBuffers { common: wanted.iter().map(pair).collect::<Result<_>>()?, missing: Vec::new() });
         }
         if let ([one], [other]) = (&a.buffers[..], &b.buffers[..]) {
             let name = one.name.as_deref().or(other.name.as_deref());
-            return Ok(Pairs { common: vec![Pair { name, a: &one.array, b: &other.array }], missing: Vec::new() });
+            return Ok(MatchedBuffers {
+                common: vec![BufferPair { name, a: &one.array, b: &other.array }],
+                missing: Vec::new(),
+            });
         }
         for (nameless, other) in [(a, b), (b, a)] {
             if nameless.buffers.iter().any(|buffer| buffer.name.is_none()) {
-                let problem = format!("{} does not say which of the buffers of {} it is", nameless.name, other.name);
+                let problem =
+                    format!("{} has an unnamed buffer, which may be any of those of {}", nameless.name, other.name);
                 return Err(Error::settings(problem, format!("choose with --aov: {}", other.names())));
             }
         }
@@ -113,23 +117,26 @@ impl Frames {
         for buffer in &a.buffers {
             let name = buffer.name.as_deref().unwrap_or_default();
             match b.buffers.iter().find(|other| other.name == buffer.name) {
-                Some(other) => common.push(Pair { name: Some(name), a: &buffer.array, b: &other.array }),
+                Some(other) => common.push(BufferPair { name: Some(name), a: &buffer.array, b: &other.array }),
                 None => missing.push((name, &a.name[..])),
             }
         }
         let only_b = b.buffers.iter().filter(|buffer| a.buffers.iter().all(|other| other.name != buffer.name));
         missing.extend(only_b.map(|buffer| (buffer.name.as_deref().unwrap_or_default(), &b.name[..])));
-        Ok(Pairs { common, missing })
+        Ok(MatchedBuffers { common, missing })
     }
 
     fn buffer(&self, name: &str) -> Result<&Array> {
         let found = match &self.buffers[..] {
-            // A file of one buffer that does not say which is what it is asked for.
+            // A file with one unnamed buffer matches any name.
             [only] if only.name.is_none() => Some(only),
             all => all.iter().find(|buffer| buffer.name.as_deref() == Some(name)),
         };
         found.map(|buffer| &buffer.array).ok_or_else(|| {
-            Error::settings(format!("{} has no buffer {}", self.name, quote(name)), format!("it has {}", self.names()))
+            Error::settings(
+                format!("{} has no buffer {}", self.name, quote(name)),
+                format!("the file has {}", self.names()),
+            )
         })
     }
 
@@ -138,16 +145,16 @@ impl Frames {
     }
 }
 
-/// The one buffer that words of provenance name.
+/// The only buffer named in a provenance text.
 fn single(buffers: Option<&str>) -> Option<String> {
-    // Alpha is a channel of colour in a PNG.
+    // In a PNG alpha is a channel of colour.
     let name = buffers?.strip_suffix(",alpha").unwrap_or(buffers?);
     (!name.contains(',')).then(|| name.to_owned())
 }
 
-/// The buffer that the words behind the numbers of a .npy or .pfm name.
+/// The buffer named after the numbers of a .npy or .pfm.
 fn trailed_buffer(bytes: &[u8]) -> Option<String> {
-    // The words are text and short; numbers before them may be of any kind.
+    // The trailer is short text; the numbers before it may contain any bytes.
     const LONGEST: usize = 1 << 16;
     let tail = &bytes[bytes.len().saturating_sub(LONGEST)..];
     let starts = tail.windows(10).enumerate().filter(|(_, window)| *window == b"\nhalfline ").map(|(at, _)| at);
@@ -155,7 +162,7 @@ fn trailed_buffer(bytes: &[u8]) -> Option<String> {
     single(words.get("halfline:buffers"))
 }
 
-/// The buffer that the text chunks of a PNG name.
+/// The buffer named in the text chunks of a PNG.
 fn png_buffer(bytes: &[u8]) -> Option<String> {
     let reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().ok()?;
     let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == "halfline:buffers")?;

@@ -4,40 +4,40 @@ use super::compare::{Difference, distance_at, is_beyond};
 use super::{Array, Values};
 use crate::error::{Error, Result};
 use crate::frame::file;
-use crate::frame::format::Format;
+use crate::frame::format::FileFormat;
 use crate::frame::png;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Whether the picture can be written to `path`, to be asked before the work begins.
+/// Checks that the picture can be written to `path`, for use before the work begins.
 ///
 /// # Errors
-/// [`Error::Settings`] for an ending other than .png, [`Error::Io`] as [`file::check_writable`].
+/// [`Error::Settings`] for an extension other than .png, [`Error::Io`] as [`file::check_writable`].
 pub fn check(path: &Path) -> Result<()> {
-    if !file::is_standard_output(path) && !file::is_special(path) && Format::of(path) != Some(Format::Png) {
+    if !file::is_standard_output(path) && !file::is_special(path) && FileFormat::of(path) != Some(FileFormat::Png) {
         let problem = format!("{} cannot hold the picture of the difference", path.display());
-        return Err(Error::settings(problem, "end the name in .png"));
+        return Err(Error::settings(problem, "use the file name extension .png"));
     }
     file::check_writable(path)
 }
 
 /// Writes A | difference | B side by side as one PNG of 3 W x H pixels; `-` is standard output.
 ///
-/// Pictures are shown as they are, without their alpha; other arrays from black at the least to white at the
-/// greatest finite value of both, +inf white, -inf and NaN black. The difference is black where equal, grey within
-/// the tolerance and red to yellow beyond it, brighter with the finite greatest difference as the measure.
+/// Pictures are shown unchanged but without alpha; other arrays from black at the minimum to white at the maximum
+/// finite value of both, +inf white, -inf and NaN black. The difference is black where equal, grey within the
+/// tolerance, and red to yellow beyond it, with brightness relative to the largest finite difference.
 ///
 /// # Errors
 /// [`Error::Settings`] for arrays that are unlike or empty, else as [`file::write_atomically`].
 pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Result<()> {
     let [rows, columns, channels] = a.layout();
     if let Some(why) = &difference.unlike {
-        return Err(Error::settings(format!("no picture of the difference: {why}"), "leave out -o"));
+        return Err(Error::settings(format!("the difference has no picture: {why}"), "remove -o"));
     }
     if a.values().is_empty() {
-        return Err(Error::settings("no picture of the difference: there are no pixels", "leave out -o"));
+        return Err(Error::settings("the difference has no picture: there are no pixels", "remove -o"));
     }
-    let scale = Scale::of(a, b);
+    let scale = GreyScale::of(a, b);
     let row_values = columns * channels;
     // A row of the picture: expected | difference | actual.
     let line = |row: usize| {
@@ -62,7 +62,7 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
     ];
     file::write_atomically(path, |out| {
         png::write_levels([columns * 3, rows], &provenance, out, |out| {
-            // Some rows at a time, each in its thread.
+            // Several rows at a time, each in a thread.
             let together = ((1 << 22) / (columns * 9)).max(1);
             (0..rows).step_by(together).try_for_each(|first| {
                 let lines: Vec<_> = (first..(first + together).min(rows)).into_par_iter().map(line).collect();
@@ -72,20 +72,20 @@ pub fn write(a: &Array, b: &Array, difference: &Difference, path: &Path) -> Resu
     })
 }
 
-/// What black and white mean.
-struct Scale {
+/// The values of black and white.
+struct GreyScale {
     least: f64,
     greatest: f64,
-    /// The greatest finite difference.
+    /// The largest finite difference.
     farthest: f64,
 }
 
-impl Scale {
+impl GreyScale {
     fn of(a: &Array, b: &Array) -> Self {
         let finite = |array: &Array| {
             (0..array.values().len())
                 .filter_map(|i| array.values().get(i))
-                .map(super::Number::to_f64)
+                .map(super::ArrayValue::to_f64)
                 .filter(|x| x.is_finite())
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), x| (least.min(x), greatest.max(x)))
         };
@@ -108,9 +108,9 @@ impl Scale {
         match array.values() {
             Values::U8(values) if array.is_picture() => values[index],
             Values::U16(values) if array.is_picture() => (values[index] >> 8) as u8,
-            // Halves, so that the span of the largest numbers stays finite; the cast saturates.
+            // Halves, so that the range of the largest numbers stays finite; the cast saturates.
             values => {
-                let x = values.get(index).map_or(f64::NAN, super::Number::to_f64);
+                let x = values.get(index).map_or(f64::NAN, super::ArrayValue::to_f64);
                 (255.0 * ((x / 2.0 - self.least / 2.0) / (self.greatest / 2.0 - self.least / 2.0))).round() as u8
             }
         }
@@ -120,7 +120,7 @@ impl Scale {
         if apart == 0.0 {
             return [0; 3];
         }
-        // Never so dark that a single differing pixel is lost.
+        // A minimum brightness keeps a single differing pixel visible.
         let share = if apart.is_finite() { apart / self.farthest } else { 1.0 };
         let level = (64.0 + 191.0 * share) as u8;
         if is_beyond(apart, tolerance) { [255, level, 0] } else { [level; 3] }

@@ -1,4 +1,4 @@
-//! Plots of a measurement, each as SVG and as PNG. They read nothing but the record; [`growth`] has a plot of its own.
+//! Plots of a measurement, each as SVG and as PNG. They use only the record; [`growth`] has a separate plot.
 
 mod axis;
 mod canvas;
@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub struct Plot {
     /// Stem of its files.
     pub name: &'static str,
-    /// How to read it.
+    /// An explanation for readers.
     pub caption: &'static str,
     /// The picture as an SVG file.
     pub svg: String,
@@ -35,16 +35,16 @@ pub struct Plot {
 struct Kind {
     name: &'static str,
     caption: &'static str,
-    /// Whether the record has what it shows.
+    /// Whether the record has the necessary data.
     applies: fn(&Record) -> bool,
     draw: fn(&Record) -> canvas::Drawn<canvas::Drawing>,
 }
 
-/// THE list of plots, and of what each one needs of the record.
+/// The list of plots, and the data that each one needs.
 const KINDS: [Kind; 7] = [
     Kind {
         name: "speed-error",
-        caption: "Down and to the left is better. A method below and left of the line would beat every other one.",
+        caption: "Lower and further left is better. A method below and to the left of the line would dominate all others.",
         applies: is_timed,
         draw: |record| plane::draw(record, plane::Against::Wrong),
     },
@@ -56,7 +56,7 @@ const KINDS: [Kind; 7] = [
     },
     Kind {
         name: "error-distance",
-        caption: "The share of pixels that show what is not there. Methods without any lie side by side at the foot.",
+        caption: "The share of wrong pixels. Methods without wrong pixels are side by side at the bottom.",
         applies: has_distances,
         draw: |record| ladder::draw(record, ladder::Against::Wrong),
     },
@@ -80,7 +80,7 @@ const KINDS: [Kind; 7] = [
     },
     Kind {
         name: "crops",
-        caption: "The middle of each picture as it was rendered; pixels that show what is not there are coloured.",
+        caption: "The middle of each picture as it was rendered; wrong pixels are coloured.",
         applies: |record| crops::place(record).is_some(),
         draw: crops::draw,
     },
@@ -90,7 +90,7 @@ fn is_timed(record: &Record) -> bool {
     record.runs.iter().any(|run| run.refused.is_none() && !run.steady_ms.is_empty())
 }
 
-/// One distance makes no axis.
+/// A single distance needs no axis.
 fn has_distances(record: &Record) -> bool {
     let Some(place) = main_place(record) else { return false };
     let here = record.runs.iter().filter(|run| run.place == place && run.refused.is_none());
@@ -102,7 +102,7 @@ fn has_distances(record: &Record) -> bool {
 /// Every plot that the record has the data for.
 ///
 /// # Errors
-/// [`Error::Io`] at the plot's name, should it fail to be drawn.
+/// [`Error::Io`] at the plot's name if drawing fails.
 pub fn plots(record: &Record) -> Result<Vec<Plot>> {
     let drawn = |kind: &Kind| {
         let drawing = (kind.draw)(record).map_err(|error| Error::write(kind.name, io::Error::other(error)))?;
@@ -112,7 +112,7 @@ pub fn plots(record: &Record) -> Result<Vec<Plot>> {
 }
 
 impl Plot {
-    /// Writes `NAME.svg` and `NAME.png` into a folder that exists.
+    /// Writes `NAME.svg` and `NAME.png` into an existing folder.
     ///
     /// # Errors
     /// [`Error::Io`] naming the file.

@@ -1,13 +1,13 @@
-//! What a measurement leaves: one record with units and raw samples. Tables, plots and reports read nothing else.
+//! The record of a measurement, with units and raw samples. Tables, plots and reports are made from it alone.
 
 use crate::error::{Error, Place, Result};
 use crate::predict::Prediction;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A whole measurement; `records.json` is this.
+/// A whole measurement; `records.json` contains it.
 ///
-/// Numbers that may be infinite (an unbounded prediction, say) are `None` where they are, since JSON has no infinity.
+/// Numbers that may be infinite (such as an unbounded prediction) are `None` then, since JSON has no infinity.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// `halfline-measure`.
@@ -16,25 +16,25 @@ pub struct Record {
     pub version: u32,
     /// The program that measured.
     pub halfline: String,
-    /// What was measured: the scene's file name, or `suite extremes`, `suite ladder`.
+    /// The subject: the scene's file name, or `suite extremes`, `suite ladder`.
     pub subject: String,
     /// The command line that repeats it.
     pub command: String,
-    /// Relative error of the distance that certified answers promised.
+    /// The promised relative error of certified distances.
     pub tolerance: f64,
-    /// The unit of each number, by the name of its field.
+    /// The unit of each number, by field name.
     pub units: BTreeMap<String, String>,
-    /// Where it ran: the adapter, and the CPU reference path.
+    /// Where it ran: the adapter and the CPU reference path.
     pub places: Vec<PlaceRecord>,
-    /// What was rendered.
+    /// The scenes.
     pub scenes: Vec<SceneRecord>,
-    /// Each method on each scene in each place.
+    /// The runs: each method on each scene in each place.
     pub runs: Vec<Run>,
-    /// What to be careful about, in whole sentences.
+    /// Warnings, in whole sentences.
     pub warnings: Vec<String>,
 }
 
-/// Something that computes frames.
+/// An adapter or the CPU reference path.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlaceRecord {
     /// `gpu` or `cpu`.
@@ -43,20 +43,20 @@ pub struct PlaceRecord {
     pub adapter: String,
     /// Driver and its version; threads for the reference path.
     pub driver: String,
-    /// What the self-test found, a line each; empty for the reference path.
+    /// The results of the self-test, one per line; empty for the reference path.
     pub self_test: Vec<String>,
-    /// Whether kernels were timed by the device's own clock beside the wall clock.
+    /// Whether the device's own clock timed the kernels too.
     pub timestamps: bool,
 }
 
-/// A scene that was measured, or a family of scenes that were measured together.
+/// A scene, or a family of scenes that were measured together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
     /// File name, family of the extremes, or rung of the ladder.
     pub name: String,
     /// BLAKE3 of the scene's content.
     pub fingerprint: String,
-    /// How many pictures go by this name: 1, but for a family of the extremes. Times are then sums over all.
+    /// The number of pictures: 1, except for a family of the extremes. Times are sums over all.
     pub pictures: u64,
     /// Spheres, in all pictures.
     pub spheres: u64,
@@ -64,7 +64,7 @@ pub struct SceneRecord {
     pub size: [u32; 2],
     /// Largest distance from the eye to a sphere's centre, in its radii; `None` without spheres.
     pub farthest: Option<f64>,
-    /// Rays that hit something, exactly.
+    /// The number of rays that hit in exact arithmetic.
     pub hits: u64,
 }
 
@@ -75,43 +75,43 @@ pub struct Run {
     pub scene: usize,
     /// Index into `places`.
     pub place: usize,
-    /// The form of the quadratic, `certified` or `exact`.
+    /// The intersection method, `certified` or `exact`.
     pub method: String,
-    /// Why it did not run, if it did not; everything below is then empty.
+    /// Why it was refused; all fields below are then empty.
     pub refused: Option<String>,
-    /// Whole-frame wall time of the first frame, milliseconds: with compiling.
+    /// Whole-frame wall time of the first frame, with compiling, milliseconds.
     pub first_ms: Option<f64>,
-    /// Whole-frame wall times after that, milliseconds; methods take turns.
+    /// Whole-frame wall times of the later frames, milliseconds; methods alternate.
     pub steady_ms: Vec<f64>,
-    /// Kernel times of the same frames by the device's clock, milliseconds; empty where it offers none.
+    /// Kernel times of the same frames by the device's clock, milliseconds; empty where it has none.
     pub kernel_ms: Vec<f64>,
-    /// How wrong it was, against exact arithmetic.
+    /// Errors relative to exact arithmetic.
     pub errors: Errors,
-    /// Share of the pixels that f32 proved; `None` where nothing is proved.
+    /// Share of the pixels proved in f32; `None` for methods without proofs.
     pub certified: Option<f64>,
-    /// Pixels settled in better arithmetic; `None` likewise.
+    /// Pixels settled in exact arithmetic; `None` for methods without proofs.
     pub settled: Option<u64>,
-    /// Largest share that a true error of the distance took of its stated bound; `None` without bounds.
+    /// Largest ratio of a distance error to its stated bound; `None` without bounds.
     pub of_bound: Option<f64>,
-    /// What was predicted before rendering.
+    /// The errors predicted before rendering.
     pub predicted: Predicted,
-    /// Where it was wrong; scenes of their own only.
+    /// A map of the errors; for single scenes only.
     pub map: Option<Map>,
-    /// The middle of the picture; rungs of the ladder only.
+    /// The middle of the picture; for the ladder only.
     pub crop: Option<Crop>,
 }
 
 /// A-priori bounds of a method on a scene; `None` is unbounded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Predicted {
-    /// How far outlines may be off, in radii.
+    /// Bound of outline errors, in radii.
     pub outline: Option<f64>,
-    /// How far the distance may be off, relative to itself.
+    /// Bound of the relative error of distances.
     pub distance: Option<f64>,
 }
 
 impl Predicted {
-    /// The worse of both; `first` if nothing was predicted yet.
+    /// The worse of both; `other` if `first`.
     pub(crate) fn worse(self, other: &Prediction, first: bool) -> Self {
         let worse = |a: Option<f64>, b: f64| match (first, a) {
             (true, _) => finite(b),
@@ -121,10 +121,10 @@ impl Predicted {
     }
 }
 
-/// Errors of one frame against exact arithmetic.
+/// Errors of one frame relative to exact arithmetic.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Pixels judged.
+    /// Pixels compared.
     pub pixels: u64,
     /// A sphere is shown where the ray hits none.
     pub false_hit: u64,
@@ -132,12 +132,12 @@ pub struct Errors {
     pub false_miss: u64,
     /// Another sphere than the nearest is shown.
     pub wrong_sphere: u64,
-    /// The right sphere, but its other root, or no root at all.
+    /// The right sphere, but its other root or no root.
     pub wrong_root: u64,
-    /// How far outlines were off: the change of radius, relative to it, that would make every wrong pixel right.
-    /// `None` is unbounded.
+    /// Largest outline error: the relative change of radius that would make every wrong pixel right. `None` is
+    /// unbounded.
     pub outline: Option<f64>,
-    /// |t - t*| / t* where the right sphere is shown, and where a wrong one is as near.
+    /// |t - t*| / t* where the right sphere is shown, and where a wrong one is equally near.
     pub relative: Spread,
     /// |t - t*| in ulps of f32 at t*, right sphere and root.
     pub ulp: Spread,
@@ -148,27 +148,27 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Pixels that show what is not there.
+    /// The number of wrong pixels.
     #[must_use]
     pub fn wrong(&self) -> u64 {
         self.false_hit + self.false_miss + self.wrong_sphere + self.wrong_root
     }
 
-    /// The same as a share of all.
+    /// Wrong pixels as a share of all.
     #[must_use]
     pub fn wrong_share(&self) -> f64 {
         self.wrong() as f64 / self.pixels.max(1) as f64
     }
 }
 
-/// A distribution in three numbers; zeros where there was nothing to measure, `None` for what is infinite.
+/// A distribution in three numbers; zeros without samples, `None` for infinity.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
-    /// Half of them are no larger.
+    /// The median.
     pub median: Option<f64>,
-    /// 99 of 100 are no larger.
+    /// The 99th percentile.
     pub p99: Option<f64>,
-    /// None is larger.
+    /// The maximum.
     pub max: Option<f64>,
 }
 
@@ -177,48 +177,48 @@ pub struct Spread {
 pub struct Map {
     /// Pixels along the side of a cell.
     pub cell: u32,
-    /// Columns and rows of cells; the last ones may stand over.
+    /// Columns and rows of cells; the last ones may extend beyond the image.
     pub size: [u32; 2],
-    /// Largest relative error of the distance in each cell, right sphere and root, to three digits; 0 where nothing is
-    /// hit.
+    /// Largest relative error of the distance in each cell, right sphere and root, to three digits; 0 without a hit.
     pub error: Vec<f32>,
     /// Wrong pixels in each cell.
     pub wrong: Vec<u32>,
 }
 
-/// A piece of the rendered picture.
+/// A part of the rendered picture.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Crop {
     /// Columns and rows.
     pub size: [u32; 2],
-    /// One letter a pixel, row by row: `0` to `9` and `a` to `f` for a brightness, dark to light; `.` for background.
+    /// One letter per pixel, row by row: `0` to `9` and `a` to `f` for brightness from dark to light; `.` for
+    /// background.
     pub shade: String,
-    /// One letter a pixel: `-` right, `h` false hit, `m` false miss, `s` wrong sphere, `r` wrong root.
+    /// One letter per pixel: `-` right, `h` false hit, `m` false miss, `s` wrong sphere, `r` wrong root.
     pub verdict: String,
 }
 
 impl Record {
-    /// What `schema` says.
+    /// The value of `schema`.
     pub const SCHEMA: &'static str = "halfline-measure";
-    /// What `version` says.
+    /// The value of `version`.
     pub const VERSION: u32 = 1;
 
-    /// The record in the text of a `records.json`.
+    /// Parses a `records.json`.
     ///
     /// # Errors
-    /// [`Error::Scene`] at the file `name` for what is no such record.
+    /// [`Error::Scene`] at the file `name` for anything else.
     pub fn from_json(text: &str, name: &str) -> Result<Self> {
         let foreign =
-            |problem: String| Error::scene(Place::file(name), problem, "give a records.json of halfline measure");
+            |problem: String| Error::scene(Place::file(name), problem, "use a records.json of halfline measure");
         let record: Self = serde_json::from_str(text).map_err(|e| foreign(e.to_string()))?;
         match (record.schema.as_str(), record.version) {
             (Self::SCHEMA, Self::VERSION) => Ok(record),
-            (schema, version) => Err(foreign(format!("it is a {schema:?} of version {version}"))),
+            (schema, version) => Err(foreign(format!("the file is a {schema:?} of version {version}"))),
         }
     }
 }
 
-/// The units of a record's numbers, by the names of the fields.
+/// The units of a record's numbers, by field name.
 pub(crate) fn units() -> BTreeMap<String, String> {
     let unit = |(name, unit): (&str, &str)| (name.to_owned(), unit.to_owned());
     [
@@ -249,7 +249,7 @@ pub(crate) fn units() -> BTreeMap<String, String> {
     .into()
 }
 
-/// What JSON can hold of a number: `None` for what is not finite.
+/// A number as JSON can hold it: `None` for infinity and NaN.
 #[must_use]
 pub fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)

@@ -1,4 +1,4 @@
-//! The report of a measurement: one page that opens anywhere, without a network, a script or another file.
+//! The report of a measurement: a single HTML page without scripts, external files or network access.
 
 mod tables;
 
@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::frame::file;
 use std::path::{Path, PathBuf};
 
-/// Writes every plot that the record has the data for, as SVG and PNG, and `report.html`, into a folder that exists.
-/// Files are either whole or not there. Returns their paths, the report last.
+/// Writes every plot that the record has data for, as SVG and PNG, and `report.html`, into an existing folder. Files
+/// are written atomically. Returns their paths, the report last.
 ///
 /// # Errors
 /// [`crate::Error::Io`] naming the file.
@@ -27,7 +27,7 @@ pub fn write(record: &Record, dir: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// The page with these plots in it.
+/// The page with these plots.
 #[must_use]
 pub fn page(record: &Record, plots: &[Plot]) -> String {
     let subject = escaped(&record.subject);
@@ -43,10 +43,10 @@ pub fn page(record: &Record, plots: &[Plot]) -> String {
         list("summary", &summary(record)),
         list("warnings", &record.warnings),
         section("Plots", &plots.iter().map(figure).collect::<String>()),
-        section("Where it ran", &places(&record.places)),
+        section("Devices", &places(&record.places)),
         section("All scenes together", &tables::totals(record)),
         section("Results", &tables::results(record)),
-        section("Do it again", &format!("<pre><code>{}</code></pre>\n", escaped(&record.command))),
+        section("Command", &format!("<pre><code>{}</code></pre>\n", escaped(&record.command))),
     ];
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -64,16 +64,16 @@ pub fn page(record: &Record, plots: &[Plot]) -> String {
 
 const STYLE: &str = include_str!("report/style.css");
 
-/// What shouts.
+/// The mark of a broken run.
 const BADGE: &str = "<strong class=\"broken\">BROKEN</strong>";
 
-/// A heading and what is under it; nothing for nothing.
+/// A heading and its content; empty without content.
 fn section(title: &str, body: &str) -> String {
     if body.is_empty() { String::new() } else { format!("<section>\n<h2>{title}</h2>\n{body}</section>\n") }
 }
 
 fn figure(plot: &Plot) -> String {
-    // Inside a page SVG needs no namespace.
+    // Inline SVG needs no namespace.
     let svg = plot.svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1);
     format!(
         "<figure id=\"{}\">\n<div class=\"sheet\">{svg}</div>\n<figcaption>{}</figcaption>\n</figure>\n",
@@ -91,7 +91,7 @@ fn places(places: &[PlaceRecord]) -> String {
     tables::table(&["backend", "adapter", "driver", "clock", "self-test"], rows.collect())
 }
 
-/// Text as HTML shows it.
+/// Text escaped for HTML.
 fn escaped(text: &str) -> String {
     let mut html = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,13 +1,13 @@
-//! The measurement itself: methods take turns on the same scenes, and the judge tells how wrong each was.
+//! The measurement: methods alternate on the same scenes, and their errors are computed with exact arithmetic.
 //!
-//! For each scene every method renders a first frame, then in rounds one more each, so that whatever disturbs a shared
-//! machine disturbs all alike. A frame holds what users want: colour, ids, distance and normal. The errors are those
-//! of the first frame. How far the bounds of certified answers hold is read from one more frame, which is not timed.
+//! For each scene every method renders a first frame, then one more per round, so that other load on a shared machine
+//! affects all methods alike. A frame contains typical buffers: colour, ids, distance and normal. The errors are those
+//! of the first frame. The bounds of certified answers are checked with one more frame, which is not timed.
 
-use super::contender::Contender;
 use super::record::{PlaceRecord, Record, Run, SceneRecord, units};
 use super::score::{Score, Truths, one_eye};
 use super::suite::{extremes, ladder};
+use super::variant::Variant;
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
 use crate::gpu::device;
@@ -18,40 +18,40 @@ use crate::settings::{Backend, Search, Settings, Tolerance};
 use glam::DVec3;
 use std::path::Path;
 
-/// What every timed frame holds, besides the ids.
+/// The buffers of every timed frame, besides the ids.
 const AOVS: [Aov; 3] = [Aov::Color, Aov::Distance, Aov::Normal];
 
-/// A method is not repeated further on a scene once its repeated frames took so long together, milliseconds.
+/// A method is not repeated further on a scene once its repeated frames took this long in total, milliseconds.
 const ENOUGH_MS: f64 = 10_000.0;
 
-/// Rounds on the CPU reference path, at most: it is there to be right, not to be fast.
+/// The most rounds on the CPU reference path, which is slow.
 const CPU_ROUNDS: u32 = 2;
 
-/// Frames after the first, for one scene and for each of a suite's.
+/// Frames after the first, for a single scene and for each scene of a suite.
 const ROUNDS: [u32; 2] = [5, 1];
 
-/// The reference path's frame is estimated from a small one where this many ray-sphere tests are to be done.
+/// The reference path's time is estimated from a small frame above this number of ray-sphere tests.
 const LARGE: f64 = 1e8;
 
-/// The estimate's picture is so many times smaller each way.
+/// The factor by which the estimate's picture is smaller each way.
 const SMALLER: u32 = 8;
 
-/// What is to be measured.
+/// The scenes to measure.
 pub struct Subject {
     name: String,
-    kind: Kind,
-    cases: Vec<Case>,
+    kind: SubjectKind,
+    cases: Vec<SceneGroup>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum SubjectKind {
     Scene,
     Extremes,
     Ladder,
 }
 
-/// Scenes under one name, measured together.
-struct Case {
+/// Scenes measured together under one name.
+struct SceneGroup {
     name: String,
     scenes: Vec<Scene>,
 }
@@ -61,19 +61,19 @@ impl Subject {
     #[must_use]
     pub fn scene(name: impl Into<String>, scene: Scene) -> Self {
         let name = name.into();
-        Self { cases: vec![Case { name: name.clone(), scenes: vec![scene] }], name, kind: Kind::Scene }
+        Self { cases: vec![SceneGroup { name: name.clone(), scenes: vec![scene] }], name, kind: SubjectKind::Scene }
     }
 
-    /// The families of extremes; `folder` has the data of other people, if there is one.
+    /// The families of extremes; `folder` contains the third-party data, if there is any.
     ///
     /// # Errors
     /// Those of [`extremes::Family::scenes`].
     pub fn extremes(folder: Option<&Path>) -> Result<Self> {
         let case = |family: &extremes::Family| {
-            Ok(Case { name: family.name.into(), scenes: family.scenes(extremes::SEED, folder)? })
+            Ok(SceneGroup { name: family.name.into(), scenes: family.scenes(extremes::SEED, folder)? })
         };
         let cases: Vec<_> = extremes::FAMILIES.iter().map(case).collect::<Result<_>>()?;
-        Ok(Self { name: "suite extremes".into(), kind: Kind::Extremes, cases })
+        Ok(Self { name: "suite extremes".into(), kind: SubjectKind::Extremes, cases })
     }
 
     /// The wall from near to far.
@@ -81,12 +81,12 @@ impl Subject {
     /// # Errors
     /// Those of [`ladder::scene`].
     pub fn ladder() -> Result<Self> {
-        let case = |rung: f64| Ok(Case { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?] });
+        let case = |rung: f64| Ok(SceneGroup { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?] });
         let cases = ladder::RUNGS.into_iter().map(case).collect::<Result<_>>()?;
-        Ok(Self { name: "suite ladder".into(), kind: Kind::Ladder, cases })
+        Ok(Self { name: "suite ladder".into(), kind: SubjectKind::Ladder, cases })
     }
 
-    /// Other sizes for all its pictures.
+    /// Sets the size of all its pictures.
     #[must_use]
     pub fn resized(mut self, [width, height]: [u32; 2]) -> Self {
         for scene in self.cases.iter_mut().flat_map(|case| &mut case.scenes) {
@@ -96,22 +96,22 @@ impl Subject {
     }
 }
 
-/// How it is to be measured.
+/// The options of a measurement.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Auto is both: the adapter, if there is one, and the CPU reference path.
+    /// Auto measures both: the adapter, if there is one, and the CPU reference path.
     pub backend: Backend,
-    /// Which adapter, by index or part of its name.
+    /// The adapter, by index or part of its name.
     pub adapter: Option<String>,
-    /// Who takes part.
-    pub contenders: Vec<Contender>,
-    /// Frames after the first; `None` is 5 for a scene and 1 for each of a suite's.
+    /// The methods.
+    pub variants: Vec<Variant>,
+    /// Frames after the first; `None` is 5 for a scene and 1 for each scene of a suite.
     pub rounds: Option<u32>,
     /// Promised relative error of certified distances.
     pub tolerance: Tolerance,
-    /// How candidates are found; where it is left open, forms alone ask all spheres.
+    /// The candidate search; if it is open, uncertified methods test all spheres.
     pub search: Search,
-    /// A method that would take the reference path longer than this for one frame is left out there, seconds.
+    /// A method that would take longer than this for one frame on the reference path is skipped there, seconds.
     pub patience: f64,
     /// The command line, for the record.
     pub command: String,
@@ -122,7 +122,7 @@ impl Default for Options {
         Self {
             backend: Backend::Auto,
             adapter: None,
-            contenders: Contender::all(),
+            variants: Variant::all(),
             rounds: None,
             tolerance: Tolerance::default(),
             search: Search::Auto,
@@ -132,12 +132,12 @@ impl Default for Options {
     }
 }
 
-/// Measures `subject`; `say` hears a line now and then, `watch` every frame and the judge's.
+/// Measures `subject`; `say` receives progress messages; `watch` can cancel frames and exact answers.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when `watch` says no, [`Error::Settings`] for an orthographic camera, which the methods do not
-/// have, and those of [`Renderer::render`]; an adapter's refusal of a method is
-/// part of the record, unless nothing else is.
+/// [`Error::Interrupted`] after a cancellation, [`Error::Settings`] for an orthographic camera, which the methods do
+/// not support, and those of [`Renderer::render`]. A method that the adapter refuses is part of the record, unless all
+/// are refused.
 pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dyn FnMut(&str)) -> Result<Record> {
     for scene in subject.cases.iter().flat_map(|case| &case.scenes) {
         scene.check()?;
@@ -160,7 +160,7 @@ pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dy
     let mut refusal = None;
     for case in &subject.cases {
         let Some(first) = case.scenes.first() else {
-            record.warnings.push(format!("{}: its data is not there and it is left out", case.name));
+            record.warnings.push(format!("{}: its data file is missing, so it is skipped", case.name));
             continue;
         };
         say(&case.name);
@@ -180,14 +180,14 @@ pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dy
     }
     match refusal {
         Some(problem) if record.runs.iter().all(|run| run.refused.is_some()) => {
-            Err(Error::Accuracy { problem, mend: "choose other --methods or another --backend".into() })
+            Err(Error::Accuracy { problem, mend: "use other --methods or another --backend".into() })
         }
         _ => Ok(record),
     }
 }
 
-/// What is known of a case before it is rendered.
-fn describe(case: &Case, first: &Scene) -> SceneRecord {
+/// The description of a case before it is rendered.
+fn describe(case: &SceneGroup, first: &Scene) -> SceneRecord {
     let size = |scene: &Scene| [scene.image.width, scene.image.height];
     let farness = |scene: &Scene| {
         let away = |(c, r): (&[f64; 3], &f64)| (DVec3::from_array(*c) - scene.camera.eye).length() / r;
@@ -208,13 +208,13 @@ fn describe(case: &Case, first: &Scene) -> SceneRecord {
     }
 }
 
-/// A place that computes.
+/// A device with its renderer.
 struct Station {
     renderer: Renderer,
     backend: Backend,
 }
 
-/// Where the options want it measured.
+/// The devices that the options select.
 fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Result<Vec<Station>> {
     let open = |backend: Backend, adapter: Option<String>| {
         let settings = Settings { backend, adapter, ..Settings::default() };
@@ -225,7 +225,7 @@ fn stations(options: &Options, watch: &Watch, warnings: &mut Vec<String>) -> Res
     match options.backend {
         Backend::Gpu => Ok(vec![gpu()?]),
         Backend::Cpu if options.adapter.is_some() => {
-            Err(Error::settings("the cpu backend has no adapters", "leave out --adapter or use --backend gpu"))
+            Err(Error::settings("--backend cpu does not use an adapter", "remove --adapter or use --backend gpu"))
         }
         Backend::Cpu => Ok(vec![cpu()?]),
         Backend::Auto if options.adapter.is_none() && device::find()?.is_empty() => {
@@ -254,10 +254,10 @@ impl Station {
     }
 }
 
-/// One contender in one place, over the scenes of a case.
-struct Entry {
+/// A method in a place, over the scenes of a case.
+struct VariantRun {
     place: usize,
-    contender: Contender,
+    variant: Variant,
     run: Run,
     refusal: Option<Error>,
     score: Option<Score>,
@@ -265,11 +265,12 @@ struct Entry {
     proved: f64,
 }
 
-/// Everyone who takes part, in the order of their turns. The exact way is the same everywhere and runs on the CPU.
-fn entries(stations: &[Station], options: &Options) -> Vec<Entry> {
-    let entry = |place, contender| Entry {
+/// All methods in all places, in the order of their turns. Exact arithmetic is the same everywhere and runs on the CPU
+/// only.
+fn entries(stations: &[Station], options: &Options) -> Vec<VariantRun> {
+    let entry = |place, variant| VariantRun {
         place,
-        contender,
+        variant,
         run: Run::default(),
         refusal: None,
         score: None,
@@ -277,62 +278,62 @@ fn entries(stations: &[Station], options: &Options) -> Vec<Entry> {
         proved: 0.0,
     };
     let last = stations.len().saturating_sub(1);
-    let runs_at = |place: usize, contender: &Contender| *contender != Contender::Exact || place == last;
+    let runs_at = |place: usize, variant: &Variant| *variant != Variant::Exact || place == last;
     (0..stations.len())
-        .flat_map(|place| options.contenders.iter().filter(move |c| runs_at(place, c)).map(move |c| entry(place, *c)))
+        .flat_map(|place| options.variants.iter().filter(move |c| runs_at(place, c)).map(move |c| entry(place, *c)))
         .collect()
 }
 
-impl Entry {
-    /// The record of it all.
+impl VariantRun {
+    /// The finished run.
     fn finish(self, scene: usize) -> Run {
-        let Self { place, contender, run, refusal, score, rays, proved } = self;
+        let Self { place, variant, run, refusal, score, rays, proved } = self;
         let refused = refusal.map(|error| error.to_string());
-        let run = Run { scene, place, method: contender.name().into(), ..run };
+        let run = Run { scene, place, method: variant.name().into(), ..run };
         let Some(score) = score.filter(|_| refused.is_none()) else {
-            // What some of its scenes gave is no result.
+            // Results of some of its scenes are discarded.
             return Run { scene, place, method: run.method, refused, ..Run::default() };
         };
-        let certified = (contender == Contender::Certified).then(|| proved / rays.max(1) as f64);
+        let certified = (variant == Variant::Certified).then(|| proved / rays.max(1) as f64);
         Run { errors: score.errors(), of_bound: score.of_bound(), certified, ..run }
     }
 }
 
-/// One scene and its turns.
+/// One scene and its rounds.
 struct Turns<'a> {
     scene: &'a Scene,
-    kind: Kind,
+    kind: SubjectKind,
     options: &'a Options,
     watch: &'a Watch,
 }
 
 impl Turns<'_> {
-    /// Lets everyone render: first frames, then rounds. How many rays hit.
-    fn run(&self, stations: &mut [Station], entries: &mut [Entry], say: &mut dyn FnMut(&str)) -> Result<u64> {
+    /// Renders first frames, then rounds. Returns the number of rays that hit.
+    fn run(&self, stations: &mut [Station], entries: &mut [VariantRun], say: &mut dyn FnMut(&str)) -> Result<u64> {
         let truths = Truths::watched(self.scene, self.watch)?;
         for entry in entries.iter_mut().filter(|entry| entry.refusal.is_none()) {
             let station = &mut stations[entry.place];
             match self.first(station, entry, &truths) {
-                Ok(ms) if self.kind == Kind::Scene => {
-                    say(&format!("  {} on the {}: {ms:.1} ms", entry.contender.name(), station.backend.name()));
+                Ok(ms) if self.kind == SubjectKind::Scene => {
+                    say(&format!("  {} on the {}: {ms:.1} ms", entry.variant.name(), station.backend.name()));
                 }
                 Ok(_) => {}
                 Err(error @ (Error::Accuracy { .. } | Error::Limits { .. })) => {
-                    if self.kind == Kind::Scene {
-                        say(&format!("  {} on the {}: {error}", entry.contender.name(), station.backend.name()));
+                    if self.kind == SubjectKind::Scene {
+                        say(&format!("  {} on the {}: {error}", entry.variant.name(), station.backend.name()));
                     }
                     entry.refusal = Some(error);
                 }
                 Err(error) => return Err(error),
             }
         }
-        let rounds = self.options.rounds.unwrap_or(ROUNDS[usize::from(self.kind != Kind::Scene)]);
+        let rounds = self.options.rounds.unwrap_or(ROUNDS[usize::from(self.kind != SubjectKind::Scene)]);
         let mut spent = vec![0.0; entries.len()];
         for round in 0..rounds {
             for (entry, spent) in entries.iter_mut().zip(&mut spent) {
                 let station = &mut stations[entry.place];
                 let slow = station.backend == Backend::Cpu && round >= CPU_ROUNDS;
-                if entry.refusal.is_none() && entry.contender != Contender::Exact && !slow && *spent < ENOUGH_MS {
+                if entry.refusal.is_none() && entry.variant != Variant::Exact && !slow && *spent < ENOUGH_MS {
                     *spent += self.again(station, entry, round as usize)?;
                 }
             }
@@ -340,33 +341,33 @@ impl Turns<'_> {
         Ok(truths.hits())
     }
 
-    fn settings(&self, backend: Backend, contender: Contender, aovs: &[Aov]) -> Settings {
-        contender.settings(backend, self.options.tolerance, self.options.search, aovs)
+    fn settings(&self, backend: Backend, variant: Variant, aovs: &[Aov]) -> Settings {
+        variant.settings(backend, self.options.tolerance, self.options.search, aovs)
     }
 
-    fn render(&self, station: &mut Station, contender: Contender, aovs: &[Aov]) -> Result<Frame> {
-        station.renderer.render(self.scene, &self.settings(station.backend, contender, aovs))
+    fn render(&self, station: &mut Station, variant: Variant, aovs: &[Aov]) -> Result<Frame> {
+        station.renderer.render(self.scene, &self.settings(station.backend, variant, aovs))
     }
 
-    /// The first frame: it is judged. How long it took.
-    fn first(&self, station: &mut Station, entry: &mut Entry, truths: &Truths) -> Result<f64> {
-        self.expect_patience(station, entry.contender)?;
-        let frame = self.render(station, entry.contender, &AOVS)?;
+    /// Renders the first frame and computes its errors. Returns its time.
+    fn first(&self, station: &mut Station, entry: &mut VariantRun, truths: &Truths) -> Result<f64> {
+        self.expect_patience(station, entry.variant)?;
+        let frame = self.render(station, entry.variant, &AOVS)?;
         let ms: f64 = frame.report.frame_ms.iter().sum();
         let run = &mut entry.run;
         run.first_ms = Some(run.first_ms.unwrap_or(0.0) + ms);
         entry.rays += frame.report.rays;
         let mut score = truths.score(&frame)?;
         match self.kind {
-            Kind::Scene => run.map = Some(score.map()),
-            Kind::Ladder => run.crop = Some(score.crop(self.scene, &frame)?),
-            Kind::Extremes => {}
+            SubjectKind::Scene => run.map = Some(score.map()),
+            SubjectKind::Ladder => run.crop = Some(score.crop(self.scene, &frame)?),
+            SubjectKind::Extremes => {}
         }
-        if entry.contender == Contender::Certified {
+        if entry.variant == Variant::Certified {
             entry.proved += frame.report.certified * frame.report.rays as f64;
             run.settled = Some(run.settled.unwrap_or(0) + frame.report.settled);
             // The same answers with their bounds.
-            let frame = self.render(station, entry.contender, &[Aov::Distance, Aov::Normal, Aov::Bound])?;
+            let frame = self.render(station, entry.variant, &[Aov::Distance, Aov::Normal, Aov::Bound])?;
             score = truths.score(&frame)?;
         }
         if let Some(predicted) = &frame.report.predicted {
@@ -380,9 +381,9 @@ impl Turns<'_> {
         Ok(ms)
     }
 
-    /// One more frame, timed and forgotten. How long it took.
-    fn again(&self, station: &mut Station, entry: &mut Entry, round: usize) -> Result<f64> {
-        let mut frame = self.render(station, entry.contender, &AOVS)?;
+    /// Renders one more frame for its time. Returns its time.
+    fn again(&self, station: &mut Station, entry: &mut VariantRun, round: usize) -> Result<f64> {
+        let mut frame = self.render(station, entry.variant, &AOVS)?;
         let report = std::mem::take(&mut frame.report);
         station.renderer.recycle(frame);
         let add = |samples: &mut Vec<f64>, ms: f64| match samples.get_mut(round) {
@@ -397,11 +398,11 @@ impl Turns<'_> {
         Ok(ms)
     }
 
-    /// Refuses what would keep the reference path busy for too long: a small picture tells.
-    fn expect_patience(&self, station: &mut Station, contender: Contender) -> Result<()> {
+    /// Returns an error for a method that would take the reference path too long, estimated from a small picture.
+    fn expect_patience(&self, station: &mut Station, variant: Variant) -> Result<()> {
         let Scene { image, spheres, .. } = self.scene;
         let tests = f64::from(image.width) * f64::from(image.height) * spheres.len() as f64;
-        let alone = matches!(contender, Contender::Alone(_)) && self.options.search != Search::Tiles;
+        let alone = matches!(variant, Variant::Alone(_)) && self.options.search != Search::Tiles;
         if station.backend != Backend::Cpu || !alone || tests < LARGE {
             return Ok(());
         }
@@ -409,14 +410,14 @@ impl Turns<'_> {
         small.image.width = image.width.div_ceil(SMALLER);
         small.image.height = image.height.div_ceil(SMALLER);
         let share = f64::from(small.image.width) * f64::from(small.image.height) * spheres.len() as f64 / tests;
-        let settings = self.settings(station.backend, contender, &AOVS);
+        let settings = self.settings(station.backend, variant, &AOVS);
         let ms: f64 = station.renderer.render(&small, &settings)?.report.frame_ms.iter().sum();
         let seconds = ms * 1e-3 / share;
         let patience = self.options.patience;
         if seconds <= patience {
             return Ok(());
         }
-        let problem = format!("{} would take the CPU path about {seconds:.0} s a frame", contender.name());
-        Err(Error::Limits { problem, mend: format!("give a smaller --size, or a --patience above {patience} s") })
+        let problem = format!("{} would take about {seconds:.0} s per frame on the CPU path", variant.name());
+        Err(Error::Limits { problem, mend: format!("use a smaller --size, or a --patience above {patience} s") })
     }
 }

@@ -1,23 +1,23 @@
-//! How a frame stands against the truth: which pixels are wrong and in what way, and how far off the right ones are.
+//! Compares a frame with exact arithmetic: which pixels are wrong and how, and the errors of the right ones.
 //!
-//! The gold standard is the judge of [`crate::exact`]. Per pixel, with t* the real number and t what the frame shows
-//! (its distance over |d|, so that t/t* is the ratio of the distances):
+//! The reference is the judge of [`crate::exact`]. Per pixel, t* is the exact number and t the one in the frame (its
+//! distance over |d|, so that t/t* is the ratio of the distances):
 //!
 //! - *false hit*, *false miss*, *wrong sphere*: by id.
-//! - *wrong root*: the right id, but the distance shown is no finite number, or nearer to where the ray's line meets
-//!   the sphere the other time than to the truth, and off by more than an ulp of f32.
+//! - *wrong root*: the right id, but the distance is not finite, or it is nearer to the other intersection of the ray's
+//!   line with the sphere than to the exact one, and differs by more than an ulp of f32.
 //! - *ulp*, *radii*, *normal*: |t - t*| in units of the last place of f32 at t*, |t - t*| |d| / r, and the angle
 //!   between the normals in degrees; only where sphere and root are right.
-//! - *outline*: the change of radius, relative to it, that would make the wrong pixel right. A half-line at l_X from
-//!   the centre of X hits it where l_X <= r_X, so showing A where the truth is nothing costs l_A/r_A - 1, and showing
-//!   nothing where the truth is B costs 1 - l_B/r_B.
+//! - *outline*: the relative change of radius that would make the wrong pixel right. A half-line at distance l_X from
+//!   the centre of X hits it where l_X <= r_X, so showing A where nothing is hit costs l_A/r_A - 1, and showing nothing
+//!   where B is hit costs 1 - l_B/r_B.
 //! - *relative*: d = |t - t*| / t* where the right sphere is shown, even by its other root.
 //!
 //! A wrong sphere is a wrong outline or a wrong order. With A shown for B and d as above, A in front (t <= t*) is a
-//! wrong outline of A if the ray misses A, else a wrong order by d. A behind (t > t*) means that B was missed or put
-//! behind A: either a wrong outline of B, by what that would cost, or a wrong order by d. Nothing tells which, so the
-//! smaller of both counts, or the one that was predicted ([`Score::given`]); A's outline is wrong in any case if
-//! the ray misses it. So whatever is predicted of a method as {outline, distance} must be at least {outline, the largest
+//! wrong outline of A if the ray misses A, else a wrong order by d. A behind (t > t*) means that B was missed or
+//! ordered behind A: either a wrong outline of B, by its cost, or a wrong order by d. The frame does not show which, so
+//! the smaller of both counts, or the one that was predicted ([`Score::given`]); A's outline is wrong in any case if
+//! the ray misses it. A prediction {outline, distance} of a method must therefore be at least {outline, the largest
 //! relative} of the errors of a score given that prediction.
 
 mod clearance;
@@ -35,12 +35,12 @@ use crate::scene::Scene;
 use clearance::Sight;
 use rayon::prelude::*;
 
-/// Cells along the longer side of a map, at most.
+/// The most cells along the longer side of a map.
 const CELLS: u32 = 160;
 
-/// What one pixel really shows.
+/// The exact answer of a pixel.
 #[derive(Clone, Copy)]
-struct Answer {
+struct ExactAnswer {
     id: u32,
     t: f64,
     distance: f64,
@@ -49,15 +49,15 @@ struct Answer {
     normal: [f64; 3],
 }
 
-/// The judge's answer for every pixel of a scene, made once for all the frames to be held against it.
+/// The exact answers of all pixels of a scene, computed once for all frames that are compared with them.
 pub struct Truths<'a> {
     scene: &'a Scene,
     judge: Judge,
     sight: Sight,
-    answers: Vec<Option<Answer>>,
+    answers: Vec<Option<ExactAnswer>>,
 }
 
-/// Refuses what the forms that are compared cannot render, and what tells how closely a ray passes a sphere does not know.
+/// Returns an error for cameras that the compared methods and the clearance computation do not support.
 pub(super) fn one_eye(scene: &Scene) -> Result<()> {
     if scene.camera.lens.is_orthographic() {
         let problem = "the methods that are measured have one eye, and this camera is orthographic";
@@ -66,10 +66,10 @@ pub(super) fn one_eye(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// How a pixel stands.
+/// The verdict on a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// Sphere and root are right, or there is none.
+pub enum PixelVerdict {
+    /// Sphere and root are right, or both are a miss.
     Right,
     /// A sphere is shown where the ray hits none.
     FalseHit,
@@ -77,11 +77,11 @@ pub enum Verdict {
     FalseMiss,
     /// Another sphere than the nearest is shown.
     WrongSphere,
-    /// The right sphere, but its other root, or no root at all.
+    /// The right sphere, but its other root or no root.
     WrongRoot,
 }
 
-impl Verdict {
+impl PixelVerdict {
     /// Its letter in a [`super::record::Crop`].
     #[must_use]
     pub fn letter(self) -> char {
@@ -95,21 +95,21 @@ impl Verdict {
     }
 }
 
-/// One pixel against the truth; `None` where an error does not apply.
+/// The errors of one pixel; `None` where an error does not apply.
 #[derive(Clone, Copy)]
 struct Pixel {
-    verdict: Verdict,
+    verdict: PixelVerdict,
     outline: Option<f64>,
     relative: Option<f64>,
-    /// Either this outline or this relative error, where nothing tells which.
+    /// Either this outline or this relative error, where the frame does not show which.
     either: Option<[f64; 2]>,
-    /// Ulp of f32, radii and degrees.
+    /// Errors in ulp of f32, radii and degrees.
     fine: Option<[f64; 3]>,
     of_bound: Option<f64>,
 }
 
 impl Pixel {
-    /// One explanation instead of two; `by_order` says whether that is the relative error.
+    /// Reduces two explanations to one; `by_order` says whether that is the relative error.
     fn explained(self, by_order: impl Fn([f64; 2]) -> bool) -> Self {
         match self.either {
             None => self,
@@ -121,14 +121,14 @@ impl Pixel {
     }
 }
 
-/// One frame against the truth.
+/// The errors of one frame.
 pub struct Score {
     size: [u32; 2],
     pixels: Vec<Pixel>,
 }
 
 impl<'a> Truths<'a> {
-    /// Judges every pixel of `scene`, rows in parallel.
+    /// Computes the exact answer of every pixel of `scene`, rows in parallel.
     ///
     /// # Errors
     /// Those of [`Judge::new`].
@@ -136,10 +136,10 @@ impl<'a> Truths<'a> {
         Self::watched(scene, &Watch::default())
     }
 
-    /// The same; `watch` is asked before every row.
+    /// The same; `watch` is checked before every row.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] when it says no, else as [`Truths::of`].
+    /// [`Error::Interrupted`] after a cancellation, else those of [`Truths::of`].
     pub fn watched(scene: &'a Scene, watch: &Watch) -> Result<Self> {
         let judge = Judge::new(scene)?;
         let (width, height) = (scene.image.width, scene.image.height);
@@ -155,7 +155,7 @@ impl<'a> Truths<'a> {
         Ok(Self { scene, judge, sight, answers })
     }
 
-    /// Rays that hit something.
+    /// The number of rays that hit.
     #[must_use]
     pub fn hits(&self) -> u64 {
         self.answers.iter().flatten().count() as u64
@@ -169,7 +169,7 @@ impl<'a> Truths<'a> {
         Ok(self.score(frame)?.errors())
     }
 
-    /// Holds a frame of this scene against the truth, pixel by pixel.
+    /// Compares a frame of this scene with the exact answers, pixel by pixel.
     ///
     /// # Errors
     /// [`Error::Settings`] for a frame of another size, or without the buffers of distance and normal.
@@ -186,7 +186,7 @@ impl<'a> Truths<'a> {
         let pixel = |k: usize| {
             let normal = std::array::from_fn(|c| f64::from(normals[3 * k + c]));
             let mut pixel = self.pixel(k, ids[k], distances[k], normal);
-            if let (Some(bounds), Some(truth), Verdict::Right) = (bounds, self.answers[k], pixel.verdict) {
+            if let (Some(bounds), Some(truth), PixelVerdict::Right) = (bounds, self.answers[k], pixel.verdict) {
                 let off = (distances[k] - truth.distance).abs();
                 pixel.of_bound = Some(if off == 0.0 { 0.0 } else { off / bounds[k] });
             }
@@ -197,20 +197,26 @@ impl<'a> Truths<'a> {
     }
 
     fn pixel(&self, k: usize, id: i32, distance: f64, normal: [f64; 3]) -> Pixel {
-        let none =
-            Pixel { verdict: Verdict::Right, outline: None, relative: None, either: None, fine: None, of_bound: None };
+        let none = Pixel {
+            verdict: PixelVerdict::Right,
+            outline: None,
+            relative: None,
+            either: None,
+            fine: None,
+            of_bound: None,
+        };
         match (u32::try_from(id).ok(), self.answers[k]) {
             (None, None) => none,
-            (Some(a), None) => Pixel { verdict: Verdict::FalseHit, outline: Some(self.grow(k, a)), ..none },
-            (None, Some(b)) => Pixel { verdict: Verdict::FalseMiss, outline: Some(self.shrink(k, b.id)), ..none },
+            (Some(a), None) => Pixel { verdict: PixelVerdict::FalseHit, outline: Some(self.grow(k, a)), ..none },
+            (None, Some(b)) => Pixel { verdict: PixelVerdict::FalseMiss, outline: Some(self.shrink(k, b.id)), ..none },
             (Some(a), Some(b)) if a == b.id => hit(&b, self.scene.spheres.radii[a as usize], distance, normal),
             (Some(a), Some(b)) => {
-                Pixel { verdict: Verdict::WrongSphere, ..self.confusion(none, k, a, b.id, distance, b.distance) }
+                Pixel { verdict: PixelVerdict::WrongSphere, ..self.confusion(none, k, a, b.id, distance, b.distance) }
             }
         }
     }
 
-    /// What a wrong sphere says of outlines and of distances; the module's head derives it.
+    /// The errors of a wrong sphere; the module's head derives them.
     fn confusion(&self, none: Pixel, k: usize, a: u32, b: u32, shown: f64, truth: f64) -> Pixel {
         let d = off(shown, truth);
         let grow = self.misses(k, a).then(|| self.grow(k, a));
@@ -220,19 +226,19 @@ impl<'a> Truths<'a> {
         Pixel { outline: grow, either: Some([self.shrink(k, b), d]), ..none }
     }
 
-    /// Whether the ray really misses a sphere: its line does, or the sphere lies behind.
+    /// Whether the ray misses a sphere exactly: its line does, or the sphere lies behind.
     fn misses(&self, k: usize, id: u32) -> bool {
         let [i, j] = self.place(k);
         self.judge.t(i, j, id, Root::Far).is_none_or(|t| t[0] <= 0.0)
     }
 
-    /// How much larger a sphere would have to be for the ray to hit it.
+    /// The relative growth at which the ray would hit a sphere.
     fn grow(&self, k: usize, id: u32) -> f64 {
         let [i, j] = self.place(k);
         self.sight.excess(self.scene, i, j, id).max(0.0)
     }
 
-    /// How much smaller it would have to be for the ray to miss it.
+    /// The relative shrinkage at which the ray would miss it.
     fn shrink(&self, k: usize, id: u32) -> f64 {
         let [i, j] = self.place(k);
         (-self.sight.excess(self.scene, i, j, id)).max(0.0)
@@ -245,12 +251,12 @@ impl<'a> Truths<'a> {
     }
 }
 
-fn answer(judge: &Judge, i: u32, j: u32) -> Option<Answer> {
+fn answer(judge: &Judge, i: u32, j: u32) -> Option<ExactAnswer> {
     let truth = judge.pixel(i, j)?;
     let other = if truth.root == Root::Near { Root::Far } else { Root::Near };
-    // In units of the true distance, so that the length of the direction is not needed.
+    // In units of the exact distance, so that the length of the direction is not needed.
     let ratio = judge.t(i, j, truth.id, other).map_or(1.0, |t| t[0] / truth.t);
-    Some(Answer {
+    Some(ExactAnswer {
         id: truth.id,
         t: truth.t,
         distance: truth.distance,
@@ -259,15 +265,15 @@ fn answer(judge: &Judge, i: u32, j: u32) -> Option<Answer> {
     })
 }
 
-/// The right sphere: its root and how far off it is.
-fn hit(truth: &Answer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
+/// The right sphere: its root and its error.
+fn hit(truth: &ExactAnswer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     let relative = off(distance, truth.distance);
-    // t* / 2^e is its significand, of which f32 keeps 23 bits after the point.
+    // t* / 2^e is its significand, of which f32 has 23 bits after the point.
     let ulps = relative * (truth.t / 2f64.powi(crate::dd::exponent(truth.t))) * f64::from(1u32 << 23);
-    // Where f32 cannot tell the roots apart, the right one rounded may well be nearer to the other.
+    // Where f32 cannot distinguish the roots, the right one may round towards the other.
     let aside = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
     let wrong = !distance.is_finite() || aside;
-    let verdict = if wrong { Verdict::WrongRoot } else { Verdict::Right };
+    let verdict = if wrong { PixelVerdict::WrongRoot } else { PixelVerdict::Right };
     let fine = [ulps, (distance - truth.distance).abs() / radius, degrees(normal, truth.normal)];
     Pixel {
         verdict,
@@ -279,13 +285,13 @@ fn hit(truth: &Answer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     }
 }
 
-/// |a - b| / b, infinite for what is no number.
+/// |a - b| / b, infinite for NaN.
 fn off(a: f64, b: f64) -> f64 {
     let off = (a - b).abs() / b;
     if off.is_nan() { f64::INFINITY } else { off }
 }
 
-/// The angle between two directions, infinite for what is none.
+/// The angle between two directions, infinite if one has no direction.
 fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
     let (a, b) = (glam::DVec3::from_array(a), glam::DVec3::from_array(b));
     let angle = a.cross(b).length().atan2(a.dot(b)).to_degrees();
@@ -293,24 +299,24 @@ fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Score {
-    /// Counts the pixels of another picture as well. A map is of the first one alone.
+    /// Adds the pixels of another picture. The map is that of the first one.
     pub fn add(&mut self, other: Self) {
         self.pixels.extend(other.pixels);
     }
 
-    /// How each pixel stands, row by row.
-    pub fn verdicts(&self) -> impl Iterator<Item = Verdict> + '_ {
+    /// The verdicts of the pixels, row by row.
+    pub fn verdicts(&self) -> impl Iterator<Item = PixelVerdict> + '_ {
         self.pixels.iter().map(|pixel| pixel.verdict)
     }
 
-    /// The same beside a prediction: of two explanations the one that takes less of what was predicted.
+    /// The same given a prediction: of two explanations the one that uses the smaller share of the prediction counts.
     #[must_use]
     pub fn given(self, predicted: &Prediction) -> Self {
         let by_order = |[outline, relative]: [f64; 2]| relative / predicted.distance <= outline / predicted.outline;
         Self { pixels: self.pixels.into_iter().map(|pixel| pixel.explained(by_order)).collect(), ..self }
     }
 
-    /// All of it in one set of numbers; of two explanations the smaller one counts.
+    /// The summary; of two explanations the smaller one counts.
     #[must_use]
     pub fn errors(&self) -> Errors {
         let by_order = |[outline, relative]: [f64; 2]| relative <= outline;
@@ -319,10 +325,10 @@ impl Score {
         let spread = |error: fn(&Pixel) -> Option<f64>| Spread::of(pixels.iter().filter_map(error).collect());
         Errors {
             pixels: self.pixels.len() as u64,
-            false_hit: count(Verdict::FalseHit),
-            false_miss: count(Verdict::FalseMiss),
-            wrong_sphere: count(Verdict::WrongSphere),
-            wrong_root: count(Verdict::WrongRoot),
+            false_hit: count(PixelVerdict::FalseHit),
+            false_miss: count(PixelVerdict::FalseMiss),
+            wrong_sphere: count(PixelVerdict::WrongSphere),
+            wrong_root: count(PixelVerdict::WrongRoot),
             outline: finite(pixels.iter().filter_map(|pixel| pixel.outline).fold(0.0, f64::max)),
             relative: spread(|pixel| pixel.relative),
             ulp: spread(|pixel| pixel.fine.map(|[ulp, ..]| ulp)),
@@ -331,14 +337,14 @@ impl Score {
         }
     }
 
-    /// Largest share that an error of the distance took of its bound where the right sphere is shown; `None` for a
-    /// frame without proven bounds or without hits.
+    /// Largest ratio of a distance error to its bound where the right sphere is shown; `None` for a frame without
+    /// proven bounds or without hits.
     #[must_use]
     pub fn of_bound(&self) -> Option<f64> {
         self.pixels.iter().filter_map(|pixel| pixel.of_bound).reduce(f64::max)
     }
 
-    /// Where the (first) picture is wrong, in as many cells as a person can see.
+    /// A map of the errors of the (first) picture.
     #[must_use]
     pub fn map(&self) -> Map {
         let [width, height] = self.size;
@@ -350,20 +356,20 @@ impl Score {
         for (k, pixel) in pixels.iter().enumerate() {
             let [i, j] = [k as u32 / width, k as u32 % width];
             let n = (i / cell * size[0] + j / cell) as usize;
-            if pixel.verdict != Verdict::Right {
+            if pixel.verdict != PixelVerdict::Right {
                 map.wrong[n] += 1;
             } else if let Some(relative) = pixel.relative {
                 map.error[n] = map.error[n].max(relative as f32);
             }
         }
-        // Three digits are more than a picture shows, and a third of the file.
+        // Three digits are more than a picture shows, and make the file a third as large.
         map.error.iter_mut().for_each(|x| *x = format!("{x:.2e}").parse().unwrap_or(*x));
         map
     }
 }
 
 impl Spread {
-    /// Of errors, none of them NaN: each number is one of them, the smallest that enough of them do not exceed.
+    /// The quantiles of errors, none of them NaN: each number is one of the errors.
     pub(crate) fn of(mut errors: Vec<f64>) -> Self {
         errors.par_sort_unstable_by(f64::total_cmp);
         let at = |share: f64| {

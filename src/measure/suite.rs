@@ -1,4 +1,4 @@
-//! Scenes made for measuring: where renderers break, and one wall of spheres from near to far.
+//! Scenes made for measurements: hard cases for renderers, and a wall of spheres from near to far.
 
 pub mod extremes;
 pub mod ladder;

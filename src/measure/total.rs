@@ -1,43 +1,43 @@
-//! Sums over the scenes of a record: one line a method and place.
+//! Sums over the scenes of a record, for each method and place.
 
 use super::record::{Record, Run};
 
-/// What one method did in one place, over every scene it ran.
+/// The results of a method in a place, over all its scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Total<'a> {
-    /// Index into the record's places.
+    /// Index of the place in the record.
     pub place: usize,
     /// Its name.
     pub method: &'a str,
-    /// Scenes it ran.
+    /// The number of scenes that the method ran.
     pub scenes: usize,
-    /// Scenes that anything ran in this place.
+    /// The number of scenes that any method ran in this place.
     pub of_scenes: usize,
-    /// Pixels judged.
+    /// Pixels compared with the exact answer.
     pub pixels: u64,
-    /// Pixels that show what is not there.
+    /// Wrong pixels.
     pub wrong: u64,
     /// Largest relative error of a distance; `None` is unbounded.
     pub relative: Option<f64>,
-    /// Nanoseconds a ray, from whole steady frames: least, median, greatest.
+    /// Nanoseconds per ray, from whole steady frames: minimum, median, maximum.
     pub ns: Option<[f64; 3]>,
 }
 
 impl Total<'_> {
-    /// Pixels that show what is not there, as a share of all.
+    /// Wrong pixels as a share of all.
     #[must_use]
     pub fn wrong_share(&self) -> f64 {
         self.wrong as f64 / self.pixels.max(1) as f64
     }
 
-    /// Whether it ran every scene, so that its sums compare with the others'.
+    /// Whether it ran every scene, so that its sums are comparable.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.scenes == self.of_scenes
     }
 }
 
-/// The totals of a record, place by place, methods in the order in which they first ran.
+/// The totals of a record, place by place, with methods in the order of their first run.
 #[must_use]
 pub fn totals(record: &Record) -> Vec<Total<'_>> {
     let mut totals = Vec::new();
@@ -63,7 +63,7 @@ pub fn totals(record: &Record) -> Vec<Total<'_>> {
     totals
 }
 
-/// The methods among `runs`, each once, in order.
+/// The methods among `runs`, without duplicates, in order.
 #[must_use]
 pub fn methods<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<&'a str> {
     let mut names = Vec::new();
@@ -75,13 +75,13 @@ pub fn methods<'a>(runs: impl Iterator<Item = &'a Run>) -> Vec<&'a str> {
     names
 }
 
-/// Nanoseconds a ray over some runs: least, median and greatest; `None` if any of them was not timed.
+/// Nanoseconds per ray over some runs: minimum, median and maximum; `None` if any of them was not timed.
 #[must_use]
 pub fn ns_per_ray(runs: &[&Run]) -> Option<[f64; 3]> {
     let mut ms = [0.0; 3];
     let mut rays = 0.0;
     for run in runs {
-        // One ray a pixel; the pictures of a family have no common size.
+        // One ray per pixel; the pictures of a family have different sizes.
         rays += run.errors.pixels as f64;
         for (sum, value) in ms.iter_mut().zip(spread(&run.steady_ms)?) {
             *sum += value;
@@ -90,7 +90,7 @@ pub fn ns_per_ray(runs: &[&Run]) -> Option<[f64; 3]> {
     (rays > 0.0).then(|| ms.map(|ms| ms * 1e6 / rays))
 }
 
-/// Least, median and greatest of some samples; `None` without any.
+/// Minimum, median and maximum of samples; `None` without any.
 #[must_use]
 pub fn spread(samples: &[f64]) -> Option<[f64; 3]> {
     let mut sorted = samples.to_vec();
@@ -100,7 +100,7 @@ pub fn spread(samples: &[f64]) -> Option<[f64; 3]> {
     Some([first, median, last])
 }
 
-/// Where the errors are looked at: the first adapter that ran anything, else the first place that did.
+/// The place whose errors are reported: the first adapter with a run, else the first place with one.
 #[must_use]
 pub fn main_place(record: &Record) -> Option<usize> {
     let ran = |place: &usize| record.runs.iter().any(|run| run.place == *place && run.refused.is_none());

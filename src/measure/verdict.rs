@@ -1,16 +1,16 @@
-//! What a record says in words: which runs are broken, which method to take, who left the chart where.
+//! The conclusions from a record: broken runs, the recommended method, and the distances at which methods fail.
 
 use super::record::{PlaceRecord, Record, Run};
 use super::total::{Total, main_place, methods, totals};
 
-/// Methods that promise to be right in every pixel.
+/// Methods that promise correct answers in every pixel.
 const PROVED: [&str; 2] = ["certified", "exact"];
 
-/// Share of wrong pixels from which a method has left the chart: one in a hundred is seen by anybody.
+/// Share of wrong pixels at which a method counts as failed: one in a hundred is clearly visible.
 const LEFT: f64 = 0.01;
 
-/// Why a run is broken, a reason each; none for a sound one. THE definition: a method that promises every pixel has
-/// a wrong one, an error exceeds its stated bound, or an error exceeds what was predicted.
+/// The reasons why a run is broken; empty for a sound one. This is the definition: a method that promises every pixel
+/// has a wrong one, an error exceeds its stated bound, or an error exceeds its prediction.
 #[must_use]
 pub fn broken(run: &Run) -> Vec<String> {
     let mut reasons = Vec::new();
@@ -18,13 +18,13 @@ pub fn broken(run: &Run) -> Vec<String> {
         return reasons;
     }
     if PROVED.contains(&run.method.as_str()) && run.errors.wrong() > 0 {
-        reasons.push(format!("{} wrong pixels of a method that promises none", run.errors.wrong()));
+        reasons.push(format!("{} wrong pixels, although the method promises none", run.errors.wrong()));
     }
     if let Some(share) = run.of_bound.filter(|share| *share > 1.0) {
         reasons.push(format!("an error {share:.3} times its stated bound"));
     }
     let mut exceeds = |what: &str, unit: &str, seen: Option<f64>, predicted: Option<f64>| {
-        // No finite prediction promises nothing; no finite error exceeds every promise.
+        // An unbounded prediction promises nothing; an unbounded error exceeds every finite promise.
         if let Some(predicted) = predicted.filter(|predicted| seen.is_none_or(|seen| seen > *predicted)) {
             let seen = seen.map_or("without bound".into(), |seen| format!("{seen:.1e}{unit}"));
             reasons.push(format!("{what} off {seen}, {predicted:.1e}{unit} predicted"));
@@ -35,7 +35,7 @@ pub fn broken(run: &Run) -> Vec<String> {
     reasons
 }
 
-/// The record in a few sentences.
+/// A summary of the record in a few sentences.
 #[must_use]
 pub fn summary(record: &Record) -> Vec<String> {
     let totals = totals(record);
@@ -48,19 +48,20 @@ pub fn summary(record: &Record) -> Vec<String> {
     sentences.extend(ladder(record));
     let broken = record.runs.iter().filter(|run| !broken(run).is_empty()).count();
     sentences.push(match broken {
-        0 => "No run broke a promise: nothing proved was wrong, nothing exceeded its bound or its prediction.".into(),
+        0 => "No run broke a promise: no proved pixel was wrong, and no error exceeded its bound or its prediction."
+            .into(),
         1 => "1 run broke a promise; it is marked BROKEN below.".into(),
         n => format!("{n} runs broke a promise; they are marked BROKEN below."),
     });
     sentences
 }
 
-/// A place in a sentence.
+/// The name of a place within a sentence.
 fn name(place: &PlaceRecord) -> String {
     if place.backend == "cpu" { format!("the CPU ({})", place.driver) } else { place.adapter.clone() }
 }
 
-/// The fastest right method of a place, and what the fastest wrong one would save.
+/// The fastest correct method of a place, and the time that the fastest incorrect one would save.
 fn fastest(place: &str, totals: &[&Total<'_>]) -> Option<String> {
     let timed = |right: bool| {
         let these = totals.iter().filter(move |t| (t.wrong == 0) == right);
@@ -70,12 +71,12 @@ fn fastest(place: &str, totals: &[&Total<'_>]) -> Option<String> {
     let Some((right, ns)) = timed(true) else {
         let (wrong, ns) = wrong?;
         return Some(format!(
-            "On {place} every method that was timed shows wrong pixels; the fastest is {} at {ns:.2} ns a ray.",
+            "On {place} every method that was timed shows wrong pixels; the fastest is {} at {ns:.2} ns per ray.",
             wrong.method
         ));
     };
     let mut sentence =
-        format!("On {place} the fastest method without a wrong pixel is {} at {ns:.2} ns a ray", right.method);
+        format!("On {place} the fastest method without a wrong pixel is {} at {ns:.2} ns per ray", right.method);
     if let Some((wrong, less)) = wrong.filter(|(_, less)| *less < ns) {
         sentence += &format!(
             "; {} takes {:.0} % of that time and shows {} of its pixels wrong",
@@ -87,7 +88,7 @@ fn fastest(place: &str, totals: &[&Total<'_>]) -> Option<String> {
     Some(sentence + ".")
 }
 
-/// Where along a ladder each method left the chart; methods that left alike share a sentence.
+/// The distance at which each method failed along a ladder; methods with equal distances share a sentence.
 fn ladder(record: &Record) -> Vec<String> {
     let Some(place) = main_place(record).filter(|_| is_ladder(record)) else { return Vec::new() };
     let runs = || record.runs.iter().filter(|run| run.place == place && run.refused.is_none());
@@ -127,7 +128,7 @@ pub fn is_ladder(record: &Record) -> bool {
     record.scenes.len() > 1 && record.scenes.windows(2).all(farther)
 }
 
-/// A share in per cent, with as many digits as tell it from nothing.
+/// A share in per cent, with enough digits to differ from zero.
 #[must_use]
 pub fn percent(share: f64) -> String {
     match share {

@@ -1,14 +1,14 @@
-//! How much memory is free, and how many spheres that holds.
+//! Free memory, and how many spheres fit in it.
 
 use super::Pool;
 use super::room::GRAIN;
 use crate::error::{Error, Result};
 
-/// Bytes of a sphere in a scene: centre and radius. A colour comes on top.
+/// Bytes of a sphere in a scene: centre and radius, without a colour.
 pub(crate) const SPHERE: u64 = 32;
 const COLOR: u64 = 12;
 
-/// Refuses a scene of so many spheres before they are read.
+/// Refuses a scene of `spheres` spheres before they are read.
 ///
 /// # Errors
 /// [`Error::Limits`] with the number that would fit.
@@ -24,15 +24,15 @@ fn check_spheres_in(spheres: u64, colored: bool, free: impl Fn() -> Option<u64>)
     }
     match free() {
         Some(free) if need > free => Err(Error::Limits {
-            problem: format!("{spheres} spheres need {need} bytes and {free} are free"),
-            mend: format!("give at most {} spheres", free / each),
+            problem: format!("{spheres} spheres need {need} bytes of memory, but only {free} are free"),
+            mend: format!("read at most {} spheres", free / each),
         }),
         _ => Ok(()),
     }
 }
 
-/// Bytes that can still be had, those that `pool` keeps included: of this machine's memory and swap, of what its control
-/// group allows, of what the process may address. `None` where the system does not tell.
+/// Bytes that can still be allocated, including those of `pool`: within the machine's memory and swap, the limit of the
+/// control group and the address space of the process. `None` where the system does not report them.
 pub(crate) fn free(pool: &Pool) -> Option<u64> {
     let least = [machine(), group(), addresses()].into_iter().flatten().min()?;
     Some(least.saturating_add(pool.kept()))
@@ -42,19 +42,19 @@ fn read(path: &str) -> Option<String> {
     std::fs::read_to_string(path).ok()
 }
 
-/// The first number behind `name` in a text of lines such as `MemTotal:  23 kB`.
+/// The first number after `name` in text with lines such as `MemTotal:  23 kB`.
 fn number(text: &str, name: &str) -> Option<u64> {
     text.lines().find_map(|line| line.strip_prefix(name)?.split_whitespace().next()?.parse().ok())
 }
 
-/// What programs can be given without others being ended for it.
+/// Memory that programs can allocate without the system ending others.
 fn machine() -> Option<u64> {
     let text = read("/proc/meminfo")?;
     let kib = number(&text, "MemAvailable:")? + number(&text, "SwapFree:").unwrap_or(0);
     Some(kib << 10)
 }
 
-/// What the control group still allows, in its version 2 or 1; files that were read are let go when room is needed.
+/// What the limit of the control group (version 1 or 2) leaves; the cache of files counts as free.
 fn group() -> Option<u64> {
     let left = |limit: &str, used: &str, stat: &str, files: &str| {
         let of = |path: &str| read(&format!("/sys/fs/cgroup/{path}"))?.trim().parse::<u64>().ok();
@@ -97,7 +97,7 @@ mod tests {
     fn free_memory_is_read_on_linux_and_pooled_memory_counts() {
         let pool = Pool::default();
         assert!(free(&pool).is_some_and(|bytes| bytes > 1 << 20));
-        // Nothing is written, so the system has given nothing.
+        // Nothing is written, so the system has not committed any page.
         pool.put_back(Vec::<u64>::with_capacity(1 << 27));
         assert!(pool.kept() >= GIB && free(&pool).is_some_and(|bytes| bytes >= pool.kept()));
     }

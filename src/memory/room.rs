@@ -1,17 +1,17 @@
-//! Room for what is read: no list of a reader grows beyond the memory that is free. Where the system tells nothing of its
-//! memory, an allocation that fails is still an error and not the end of the process.
+//! Capacity for what is read: a reader's list never grows beyond the free memory. Where the system does not report its
+//! free memory, a failed allocation is still returned as an error and does not end the process.
 
 use super::{Pool, free};
 use crate::error::{Error, Result};
 
-/// Fewer bytes are not checked: what is left free holds many times as much, and the system answers slowly.
+/// Smaller requests are not checked: the reserve covers many of them, and asking the system is slow.
 pub(super) const GRAIN: u64 = 1 << 20;
 
-/// Bytes that stay free beside every list: for blocks of text, what they are parsed into, and threads.
+/// Bytes that stay free beside every list: for blocks of text, their parsed form, and threads.
 const RESERVE: u64 = 32 << 20;
 
-/// How many entries of `each` bytes a list of `len` of `what` is to have room for, so that `more` fit behind them: twice as many as
-/// there are, so that growing costs little, or an eighth more where memory is short.
+/// The capacity, in entries of `each` bytes, for a list of `len` of `what` that receives `more`: twice the current
+/// length, so that growing is cheap, or an eighth more where memory is short.
 ///
 /// # Errors
 /// [`Error::Limits`] with the number of entries that would fit.
@@ -31,13 +31,15 @@ fn entries_in(len: usize, more: usize, each: usize, what: &str, free: impl Fn() 
     let some = least.max(len.saturating_add(len / 8));
     [doubled, some].into_iter().find(|entries| need(*entries) <= usable).ok_or_else(|| {
         let fit = len as u64 + usable / each.max(1) as u64;
-        let problem =
-            format!("{least} {what} or more need {} bytes beside the first {len}, and {free} are free", need(some));
-        Error::Limits { problem, mend: format!("give at most {fit} {what}") }
+        let problem = format!(
+            "{least} {what} or more need {} bytes of memory besides the first {len}, but only {free} are free",
+            need(some)
+        );
+        Error::Limits { problem, mend: format!("read at most {fit} {what}") }
     })
 }
 
-/// Refuses a count of spheres that no frame can tell apart.
+/// Refuses more spheres than ids can number.
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
@@ -46,11 +48,11 @@ pub(crate) fn check_ids(spheres: u64) -> Result<()> {
     if spheres <= MOST {
         return Ok(());
     }
-    let problem = format!("{spheres} spheres are more than ids of 32 bits can tell apart");
-    Err(Error::Limits { problem, mend: format!("give at most {MOST}") })
+    let problem = format!("{spheres} spheres are more than 32-bit ids can number");
+    Err(Error::Limits { problem, mend: format!("use at most {MOST} spheres") })
 }
 
-/// Makes room for `more` entries, as [`entries`] counts them.
+/// Reserves capacity for `more` entries, as [`entries`] computes it.
 ///
 /// # Errors
 /// [`Error::Limits`].
@@ -62,7 +64,7 @@ pub(crate) fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<()> {
     extend_to(list, entries)
 }
 
-/// Gives a list the room for so many entries in all.
+/// Grows the capacity of a list to `entries` in all.
 ///
 /// # Errors
 /// [`Error::Limits`] where the allocation fails.
@@ -73,7 +75,7 @@ pub(crate) fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
     })
 }
 
-/// Refuses so many bytes for `what`, which begins the message, where they are not free.
+/// Refuses `bytes` for `what`, which begins the message, where they are not free.
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
@@ -83,24 +85,24 @@ pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
     }
     match free(&Pool::default()) {
         Some(free) if bytes > free.saturating_sub(RESERVE) => Err(Error::Limits {
-            problem: format!("{} may need {bytes} bytes of memory, and {free} are free", what()),
+            problem: format!("{} may need {bytes} bytes of memory, but only {free} are free", what()),
             mend: "read a smaller file, or on a machine with more memory".into(),
         }),
         _ => Ok(()),
     }
 }
 
-/// Bytes that a reader keeps in many small pieces: names, texts, maps of them.
+/// Counts the bytes that a reader keeps in many small pieces: names, texts, maps of them.
 #[derive(Debug, Default)]
 pub(crate) struct Ledger {
     bytes: u64,
-    /// The memory was checked for so many.
+    /// The bytes for which free memory was checked.
     checked: u64,
 }
 
 impl Ledger {
-    /// Counts `bytes` more. A map that grows holds its old and its new table for a moment, so as much again must be free
-    /// as is kept, twice.
+    /// Counts `bytes` more. A growing map holds its old and its new table for a moment, so twice the kept bytes must be
+    /// free.
     ///
     /// # Errors
     /// [`Error::Limits`].
@@ -108,7 +110,7 @@ impl Ledger {
         self.bytes = self.bytes.saturating_add(bytes as u64);
         if self.bytes > self.checked.max(GRAIN) {
             let next = self.bytes.saturating_add(GRAIN);
-            check(next.saturating_mul(2), || "the names and texts that are kept of the file".into())?;
+            check(next.saturating_mul(2), || "the names and texts of the file".into())?;
             self.checked = next;
         }
         Ok(())

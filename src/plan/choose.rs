@@ -1,13 +1,14 @@
-//! Which accuracy and which method, and why.
+//! Chooses accuracy and method, with reasons.
 
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::predict::Prediction;
+use crate::quote::number;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 
-/// What is chosen, and the words for it.
+/// A choice and its reason.
 pub(super) struct Choice {
     pub(super) accuracy: Accuracy,
     pub(super) method: Method,
@@ -15,18 +16,18 @@ pub(super) struct Choice {
     pub(super) predicted: Option<Prediction>,
 }
 
-/// The buffers that are answers, not looks: asking for one asks for a certificate, unless a tolerance says what will do.
+/// The buffers that hold answers rather than looks. Requesting one implies a certificate, unless a tolerance is given.
 const ANSWERS: [Aov; 8] =
     [Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask, Aov::Certainty, Aov::Bound];
 
-/// The buffers that no prediction can answer for: two tell of proofs, and nothing is predicted of normals.
+/// The buffers that no prediction covers: two are about proofs, and normals are not predicted.
 const PROVEN: [Aov; 3] = [Aov::Certainty, Aov::Bound, Aov::Normal];
 
-/// What a certified frame costs beside `stable` with all spheres in view (docs/certificate.md, section 6).
+/// Cost of a certified frame relative to `stable` with all spheres in view (docs/certificate.md, section 6).
 const CERTIFIED: f64 = 1.1;
 
-/// Spheres beyond which certified answers are preferred: by tiles, a form costs two thirds of them (lavapipe, 1e3 spheres)
-/// to twice as much (lavapipe and the CPU path, 1e6): docs/performance.md.
+/// Above this number of spheres certified answers are preferred. With tiles, an uncertified method costs between two
+/// thirds of them (lavapipe, 1e3 spheres) and twice as much (lavapipe and the CPU path, 1e6): docs/performance.md.
 const FEW: usize = 32;
 
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
@@ -45,86 +46,88 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
     };
     Ok(match (settings.accuracy, settings.method, settings.tolerance) {
         (Accuracy::Auto, Some(method), _) => {
-            choice(Accuracy::Fast, Some(method), format!("method {} was asked for, and runs alone", method.name()))
+            choice(Accuracy::Fast, Some(method), format!("method {} is requested, and is uncertified", method.name()))
         }
         (Accuracy::Auto, None, Some(_)) if settings.asks(&PROVEN) => {
-            let reason = format!("a tolerance is given, and no prediction vouches for {}", named(&PROVEN));
+            let reason = format!("a tolerance is given, but errors of {} are not predicted", named(&PROVEN));
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, Some(tolerance)) if scene.spheres.len() > FEW => {
             let reason = format!(
-                "certified, distance within {:.1e}: with {} spheres no form is cheaper by much",
-                tolerance.relative(),
+                "certified, distance within {}: with {} spheres no method is much cheaper",
+                number(tolerance.relative(), 2),
                 scene.spheres.len()
             );
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, Some(tolerance)) => cheapest(scene, tolerance.relative(), admits)?,
         (Accuracy::Auto, None, None) if settings.asks(&ANSWERS) => {
-            choice(Accuracy::Certified, None, format!("buffers of answers are asked for: {}", named(&ANSWERS)))
+            choice(Accuracy::Certified, None, format!("buffers that hold answers are requested: {}", named(&ANSWERS)))
         }
         (Accuracy::Auto, None, None) if scene.spheres.len() > FEW => {
             let reason =
-                format!("with {} spheres no form is cheaper by much than certified answers", scene.spheres.len());
+                format!("with {} spheres no method is much cheaper than certified answers", scene.spheres.len());
             choice(Accuracy::Certified, None, reason)
         }
         (Accuracy::Auto, None, None) => {
-            choice(Accuracy::Fast, None, "no buffer of answers and no tolerance is asked for".into())
+            choice(Accuracy::Fast, None, "no buffer that holds answers and no tolerance is requested".into())
         }
-        (stated, method, _) => choice(stated, method, format!("accuracy {} was asked for", stated.name())),
+        (stated, method, _) => choice(stated, method, format!("accuracy {} is requested", stated.name())),
     })
 }
 
-/// Why answers by parallel rays are certified: no form was written for them, and a certified frame costs less than a form
-/// that asks every sphere.
+/// Why the answers of parallel rays are certified: the other methods do not support parallel rays, and a certified
+/// frame costs less than a method that tests every sphere.
 fn parallel(settings: &Settings) -> Result<String> {
     if let Some(method) = settings.method {
-        let problem = format!("method {} has no parallel rays: orthographic frames are certified", method.name());
-        return Err(Error::settings(problem, "leave out --method, or give the camera a vfov"));
+        let problem = format!("method {} does not support orthographic cameras", method.name());
+        return Err(Error::settings(problem, "remove --method, or give the camera a vfov"));
     }
     Ok(match (settings.accuracy, settings.tolerance) {
-        (Accuracy::Certified, _) => "accuracy certified was asked for".into(),
+        (Accuracy::Certified, _) => "accuracy certified is requested".into(),
         (Accuracy::Fast, _) => {
-            "accuracy fast was asked for, and parallel rays are certified in f32: no form is faster".into()
+            "accuracy fast is requested, but for parallel rays the certified kernel is the fastest".into()
         }
         (_, Some(tolerance)) => {
-            format!("parallel rays are certified, distance within {:.1e}", tolerance.relative())
+            format!("parallel rays are certified, distance within {}", number(tolerance.relative(), 2))
         }
-        _ => "parallel rays are certified: the forms that run alone have one eye".into(),
+        _ => "parallel rays are certified: the uncertified methods support perspective cameras only".into(),
     })
 }
 
-/// The cheapest method whose predicted errors `tolerance` allows; certified if none is, or none that is cheaper.
+/// The cheapest method whose predicted errors stay within `tolerance`; certified if there is none, or none cheaper.
 fn cheapest(scene: &Scene, tolerance: f64, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
     let mut methods: Vec<_> = Method::ALL.iter().copied().filter(|method| method.cost() < CERTIFIED).collect();
     methods.retain(|method| admits(*method));
     methods.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     let Some(predicted) = Prediction::each(scene, &methods)? else {
         let method = methods.first().copied().unwrap_or(Method::Stable);
-        let reason = "there are no spheres to be wrong about".into();
+        let reason = "there are no spheres, so there is no error".into();
         return Ok(Choice { accuracy: Accuracy::Fast, method, reason, predicted: None });
     };
     let all: Vec<_> = methods.into_iter().zip(predicted).collect();
     let within = |p: &Prediction| {
-        format!("predicted outline within {:.1e} radii and distance within {:.1e}", p.outline, p.distance)
+        let [outline, distance] = [p.outline, p.distance].map(|x| number(x, 2));
+        format!("predicted outline within {outline} radii and distance within {distance}")
     };
+    let allowed = number(tolerance, 2);
     if let Some(n) = all.iter().position(|(_, p)| p.worst() <= tolerance) {
         let (method, p) = all[n];
-        let mut reason = format!("method {}: {}, tolerance {tolerance:.1e}", method.name(), within(&p));
+        let mut reason = format!("method {}: {}, tolerance {allowed}", method.name(), within(&p));
         if let Some((cheaper, p)) = all[..n].first() {
-            reason += &format!("; {} would be off by {:.1e}", cheaper.name(), p.worst());
+            reason += &format!("; {} could be off by {}", cheaper.name(), number(p.worst(), 2));
         }
         return Ok(Choice { accuracy: Accuracy::Fast, method, reason, predicted: Some(p) });
     }
     let best = all.iter().min_by(|a, b| a.1.worst().total_cmp(&b.1.worst()));
-    let reason = best.map_or("no method runs here".into(), |(method, p)| {
+    let reason = best.map_or("no method can run here".into(), |(method, p)| {
         format!(
-            "certified: no cheaper method keeps the tolerance {tolerance:.1e}; {} comes closest: {}, worst at sphere {}, \
-             {:.1e} radii away",
+            "certified: no cheaper method stays within the tolerance {allowed}; {} comes closest: {}, worst at sphere {}, \
+             {} radii away",
             method.name(),
             within(p),
             p.sphere,
-            p.radii
+            number(p.radii, 2)
         )
     });
     Ok(Choice { accuracy: Accuracy::Certified, method: Method::Stable, reason, predicted: None })

@@ -1,5 +1,5 @@
-//! Samples of a frame's pixels, pass by pass, averaged to colour and coverage. Every sample is answered like a pixel: with a
-//! certificate and settled where the frame is.
+//! Renders several samples per pixel, one pass each, and averages them to colour and coverage. Samples are certified
+//! and settled like pixels.
 
 use super::Renderer;
 use crate::error::Result;
@@ -16,7 +16,7 @@ use crate::setup::FrameSetup;
 use std::sync::Arc;
 
 impl Renderer {
-    /// All samples of `raster`, by `kernel`, in their order.
+    /// Renders all samples of `raster` with `kernel`, in their order.
     pub(crate) fn sample(
         &mut self,
         plan: &Plan,
@@ -28,7 +28,7 @@ impl Renderer {
     ) -> Result<Means> {
         let pool = Arc::clone(&self.pool);
         let plan = Plan { kernel, ..plan.clone() };
-        // The spheres are binned once for all passes: only the rays within a pixel differ.
+        // The spheres are binned once for all passes, since only the positions within the pixels differ.
         let mut setup = FrameSetup::new(plan, scene, settings, raster, &pool, timings)?;
         let pixels = setup.view.record.pixels();
         let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;

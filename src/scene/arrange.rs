@@ -1,4 +1,4 @@
-//! What is done to spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
+//! Arranges spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
 
 use super::{Cell, Spheres};
 use crate::error::{Error, Result};
@@ -7,59 +7,59 @@ use crate::progress::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Copies, cuts and outlines, in this order.
+/// Copies, clip planes and outline, applied in this order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrangement {
-    /// How often the cell is repeated along each of its edges, the spheres themselves included.
+    /// Copies along each edge of the cell, the original included.
     pub copies: [u32; 3],
-    /// Half spaces that are kept: spheres whose centre c has n.c <= d, given as n and d.
+    /// Half spaces whose spheres are kept: those whose centre c has n.c <= d, given as n and d.
     pub clip: Vec<[f64; 4]>,
     /// Radius of the beads that draw the edges of the cell (of all its copies together); `None` draws none.
     pub outline: Option<Bead>,
 }
 
-/// How thick an outline is.
+/// Thickness of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bead {
-    /// A 500th of the longest diagonal of what is outlined.
+    /// A 500th of the longest diagonal of the outlined box.
     Thin,
     /// This radius.
     Radius(f64),
 }
 
 impl Default for Arrangement {
-    /// As it is.
+    /// No change.
     fn default() -> Self {
         Self { copies: [1; 3], clip: Vec::new(), outline: None }
     }
 }
 
-/// Beads along an edge of an outline overlap by half, so that it looks like a wire; no edge needs more than this.
+/// The most beads along an edge. They overlap by half, so that an edge looks like a wire.
 const MOST_BEADS: f64 = 1e5;
 
-/// Colour of an outline, linear RGB: it is seen on black and on white.
+/// Colour of an outline, linear RGB, visible on black and on white.
 const OUTLINE: [f32; 3] = [0.35; 3];
 
 impl Arrangement {
-    /// Arranges spheres. Ids: the spheres in their order, copy after copy (the first edge's fastest), less those that are
-    /// clipped; then the beads.
+    /// Arranges spheres. Ids count the spheres in their order, copy after copy (the first edge's fastest), without the
+    /// clipped ones; then the beads.
     ///
     /// # Errors
     /// [`Error::Settings`] where copies or an outline need a cell and there is none, or a bead has no radius;
-    /// [`Error::Limits`] where the copies do not fit the memory; [`Error::Interrupted`].
+    /// [`Error::Limits`] where the copies do not fit into memory; [`Error::Interrupted`].
     pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<()> {
         let need = |what: &str| {
             cell.ok_or_else(|| {
                 Error::settings(
-                    format!("there is no periodic cell for {what}"),
-                    "give a file that has one: Lattice, CRYST1, BOX BOUNDS, a box line",
+                    format!("{what} needs a periodic cell, but the file has none"),
+                    "use a file with a cell: Lattice, CRYST1, BOX BOUNDS, a box line",
                 )
             })
         };
         let edges = |cell: &Cell| cell.edges.map(DVec3::from_array);
         if self.copies != [1; 3] {
             let edges = edges(need("copies")?);
-            // Nothing, however often, is nothing.
+            // Copies of no spheres are no spheres.
             if !spheres.is_empty() {
                 repeat(spheres, self.copies, edges, watch)?;
             }
@@ -78,7 +78,7 @@ impl Arrangement {
     }
 }
 
-/// Spheres that are copied between two looks at the watch.
+/// Spheres copied between two checks for cancellation.
 const BATCH: usize = 1 << 22;
 
 fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch: &Watch) -> Result<()> {
@@ -101,13 +101,13 @@ fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch:
     Ok(())
 }
 
-/// Values again and again, so many in all.
+/// The values repeated to a length of `total`.
 fn repeated<T: Copy>(mut values: Vec<T>, total: usize, watch: &Watch) -> Result<Vec<T>> {
     extend_to(&mut values, total)?;
     let once = values.len();
     while values.len() < total {
         watch.check()?;
-        // Whole copies of all values, so that what follows begins with the first.
+        // Whole copies of all values, so that the next copy begins with the first.
         let more = values.len().min((BATCH / once).max(1) * once).min(total - values.len());
         values.extend_from_within(..more);
     }
@@ -115,7 +115,7 @@ fn repeated<T: Copy>(mut values: Vec<T>, total: usize, watch: &Watch) -> Result<
 }
 
 fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
-    check(spheres.len() as u64, || format!("a clip plane of {} spheres", spheres.len()))?;
+    check(spheres.len() as u64, || format!("a clip plane for {} spheres", spheres.len()))?;
     let normal = DVec3::new(x, y, z);
     let kept: Vec<bool> = spheres.centers.par_iter().map(|c| normal.dot(DVec3::from_array(*c)) <= d).collect();
     let keep = |n: &mut usize| {
@@ -138,14 +138,14 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
         Bead::Radius(radius) => radius,
     };
     if !(radius > 0.0 && radius.is_finite()) {
-        let problem = format!("a bead of radius {radius} outlines nothing");
-        return Err(Error::settings(problem, "give a positive radius"));
+        let problem = format!("the beads of the outline have the radius {radius}");
+        return Err(Error::settings(problem, "use a positive radius"));
     }
     for (k, along) in edges.into_iter().enumerate() {
         let (p, q) = (edges[(k + 1) % 3], edges[(k + 2) % 3]);
         let steps = (along.length() / radius).ceil().clamp(1.0, MOST_BEADS) as u32;
         for corner in [DVec3::ZERO, p, q, p + q] {
-            // An edge leaves its last bead to the corner of the next: every corner begins three edges or ends them.
+            // An edge omits its last bead where the next edge's first bead is: every corner begins or ends three edges.
             for n in 0..=steps {
                 let at = origin + corner + along * (f64::from(n) / f64::from(steps));
                 spheres.add(at.to_array(), radius, Some(OUTLINE))?;
@@ -192,7 +192,8 @@ mod tests {
 
     #[test]
     fn copies_of_more_than_a_batch_are_those_of_less() {
-        // Three numbers a batch's end falls among, and a list whose doubling would not end with a whole copy.
+        // Three numbers, so that the end of a batch falls among them, and a list whose doubling does not end with a
+        // whole copy.
         let values: Vec<usize> = (0..3).collect();
         let all = repeated(values, 3 * (BATCH - 1), &Watch::default()).expect("room");
         assert!(all.len() == 3 * (BATCH - 1) && all.iter().enumerate().all(|(k, n)| *n == k % 3));

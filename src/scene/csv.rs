@@ -1,5 +1,5 @@
 //! Spheres from comma-separated values: a header that names the columns `x,y,z,radius[,r,g,b]` in any order, then one
-//! sphere per line. Blank lines and lines that begin with `#` say nothing; fields may be quoted and padded.
+//! sphere per line. Blank lines and lines that begin with `#` are ignored; fields may be quoted and padded.
 
 use super::Spheres;
 use super::input::Input;
@@ -22,7 +22,7 @@ const ROLES: [Role; 7] = [
     Role::Color(2),
 ];
 
-const ALLOWED: &str = "the columns are x, y, z, radius and, all or none, r, g, b";
+const ALLOWED: &str = "the columns are x, y, z, radius and optionally r, g, b";
 
 /// Appends the spheres of the file. Errors name line, column in characters, and field.
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {

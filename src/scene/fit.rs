@@ -1,4 +1,4 @@
-//! Framing: the camera from which all spheres are seen whole, as near as that allows.
+//! Framing: the nearest camera from which all spheres are completely visible.
 
 use super::{Scene, Spheres};
 use crate::camera::{Lens, Look};
@@ -9,29 +9,30 @@ use rayon::prelude::*;
 /// How a scene is framed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Framing {
-    /// Share of the image's height and width that is left free around the spheres, in all.
+    /// Share of the image's height and width that stays free around the spheres, in total.
     pub margin: f64,
-    /// Whether to frame the ball around all spheres, which looks the same from every side, rather than the spheres.
+    /// Whether to frame the ball around all spheres, which has the same size from every side, instead of the spheres.
     pub ball: bool,
-    /// Whether parallel rays keep the height of their view, and only the eye is moved; else the height is fitted.
+    /// Whether an orthographic camera keeps the height of its view and only the eye moves; otherwise the height is
+    /// fitted.
     pub keep_height: bool,
 }
 
 impl Default for Framing {
-    /// 4 % free, the spheres themselves.
+    /// 4 % margin around the spheres.
     fn default() -> Self {
         Self { margin: 0.04, ball: false, keep_height: false }
     }
 }
 
-/// Full height of the view of a framed scene that names no lens, degrees: a portrait lens, little perspective.
+/// Vertical field of view of a framed scene without a lens, degrees: a portrait lens with little perspective.
 const VFOV: f64 = 30.0;
 
-/// What the camera of a file without one looks along, and up.
+/// View direction of the camera of a file without one.
 const VIEW: DVec3 = DVec3::NEG_Z;
 
 impl Scene {
-    /// Gives the scene the customary camera: it looks along -z, y is up, and all spheres are seen whole.
+    /// Gives the scene the default camera: it looks along -z with y up, and shows all spheres.
     pub(super) fn frame_all(&mut self, framing: &Framing) -> Result<()> {
         self.camera.look = Look::View(VIEW);
         self.camera.up = DVec3::Y;
@@ -39,25 +40,25 @@ impl Scene {
         self.fit(framing)
     }
 
-    /// Moves the eye so that all spheres are seen whole: no silhouette reaches beyond the viewport less its margin. The
-    /// direction, up and the angles of the lens stay as they are.
+    /// Moves the eye so that all spheres are completely visible within the viewport less its margin. The direction, the
+    /// up vector and the angles of the lens are kept.
     ///
-    /// A sphere is within the pyramid of a viewport exactly where its centre is at least a radius inside of each of the four
-    /// planes through the eye. The planes' directions are known, so each plane touches the sphere that is foremost against
-    /// it, and the nearest such eye is where the tighter of the two pairs of planes meets; the other pair is centred.
+    /// A sphere is within the pyramid of a viewport if its centre is at least a radius inside of each of the four
+    /// planes through the eye. The planes' directions are known, so each plane is placed to touch the extreme sphere on
+    /// its side. The eye is where the tighter of the two pairs of planes meets; the other pair is centred.
     ///
-    /// Parallel rays see a box instead of a pyramid: the spheres' extents across and down give its height, and the eye
-    /// stands before the foremost sphere by the scene's own size.
+    /// An orthographic camera sees a box instead of a pyramid: the horizontal and vertical extents of the spheres give
+    /// its height, and the eye lies in front of the nearest sphere by the scene's own size.
     ///
     /// # Errors
-    /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the ends of f64
-    /// that no eye is far enough.
+    /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the
+    /// limits of f64 that no eye is far enough.
     pub fn fit(&mut self, framing: &Framing) -> Result<()> {
         if self.spheres.is_empty() {
             return Ok(());
         }
         if let Look::At(at) = self.camera.look {
-            // A point that gives no direction is told as what it is.
+            // An `at` that gives no direction is reported before it is changed.
             self.camera.basis()?;
             self.camera.look = Look::View(at - self.camera.eye);
         }
@@ -65,13 +66,13 @@ impl Scene {
         let viewport = self.camera.viewport(self.image.width, self.image.height)?;
         let around = framing.ball.then(|| ball(&self.spheres));
         let framed = around.as_ref().unwrap_or(&self.spheres);
-        // Everything is counted from the middle, so that far places lose nothing.
+        // Coordinates are relative to the middle, so that distant scenes lose no precision.
         let middle = framed.middle();
         let reach = |normal: DVec3| {
             let each = framed.centers.par_iter().zip(&framed.radii);
             each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r).reduce(|| f64::INFINITY, f64::min)
         };
-        // What rounding takes here is far below this share of the image.
+        // Rounding errors here are far below this share of the image.
         let free = 1.0 - framing.margin.clamp(1e-9, 0.9);
         if viewport.is_parallel() {
             let extent = |axis: DVec3| (reach(axis), -reach(-axis));
@@ -90,7 +91,7 @@ impl Scene {
             let length = slope.hypot(1.0);
             let (sine, cosine) = (slope / length, 1.0 / length);
             let (low, high) = (reach(cosine * axis - sine * basis.w), reach(-cosine * axis - sine * basis.w));
-            // The eye's place along the axis, and its least distance back.
+            // The eye's coordinate along the axis, and its least distance back.
             ((low - high) / (2.0 * cosine), -(low + high) / (2.0 * sine))
         };
         let ((x, z_across), (y, z_down)) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
@@ -102,13 +103,13 @@ impl Scene {
         if self.camera.eye.is_finite() {
             return Ok(());
         }
-        let problem = format!("{}: f64 has no place for an eye that sees them all", self.spheres.extent());
-        Err(Error::scene(Place::field("spheres"), problem, "write the scene in a larger unit"))
+        let problem = format!("{}: the eye that sees them all is beyond the range of f64", self.spheres.extent());
+        Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
     }
 }
 
 impl Spheres {
-    /// The middle of the box around all spheres; the origin where there is none.
+    /// The middle of the box around all spheres; the origin for no spheres.
     #[must_use]
     pub fn middle(&self) -> DVec3 {
         let [low, high] = self.bounds();
@@ -117,7 +118,7 @@ impl Spheres {
     }
 }
 
-/// One sphere around all of them, about the middle of their box.
+/// The ball about the middle of the box that contains all spheres.
 fn ball(spheres: &Spheres) -> Spheres {
     let middle = spheres.middle();
     let each = spheres.centers.par_iter().zip(&spheres.radii);
@@ -133,7 +134,8 @@ mod tests {
     use crate::scene::{ImagePlane, Skipped};
     use crate::{Camera, Scene};
 
-    /// Every sphere inside of all four planes, and the tighter pair of planes touched, whatever the place and the scale.
+    /// Every sphere is inside of all four planes, and the tighter pair of planes is touched, for every position and
+    /// scale.
     #[test]
     fn framing_cuts_no_sphere_and_is_tight() {
         let mut state = 1u64;
@@ -168,7 +170,7 @@ mod tests {
                     least[k] = least[k].min((normal.dot(p) - radius) / scale);
                 }
             }
-            // 1e-9 of the scene beside it: what the margin of 1e-9 leaves, f64 having taken 1e6 2^-52 of the offset.
+            // 1e-9 of the scene's extent: the margin of 1e-9, less the rounding of an offset of 1e6.
             assert!(least.iter().all(|gap| *gap >= -1e-9), "case {case}: cut by {least:?}");
             let tight = |a: f64, b: f64| a.max(b) < 1e-6;
             assert!(tight(least[0], least[1]) || tight(least[2], least[3]), "case {case}: loose by {least:?}");

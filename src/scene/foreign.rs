@@ -1,29 +1,29 @@
-//! Formats that are recognised and not read, so that the error says what a file is instead of what it is not.
+//! Formats that are recognised but not supported, so that the error can name the format.
 
 use super::ending;
 use std::path::Path;
 
-/// A format that is not read.
+/// An unsupported format.
 pub(super) struct Foreign {
-    /// What a file of it is, with an article.
+    /// A file of this format, with an article.
     pub(super) what: &'static str,
-    /// What to do with it.
+    /// The remedy.
     pub(super) mend: &'static str,
-    /// Endings that no format shares which is read.
+    /// File name extensions that no supported format shares.
     endings: &'static [&'static str],
-    /// Whether a file that begins so is of this format. Lines are without what is not UTF-8.
+    /// Whether a file with these first bytes and lines is of this format. Invalid UTF-8 is removed from the lines.
     sign: fn(&[u8], &[&str]) -> bool,
 }
 
 const TRAJECTORY: &str = "convert it to GRO, PDB or XYZ, for example with `gmx trjconv` or MDAnalysis";
-const TOPOLOGY: &str = "give the file with the coordinates; MDAnalysis writes PDB from both";
+const TOPOLOGY: &str = "use the file with the coordinates; MDAnalysis writes PDB from both";
 const STRUCTURE: &str = "convert it to PDB, mmCIF or XYZ, for example with Open Babel or MDAnalysis";
 const ARRAYS: &str = "save the positions with numpy.save or numpy.savez";
 
-/// All that are known; the first whose sign is there is meant.
+/// All of them; the first match is used.
 const ALL: &[Foreign] = &[
     Foreign {
-        what: "a GROMOS file of blocks (TITLE ... END)",
+        what: "a GROMOS file with blocks (TITLE ... END)",
         mend: TRAJECTORY,
         endings: &["trc", "g96"],
         sign: is_gromos,
@@ -77,16 +77,11 @@ const ALL: &[Foreign] = &[
         endings: &["dms"],
         sign: |bytes, _| bytes.starts_with(b"SQLite format 3\0"),
     },
-    Foreign { what: "an MMTF file", mend: "give the entry as mmCIF or PDB", endings: &["mmtf"], sign: |_, _| false },
-    Foreign {
-        what: "a BinaryCIF file",
-        mend: "give the entry as mmCIF or PDB",
-        endings: &["bcif"],
-        sign: |_, _| false,
-    },
+    Foreign { what: "an MMTF file", mend: "use the entry as mmCIF or PDB", endings: &["mmtf"], sign: |_, _| false },
+    Foreign { what: "a BinaryCIF file", mend: "use the entry as mmCIF or PDB", endings: &["bcif"], sign: |_, _| false },
     Foreign {
         what: "a picture",
-        mend: "give the scene; `halfline compare` reads pictures",
+        mend: "use a scene or particle file; `halfline compare` reads pictures",
         endings: &["png", "exr", "pfm"],
         sign: |bytes, _| bytes.starts_with(b"\x89PNG") || bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]),
     },
@@ -103,13 +98,13 @@ const ALL: &[Foreign] = &[
         sign: |_, lines| lines.first().is_some_and(|line| line.starts_with("%VERSION")),
     },
     Foreign {
-        what: "a file of AMBER coordinates",
+        what: "an AMBER coordinate file",
         mend: TOPOLOGY,
         endings: &["inpcrd", "rst7", "mdcrd"],
         sign: |_, _| false,
     },
     Foreign { what: "a GROMACS topology", mend: TOPOLOGY, endings: &["itp", "top"], sign: |_, _| false },
-    Foreign { what: "a file of CHARMM coordinates", mend: STRUCTURE, endings: &["crd", "cor"], sign: is_charmm },
+    Foreign { what: "a CHARMM coordinate file", mend: STRUCTURE, endings: &["crd", "cor"], sign: is_charmm },
     Foreign {
         what: "a MOL2 file",
         mend: STRUCTURE,
@@ -133,31 +128,31 @@ const ALL: &[Foreign] = &[
     },
 ];
 
-/// By how a file begins.
+/// Detects a format by the beginning of a file.
 pub(super) fn of_content(start: &[u8], lines: &[&str]) -> Option<&'static Foreign> {
     ALL.iter().find(|foreign| (foreign.sign)(start, lines))
 }
 
-/// By the name of a file without what it was compressed by.
+/// Detects a format by a file name without the extension of its compression.
 pub(super) fn of_name(path: &Path) -> Option<&'static Foreign> {
     let ending = ending(path);
     ALL.iter().find(|foreign| foreign.endings.contains(&ending.as_str()))
 }
 
-/// A line with the block's name alone, its lines, and `END`.
+/// A line with only the name of a block, the lines of the block, and `END`.
 fn is_gromos(_: &[u8], lines: &[&str]) -> bool {
     let mut lines = lines.iter().map(|line| line.trim_end()).filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines.next() == Some("TITLE") && lines.next() != Some("END")
 }
 
-/// A title of lines that begin with an asterisk, and the number of atoms.
+/// Title lines that begin with an asterisk, then the number of atoms.
 fn is_charmm(_: &[u8], lines: &[&str]) -> bool {
     let mut rest = lines.iter().skip_while(|line| line.starts_with('*'));
     let count = rest.next().and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
     lines.first().is_some_and(|line| line.starts_with('*')) && count.is_some()
 }
 
-/// A count and perhaps a title in one line, perhaps a cell, and atoms that begin with their number and their name.
+/// A line with a count and optionally a title, optionally a cell, and atoms that begin with their number and name.
 fn is_tinker(_: &[u8], lines: &[&str]) -> bool {
     let count = lines.first().and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
     let atom = |line: &&str| {
@@ -185,7 +180,7 @@ mod tests {
         for (text, what) in [
             ("TITLE\n    a trajectory\nEND\nTIMESTEP\n", "a GROMOS file"),
             ("PSF CMAP\n\n", "a CHARMM topology"),
-            ("* A TITLE\n*\n   3341\n", "a file of CHARMM coordinates"),
+            ("* A TITLE\n*\n   3341\n", "a CHARMM coordinate file"),
             ("%VERSION  VERSION_STAMP = V0001.000\n", "an AMBER topology"),
             ("# a comment\n@<TRIPOS>MOLECULE\n", "a MOL2 file"),
             ("ethanol\n  made by hand\n\n  9  8  0  0  0  0  0  0  0  0999 V2000\n", "an MDL file"),

@@ -1,5 +1,5 @@
-//! The bytes of a scene file, decompressed. Every reader takes its bytes from an [`Input`] and from nowhere else: it ends
-//! when the work is cancelled, also while a pipe is silent, and it refuses a stream that goes on without holding anything.
+//! The decompressed bytes of a scene file. Every reader reads from an [`Input`]. Cancellation ends it, even while a
+//! pipe is silent, and a stream that contains no data for too long is an error.
 
 use crate::error::{Error, Result};
 use crate::progress::Watch;
@@ -14,36 +14,36 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// Bytes that a stream of unknown length may have without a particle or a frame among them. A file that is not compressed
-/// has an end, so it may be as long as it is.
+/// The most bytes of a stream of unknown length without a particle or a frame. An uncompressed file ends, so its length
+/// is not limited.
 const SILENCE: u64 = 1 << 29;
 
-/// Bytes of a compressed stream that may decompress to nothing; a block of bzip2 has less than one of 2^20.
+/// The most compressed bytes that may decompress to nothing; a block of bzip2 has less than one of 2^20.
 const BARREN: u64 = 4 << 20;
 
-/// Bytes that are read at once.
+/// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
-/// How long a silent pipe is waited for before the watch is asked again.
+/// The interval at which waiting for a silent pipe checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// An opened file, pipe or standard input.
 pub(crate) struct Input {
     reader: Box<dyn BufRead + Send>,
     gauge: Gauge,
-    /// Bytes since the gauge was last told.
+    /// Bytes since the last check.
     since: u64,
-    /// Bytes delivered, and the length of a file that is not compressed, else 0.
+    /// Bytes delivered, and the length of an uncompressed file, else 0.
     delivered: u64,
     length: u64,
     packed: bool,
 }
 
 impl Input {
-    /// Opens `path`; `-` is standard input. gzip and bzip2 are known by their first bytes.
+    /// Opens `path`; `-` is standard input. gzip and bzip2 are detected by their first bytes.
     ///
     /// # Errors
-    /// [`Error::Io`], [`Error::Interrupted`], [`Error::Limits`] where a pipe needs a thread and there is none.
+    /// [`Error::Io`], [`Error::Interrupted`], [`Error::Limits`] where a pipe needs a thread that cannot be started.
     pub(crate) fn open(path: &Path, watch: &Watch) -> Result<Self> {
         let metadata = std::fs::metadata(path).ok().filter(|_| path != Path::new("-"));
         let waits =
@@ -56,17 +56,17 @@ impl Input {
         Self::unpack(Box::new(file), length, watch).map_err(|e| Error::read(path, e))
     }
 
-    /// The bytes of any reader, compressed or not.
+    /// The input from any reader, compressed or not.
     ///
     /// # Errors
-    /// The reader's own.
+    /// Those of the reader.
     pub(crate) fn of(reader: Box<dyn Read + Send>, watch: &Watch) -> io::Result<Self> {
         Self::unpack(reader, 0, watch)
     }
 
     fn unpack(raw: Box<dyn Read + Send>, length: u64, watch: &Watch) -> io::Result<Self> {
         let gauge = Gauge { watch: watch.clone(), counts: Arc::default() };
-        let mut raw = BufReader::with_capacity(BLOCK, Raw { reader: raw, gauge: gauge.clone() });
+        let mut raw = BufReader::with_capacity(BLOCK, FileBytes { reader: raw, gauge: gauge.clone() });
         let mut magic = Vec::new();
         (&mut raw).take(3).read_to_end(&mut magic)?;
         let packed = matches!(magic[..], [0x1f, 0x8b, _] | [b'B', b'Z', b'h']);
@@ -81,20 +81,20 @@ impl Input {
         Ok(Self { reader, gauge, since: 0, delivered: 0, length, packed })
     }
 
-    /// Whether the bytes come from a compressed file.
+    /// Whether the input is compressed.
     pub(crate) fn is_packed(&self) -> bool {
         self.packed
     }
 
-    /// The length of a file that is not compressed, else 0: nothing is known.
+    /// The length of an uncompressed file; 0 where it is not known.
     pub(crate) fn length(&self) -> u64 {
         self.length
     }
 
-    /// The first bytes, at most so many; they are delivered again.
+    /// The first bytes, at most `most`; they will be delivered again.
     ///
     /// # Errors
-    /// As reading.
+    /// Those of reading.
     pub(crate) fn look(&mut self, most: u64) -> io::Result<Vec<u8>> {
         let mut start = Vec::new();
         self.by_ref().take(most).read_to_end(&mut start)?;
@@ -104,12 +104,12 @@ impl Input {
         Ok(start)
     }
 
-    /// A particle was found: the stream holds something.
+    /// Reports that a particle was found, which resets the limits.
     pub(crate) fn found(&self) {
         self.gauge.counts.found();
     }
 
-    /// For a reader that has the input only through others.
+    /// The counters, for a reader that does not hold the input itself.
     pub(crate) fn counts(&self) -> Arc<Counts> {
         Arc::clone(&self.gauge.counts)
     }
@@ -134,7 +134,7 @@ impl BufRead for Input {
         let buffer = self.reader.fill_buf()?;
         if buffer.is_empty() && self.delivered < self.length {
             let problem = format!(
-                "it ended after {} of {} bytes: was it changed while it was read?",
+                "the file ended after {} of {} bytes; it may have been changed while it was read",
                 self.delivered, self.length
             );
             return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
@@ -162,19 +162,19 @@ impl Read for Input {
     }
 }
 
-/// Who may end the reading, and how much has passed in vain.
+/// Checks for cancellation, and counts bytes without data.
 #[derive(Clone)]
 struct Gauge {
     watch: Watch,
     counts: Arc<Counts>,
 }
 
-/// What passed in vain.
+/// Bytes without data.
 #[derive(Default)]
 pub(crate) struct Counts {
-    /// Decompressed bytes since something was found in them.
+    /// Decompressed bytes since the last particle or frame.
     silent: AtomicU64,
-    /// Compressed bytes since the last decompressed one.
+    /// Compressed bytes since the last decompressed byte.
     barren: AtomicU64,
 }
 
@@ -186,25 +186,25 @@ impl Counts {
 }
 
 impl Gauge {
-    /// Adds bytes to a count, of which there may be so many.
+    /// Adds bytes to a counter with the limit `most`.
     fn pass(&self, count: &AtomicU64, bytes: u64, most: u64) -> io::Result<()> {
         self.watch.check().map_err(io::Error::other)?;
         if count.fetch_add(bytes, Ordering::Relaxed) + bytes <= most {
             return Ok(());
         }
-        let problem = format!("{most} bytes of the stream hold neither a sphere nor the end");
-        let mend = "is it a scene? of a file that is not compressed, any length is read".into();
+        let problem = format!("{most} bytes of the stream contain no particle");
+        let mend = "check that it is a scene or particle file; an uncompressed file may have any length".into();
         Err(io::Error::other(Error::Limits { problem, mend }))
     }
 }
 
-/// Bytes as they come from the file: a compressed stream may be endless and yet hold nothing.
-struct Raw {
+/// The bytes of the file; a compressed stream may be endless without containing data.
+struct FileBytes {
     reader: Box<dyn Read + Send>,
     gauge: Gauge,
 }
 
-impl Read for Raw {
+impl Read for FileBytes {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let read = self.reader.read(bytes)?;
         self.gauge.pass(&self.gauge.counts.barren, read as u64, BARREN)?;
@@ -212,8 +212,8 @@ impl Read for Raw {
     }
 }
 
-/// What may be silent for ever: standard input, a named pipe, a device. A thread of its own opens and reads it, so that
-/// whoever waits for it can stop waiting; the thread ends with the stream or with the process.
+/// An input that may be silent for any time: standard input, a named pipe, a device. A separate thread opens and reads
+/// it, so that waiting for it can end; the thread ends with the stream or with the process.
 struct Pipe {
     blocks: Receiver<io::Result<Vec<u8>>>,
     block: Cursor<Vec<u8>>,
@@ -227,13 +227,13 @@ impl Pipe {
         let started = thread::Builder::new().name("halfline input".into()).spawn(move || deliver(file, &sender));
         started.map_err(|e| Error::Limits {
             problem: format!("{}: no thread could be started to read it: {e}", path.display()),
-            mend: "give a file, or allow the process more threads".into(),
+            mend: "use a regular file, or allow the process more threads".into(),
         })?;
         Ok(Self { blocks, block: Cursor::default(), watch: watch.clone() })
     }
 }
 
-/// Sends what a file, or standard input, holds; nobody to take it is the end.
+/// Sends the content of a file or of standard input; stops when the receiver is gone.
 fn deliver(file: Option<PathBuf>, blocks: &SyncSender<io::Result<Vec<u8>>>) {
     let opened: io::Result<Box<dyn Read>> = match file {
         Some(path) => File::open(path).map(|file| Box::new(file) as Box<dyn Read>),

@@ -1,5 +1,5 @@
-//! Text line by line, with the place of every byte. The line formats share it, so that byte order marks, CRLF and
-//! bytes that are no UTF-8 are met in one place.
+//! Text line by line, with the place of every byte. The line-based formats share it for byte order marks, CRLF and
+//! invalid UTF-8.
 
 use super::input::Input;
 use crate::error::{Error, Place, Result};
@@ -7,15 +7,15 @@ use crate::quote::quote;
 use std::io::{BufRead, Read};
 use std::path::{Path, PathBuf};
 
-/// Bytes in a line beyond which no text of ours goes; what holds no lines must not fill the memory.
+/// The most bytes in a line, so that a file without lines does not fill the memory.
 const LONGEST: u64 = 1 << 20;
 
-/// Bytes in a block of lines, about, and in one of its parts. They are the same on every machine, so that nothing depends on
-/// the number of its cores.
+/// The approximate bytes in a block of lines, and in one of its parts. They are constants, so that results do not
+/// depend on the number of cores.
 const BLOCK: usize = 2 << 20;
 const PART: usize = 64 << 10;
 
-/// One line at a time, in one reused buffer.
+/// Reads one line at a time into a reused buffer.
 pub(super) struct Lines<R> {
     reader: R,
     path: PathBuf,
@@ -29,14 +29,14 @@ impl<R: BufRead> Lines<R> {
         Self { reader, path: path.to_path_buf(), text: String::new(), number: 0, any_bytes: false }
     }
 
-    /// Takes lines that are no UTF-8, with a question mark for each byte beyond ASCII, so that columns stay where they are:
-    /// formats older than UTF-8 have names of people in other encodings, and nothing else that is not ASCII.
+    /// Accepts lines that are not UTF-8, with a question mark for each byte that is not ASCII, so that columns stay in
+    /// place. Formats older than UTF-8 contain names of people in other encodings, and otherwise ASCII.
     pub(super) fn of_any_bytes(mut self) -> Self {
         self.any_bytes = true;
         self
     }
 
-    /// Reads the next line; false at the end of the file, where the last line stays.
+    /// Reads the next line; returns false at the end of the file, where the last line is kept.
     pub(super) fn advance(&mut self) -> Result<bool> {
         let mut bytes = std::mem::take(&mut self.text).into_bytes();
         bytes.clear();
@@ -46,8 +46,12 @@ impl<R: BufRead> Lines<R> {
         }
         self.number += 1;
         if bytes.len() as u64 == LONGEST && !bytes.ends_with(b"\n") {
-            let problem = format!("more than {LONGEST} bytes without the end of a line");
-            return Err(Error::scene(self.file().at(self.number, 1), problem, "is it another format? see --format"));
+            let problem = format!("the line is longer than {LONGEST} bytes");
+            return Err(Error::scene(
+                self.file().at(self.number, 1),
+                problem,
+                "check the format of the file, or set it with --format",
+            ));
         }
         if self.any_bytes && std::str::from_utf8(&bytes).is_err() {
             bytes.iter_mut().filter(|byte| !byte.is_ascii()).for_each(|byte| *byte = b'?');
@@ -61,8 +65,8 @@ impl<R: BufRead> Lines<R> {
         Ok(true)
     }
 
-    /// Reads so many lines into `block`, fewer where the file ends or the block is full. The last of them is the current
-    /// one then; what it holds is for those to judge who look at the parts.
+    /// Reads `most` lines into `block`, fewer where the file ends or the block is full. The last of them becomes the
+    /// current line; whether lines contain data is determined when the parts are read.
     pub(super) fn block(&mut self, most: u64, block: &mut Block) -> Result<()> {
         block.bytes.clear();
         block.parts.clear();
@@ -90,7 +94,7 @@ impl<R: BufRead> Lines<R> {
         Ok(())
     }
 
-    /// Passes over so many lines without looking at them; how many there were.
+    /// Skips `count` lines; returns the number skipped.
     pub(super) fn pass(&mut self, count: u64) -> Result<u64> {
         for passed in 0..count {
             if self.reader.skip_until(b'\n').map_err(|e| Error::read(&self.path, e))? == 0 {
@@ -101,7 +105,7 @@ impl<R: BufRead> Lines<R> {
         Ok(count)
     }
 
-    /// What follows the current line.
+    /// The input after the current line.
     pub(super) fn into_reader(self) -> R {
         self.reader
     }
@@ -111,12 +115,12 @@ impl<R: BufRead> Lines<R> {
         Word { text: &self.text[at..end], at, lines: self }
     }
 
-    /// The line without its end.
+    /// The line without its line ending.
     pub(super) fn text(&self) -> &str {
         &self.text
     }
 
-    /// The file alone.
+    /// The place with the file name alone.
     pub(super) fn file(&self) -> Place {
         Place::file(self.path.display().to_string())
     }
@@ -133,12 +137,12 @@ impl<R: BufRead> Lines<R> {
 }
 
 impl Lines<Input> {
-    /// The current line holds something of the scene.
+    /// Reports that the current line contains a particle.
     pub(super) fn found(&self) {
         self.reader.found();
     }
 
-    /// Passes over so many lines of particles without looking at them; how many there were.
+    /// Skips `count` lines of particles; returns the number skipped.
     pub(super) fn pass_particles(&mut self, count: u64) -> Result<u64> {
         let mut passed = 0;
         while passed < count {
@@ -154,11 +158,11 @@ impl Lines<Input> {
     }
 }
 
-/// Lines that were read at once, for all cores to look at.
+/// Lines that were read together and are parsed on all cores.
 #[derive(Default)]
 pub(super) struct Block {
     bytes: Vec<u8>,
-    /// The byte that a part begins at, and the lines before it.
+    /// The first byte of each part, and the number of lines before it.
     parts: Vec<(usize, u64)>,
     lines: u64,
     path: PathBuf,
@@ -166,12 +170,12 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// How many lines they are.
+    /// The number of lines.
     pub(super) fn len(&self) -> u64 {
         self.lines
     }
 
-    /// Parts of whole lines, one after the other.
+    /// Parts of whole lines, in order.
     pub(super) fn parts(&self) -> Vec<Lines<&[u8]>> {
         let ends = self.parts.iter().skip(1).map(|(start, _)| *start).chain([self.bytes.len()]);
         let part = |((start, number), end): (&(usize, u64), usize)| Lines {
@@ -186,32 +190,32 @@ impl Block {
 /// A word of a line.
 pub(super) struct Word<'a, R> {
     pub(super) text: &'a str,
-    /// The byte it begins at.
+    /// The position of its first byte.
     pub(super) at: usize,
     lines: &'a Lines<R>,
 }
 
 impl<R: BufRead> Word<'_, R> {
-    /// As a finite number; an error names `field`.
+    /// Parses a finite number; errors name `field`.
     pub(super) fn finite(&self, field: &str) -> Result<f64> {
         let number = self.number(field)?;
         if number.is_finite() { Ok(number) } else { Err(self.wrong(field, "is not finite")) }
     }
 
-    /// As a positive finite number.
+    /// Parses a positive finite number.
     pub(super) fn positive(&self, field: &str) -> Result<f64> {
         let number = self.finite(field)?;
         if number > 0.0 { Ok(number) } else { Err(self.wrong(field, "is not positive")) }
     }
 
-    /// As any number, infinite ones and NaN included.
+    /// Parses any number, including infinities and NaN.
     pub(super) fn number(&self, field: &str) -> Result<f64> {
-        self.text.parse().map_err(|_| self.wrong(field, "is no number"))
+        self.text.parse().map_err(|_| self.wrong(field, "is not a number"))
     }
 
     fn wrong(&self, field: &str, what: &str) -> Error {
         let problem = format!("{} {what}", quote(self.text));
-        Error::scene(self.lines.place(self.at).named(field), problem, "give a finite number such as 0.5")
+        Error::scene(self.lines.place(self.at).named(field), problem, "use a finite number such as 0.5")
     }
 }
 
@@ -222,7 +226,7 @@ pub(super) struct Words<'a, R> {
 }
 
 impl<'a, R: BufRead> Words<'a, R> {
-    /// Of the current line.
+    /// The words of the current line.
     pub(super) fn of(lines: &'a Lines<R>) -> Self {
         Self { lines, at: 0 }
     }
@@ -232,7 +236,7 @@ impl<'a, R: BufRead> Iterator for Words<'a, R> {
     type Item = Word<'a, R>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        // By bytes: what separates words is ASCII, and so no part of another character.
+        // Splitting by bytes is safe, because the separators are ASCII and no part of another character.
         let bytes = self.lines.text.as_bytes();
         let at = self.at + bytes.get(self.at..)?.iter().position(|b| !b.is_ascii_whitespace())?;
         let end = bytes[at..].iter().position(u8::is_ascii_whitespace).map_or(bytes.len(), |length| at + length);
@@ -241,7 +245,7 @@ impl<'a, R: BufRead> Iterator for Words<'a, R> {
     }
 }
 
-/// Line and column, from 1, kept for an error that may come later.
+/// Line and column, from 1, stored for a later error.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Spot {
     line: u64,
@@ -255,12 +259,12 @@ impl Spot {
     }
 }
 
-/// Characters before `byte`, plus one.
+/// The characters before `byte`, plus one.
 fn column(line: &str, byte: usize) -> u64 {
     line.get(..byte).unwrap_or(line).chars().count() as u64 + 1
 }
 
-/// The error for a text, beginning after `lines` whole lines, that is no UTF-8.
+/// The error for text after `lines` whole lines that is not UTF-8.
 pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Error) -> Error {
     let valid = error.utf8_error().valid_up_to();
     let bytes = error.as_bytes();
@@ -268,5 +272,5 @@ pub(super) fn not_utf8(file: Place, lines: u64, error: std::string::FromUtf8Erro
     let mut place = file.at_byte(&before, before.len());
     place.line = place.line.map(|line| lines + line);
     let byte = bytes.get(valid).copied().unwrap_or_default();
-    Error::scene(place, format!("byte 0x{byte:02x} is no UTF-8 text"), "save the file as UTF-8")
+    Error::scene(place, format!("the byte 0x{byte:02x} is not UTF-8 text"), "save the file as UTF-8")
 }

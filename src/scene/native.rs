@@ -1,5 +1,5 @@
-//! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]` and `[[spheres]]`. Every fault is told with
-//! the line, column and key of what is wrong.
+//! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]` and `[[spheres]]`. Every error has the line,
+//! column and key.
 
 mod room;
 
@@ -17,13 +17,15 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// Bytes of a scene file: its spheres belong into a file of numbers long before there are so many.
+/// The most bytes of a scene file; large numbers of spheres belong in a separate file.
 const LONGEST: usize = 1 << 30;
 
-/// Bytes that are parsed within the second that an interrupt may take; the parser manages 8 MB in that time.
+/// Bytes that are parsed without checking for an interrupt, which may take a second; the parser reads 8 MB in that
+/// time.
 const QUICK: usize = 2 << 20;
 
-/// Reads a scene from the stream, and which files `[[spheres]]` name in it; `path` is for errors, and its folder holds them.
+/// Reads a scene from the stream, and the names of the files in `[[spheres]]`; `path` is for errors, and its folder
+/// contains the files.
 pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, Vec<PathBuf>)> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
@@ -31,7 +33,7 @@ pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, 
     check(room::most_held(&text), || format!("{file}: {length} bytes of TOML"))?;
     let (path, within) = (path.to_path_buf(), watch.clone());
     let parse = move || {
-        // The byte order mark is no character of the first line.
+        // The byte order mark is not a character of the first line.
         let text = text.trim_start_matches('\u{feff}');
         let mut files = Vec::new();
         let scene = Document { file, text, path: &path, watch: &within }.scene(&mut files)?;
@@ -49,8 +51,8 @@ fn bytes(mut reader: Input, path: &Path) -> Result<Vec<u8>> {
             return Ok(bytes);
         }
         if bytes.len() + block.len() > LONGEST {
-            let problem = format!("{}: a scene file of more than {LONGEST} bytes", path.display());
-            let mend = "put its spheres into a .csv or .npy file, and name that in [[spheres]]".into();
+            let problem = format!("{}: the scene file has more than {LONGEST} bytes", path.display());
+            let mend = "put its spheres into a .csv or .npy file, and refer to it with [[spheres]]".into();
             return Err(Error::Limits { problem, mend });
         }
         reserve(&mut bytes, block.len())?;
@@ -74,13 +76,13 @@ impl Document<'_> {
 
     fn scene(&self, files: &mut Vec<PathBuf>) -> Result<Scene> {
         let root = DeTable::parse(self.text).map_err(|e| self.syntax(e))?;
-        let root = Table { doc: self, name: Name::TOP, keys: root.get_ref(), start: 0 };
+        let root = TomlTable { doc: self, name: TomlName::TOP, keys: root.get_ref(), start: 0 };
         root.allow(&["camera", "image", "sphere", "spheres"])?;
         let image = match root.get("image") {
-            Some(image) => self.image(&image.table(Name::part("image"))?)?,
+            Some(image) => self.image(&image.table(TomlName::part("image"))?)?,
             None => ImagePlane::default(),
         };
-        let camera = self.camera(&root.need("camera")?.table(Name::part("camera"))?, &image)?;
+        let camera = self.camera(&root.need("camera")?.table(TomlName::part("camera"))?, &image)?;
         let mut spheres = Spheres::default();
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
@@ -95,15 +97,15 @@ impl Document<'_> {
         let span = error.span().unwrap_or_default();
         let mut place = self.place(span.start);
         let problem = error.message().lines().collect::<Vec<_>>().join(", ");
-        // Only here does the parser point at a whole key.
+        // Only for this error does the parser's span cover a whole key.
         if problem == "duplicate key" {
             place.field = self.text.get(span).map(str::to_owned);
         }
-        let mend = "mend the TOML there".into();
+        let mend = "correct the TOML there".into();
         Error::Scene { place: Box::new(place), problem, mend, source: Some(Box::new(error)) }
     }
 
-    fn image(&self, table: &Table<'_>) -> Result<ImagePlane> {
+    fn image(&self, table: &TomlTable<'_>) -> Result<ImagePlane> {
         table.allow(&["size", "background"])?;
         let mut image = ImagePlane::default();
         if let Some(size) = table.get("size") {
@@ -115,7 +117,7 @@ impl Document<'_> {
         Ok(image)
     }
 
-    fn camera(&self, table: &Table<'_>, image: &ImagePlane) -> Result<Camera> {
+    fn camera(&self, table: &TomlTable<'_>, image: &ImagePlane) -> Result<Camera> {
         table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height"])?;
         let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
         let look = match table.one_of(["at", "view"])? {
@@ -126,12 +128,8 @@ impl Document<'_> {
         let lens = match table.one_of(["vfov", "viewport", "height"])? {
             "height" => {
                 if let Some(distance) = table.get("distance") {
-                    let problem = "parallel rays have no distance of a viewport";
-                    return Err(Error::scene(
-                        distance.place(),
-                        problem,
-                        "leave it out, or give vfov instead of height",
-                    ));
+                    let problem = "an orthographic camera has no viewport distance";
+                    return Err(Error::scene(distance.place(), problem, "remove it, or use vfov instead of height"));
                 }
                 Lens::Orthographic { height: table.need("height")?.number()? }
             }
@@ -145,7 +143,7 @@ impl Document<'_> {
         let locate = |error| {
             relocate(error, |field| {
                 let key = field.trim_start_matches("camera.");
-                // A viewport that overflows came from the angle.
+                // A viewport that overflows was computed from the angle.
                 let value = table.keys.get(key).or_else(|| table.keys.get("vfov"));
                 self.place(value.map_or(table.start, |value| value.span().start)).named(field)
             })
@@ -155,7 +153,7 @@ impl Document<'_> {
         Ok(camera)
     }
 
-    fn sphere(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<()> {
+    fn sphere(&self, table: &TomlTable<'_>, spheres: &mut Spheres) -> Result<()> {
         table.allow(&["center", "radius", "color"])?;
         let center = table.need("center")?.numbers()?;
         let radius = table.need("radius")?;
@@ -165,8 +163,8 @@ impl Document<'_> {
         spheres.add(center, length, color)
     }
 
-    /// Returns the file that they are in.
-    fn spheres(&self, table: &Table<'_>, spheres: &mut Spheres) -> Result<PathBuf> {
+    /// Reads the spheres of a file; returns its path.
+    fn spheres(&self, table: &TomlTable<'_>, spheres: &mut Spheres) -> Result<PathBuf> {
         table.allow(&["file"])?;
         let file = table.need("file")?;
         let name = file.string()?;
@@ -175,22 +173,22 @@ impl Document<'_> {
             "csv" => csv::read(&path, spheres, self.watch),
             "npy" => npy::read(&path, spheres, self.watch),
             _ => {
-                let problem = format!("{} is no kind of file that holds spheres", quote(name));
-                Err(Error::scene(file.place(), problem, "name a .csv or a .npy file"))
+                let problem = format!("{} is not a supported file of spheres", quote(name));
+                Err(Error::scene(file.place(), problem, "use a .csv or a .npy file"))
             }
         }?;
         Ok(path)
     }
 }
 
-/// What a table is called in errors: `camera`, `sphere 3`, or nothing at the top.
+/// The name of a table in errors: `camera`, `sphere 3`, or nothing for the top level.
 #[derive(Clone, Copy)]
-struct Name {
+struct TomlName {
     part: &'static str,
     index: Option<usize>,
 }
 
-impl Name {
+impl TomlName {
     const TOP: Self = Self::part("");
 
     const fn part(part: &'static str) -> Self {
@@ -206,28 +204,28 @@ impl Name {
     }
 }
 
-/// A table, and where it begins.
-struct Table<'a> {
+/// A table, and its position.
+struct TomlTable<'a> {
     doc: &'a Document<'a>,
-    name: Name,
+    name: TomlName,
     keys: &'a DeTable<'a>,
     start: usize,
 }
 
-impl<'a> Table<'a> {
-    /// Refuses the first key that is none of `known`.
+impl<'a> TomlTable<'a> {
+    /// Returns an error at the first key that is not one of `known`.
     fn allow(&self, known: &[&str]) -> Result<()> {
         let unknown = self.keys.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
         let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
         let place = self.doc.place(key.span().start).named(self.name.field(key.get_ref()));
-        Err(Error::scene(place, "unknown key", format!("the keys here are {}", known.join(", "))))
+        Err(Error::scene(place, "unknown key", format!("the keys of this table are {}", known.join(", "))))
     }
 
-    fn get(&self, key: &'static str) -> Option<Value<'a>> {
-        self.keys.get(key).map(|value| Value { doc: self.doc, name: self.name, key, value })
+    fn get(&self, key: &'static str) -> Option<TomlValue<'a>> {
+        self.keys.get(key).map(|value| TomlValue { doc: self.doc, name: self.name, key, value })
     }
 
-    fn need(&self, key: &'static str) -> Result<Value<'a>> {
+    fn need(&self, key: &'static str) -> Result<TomlValue<'a>> {
         self.get(key).ok_or_else(|| self.missing(key, format!("add {}", example(key))))
     }
 
@@ -235,7 +233,7 @@ impl<'a> Table<'a> {
         Error::scene(self.doc.place(self.start).named(self.name.field(key)), "missing", mend)
     }
 
-    /// Which of some keys is there; exactly one must be.
+    /// The only key of `keys` that is present; it is an error if there is none or more than one.
     fn one_of<const N: usize>(&self, keys: [&'static str; N]) -> Result<&'static str> {
         let mut there: Vec<_> = keys.into_iter().filter_map(|key| self.get(key)).collect();
         there.sort_by_key(|value| value.value.span().start);
@@ -243,53 +241,53 @@ impl<'a> Table<'a> {
             [only] => Ok(only.key),
             [first, second, ..] => {
                 let [a, b] = [first.key, second.key];
-                Err(Error::scene(second.place(), format!("{a} and {b} say it twice"), format!("give {a} or {b}")))
+                Err(Error::scene(second.place(), format!("{a} and {b} exclude each other"), format!("use {a} or {b}")))
             }
             [] => Err(self.missing(keys[0], format!("add {}", keys.map(example).join(" or ")))),
         }
     }
 
-    /// The tables of an array of tables, none where the key is not there.
-    fn tables(&self, key: &'static str) -> Result<impl Iterator<Item = Result<Table<'a>>>> {
+    /// The tables of an array of tables; none if the key is missing.
+    fn tables(&self, key: &'static str) -> Result<impl Iterator<Item = Result<TomlTable<'a>>>> {
         let items: &'a [Spanned<DeValue<'a>>] = match self.get(key) {
             None => &[],
             Some(value) => value.array()?,
         };
         let (doc, name) = (self.doc, self.name);
         Ok(items.iter().enumerate().map(move |(index, value)| {
-            let name = Value { doc, name, key, value };
-            name.table(Name { part: key, index: Some(index) })
+            let name = TomlValue { doc, name, key, value };
+            name.table(TomlName { part: key, index: Some(index) })
         }))
     }
 }
 
-/// The value of a key, and what it is called.
+/// The value of a key, and its name.
 #[derive(Clone, Copy)]
-struct Value<'a> {
+struct TomlValue<'a> {
     doc: &'a Document<'a>,
-    name: Name,
+    name: TomlName,
     key: &'static str,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-impl<'a> Value<'a> {
+impl<'a> TomlValue<'a> {
     fn place(&self) -> Place {
         self.doc.place(self.value.span().start).named(self.name.field(self.key))
     }
 
-    /// The fault of this value, or of `part` of it.
+    /// An error at this value, or at `part` of it.
     fn wrong(&self, part: &Spanned<DeValue<'_>>, problem: String) -> Error {
         let place = self.doc.place(part.span().start).named(self.name.field(self.key));
         Error::scene(place, problem, format!("write {}", example(self.key)))
     }
 
     fn mistyped(&self, part: &Spanned<DeValue<'_>>, wanted: &str) -> Error {
-        self.wrong(part, format!("found a value of type {}, wanted {wanted}", part.get_ref().type_str()))
+        self.wrong(part, format!("expected {wanted}, found a value of type {}", part.get_ref().type_str()))
     }
 
-    fn table(&self, name: Name) -> Result<Table<'a>> {
+    fn table(&self, name: TomlName) -> Result<TomlTable<'a>> {
         match self.value.get_ref() {
-            DeValue::Table(keys) => Ok(Table { doc: self.doc, name, keys, start: self.value.span().start }),
+            DeValue::Table(keys) => Ok(TomlTable { doc: self.doc, name, keys, start: self.value.span().start }),
             _ => Err(self.mistyped(self.value, "a table")),
         }
     }
@@ -335,7 +333,7 @@ impl<'a> Value<'a> {
     ) -> Result<[T; N]> {
         let items = self.array()?;
         if items.len() != N {
-            return Err(self.wrong(self.value, format!("found {} values, wanted {N}", items.len())));
+            return Err(self.wrong(self.value, format!("expected {N} values, found {}", items.len())));
         }
         let mut out = [T::default(); N];
         for (out, item) in out.iter_mut().zip(items) {
@@ -344,18 +342,18 @@ impl<'a> Value<'a> {
         Ok(out)
     }
 
-    /// A finite number; TOML has words for the others.
+    /// A finite number; TOML has keywords for the others.
     fn finite(&self, part: &Spanned<DeValue<'_>>) -> Result<f64> {
         let number = match part.get_ref() {
             DeValue::Float(x) => x.as_str().parse().ok(),
             DeValue::Integer(i) => integer(i),
             _ => return Err(self.mistyped(part, "a number")),
         };
-        number.filter(|x: &f64| x.is_finite()).ok_or_else(|| self.wrong(part, "not a finite number".into()))
+        number.filter(|x: &f64| x.is_finite()).ok_or_else(|| self.wrong(part, "expected a finite number".into()))
     }
 }
 
-/// The nearest f64. Decimals of any length are read as the float they would be with a point.
+/// The nearest f64. Integers of any length are read like the float with the same digits.
 fn integer(i: &DeInteger<'_>) -> Option<f64> {
     match i.radix() {
         10 => i.as_str().parse().ok(),
@@ -363,7 +361,7 @@ fn integer(i: &DeInteger<'_>) -> Option<f64> {
     }
 }
 
-/// How a key is written, for what is to be mended.
+/// How a key is written, for remedies in messages.
 fn example(key: &str) -> &'static str {
     match key {
         "camera" => "a [camera] table",

@@ -1,15 +1,15 @@
-//! Haines' Neutral File Format, as the Standard Procedural Databases write it. Spheres are kept; cones, polygons and
-//! polygonal patches are counted and left out. Lights and what a fill says beyond its colour are checked and counted: no
-//! shading uses them yet.
+//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres are read; cones, polygons and
+//! polygonal patches are counted and skipped. Lights, and the parameters of a fill beyond its colour, are checked and
+//! counted but not used by any shading.
 //!
-//! Every statement begins a line; its numbers may run on to the next lines.
+//! Every statement begins on a new line; its numbers may continue on the following lines.
 
 use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::{ImagePlane, ReadOptions, Scene, Skipped, Spheres, check_color, check_size, check_sphere, relocate};
 use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
-use crate::quote::quote;
+use crate::quote::{count, quote};
 use glam::DVec3;
 use std::fmt;
 use std::path::Path;
@@ -30,34 +30,34 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
     let (mut lights, mut materials) = (0_u64, 0_u64);
     let ignored = |what: &str, place: Place| match options.strict {
         true => {
-            let mend = "take it out, or read without strict to leave it out";
-            Err(Error::scene(place, format!("a {what} is not modelled"), mend))
+            let mend = "remove it, or read without strict to skip it";
+            Err(Error::scene(place, format!("a {what} is not supported"), mend))
         }
         false => Ok(()),
     };
     while let Some(word) = nff.peek()? {
         let spot = nff.spot(word);
         let unknown = |problem: String| {
-            let mend = format!("begin a line with one of {}", DIRECTIVES.join(" "));
+            let mend = format!("begin the line with one of {}", DIRECTIVES.join(" "));
             Err(Error::scene(spot.of(Place::file(path.display().to_string())), problem, mend))
         };
         let text = nff.text(word);
         let Some(directive) = DIRECTIVES.into_iter().find(|d| *d == text) else {
             return match VIEW.contains(&text) {
-                true => unknown(format!("{} stands outside of a v block", quote(text))),
-                false if text.parse::<f64>().is_ok() => unknown(format!("{} is a number too many", quote(text))),
-                false => unknown(format!("{} begins no statement", quote(text))),
+                true => unknown(format!("{} is outside of a v block", quote(text))),
+                false if text.parse::<f64>().is_ok() => unknown(format!("{} is one number too many", quote(text))),
+                false => unknown(format!("{} is not a statement", quote(text))),
             };
         };
         if !nff.begins_line(word) {
-            return unknown(format!("{} stands where the line should end", quote(text)));
+            return unknown(format!("expected the end of the line, found {}", quote(text)));
         }
         nff.take(word);
         let at = |name, id| Statement { spot, name, id };
         match directive {
-            "v" if camera.is_some() => return unknown("a second view".into()),
+            "v" if camera.is_some() => return unknown("found a second view".into()),
             "v" => camera = Some(nff.view(&at("camera", None))?),
-            "b" if background.is_some() => return unknown("a second background".into()),
+            "b" if background.is_some() => return unknown("found a second background".into()),
             "b" => background = Some(nff.color(&at("background", None), 3)?),
             "f" => {
                 let (color, plain) = nff.fill(&at("fill", None))?;
@@ -87,30 +87,29 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
         }
     }
     let Some((camera, mut image)) = camera else {
-        let mend = "add v, from, at, up, angle and resolution lines";
-        return Err(Error::scene(nff.lines.file().named("camera"), "a v block is missing", mend));
+        let mend = "add lines that begin with v, from, at, up, angle and resolution";
+        return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
     };
     image.background = background.unwrap_or(image.background);
-    let plural = |n: u64| if n == 1 { "" } else { "s" };
     if lights > 0 {
         let place = "the picture is lit from the eye";
-        skipped.assumed.push(format!("{lights} light{} left out: {place}, see --shade", plural(lights)));
+        skipped.assumed.push(format!("{} left out: {place}, see --shade", count(lights, "light")));
     }
     if materials > 0 {
         let what = "Kd, Ks, Shine, T and index of refraction are left out";
-        skipped.assumed.push(format!("{materials} material{} reduced to the colour: {what}", plural(materials)));
+        skipped.assumed.push(format!("{} reduced to the colour: {what}", count(materials, "material")));
     }
     Ok(Scene { camera, image, spheres, skipped })
 }
 
-/// A stretch of the current line.
+/// A range of the current line.
 #[derive(Debug, Clone, Copy)]
-struct Word {
+struct WordRange {
     start: usize,
     end: usize,
 }
 
-/// The statement whose numbers are being read, for errors.
+/// The statement whose numbers are read, for errors.
 struct Statement {
     spot: Spot,
     name: &'static str,
@@ -126,7 +125,7 @@ impl fmt::Display for Statement {
     }
 }
 
-/// Up to eight numbers, the most any statement takes at once, and where they stand.
+/// Up to eight numbers, the most that any statement has at once, and their places.
 #[derive(Default)]
 struct Numbers {
     values: [f64; 8],
@@ -140,15 +139,15 @@ struct Reader {
 }
 
 impl Reader {
-    /// The next word, on whichever line it stands; it stays to be taken.
-    fn peek(&mut self) -> Result<Option<Word>> {
+    /// The next word, on any line, without consuming it.
+    fn peek(&mut self) -> Result<Option<WordRange>> {
         loop {
             let rest = &self.lines.text()[self.next..];
             let word = rest.trim_start();
             if !word.is_empty() && !word.starts_with('#') {
                 let start = self.next + rest.len() - word.len();
                 let length = word.find(char::is_whitespace).unwrap_or(word.len());
-                return Ok(Some(Word { start, end: start + length }));
+                return Ok(Some(WordRange { start, end: start + length }));
             }
             self.next = 0;
             if !self.lines.advance()? {
@@ -157,23 +156,23 @@ impl Reader {
         }
     }
 
-    fn take(&mut self, word: Word) {
+    fn take(&mut self, word: WordRange) {
         self.next = word.end;
     }
 
-    fn text(&self, word: Word) -> &str {
+    fn text(&self, word: WordRange) -> &str {
         &self.lines.text()[word.start..word.end]
     }
 
-    fn spot(&self, word: Word) -> Spot {
+    fn spot(&self, word: WordRange) -> Spot {
         self.lines.spot(word.start)
     }
 
-    fn begins_line(&self, word: Word) -> bool {
+    fn begins_line(&self, word: WordRange) -> bool {
         self.lines.text()[..word.start].trim_start().is_empty()
     }
 
-    /// At least `least` numbers and as many more, up to `most`, as follow.
+    /// Reads at least `least` numbers and as many more as follow, up to `most`.
     fn numbers(&mut self, at: &Statement, least: usize, most: usize) -> Result<Numbers> {
         let mut numbers = Numbers::default();
         while numbers.count < most {
@@ -193,7 +192,7 @@ impl Reader {
                     return Err(self.short(at, "the statement ends", numbers.count, least));
                 }
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
-                return Err(Error::scene(place, format!("{} is no number", quote(text)), wanted(least)));
+                return Err(Error::scene(place, format!("{} is not a number", quote(text)), wanted(least)));
             };
             if !value.is_finite() {
                 let place = self.spot(word).of(self.lines.file()).named(at.to_string());
@@ -208,14 +207,14 @@ impl Reader {
     }
 
     fn short(&self, at: &Statement, what: &str, found: usize, least: usize) -> Error {
-        Error::scene(self.place(at), format!("{what} after {found} of its {least} numbers"), wanted(least))
+        Error::scene(self.place(at), format!("{what} after {found} of {least} numbers"), wanted(least))
     }
 
     fn place(&self, at: &Statement) -> Place {
         at.spot.of(self.lines.file()).named(at.to_string())
     }
 
-    /// A number that counts something: pixels, vertices.
+    /// A whole number: a count of pixels or vertices.
     fn whole(&mut self, at: &Statement) -> Result<(u64, Spot)> {
         let numbers = self.numbers(at, 1, 1)?;
         let (value, spot) = (numbers.values[0], numbers.spots[0]);
@@ -223,7 +222,7 @@ impl Reader {
             return Ok((value as u64, spot));
         }
         let place = spot.of(self.lines.file()).named(at.to_string());
-        Err(Error::scene(place, format!("{value} counts nothing"), "give a whole number"))
+        Err(Error::scene(place, format!("expected a whole number, found {value}"), "use a whole number"))
     }
 
     fn vector(&mut self, at: &Statement) -> Result<DVec3> {
@@ -231,14 +230,14 @@ impl Reader {
         Ok(DVec3::from_slice(&numbers.values[..3]))
     }
 
-    /// r g b, and whatever the statement says after it.
+    /// r g b, and the statement's optional numbers after it.
     fn color(&mut self, at: &Statement, most: usize) -> Result<[f32; 3]> {
         let numbers = self.numbers(at, 3, most)?;
         self.check_color(at, &numbers, 0)
     }
 
-    /// r g b [Kd Ks Shine T ior]: the colour, and whether the rest says no more than that it is seen: all of it scattered, none
-    /// mirrored or let through.
+    /// r g b [Kd Ks Shine T ior]: the colour, and whether the rest describes plain diffuse shading: no reflection and
+    /// no transmission.
     fn fill(&mut self, at: &Statement) -> Result<([f32; 3], bool)> {
         let numbers = self.numbers(at, 3, 8)?;
         let [.., diffuse, specular, _, through, _] = numbers.values;
@@ -253,13 +252,13 @@ impl Reader {
         Ok(color)
     }
 
-    /// x y z [r g b]: checked and not kept.
+    /// x y z [r g b]: checked but not used.
     fn light(&mut self, at: &Statement) -> Result<()> {
         let numbers = self.numbers(at, 3, 6)?;
         match numbers.count {
             3 => Ok(()),
             6 => self.check_color(at, &numbers, 3).map(drop),
-            n => Err(Error::scene(self.place(at), format!("a light of {n} numbers"), "give x y z, or x y z r g b")),
+            n => Err(Error::scene(self.place(at), format!("a light has {n} numbers"), "use x y z, or x y z r g b")),
         }
     }
 
@@ -272,7 +271,7 @@ impl Reader {
         Ok(([x, y, z], radius))
     }
 
-    /// Reads past what is no sphere and says what it was.
+    /// Skips an object that is not a sphere and returns its kind.
     fn other(
         &mut self,
         directive: &str,
@@ -290,7 +289,7 @@ impl Reader {
         let (vertices, spot) = self.whole(&at)?;
         if vertices < 3 {
             let place = spot.of(self.lines.file()).named(kind);
-            return Err(Error::scene(place, format!("{vertices} vertices make no polygon"), "give at least 3"));
+            return Err(Error::scene(place, format!("a polygon has {vertices} vertices"), "use at least 3"));
         }
         for _ in 0..vertices {
             self.numbers(&at, per_vertex, per_vertex)?;
@@ -298,7 +297,7 @@ impl Reader {
         Ok(kind)
     }
 
-    /// The lines of a v block, in any order; all but hither are needed.
+    /// The lines of a v block, in any order; all but hither are required.
     fn view(&mut self, at: &Statement) -> Result<(Camera, ImagePlane)> {
         let (mut from, mut look, mut up, mut angle, mut hither, mut size) = (None, None, None, None, None, None);
         let mut spots = [at.spot; VIEW.len()];
@@ -312,7 +311,7 @@ impl Reader {
             }
             if done[key] {
                 let place = self.spot(word).of(self.lines.file()).named(NAMES[key]);
-                return Err(Error::scene(place, "said twice in one v block", "say it once"));
+                return Err(Error::scene(place, "occurs twice in one v block", "remove one of them"));
             }
             spots[key] = self.spot(word);
             self.take(word);
@@ -353,13 +352,13 @@ impl Reader {
     }
 }
 
-/// [`VIEW`], as errors name them.
+/// The names of [`VIEW`] in errors.
 const NAMES: [&str; 6] =
     ["camera.from", "camera.at", "camera.up", "camera.angle", "camera.hither", "camera.resolution"];
 
 fn wanted(least: usize) -> String {
     match least {
         1 => "give a number".into(),
-        n => format!("give {n} numbers"),
+        n => format!("use {n} numbers"),
     }
 }

@@ -1,6 +1,6 @@
-//! Spheres from a NumPy array file: float64 (or float32, widened exactly) of shape (n, 4) = x, y, z, radius or
-//! (n, 7) = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays
-//! of records with named fields. Rows count from 0, as NumPy's do.
+//! Spheres from a NumPy array file: float64 (or float32, converted exactly) of shape (n, 4) = x, y, z, radius or (n, 7)
+//! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
+//! records with named fields. Rows count from 0, as in NumPy.
 
 mod records;
 
@@ -21,7 +21,7 @@ pub(super) use records::Array;
 
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
 
-/// Appends the spheres of the file. Memory grows with what the file holds, never with what its header claims.
+/// Appends the spheres of the file. Memory grows with the content of the file, not with the counts in its header.
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
     let reader = Input::open(path, watch)?;
     let bytes = reader.length();
@@ -31,18 +31,18 @@ pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<
     npy.read(&header, &[4, 7], spheres).map(drop)
 }
 
-/// An array file that is being read.
+/// An array file while it is read.
 pub(super) struct Npy<'p, R> {
     pub(super) path: &'p Path,
     pub(super) reader: R,
-    /// The file's length, or less.
+    /// The file's length, or a lower bound.
     pub(super) bytes: u64,
-    /// Of the input.
+    /// The counters of the input.
     pub(super) counts: Arc<Counts>,
 }
 
 impl<R: BufRead> Npy<'_, R> {
-    /// Appends the spheres of an array of one of these widths, which is returned; where it is 3, with radii of 1.
+    /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
     fn read(&mut self, header: &Header, widths: &[u64], spheres: &mut Spheres) -> Result<usize> {
         let (rows, width) = match header.shape[..] {
             [n, width] if widths.contains(&width) => (n, width as usize),
@@ -78,7 +78,7 @@ impl<R: BufRead> Npy<'_, R> {
         })
     }
 
-    /// Turns a row's fault into an error, and sees to it that nothing follows the last row.
+    /// Converts the error of a row, and checks that nothing follows the last row.
     fn finish(&mut self, outcome: Result<(), Fault>, rows: u64) -> Result<()> {
         match outcome {
             Ok(()) => {}
@@ -92,9 +92,9 @@ impl<R: BufRead> Npy<'_, R> {
         }
         let mut rest = Vec::new();
         match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
-            // Behind an array of ours stands where it comes from.
+            // A provenance may follow the array.
             Ok(_) if rest.is_empty() || trailer::json(&rest).is_some() => Ok(()),
-            Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows that the header announces"))),
+            Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows of the header"))),
             Err(e) => Err(Error::read(self.path, e)),
         }
     }
@@ -108,18 +108,18 @@ impl<R: BufRead> Npy<'_, R> {
     }
 }
 
-/// Why the rows could not be taken over.
+/// Why reading the rows stopped.
 enum Fault {
-    /// The stream gave no more numbers after so many whole rows.
+    /// The stream ended after this number of complete rows.
     Numbers(u64, io::Error),
-    /// The row holds no sphere.
+    /// The row is not a valid sphere.
     Row(u64, Error),
 }
 
-/// Rows that are read at once, and then taken apart on all cores.
+/// Rows that are read together and then converted on all cores.
 const BLOCK: usize = 1 << 16;
 
-/// How an array lies in its file.
+/// The layout of an array in its file.
 struct Form<'a> {
     rows: u64,
     width: usize,
@@ -127,7 +127,7 @@ struct Form<'a> {
     counts: &'a Counts,
 }
 
-/// Appends rows that lie one after the other.
+/// Appends the spheres of an array that is stored row by row.
 fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
     let &Form { rows, width, scalar, counts } = form;
     let (size, row_bytes) = (scalar.size(), width * scalar.size());
@@ -168,7 +168,7 @@ fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) 
     Ok(())
 }
 
-/// Appends rows whose columns lie one after the other: no row is complete before the last column has begun.
+/// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
 fn fill_columns(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
     let &Form { rows, width, scalar, counts } = form;
     let mut columns = Vec::new();

@@ -1,5 +1,5 @@
-//! Particles: what simulations, molecules and scans are files of. A reader gives them frame by frame; the style makes
-//! spheres of them.
+//! Particles from files of simulations, molecules and scans. A reader returns them frame by frame; the style turns them
+//! into spheres.
 
 mod assembly;
 mod data;
@@ -22,7 +22,7 @@ pub(super) use layout::{Layout, Role, component, wanted};
 pub(super) use scalar::Scalar;
 pub(super) use table::{Table, axes};
 
-use super::source::{Format, Source};
+use super::source::{Format, SceneSource};
 use super::{ReadOptions, Skipped};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
@@ -31,54 +31,54 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// One frame of particles, as its file gives them.
+/// One frame of particles, as the file has them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Particles {
-    /// Places, in the file's unit; nanometres of GROMACS are ångström here.
+    /// Positions in the file's unit; nanometres of GROMACS are converted to ångström.
     pub(crate) positions: Vec<[f64; 3]>,
-    /// Radii in the same unit, where the file gives them; else empty. NaN for a particle without one.
+    /// Radii in the same unit; empty if the file has none, NaN for a particle without one.
     pub(crate) radii: Vec<f64>,
-    /// Atomic numbers, 0 where an element is not known; empty where the format knows no elements.
+    /// Atomic numbers, 0 for an unknown element; empty where the format has no elements.
     pub(crate) elements: Vec<u8>,
-    /// Linear RGB, where the file gives it; else empty.
+    /// Linear RGB; empty if the file has no colours.
     pub(crate) colors: Vec<[f32; 3]>,
-    /// The columns that [`ReadOptions::columns`] asks for, in its order, each with a number for every particle: those that
-    /// the file has. Readers give named columns the names of the file, lower-cased.
+    /// The columns of [`ReadOptions::columns`] that the file has, in that order, with a number for every particle.
+    /// Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
-    /// The names of all columns of numbers that the file has, for people.
+    /// The names of all numeric columns of the file, for messages.
     pub(crate) has: Vec<String>,
-    /// For columns of names, by the column's name: what its whole numbers, from 0, stand for.
+    /// For columns of names: the column's name, and the names that its whole numbers, from 0, refer to.
     pub(crate) labels: BTreeMap<String, Vec<String>>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
-    /// Names of elements that are none, and how many particles bear each.
+    /// Names that are not elements, with the number of their particles.
     pub(crate) unknown: BTreeMap<String, u64>,
-    /// What a column of symbols holds besides them, while it is read.
+    /// The other content of a column of symbols, while it is read.
     pub(super) species: Species,
-    /// What is no particle, and what was assumed.
+    /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
-    /// Particles that all lists have room for.
+    /// The number of particles for which all lists have capacity.
     pub(super) room: usize,
 }
 
-/// Numbers that belong to particles.
+/// A column of numbers, one per particle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Column {
     pub(crate) name: String,
     pub(crate) values: Vec<f64>,
 }
 
-/// A cell that repeats.
+/// A periodic cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// A corner.
     pub origin: [f64; 3],
-    /// The three edges that leave it.
+    /// The three edges from that corner.
     pub edges: [[f64; 3]; 3],
 }
 
 impl Cell {
-    /// The place at these parts of the edges.
+    /// The point at these fractions of the edges.
     fn place(&self, parts: [f64; 3]) -> [f64; 3] {
         let along = |k: usize| (0..3).map(|edge| parts[edge] * self.edges[edge][k]).sum::<f64>();
         [0, 1, 2].map(|k| self.origin[k] + along(k))
@@ -86,13 +86,13 @@ impl Cell {
 }
 
 impl Particles {
-    /// Counts a name that is no element's so often. Only so many different ones are kept, whatever a file holds.
+    /// Counts particles with a name that is not an element. The number of different names is limited.
     pub(crate) fn meet_unknown(&mut self, name: &str, count: u64) {
         let keep = self.unknown.len() < 16 || self.unknown.contains_key(name);
         self.count_unknown(if keep { name } else { "others" }, count);
     }
 
-    /// The same of a part of a file, which is small enough to keep all names.
+    /// The same for a part of a file, which is small enough to keep all names.
     fn count_unknown(&mut self, name: &str, count: u64) {
         match self.unknown.get_mut(name) {
             Some(known) => *known += count,
@@ -100,7 +100,7 @@ impl Particles {
         }
     }
 
-    /// Appends the particles of a part, which has the same columns.
+    /// Appends the particles of a part with the same columns.
     ///
     /// # Errors
     /// Those of [`Particles::grow`].
@@ -118,7 +118,7 @@ impl Particles {
         Ok(())
     }
 
-    /// Ends a column of symbols: finds elements of names, and leaves out virtual sites.
+    /// Finishes a column of symbols: finds the elements of names, and removes virtual sites.
     fn settle_species(&mut self) {
         let (said, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
         self.skipped.assumed.extend(said);
@@ -132,7 +132,7 @@ impl Particles {
         }
     }
 
-    /// Ends an inference: leaves out virtual sites and returns what there is to report.
+    /// Finishes an inference: removes virtual sites and returns what to report.
     fn infer(&mut self, inference: Inference) -> Vec<String> {
         let read = self.elements.len() as u64;
         let inferred = inference.finish(&mut self.elements);
@@ -142,7 +142,7 @@ impl Particles {
         said
     }
 
-    /// Counts unknown atoms by the names that an inference numbered, and gives them atomic number 0.
+    /// Counts unknown atoms by the names that an inference numbered, and sets their atomic number to 0.
     fn count_unknown_atoms(&mut self, inferred: Inferred) {
         let mut counts = vec![0; inferred.names.len()];
         for element in &mut self.elements {
@@ -154,7 +154,7 @@ impl Particles {
         self.unknown = inferred.names.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
     }
 
-    /// Keeps the particles whose flag is set, of one flag each.
+    /// Keeps the particles whose flag is set.
     fn keep(&mut self, stays: &[bool]) {
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);
@@ -163,8 +163,8 @@ impl Particles {
         self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
     }
 
-    /// Makes room for `more` particles in every list, and knows of `beside` bytes that the reader keeps of each: a file
-    /// that never ends must not fill the memory.
+    /// Reserves capacity for `more` particles in every list, counting `beside` bytes per particle that the reader
+    /// keeps: an endless file must not fill the memory.
     ///
     /// # Errors
     /// [`Error::Limits`].
@@ -174,7 +174,7 @@ impl Particles {
             return Ok(());
         }
         let columns = self.columns.len() * size_of::<f64>();
-        // What a list does not have at the first particle it has at none.
+        // A list that is empty after the first particle stays empty.
         let of = |is_empty: bool, bytes: usize| if is_empty { 0 } else { bytes };
         let [radius, element, color] =
             [of(self.radii.is_empty(), 8), of(self.elements.is_empty(), 1), of(self.colors.is_empty(), 12)];
@@ -197,39 +197,39 @@ impl Particles {
     }
 }
 
-/// Keeps the values whose flag is set; a list that is empty stays so.
+/// Keeps the values whose flag is set; an empty list stays empty.
 fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
     let mut flags = stays.iter();
     values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// A file of particles, frame by frame.
-pub(crate) trait Frames: Send {
+pub(crate) trait ParticleFrames: Send {
     /// The next frame; `None` after the last.
     ///
     /// # Errors
     /// [`Error::Scene`] with line and column, [`Error::Io`].
     fn next(&mut self) -> Result<Option<Particles>>;
 
-    /// Passes over the next frame and keeps nothing of it; `false` after the last.
+    /// Skips the next frame; returns `false` after the last.
     ///
     /// # Errors
-    /// As [`Frames::next`].
+    /// As [`ParticleFrames::next`].
     fn skip(&mut self) -> Result<bool> {
         Ok(self.next()?.is_some())
     }
 }
 
-/// The frames of a particle file; `None` for the formats that hold a whole scene.
-pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<dyn Frames>, Source>> {
+/// The frames of a particle file; `None` for formats that contain a whole scene.
+pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
     molecule::check(source.format, options)?;
-    let frames: Box<dyn Frames> = match source.format {
+    let frames: Box<dyn ParticleFrames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
         Format::Gro => Box::new(gro::Gro::new(source, options)),
         Format::Pdb | Format::Pqr | Format::Pdbqt => Box::new(pdb::Pdb::new(source, options)),
         Format::Xyz => Box::new(xyz::Xyz::new(source, options)?),
         Format::Dump => Box::new(dump::Dump::new(source, options)?),
-        Format::Data => Box::new(data::Data::new(source, options)?),
+        Format::Data => Box::new(data::LammpsData::new(source, options)?),
         Format::Ply => Box::new(ply::Ply::new(source, options)?),
         Format::Csv => Box::new(table::OneTable::new(source, options)?),
         Format::Npy => Box::new(super::npy::Array::new(source, options)?),
@@ -239,15 +239,15 @@ pub(super) fn open(source: Source, options: &ReadOptions) -> Result<Result<Box<d
     Ok(Ok(frames))
 }
 
-/// Which alternate locations of an atom are read.
+/// Selection of alternate locations of atoms.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Altloc {
-    /// All of them.
+    /// All alternate locations.
     #[default]
     All,
-    /// The one of the highest occupancy, the first of equals.
+    /// The one with the highest occupancy, the first of equals.
     Highest,
-    /// Those of this name, and atoms that have none.
+    /// Those with this identifier, and atoms without one.
     Named(String),
 }
 
@@ -258,46 +258,47 @@ impl FromStr for Altloc {
         match text {
             "all" => Ok(Self::All),
             "highest" => Ok(Self::Highest),
-            "" => {
-                Err(Error::settings("an empty name is no alternate location", "give all, highest or a name such as A"))
-            }
+            "" => Err(Error::settings(
+                "the identifier of the alternate location is empty",
+                "use all, highest or an identifier such as A",
+            )),
             name => Ok(Self::Named(name.to_owned())),
         }
     }
 }
 
-/// Which frames of a sequence are read, counted from 1: `2`, `1-10`, `1-3,5,7-20:2`, `5-` to the last.
+/// ParticleFrames of a sequence, counted from 1: `2`, `1-10`, `1-3,5,7-20:2`, `5-` to the last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameRange(Vec<(RangeInclusive<u64>, u64)>);
 
 impl FrameRange {
-    /// Only the first.
+    /// The first frame only.
     #[must_use]
     pub fn first() -> Self {
         Self(vec![(1..=1, 1)])
     }
 
-    /// Whether frame `number` is one of them.
+    /// Whether frame `number` is selected.
     #[must_use]
     pub fn contains(&self, number: u64) -> bool {
         self.0.iter().any(|(range, step)| range.contains(&number) && (number - range.start()).is_multiple_of(*step))
     }
 
-    /// How many they are at most; those that several ranges name count for each.
+    /// The most frames that can be selected; frames in several ranges count for each.
     #[must_use]
     pub fn count(&self) -> u64 {
         let each = |(range, step): &(RangeInclusive<u64>, u64)| (range.end() - range.start()) / step + 1;
         self.0.iter().map(each).fold(0, u64::saturating_add)
     }
 
-    /// Their numbers, range by range.
+    /// The frame numbers, range by range.
     pub fn numbers(&self) -> impl Iterator<Item = u64> + Clone + '_ {
         // `step_by` takes a usize; a longer step than that ends any range.
         let step = |step: u64| usize::try_from(step).unwrap_or(usize::MAX);
         self.0.iter().flat_map(move |(range, by)| range.clone().step_by(step(*by)))
     }
 
-    /// The number of the last of them, [`u64::MAX`] for an open end.
+    /// The number of the last frame, [`u64::MAX`] for an open end.
     #[must_use]
     pub fn last(&self) -> u64 {
         self.0.iter().map(|(range, _)| *range.end()).max().unwrap_or(1)
@@ -324,24 +325,24 @@ impl FromStr for FrameRange {
             (first >= 1 && first <= last && step >= 1).then_some((first..=last, step))
         };
         text.split(',').map(|text| part(text.trim())).collect::<Option<_>>().map(Self).ok_or_else(|| {
-            let problem = format!("`{text}` names no frames");
-            Error::settings(problem, "count frames from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
+            let problem = format!("`{text}` is not a selection of frames");
+            Error::settings(problem, "use numbers from 1: 2, 1-10, 1-3,5,7-20:2, or 5- to the last")
         })
     }
 }
 
 /// All frames of a text, for the readers' tests.
 #[cfg(test)]
-fn read_frames<F: Frames>(
+fn read_frames<F: ParticleFrames>(
     text: &str,
     columns: &[&str],
-    open: impl Fn(Source, &ReadOptions) -> Result<F>,
+    open: impl Fn(SceneSource, &ReadOptions) -> Result<F>,
 ) -> Result<Vec<Particles>> {
     use super::style::{Coloring, Scale, Style};
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
     let scale = Scale { columns, map: Default::default(), range: None, log: false };
     let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-    let mut frames = open(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })?;
+    let mut frames = open(SceneSource::of_text(text), &ReadOptions { style, ..ReadOptions::default() })?;
     std::iter::from_fn(|| frames.next().transpose()).collect()
 }
 

@@ -1,4 +1,4 @@
-//! Where a scene comes from: a file or standard input, compressed or not, in a format that its content tells.
+//! The source of a scene: a file or standard input, compressed or not, whose format is detected from its content.
 
 use super::input::Input;
 use super::particles::axes;
@@ -8,7 +8,7 @@ use crate::progress::Watch;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The formats that are read.
+/// The supported formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
@@ -20,9 +20,9 @@ pub enum Format {
     Xyz,
     /// Protein Data Bank.
     Pdb,
-    /// PDB with charges and radii, as PDB2PQR writes it.
+    /// PDB with charges and radii, as written by PDB2PQR.
     Pqr,
-    /// PDB with charges and AutoDock's types.
+    /// PDB with charges and AutoDock's atom types.
     Pdbqt,
     /// Macromolecular CIF.
     Mmcif,
@@ -67,7 +67,7 @@ impl Format {
         self.endings()[0]
     }
 
-    /// The endings of its files; the first is its name.
+    /// The file name extensions; the first is the format's name.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Native => &["toml"],
@@ -87,13 +87,13 @@ impl Format {
         }
     }
 
-    /// By the name of a file without what it was compressed by.
+    /// Detects the format by a file name without the extension of its compression.
     fn of_name(path: &Path) -> Option<Self> {
         let ending = ending(path);
         Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()))
     }
 
-    /// By how a file begins.
+    /// Detects the format by the beginning of a file.
     fn of_content(start: &[u8]) -> Option<Self> {
         if start.starts_with(b"\x93NUMPY") {
             return Some(Self::Npy);
@@ -120,7 +120,7 @@ impl Format {
     }
 }
 
-/// Whether lines are those of a format.
+/// Whether lines have a format.
 type Sign = fn(&[&str]) -> bool;
 
 impl FromStr for Format {
@@ -130,7 +130,7 @@ impl FromStr for Format {
     }
 }
 
-/// Lines that say something: neither blank nor a comment.
+/// Lines with content: neither blank nor a comment.
 fn said<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
     lines.iter().map(|line| line.trim()).filter(|line| !line.is_empty() && !line.starts_with('#'))
 }
@@ -156,7 +156,7 @@ const RECORDS: [&str; 20] = [
 
 fn is_pdb(lines: &[&str]) -> bool {
     let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end());
-    // GROMOS has the word alone.
+    // In GROMOS the word is alone on its line.
     lines.iter().find(|line| !line.trim().is_empty()).is_some_and(|line| record(line) && line.trim_end() != "TITLE")
 }
 
@@ -165,7 +165,8 @@ fn first_atom<'a>(lines: &'a [&'a str]) -> Option<&'a str> {
     lines.iter().copied().find(|line| line.starts_with("ATOM") || line.starts_with("HETATM"))
 }
 
-/// PDB records whose atoms end in a charge, columns 71 to 76, and AutoDock's type of atom, or that make a tree of branches.
+/// PDB records whose atoms end in a charge, columns 71 to 76, and an AutoDock atom type, or that have a tree of
+/// branches.
 fn is_pdbqt(lines: &[&str]) -> bool {
     let charged = |line: &str| {
         let point = line.as_bytes().get(72) == Some(&b'.') && line.as_bytes().get(76) == Some(&b' ');
@@ -177,7 +178,8 @@ fn is_pdbqt(lines: &[&str]) -> bool {
         .is_some_and(|atom| charged(atom) || is_pdb(lines) && lines.iter().any(|line| line.trim_end() == "ROOT"))
 }
 
-/// PDB records whose atoms have two numbers behind their places that do not stand where occupancy and B factor do.
+/// PDB records whose atoms have two numbers after their coordinates that are not in the columns of occupancy and B
+/// factor.
 fn is_pqr(lines: &[&str]) -> bool {
     first_atom(lines).is_some_and(|atom| {
         let columns = atom.as_bytes();
@@ -190,7 +192,7 @@ fn is_pqr(lines: &[&str]) -> bool {
     })
 }
 
-/// A title, a count, and atoms whose number stands in columns 16 to 20, before coordinates with a point.
+/// A title, a count, and atoms with their number in columns 16 to 20, before coordinates with a decimal point.
 fn is_gro(lines: &[&str]) -> bool {
     let [_, count, atom, ..] = lines else { return false };
     let whole = |text: Option<&str>| text.is_some_and(|text| text.trim().parse::<i64>().is_ok());
@@ -225,7 +227,7 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names x, y and z, which may be a comment or follow some.
+/// A header that names x, y and z; it may be a comment or follow comments.
 fn is_csv(lines: &[&str]) -> bool {
     let mut before = true;
     let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
@@ -240,31 +242,31 @@ fn is_csv(lines: &[&str]) -> bool {
 }
 
 /// An opened scene file.
-pub(super) struct Source {
+pub(super) struct SceneSource {
     /// Its bytes.
     pub(super) reader: Input,
-    /// As the user named it; `-` is standard input.
+    /// The path as the user gave it; `-` is standard input.
     pub(super) path: PathBuf,
-    /// In this format.
+    /// Its format.
     pub(super) format: Format,
 }
 
-/// Bytes that are looked at to tell the format.
+/// Bytes that are inspected to detect the format.
 const LOOK: u64 = 1 << 16;
 
-impl Source {
-    /// Opens `path`; the format is `format`, or told by the content, or by the name.
+impl SceneSource {
+    /// Opens `path`; the format is `format`, or detected from the content, or from the name.
     ///
     /// # Errors
-    /// Those of [`Input::open`], and [`Error::Scene`] for a file whose format nothing tells.
+    /// Those of [`Input::open`], and [`Error::Scene`] for a file whose format is not detected.
     pub(super) fn open(path: &Path, format: Option<Format>, watch: &Watch) -> Result<Self> {
         Self::of(Input::open(path, watch)?, path, format)
     }
 
-    /// The same of bytes that `path` names in errors.
+    /// Opens bytes that errors refer to by `path`.
     ///
     /// # Errors
-    /// As [`Source::open`].
+    /// As [`SceneSource::open`].
     pub(super) fn of(mut reader: Input, path: &Path, format: Option<Format>) -> Result<Self> {
         let mut name = path.to_path_buf();
         if reader.is_packed() {
@@ -280,16 +282,17 @@ impl Source {
     }
 }
 
-/// The format of a file that begins so and has this name, or what is wrong with it and how to mend it.
+/// The format of a file with this beginning and name, or the problem and its remedy.
 fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, String)> {
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.lines().take(64).collect();
-    let foreign =
-        |foreign: &foreign::Foreign| (format!("this is {}, which is not read", foreign.what), foreign.mend.to_owned());
-    // Tinker's files are named as XYZ, and begin as it does.
+    let foreign = |foreign: &foreign::Foreign| {
+        (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
+    };
+    // Tinker's files have the extension of XYZ and a similar beginning.
     match (Format::of_content(start), foreign::of_content(start, &lines)) {
         (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
-        // What stands behind a long header is told by the name.
+        // If the beginning is a long header, the name determines the format.
         (Some(Format::Pdb), _) => {
             let dialect = Format::of_name(name).filter(|format| matches!(format, Format::Pqr | Format::Pdbqt));
             return Ok(dialect.unwrap_or(Format::Pdb));
@@ -305,34 +308,34 @@ fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, String)> {
     }
     native(start).ok_or_else(|| {
         let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
-        let mend = format!("name it with --format: {}", names.join(", "));
-        ("neither content nor name tell what format this is".to_owned(), mend)
+        let mend = format!("set it with --format: {}", names.join(", "));
+        ("the format cannot be detected from content or name".to_owned(), mend)
     })
 }
 
 #[cfg(test)]
-impl Source {
-    /// A text in memory, for the readers' tests; `format` does not matter to a reader.
+impl SceneSource {
+    /// A source from text, for the readers' tests; readers do not use `format`.
     pub(super) fn of_text(text: &str) -> Self {
         Self::of_bytes(text.as_bytes())
     }
 
-    /// As [`Source::of_text`].
+    /// As [`SceneSource::of_text`].
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
         Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native }
     }
 }
 
-/// A text without a format's signs and without a name is taken for a scene file, unless it is plainly none.
+/// Text without another format's signature and without a known name is taken as a scene file, unless it cannot be TOML.
 fn native(start: &[u8]) -> Option<Format> {
     let text = match std::str::from_utf8(start) {
         Ok(text) => text,
-        // What is looked at may end within a character.
+        // The inspected bytes may end within a character.
         Err(error) if error.error_len().is_none() => std::str::from_utf8(&start[..error.valid_up_to()]).ok()?,
         Err(_) => return None,
     };
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
-    // `[table]`, or a key, perhaps of several words with points between them, and its value.
+    // `[table]`, or a key, perhaps of several words with dots between them, and its value.
     let key = |text: &str| {
         !text.trim().is_empty() && text.trim().chars().all(|c| c.is_alphanumeric() || "_-.\"'".contains(c))
     };
@@ -397,7 +400,7 @@ mod tests {
             ("\u{1}", "a.xtc", "XTC"),
             ("[ moleculetype ]\n", "a.itp", "topology"),
             ("<?xml version=\"1.0\"?>\n", "a", "XML"),
-            ("not x = 1 and more\n", "a", "neither content nor name"),
+            ("not x = 1 and more\n", "a", "cannot be detected"),
         ] {
             let problem = of(text, name).expect_err(name);
             assert!(problem.contains(what), "{problem}");

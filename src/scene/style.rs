@@ -1,4 +1,4 @@
-//! How particles look: what their radii and colours are when they become spheres.
+//! The style of particles: how their radii and colours are chosen when they become spheres.
 
 mod categories;
 mod colormap;
@@ -13,21 +13,21 @@ use super::particles::Particles;
 use super::{Skipped, Spheres, check_sphere};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
-use crate::quote::quote;
+use crate::quote::{number, quote};
 use elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
 
-/// What particles look like.
+/// The style of particles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Style {
-    /// Which radius of an element is taken where the file gives none.
+    /// The kind of element radius, where the file has no radii.
     pub radii: Radii,
-    /// One radius for all, whatever the file says.
+    /// One radius for all, overriding the file.
     pub radius: Option<f64>,
     /// Multiplies every radius.
     pub radius_scale: f64,
-    /// Where colours come from.
+    /// The source of the colours.
     pub coloring: Coloring,
 }
 
@@ -41,7 +41,7 @@ impl Default for Style {
 /// Radii of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Radii {
-    /// Van der Waals: space filling.
+    /// Van der Waals: space-filling.
     #[default]
     Vdw,
     /// Covalent: bound atoms touch.
@@ -76,13 +76,13 @@ impl FromStr for Radii {
     }
 }
 
-/// Where colours come from.
+/// The source of the colours.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Coloring {
-    /// The file's own colours, else those of the elements, else none.
+    /// The file's colours, else those of the elements, else none.
     #[default]
     File,
-    /// The elements' colours, whatever the file says.
+    /// The elements' colours, even if the file has colours.
     Element,
     /// One linear RGB for all.
     One([f32; 3]),
@@ -93,10 +93,10 @@ pub enum Coloring {
 /// Linear RGB of each particle.
 type Colors = Vec<[f32; 3]>;
 
-/// Radius of an atom whose element is not known, ångström: between carbon's and nitrogen's.
+/// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
-/// sRGB of 0xrrggbb or of bytes, made linear.
+/// Converts 8-bit sRGB to linear RGB.
 pub(super) fn linear(srgb: [u8; 3]) -> [f32; 3] {
     srgb.map(|level| {
         let x = f64::from(level) / 255.0;
@@ -105,7 +105,7 @@ pub(super) fn linear(srgb: [u8; 3]) -> [f32; 3] {
     })
 }
 
-/// A colour as people write it: `#rrggbb` in sRGB, or `r,g,b` in linear RGB.
+/// Parses a colour: `#rrggbb` in sRGB, or `r,g,b` in linear RGB.
 ///
 /// # Errors
 /// [`Error::Settings`] for anything else.
@@ -117,7 +117,7 @@ pub fn color(text: &str) -> Result<[f32; 3]> {
     let numbers: Option<Vec<f32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
     let color = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
     color.filter(|color| color.iter().all(|c| c.is_finite() && *c >= 0.0)).ok_or_else(|| {
-        Error::settings(format!("`{text}` is no colour"), "write #rrggbb (sRGB) or r,g,b (linear, 0 or more)")
+        Error::settings(format!("`{text}` is not a colour"), "use #rrggbb (sRGB) or r,g,b (linear, 0 or more)")
     })
 }
 
@@ -127,7 +127,7 @@ fn of_hex(rgb: u32) -> [f32; 3] {
 }
 
 impl Style {
-    /// The columns that a reader must keep.
+    /// The columns that the reader must keep.
     #[must_use]
     pub fn columns(&self) -> &[String] {
         match &self.coloring {
@@ -136,10 +136,10 @@ impl Style {
         }
     }
 
-    /// Spheres that already have their radii, as this style changes them.
+    /// Applies the style to spheres that already have radii.
     ///
     /// # Errors
-    /// [`Error::Settings`] where colours are to come from a column: such scenes have none.
+    /// [`Error::Settings`] where a column gives the colours: such scenes have no columns.
     pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
         let scale = self.radius_scale;
         spheres.radii.par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
@@ -149,17 +149,17 @@ impl Style {
                 spheres.colors = Some(vec![*color; spheres.len()]);
                 Ok(())
             }
-            Coloring::Element => Err(Error::settings("this scene knows no elements", "leave --color-by out")),
+            Coloring::Element => Err(Error::settings("this scene has no elements", "remove --color-by")),
             Coloring::Column(_) => {
-                Err(Error::settings("this scene has no columns to colour by", "give a file of particles"))
+                Err(Error::settings("this scene has no columns to colour by", "use a particle file"))
             }
         }
     }
 
-    /// Spheres of these particles. What was assumed is added to what was skipped.
+    /// Turns particles into spheres. Assumptions are added to what was skipped.
     ///
     /// # Errors
-    /// [`Error::Scene`] for what makes no sphere, [`Error::Settings`] for a column that is not there, [`Error::Limits`].
+    /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
     pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = std::mem::take(&mut particles.skipped);
@@ -188,7 +188,7 @@ impl Style {
                 return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
             }
             skipped.assumed.push(format!(
-                "{missing} of {n} particles have no radius in the file: that of their element is taken, or {UNKNOWN_RADIUS}"
+                "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
             ));
             let own = |n: usize| element(*particles.elements.get(n)?).and_then(|element| self.radii.of(element));
             let radius = |(n, radius): (usize, &f64)| {
@@ -201,7 +201,8 @@ impl Style {
             if n > 0 {
                 let particles = if n == 1 { "particle has" } else { "particles have" };
                 skipped.assumed.push(format!(
-                    "{n} {particles} no radius: {radius:.3e} is taken, half their mean spacing; --radius sets another"
+                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
+                    number(radius, 4)
                 ));
             }
             return Ok(vec![radius * scale; n]);
@@ -212,17 +213,17 @@ impl Style {
             let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
             let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
             skipped.assumed.push(format!(
-                "{missing} of {n} atoms have no {} radius{names}: {UNKNOWN_RADIUS} is taken; --radius sets one for all",
+                "{missing} of {n} atoms have no {} radius{names}, so {UNKNOWN_RADIUS} is used; use --radius to set one for all",
                 self.radii.name()
             ));
         }
         Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
     }
 
-    /// Takes the file's own where they are wanted.
+    /// Takes the file's colours where the style uses them.
     fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
-            // The table once, not a power for every atom.
+            // The table is computed once, not a power for every atom.
             let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(categories::of_element(n))).collect();
             let of = |number: &u8| table[usize::from(*number).min(118)];
             (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
@@ -232,7 +233,8 @@ impl Style {
             Coloring::File if !particles.colors.is_empty() => {
                 let mut colors = std::mem::take(&mut particles.colors);
                 if is_8_bit(&colors) {
-                    let said = "colours are whole numbers up to 255: they are taken as 8-bit sRGB, not as linear RGB";
+                    let said =
+                        "the colours are whole numbers up to 255, so they are read as 8-bit sRGB, not as linear RGB";
                     skipped.assumed.push(said.into());
                     colors.par_iter_mut().for_each(|color| *color = linear(color.map(|level| level as u8)));
                 }
@@ -241,7 +243,7 @@ impl Style {
             Coloring::File => elements(),
             Coloring::Element => {
                 let colors = elements().ok_or_else(|| {
-                    Error::settings("the file knows no elements to colour by", "leave --color-by out, or name a column")
+                    Error::settings("the file has no elements to colour by", "remove --color-by, or use a column")
                 })?;
                 return Ok((Some(colors), Some(categories::elements(&particles.elements))));
             }
@@ -254,13 +256,13 @@ impl Style {
     }
 }
 
-/// Whether colours are levels of a picture, not linear RGB: whole numbers up to 255, some beyond 1.
+/// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
 fn is_8_bit(colors: &[[f32; 3]]) -> bool {
     let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
     colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
 }
 
-/// Mean distance between neighbours, if particles filled their box evenly; 1 for one particle.
+/// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
 fn spacing(positions: &[[f64; 3]]) -> f64 {
     let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
     for position in positions {
@@ -290,7 +292,7 @@ mod tests {
         };
         let style = Style::default();
         let (spaced, warned) = radii(&style, &p);
-        // Five in a row, one apart, fill a length of four.
+        // Five in a row at a spacing of one fill a length of four.
         assert!((spaced[0] - 0.4).abs() < 1e-12 && warned == 1, "{spaced:?}");
         p.elements = vec![6, 1, 0, 8, 118];
         let (of_elements, warned) = radii(&style, &p);

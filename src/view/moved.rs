@@ -6,26 +6,26 @@ use crate::dd::{self, Dd, Dd3};
 use crate::exact;
 use glam::DVec3;
 
-/// A sphere as it lies from the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into
+/// A sphere relative to the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into
 /// [1, 2).
 pub(crate) struct FromEye {
-    /// The exponent that was taken out.
+    /// The exponent k.
     pub(crate) k: i32,
-    /// c - e along the axes of the world, exact.
+    /// c - e along the world axes, exact.
     pub(crate) offset: Dd3,
     pub(crate) radius: f64,
-    /// The power of the eye |c - e|^2 - r^2: within 2^-50 of itself, with its exact sign.
+    /// The power of the eye |c - e|^2 - r^2: relative error within 2^-50, exact sign.
     pub(crate) power: Dd,
 }
 
 impl FromEye {
-    /// Least power that double-double tells well enough: it is within 2^-92 of sums below 16.
+    /// Below this power double-double is not exact enough: its error is within 2^-92 for sums below 16.
     const FAINT: f64 = 1.0 / (1u64 << 42) as f64;
 
     pub(crate) fn new(eye: DVec3, center: [f64; 3], radius: f64) -> Self {
         let away: Dd3 = std::array::from_fn(|n| Dd::diff(center[n], eye[n]));
         let k = dd::exponent(away.iter().fold(radius, |most, x| most.max(x.hi.abs())));
-        // Scaled before anything is multiplied: products of subnormal numbers are no products.
+        // Scaling comes before any product, because products of subnormal numbers underflow.
         let offset = away.map(|x| x.ldexp(-k));
         let radius_scaled = dd::ldexp(radius, -k);
         let mut power = dd::dot(offset, offset) - Dd::product(radius_scaled, radius_scaled);
@@ -36,9 +36,9 @@ impl FromEye {
     }
 }
 
-/// One sphere, moved: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the eye's power.
+/// One sphere in the canonical camera: p = (u.(c-e), v.(c-e), w.(c-e)) and r in f64, and the power of the eye.
 pub(super) struct Moved {
-    /// The exponent that was taken out.
+    /// The exponent k.
     k: i32,
     center_radius: [f64; 4],
     power: Dd,
@@ -61,7 +61,7 @@ impl Moved {
         }
     }
 
-    /// What rounding took from `s`, this sphere's record.
+    /// Rounding errors of `s`, this sphere's record.
     pub(super) fn residuals(&self, s: &SphereRecord) -> SphereResiduals {
         SphereResiduals {
             center_radius: std::array::from_fn(|n| (self.center_radius[n] - f64::from(s.center_radius[n])) as f32),
@@ -71,7 +71,7 @@ impl Moved {
     }
 }
 
-/// x as f32, but never zero unless x is: the sign of the power says whether the eye is inside.
+/// x as f32, never rounded to zero: the sign of the power says whether the eye is inside.
 fn nonzero_f32(x: f64) -> f32 {
     let rounded = x as f32;
     if rounded == 0.0 && x != 0.0 { f32::MIN_POSITIVE.copysign(x as f32) } else { rounded }

@@ -3,7 +3,7 @@
 use crate::adapter::{gpu, gpu_or_skip};
 use crate::test_dir::{NO_ADAPTER, SCENE, TestDir};
 use halfline::frame::{Aov, npy, png};
-use halfline::measure::{Array, Number};
+use halfline::measure::{Array, ArrayValue};
 use serde_json::Value;
 
 fn dir() -> TestDir {
@@ -88,7 +88,7 @@ fn every_buffer_has_its_type_shape_and_value_on_a_miss() {
             let pixel = |i: usize, j: usize| -> Vec<f64> {
                 let first = (i * 45 + j) * aov.channels();
                 let numbers = (first..first + aov.channels()).map(|k| array.values().get(k).expect("a value"));
-                numbers.map(Number::to_f64).collect()
+                numbers.map(ArrayValue::to_f64).collect()
             };
             let (middle, corner) = (pixel(15, 22), pixel(0, 44));
             let near = |expected: &[f64]| middle.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-3);

@@ -4,7 +4,7 @@
 use crate::adapter::gpu;
 use crate::test_dir::TestDir;
 use halfline::Method;
-use halfline::measure::contender::Contender;
+use halfline::measure::variant::Variant;
 use halfline::measure::record::{Record, Run};
 use std::fs;
 use std::process::{Command, Stdio};
@@ -149,8 +149,8 @@ fn invalid_measurements_are_refused() {
     refused(2, "", &["required", "--suite"]);
     refused(2, "far.toml --suite ladder", &["cannot be used"]);
     refused(2, "--from other.json --size 4x4", &["cannot be used"]);
-    refused(2, "--suite extremes --size 4x4", &["leave out --size"]);
-    let names: Vec<_> = Contender::all().into_iter().map(Contender::name).collect();
+    refused(2, "--suite extremes --size 4x4", &["remove --size"]);
+    let names: Vec<_> = Variant::all().into_iter().map(Variant::name).collect();
     refused(2, "far.toml --methods stable,cubic", &[["cubic"].as_slice(), &names].concat());
     refused(3, "--from other.json", &["other.json", "records.json"]);
     refused(3, "bad.toml", &["radius"]);

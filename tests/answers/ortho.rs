@@ -309,7 +309,7 @@ fn uncertified_methods_are_refused_and_fast_reports_certified() {
     }
     for (settings, word) in [
         (plain.clone(), "parallel rays"),
-        (Settings { accuracy: Accuracy::Fast, ..plain.clone() }, "fast was asked for"),
+        (Settings { accuracy: Accuracy::Fast, ..plain.clone() }, "fast is requested"),
         (Settings { tolerance: Some(Tolerance::new(1e-3).expect("a tolerance")), ..plain.clone() }, "1.0e-3"),
     ] {
         let frame = cpu().render(&scene, &settings).expect("a frame");

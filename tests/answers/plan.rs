@@ -61,7 +61,7 @@ fn a_tolerance_takes_the_cheapest_method_that_keeps_it() {
 fn without_a_tolerance_the_buffers_decide() {
     let scene = scene();
     for (aovs, method, word) in
-        [(&[Aov::Color][..], "stable", "no buffer of answers"), (&[Aov::Color, Aov::Distance], "certified", "distance")]
+        [(&[Aov::Color][..], "stable", "no buffer that holds answers"), (&[Aov::Color, Aov::Distance], "certified", "distance")]
     {
         let plan = planned(&scene, &settings(Backend::Cpu, None, aovs));
         assert_eq!(plan.method, method);
@@ -169,7 +169,7 @@ fn an_uncertified_method_searches_tiles_unless_there_are_few_spheres() {
     for (scene, option, search, why) in [
         (&few, Search::Auto, "all", "so few"),
         (&few, Search::Tiles, "tiles", "asked for"),
-        (&weekend(), Search::Auto, "tiles", "nothing is built"),
+        (&weekend(), Search::Auto, "tiles", "short lists"),
         (&weekend(), Search::All, "all", "asked for"),
     ] {
         let plan = planned(scene, &form(option));

@@ -27,7 +27,7 @@ fn every_step_is_reported_from_0_to_its_total() {
     for (_, renderer) in renderers() {
         let reported = Reported::default();
         let list = Arc::clone(&reported);
-        let watch = Watch::default().telling(move |progress| list.lock().expect("the list").push(progress));
+        let watch = Watch::default().on_progress(move |progress| list.lock().expect("the list").push(progress));
         let mut renderer = renderer.watched_by(watch);
         for (accuracy, steps) in [
             (Accuracy::Fast, &[(Step::Stage, spheres), (Step::Trace, 75 * 50)][..]),
@@ -62,7 +62,7 @@ fn a_cancelled_frame_does_not_change_the_next_one() {
         };
         let (cancel, reported) = (Cancel::default(), Reported::default());
         let (token, list) = (cancel.clone(), Arc::clone(&reported));
-        let watch = Watch::default().cancelled_by(&cancel).telling(move |progress| {
+        let watch = Watch::default().cancelled_by(&cancel).on_progress(move |progress| {
             list.lock().expect("the list").push(progress);
             if progress.step == Step::Trace && progress.done > 0 {
                 token.cancel();
@@ -87,7 +87,7 @@ fn a_cancelled_token_stops_a_frame_before_its_first_step() {
         let (cancel, reported) = (Cancel::default(), Reported::default());
         let list = Arc::clone(&reported);
         let report = move |progress| list.lock().expect("the list").push(progress);
-        let mut renderer = renderer.watched_by(Watch::default().cancelled_by(&cancel).telling(report));
+        let mut renderer = renderer.watched_by(Watch::default().cancelled_by(&cancel).on_progress(report));
         cancel.cancel();
         assert!(matches!(renderer.render(&weekend(8, 8), &settings(Accuracy::Fast)), Err(Error::Interrupted)));
         assert!(reported.lock().expect("the list").is_empty());

@@ -61,7 +61,7 @@ fn equal_frames_are_equal() {
     frames.depth("a.npy", depths());
     frames.depth("b.npy", depths());
     let (code, out, err) = frames.compare(&["a.npy", "b.npy"]);
-    assert_eq!((code, out.as_str(), err.as_str()), (0, "equal: 4 x 7 of float64, every value the same\n", ""));
+    assert_eq!((code, out.as_str(), err.as_str()), (0, "equal: 4 x 7 of float64, every value is the same\n", ""));
     let (code, report) = frames.json(&["a.npy", "b.npy"]);
     assert_eq!(code, 0);
     assert_eq!(report["schema"], "halfline-compare");
@@ -188,7 +188,7 @@ fn different_shapes_are_a_difference() {
     image::save_buffer(frames.0.path("8.png"), &[255; 4], 2, 2, image::ColorType::L8).expect("written");
     image::save_buffer(frames.0.path("16.png"), &[255; 8], 2, 2, image::ColorType::L16).expect("written");
     let (code, out, _) = frames.compare(&["8.png", "16.png"]);
-    assert_eq!((code, out.as_str()), (1, "different: the pictures hold levels of uint8 and of uint16\n"));
+    assert_eq!((code, out.as_str()), (1, "different: the pictures have levels of uint8 and of uint16\n"));
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn invalid_files_and_arguments_have_their_exit_codes() {
     for (arguments, code, word) in [
         (&["a.npy", "cut.npy"][..], 3, "cut.npy: "),
         (&["cut.png", "a.png"], 3, "cut.png: "),
-        (&["words.npy", "a.npy"], 3, "words.npy: neither PNG, EXR, PFM, .npy nor .npz"),
+        (&["words.npy", "a.npy"], 3, "words.npy: not a PNG, EXR, PFM, .npy or .npz file"),
         (&["a.npy", "none.npy"], 8, "cannot read none.npy"),
         (&["a.npy", "."], 8, "cannot read ."),
         (&["a.npy", "a.npy", "-o", "none/diff.png"], 8, "cannot write none/diff.png"),

@@ -33,18 +33,18 @@ fn invalid_arguments_are_exit_code_2() {
     let render = |options: &[&str], words: &[&str]| {
         dir.refused(2, &[&["render", "scene.toml"], options].concat(), words);
     };
-    render(&[], &["nothing is asked for", "-o", "--aov", "--json"]);
-    render(&["-o", "-", "--json"], &["standard output", "name files"]);
-    render(&["-o", "-", "--aov", "id=-"], &["standard output", "name files"]);
-    render(&["--aov", "mask=-", "--aov", "id=-"], &["standard output", "name files"]);
+    render(&[], &["no output is requested", "-o", "--aov", "--json"]);
+    render(&["-o", "-", "--json"], &["standard output", "use files"]);
+    render(&["-o", "-", "--aov", "id=-"], &["standard output", "use files"]);
+    render(&["--aov", "mask=-", "--aov", "id=-"], &["standard output", "use files"]);
     render(&["-o", "out.npy", "--aov", "id=out.npy"], &["out.npy", "twice"]);
     render(&["-o", "out.npy", "--aov", "id=./out.npy"], &["out.npy", "twice"]);
     render(&["-o", "out.jpg"], &["out.jpg", ".png, .exr, .npy, .npz, .pfm or .raw"]);
     render(&["-o", "out"], &["out", ".png, .exr, .npy, .npz, .pfm or .raw"]);
     render(&["--aov", "id=out.png"], &["out.png", "id", ".npy"]);
     render(&["--aov", "id"], &["NAME=FILE", ".exr or .npz"]);
-    render(&["-o", "out.png", "--aov", "id,depth"], &["id,depth", "names no file", ".exr or .npz"]);
-    render(&["-o", "-", "--aov", "id,depth"], &["id,depth", "names no file", ".exr or .npz"]);
+    render(&["-o", "out.png", "--aov", "id,depth"], &["id,depth", "has no file", ".exr or .npz"]);
+    render(&["-o", "-", "--aov", "id,depth"], &["id,depth", "has no file", ".exr or .npz"]);
     render(&["--aov", "id,depth=out.npy"], &["out.npy", "id, depth", ".exr or .npz"]);
     render(&["-o", "out.png", "--raw"], &["--raw", "standard output"]);
     render(&["-o", "out.png", "--bits", "12"], &["12", "8 or 16"]);
@@ -158,7 +158,7 @@ fn spheres_beyond_memory_are_exit_code_5_with_the_number_that_fits() {
         shell.args(["many.toml", "-o", "out.png", "--backend", "cpu"]);
         let Output { code, err, .. } = Output::of(shell.output().expect("sh runs"));
         assert_eq!(code, 5, "{err}");
-        assert!(err.contains("200000001 spheres need 6400000032 bytes") && err.contains("give at most 1"), "{err}");
+        assert!(err.contains("200000001 spheres need 6400000032 bytes") && err.contains("read at most 1"), "{err}");
     }
     assert!(!dir.path("out.png").exists() && start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
 }

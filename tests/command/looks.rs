@@ -54,8 +54,8 @@ fn colours_follow_the_options() {
 fn values_without_a_place_on_the_map_are_counted() {
     let dir = dir();
     for (options, expected) in [
-        ("--color-by q", "1 of 3 values of q are no numbers"),
-        ("--color-by q --log", "2 of 3 values of q are not positive or no numbers"),
+        ("--color-by q", "1 of 3 values of q are not numbers"),
+        ("--color-by q --log", "2 of 3 values of q are not positive numbers"),
         ("--color-by vy --log", "1 of 3 values of vy are not positive"),
     ] {
         let err = dir.render(&format!("atoms.xyz --size 20x20 -o a.png {options}")).err;
@@ -104,7 +104,7 @@ fn a_legend_shows_the_ends_and_is_checked_before_any_work() {
     for (options, code, expected) in [
         ("--color-by vx --legend l.gif", 2, ".svg or .png"),
         ("--color-by vx --legend new", 2, ".svg or .png"),
-        ("--color-by vx --legend no/l.svg", 8, "no folder"),
+        ("--color-by vx --legend no/l.svg", 8, "does not exist"),
         ("--color-by vx --legend ./new.png", 2, "twice"),
         ("--color-by type --range 0,5 --map category --legend l.svg", 2, "no range"),
         ("--color-by type --log --map category", 2, "no logarithm"),

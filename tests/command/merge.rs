@@ -5,7 +5,7 @@ use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::test_dir::{Output, TestDir};
 use halfline::frame::file::Target;
-use halfline::frame::format::{Bits, Format, Style};
+use halfline::frame::format::{Bits, FileFormat, FormatOptions};
 use halfline::frame::{Aov, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
@@ -39,7 +39,7 @@ impl Tiles {
     }
 
     /// Writes a tile of a rendering of `scene`.
-    fn put(&mut self, name: &str, part: &Frame, aovs: &[Aov], style: Style, scene: &str) {
+    fn put(&mut self, name: &str, part: &Frame, aovs: &[Aov], style: FormatOptions, scene: &str) {
         let settings = Settings::default();
         let target = Target::new(aovs, &self.dir.path(name), style).expect("a target");
         target.write(part, &origin(part, &settings, scene)).expect("written");
@@ -62,18 +62,18 @@ impl Tiles {
 #[test]
 fn merged_tiles_are_the_full_frame_byte_for_byte() {
     let mut rng = Rng::new(1);
-    let sixteen = Style { bits: Bits::Sixteen, transparent: true, ..Style::default() };
+    let sixteen = FormatOptions { bits: Bits::Sixteen, transparent: true, ..FormatOptions::default() };
     let several = [Aov::Color, Aov::Depth, Aov::Normal, Aov::Id];
-    let cases: [(Format, &[Aov], Style); 9] = [
-        (Format::Png, &[Aov::Color], Style::default()),
-        (Format::Png, &[Aov::Color], sixteen),
-        (Format::Png, &[Aov::Depth], Style::default()),
-        (Format::Png, &[Aov::Mask], Style::default()),
-        (Format::Exr, &several, sixteen),
-        (Format::Npy, &[Aov::Position], Style::default()),
-        (Format::Npz, &several, Style::default()),
-        (Format::Pfm, &[Aov::Normal], Style::default()),
-        (Format::Pfm, &[Aov::Distance], Style::default()),
+    let cases: [(FileFormat, &[Aov], FormatOptions); 9] = [
+        (FileFormat::Png, &[Aov::Color], FormatOptions::default()),
+        (FileFormat::Png, &[Aov::Color], sixteen),
+        (FileFormat::Png, &[Aov::Depth], FormatOptions::default()),
+        (FileFormat::Png, &[Aov::Mask], FormatOptions::default()),
+        (FileFormat::Exr, &several, sixteen),
+        (FileFormat::Npy, &[Aov::Position], FormatOptions::default()),
+        (FileFormat::Npz, &several, FormatOptions::default()),
+        (FileFormat::Pfm, &[Aov::Normal], FormatOptions::default()),
+        (FileFormat::Pfm, &[Aov::Distance], FormatOptions::default()),
     ];
     for (n, (format, aovs, style)) in cases.into_iter().enumerate() {
         let mut tiles = Tiles::new();
@@ -102,7 +102,7 @@ fn tiles(without: &[u32]) -> Tiles {
     let mut tiles = Tiles::new();
     for k in (1..=6).filter(|k| !without.contains(k)) {
         let window = Window::tile(k, 6, FULL[0], FULL[1]).expect("a tile");
-        tiles.put(&format!("{k}.png"), &cut(&frame(1, FULL), window), &[Aov::Color], Style::default(), "scene");
+        tiles.put(&format!("{k}.png"), &cut(&frame(1, FULL), window), &[Aov::Color], FormatOptions::default(), "scene");
     }
     tiles
 }
@@ -113,17 +113,17 @@ fn tile(k: u32) -> Window {
 
 #[test]
 fn missing_parts_are_named_as_rectangles() {
-    tiles(&[2]).refused("full.png", 3, &["5 tiles", &format!("none holds {} of 30 x 20 pixels (100 pixels)", tile(2))]);
+    tiles(&[2]).refused("full.png", 3, &["5 tiles", &format!("no tile covers {} of 30 x 20 pixels (100 pixels)", tile(2))]);
     let beside = Window { x1: tile(2).x1, ..tile(1) };
-    tiles(&[1, 2]).refused("full.png", 3, &[&format!("none holds {beside} of"), "200 pixels"]);
+    tiles(&[1, 2]).refused("full.png", 3, &[&format!("no tile covers {beside} of"), "200 pixels"]);
     tiles(&[1, 6]).refused("full.png", 3, &[&format!("{} and {}", tile(1), tile(6)), "--crop"]);
     assert_eq!(tiles(&[]).merge("full.png").code, 0);
 }
 
 #[test]
 fn a_tile_of_another_frame_is_named_with_the_difference() {
-    let plain = Style::default();
-    let planted = |full: [u32; 2], style: Style, scene: &str, words: &[&str]| {
+    let plain = FormatOptions::default();
+    let planted = |full: [u32; 2], style: FormatOptions, scene: &str, words: &[&str]| {
         let mut tiles = tiles(&[1]);
         tiles.put("odd.png", &cut(&frame(1, full), tile(1)), &[Aov::Color], style, scene);
         // In the first and in the last place.
@@ -134,8 +134,8 @@ fn a_tile_of_another_frame_is_named_with_the_difference() {
     };
     planted(FULL, plain, "another", &["halfline:scene", "\"another\"", "\"scene\""]);
     planted([30, 21], plain, "scene", &["halfline:frame", "30x21"]);
-    planted(FULL, Style { bits: Bits::Sixteen, ..plain }, "scene", &["halfline:bits"]);
-    planted(FULL, Style { transparent: true, ..plain }, "scene", &["halfline:buffers", "color,alpha"]);
+    planted(FULL, FormatOptions { bits: Bits::Sixteen, ..plain }, "scene", &["halfline:bits"]);
+    planted(FULL, FormatOptions { transparent: true, ..plain }, "scene", &["halfline:buffers", "color,alpha"]);
     let mut tiles = tiles(&[1]);
     tiles.put("odd.npy", &cut(&frame(1, FULL), tile(1)), &[Aov::Color], plain, "scene");
     tiles.refused("full.png", 3, &["odd.npy", ".npy among tiles in .png"]);
@@ -152,7 +152,7 @@ fn a_tile_of_another_adapter_or_program_is_refused() {
             "Software" => part.report.halfline = "9.9.9",
             _ => part.report.accuracy = "exact",
         }
-        tiles.put("odd.png", &part, &[Aov::Color], Style::default(), "scene");
+        tiles.put("odd.png", &part, &[Aov::Color], FormatOptions::default(), "scene");
         tiles.refused("full.png", 3, &["odd.png", field]);
     }
 }
@@ -161,7 +161,7 @@ fn a_tile_of_another_adapter_or_program_is_refused() {
 fn overlapping_tiles_are_both_named() {
     let mut tiles = tiles(&[]);
     let over = Window { x0: 4, y0: 4, x1: 6, y1: 6 };
-    tiles.put("over.png", &cut(&frame(1, FULL), over), &[Aov::Color], Style::default(), "scene");
+    tiles.put("over.png", &cut(&frame(1, FULL), over), &[Aov::Color], FormatOptions::default(), "scene");
     tiles.refused("full.png", 3, &["over.png", "4,4,6,6", "1.png"]);
     tiles.names.pop();
     tiles.names.push("3.png".into());
@@ -173,9 +173,9 @@ fn truncated_tiles_and_tiles_without_provenance_are_named() {
     let tiles = tiles(&[]);
     let whole = tiles.dir.get("5.png");
     tiles.dir.put("5.png", &whole[..whole.len() - 20]);
-    tiles.refused("full.png", 3, &["5.png", "not a whole PNG"]);
+    tiles.refused("full.png", 3, &["5.png", "the PNG file is damaged"]);
     image::RgbImage::new(10, 10).save(tiles.dir.path("5.png")).expect("written");
-    tiles.refused("full.png", 3, &["5.png", "does not tell"]);
+    tiles.refused("full.png", 3, &["5.png", "no provenance"]);
     tiles.dir.remove("5.png");
     tiles.refused("full.png", 8, &["cannot read 5.png"]);
 }

@@ -1,6 +1,6 @@
 //! The command line under test: a temporary folder to run it in, and what a run left.
 
-use halfline::measure::{Array, Number};
+use halfline::measure::{Array, ArrayValue};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -229,7 +229,7 @@ impl TestDir {
     /// The numbers of an array file, and its shape.
     pub(crate) fn array(&self, name: &str) -> (Vec<f64>, Vec<usize>) {
         let array = Array::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
-        let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(Number::to_f64).collect();
+        let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(ArrayValue::to_f64).collect();
         (values, array.shape().to_vec())
     }
 }

@@ -5,8 +5,8 @@ use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::skip::skip;
 use halfline::frame::file::Target;
-use halfline::frame::format::{Bits, Format, NoReturn, Style};
-use halfline::frame::sheet::{Kind, Layer, Sheet};
+use halfline::frame::format::{Bits, FileFormat, NoReturn, FormatOptions};
+use halfline::frame::image_file::{SampleType, Layer, ImageFile};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::measure::Array;
 use halfline::settings::Settings;
@@ -21,18 +21,18 @@ fn random_window(rng: &mut Rng, [width, height]: [u32; 2]) -> Window {
 }
 
 /// Writes the file of `frame` and reads it back.
-fn written(frame: &Frame, target: &Target) -> (Vec<u8>, Sheet<'static>) {
+fn written(frame: &Frame, target: &Target) -> (Vec<u8>, ImageFile<'static>) {
     let settings = Settings::default();
     target.write(frame, &origin(frame, &settings, "scene")).expect("written");
     let bytes = std::fs::read(target.path()).expect("there");
-    let (format, sheet) = read(target.path());
+    let (format, image_file) = read(target.path());
     assert_eq!(format, target.format());
-    (bytes, sheet)
+    (bytes, image_file)
 }
 
 /// The file's format and content.
-fn read(path: &Path) -> (Format, Sheet<'static>) {
-    Sheet::read(path).unwrap_or_else(|error| panic!("{error}"))
+fn read(path: &Path) -> (FileFormat, ImageFile<'static>) {
+    ImageFile::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Every value of a buffer, in f64.
@@ -49,12 +49,12 @@ fn values(frame: &Frame, aov: Aov) -> Vec<f64> {
 /// Every sample of a layer, in f64.
 fn samples(layer: &Layer) -> Vec<f64> {
     let number = |bytes: &[u8]| match layer.kind {
-        Kind::U8 => f64::from(bytes[0]),
-        Kind::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        Kind::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-        Kind::I32 => f64::from(i32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-        Kind::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-        Kind::F64 => f64::from_le_bytes(bytes.try_into().expect("eight")),
+        SampleType::U8 => f64::from(bytes[0]),
+        SampleType::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        SampleType::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        SampleType::I32 => f64::from(i32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        SampleType::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
+        SampleType::F64 => f64::from_le_bytes(bytes.try_into().expect("eight")),
         _ => panic!("a new kind of sample"),
     };
     layer.bytes.chunks_exact(layer.kind.size()).map(number).collect()
@@ -67,9 +67,9 @@ fn srgb(linear: f64, levels: f64) -> f64 {
 }
 
 /// The values that a format stores of a buffer, by its documentation.
-fn expected(frame: &Frame, aov: Aov, format: Format, style: &Style) -> Vec<f64> {
+fn expected(frame: &Frame, aov: Aov, format: FileFormat, style: &FormatOptions) -> Vec<f64> {
     let levels = if style.bits == Bits::Sixteen { 65535.0 } else { 255.0 };
-    let single = |x: f64| if matches!(format, Format::Exr | Format::Pfm) { f64::from(x as f32) } else { x };
+    let single = |x: f64| if matches!(format, FileFormat::Exr | FileFormat::Pfm) { f64::from(x as f32) } else { x };
     let length = |x: f64| match style.no_return {
         _ if x.is_finite() => single(x),
         NoReturn::Inf => f64::INFINITY,
@@ -79,7 +79,7 @@ fn expected(frame: &Frame, aov: Aov, format: Format, style: &Style) -> Vec<f64> 
     let found = values(frame, aov);
     let map = |store: &dyn Fn(f64) -> f64| found.iter().map(|x| store(*x)).collect();
     match (format, aov) {
-        (Format::Png, Aov::Color) if style.transparent => {
+        (FileFormat::Png, Aov::Color) if style.transparent => {
             let alpha = values(frame, Aov::Alpha);
             let straight = |(rgb, a): (&[f64], &f64)| {
                 let level = |x: &f64| srgb(if *a > 0.0 { f64::from(*x as f32 / *a as f32) } else { 0.0 }, levels);
@@ -87,13 +87,13 @@ fn expected(frame: &Frame, aov: Aov, format: Format, style: &Style) -> Vec<f64> 
             };
             found.chunks(3).zip(&alpha).flat_map(straight).collect()
         }
-        (Format::Png, Aov::Color) => map(&|x| srgb(x, levels)),
-        (Format::Png, Aov::Alpha) => map(&|x| (levels * x).round()),
-        (Format::Png, Aov::Normal) => map(&|x| (levels * (x + 1.0) / 2.0).round()),
-        (Format::Png, Aov::Mask) => map(&|x| 255.0 * x),
-        (Format::Png, _) => map(&|x| if x.is_finite() { (x / style.unit).round().clamp(1.0, 65535.0) } else { 0.0 }),
+        (FileFormat::Png, Aov::Color) => map(&|x| srgb(x, levels)),
+        (FileFormat::Png, Aov::Alpha) => map(&|x| (levels * x).round()),
+        (FileFormat::Png, Aov::Normal) => map(&|x| (levels * (x + 1.0) / 2.0).round()),
+        (FileFormat::Png, Aov::Mask) => map(&|x| 255.0 * x),
+        (FileFormat::Png, _) => map(&|x| if x.is_finite() { (x / style.unit).round().clamp(1.0, 65535.0) } else { 0.0 }),
         (_, Aov::Distance | Aov::Depth) => map(&length),
-        (Format::Exr, Aov::Id) => map(&|x| if x < 0.0 { 4_294_967_295.0 } else { x }),
+        (FileFormat::Exr, Aov::Id) => map(&|x| if x < 0.0 { 4_294_967_295.0 } else { x }),
         _ => map(&single),
     }
 }
@@ -103,12 +103,12 @@ fn same(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// Three styles that differ in every field.
-fn styles() -> [Style; 3] {
-    let plain = Style::default();
+fn styles() -> [FormatOptions; 3] {
+    let plain = FormatOptions::default();
     [
         plain,
-        Style { bits: Bits::Sixteen, unit: 0.01, no_return: NoReturn::Nan, transparent: true },
-        Style { unit: 0.25, no_return: NoReturn::Zero, transparent: true, ..plain },
+        FormatOptions { bits: Bits::Sixteen, unit: 0.01, no_return: NoReturn::Nan, transparent: true },
+        FormatOptions { unit: 0.25, no_return: NoReturn::Zero, transparent: true, ..plain },
     ]
 }
 
@@ -120,19 +120,19 @@ fn random_parts_of_random_frames_are_read_back() {
         let full = [rng.within(1, 40), rng.within(1, 30)];
         let window = random_window(&mut rng, full);
         let part = cut(&frame(n, full), window);
-        for format in Format::ALL.into_iter().filter(|format| *format != Format::Raw) {
+        for format in FileFormat::ALL.into_iter().filter(|format| *format != FileFormat::Raw) {
             for style in styles() {
                 for aov in Aov::ALL.into_iter().filter(|aov| format.takes(*aov)) {
                     let path = folder.path().join(format!("one{}", format.ending()));
                     let target = Target::new(&[aov], &path, style).expect("a target");
-                    let (bytes, sheet) = written(&part, &target);
-                    assert_eq!((sheet.window, sheet.full), (window, full));
-                    let found = samples(&sheet.layers[0]);
+                    let (bytes, image_file) = written(&part, &target);
+                    assert_eq!((image_file.window, image_file.full), (window, full));
+                    let found = samples(&image_file.layers[0]);
                     let what = format!("{aov} as {format:?} of {window} in {full:?} with {style:?}");
                     let wanted = expected(&part, aov, format, &style);
                     // A level of the normal may fall between two: n + 1 is rounded once, in f32.
                     let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1.0;
-                    let whole = if (format, aov) == (Format::Png, Aov::Normal) {
+                    let whole = if (format, aov) == (FileFormat::Png, Aov::Normal) {
                         found.len() == wanted.len() && found.iter().zip(&wanted).all(near)
                     } else {
                         same(&found, &wanted)
@@ -150,13 +150,13 @@ fn one_file_holds_all_buffers() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(3, [17, 9]);
     let part = cut(&whole, random_window(&mut Rng::new(4), [17, 9]));
-    for (frame, format) in [(&whole, Format::Exr), (&part, Format::Exr), (&whole, Format::Npz), (&part, Format::Npz)] {
+    for (frame, format) in [(&whole, FileFormat::Exr), (&part, FileFormat::Exr), (&whole, FileFormat::Npz), (&part, FileFormat::Npz)] {
         let path = folder.path().join(format!("all{}", format.ending()));
-        let target = Target::new(&Aov::ALL, &path, Style::default()).expect("a target");
-        let (bytes, sheet) = written(frame, &target);
-        assert_eq!(sheet.layers.iter().map(|layer| layer.aov).collect::<Vec<_>>(), Aov::ALL);
-        for layer in &sheet.layers {
-            let wanted = expected(frame, layer.aov, format, &Style::default());
+        let target = Target::new(&Aov::ALL, &path, FormatOptions::default()).expect("a target");
+        let (bytes, image_file) = written(frame, &target);
+        assert_eq!(image_file.layers.iter().map(|layer| layer.aov).collect::<Vec<_>>(), Aov::ALL);
+        for layer in &image_file.layers {
+            let wanted = expected(frame, layer.aov, format, &FormatOptions::default());
             assert!(same(&samples(layer), &wanted), "{} as {format:?}", layer.aov);
         }
         assert_eq!(written(frame, &target).0, bytes, "the same bytes");
@@ -204,15 +204,15 @@ fn provenance_names_all_that_the_bytes_depend_on() {
 fn a_truncated_file_is_not_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let part = cut(&frame(2, [20, 12]), halfline::Window { x0: 3, y0: 1, x1: 19, y1: 12 });
-    for format in Format::ALL.into_iter().filter(|format| *format != Format::Raw) {
+    for format in FileFormat::ALL.into_iter().filter(|format| *format != FileFormat::Raw) {
         let path = folder.path().join(format!("cut{}", format.ending()));
-        let target = Target::new(&[Aov::Color], &path, Style::default()).expect("a target");
+        let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
         let (bytes, _) = written(&part, &target);
         let (settings, step) = (Settings::default(), bytes.len() / 60 + 1);
         assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
         for n in (0..bytes.len()).step_by(step).chain([bytes.len() - 1]) {
             std::fs::write(&path, &bytes[..n]).expect("written");
-            let error = Sheet::read(&path).expect_err("must not be read");
+            let error = ImageFile::read(&path).expect_err("must not be read");
             assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?} after {n}: {error}");
             assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
             assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} after {n}");
@@ -224,13 +224,13 @@ fn a_truncated_file_is_not_read() {
 fn a_damaged_byte_is_found_where_the_format_has_a_checksum() {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["a.png", "a.npz"] {
-        let target = Target::new(&[Aov::Color], &folder.path().join(name), Style::default()).expect("a target");
+        let target = Target::new(&[Aov::Color], &folder.path().join(name), FormatOptions::default()).expect("a target");
         let (bytes, _) = written(&frame(4, [20, 12]), &target);
         // The middle of the file is samples.
         let mut damaged = bytes.clone();
         damaged[bytes.len() / 2] ^= 4;
-        let error = Sheet::from_bytes(&damaged, name).expect_err("damaged").to_string();
-        assert!(error.starts_with(&format!("{name}: not a whole")), "{error}");
+        let error = ImageFile::from_bytes(&damaged, name).expect_err("damaged").to_string();
+        assert!(error.starts_with(&format!("{name}: the ")) && error.contains("damaged"), "{error}");
     }
 }
 
@@ -239,13 +239,13 @@ fn bytes_behind_the_provenance_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(5, [6, 4]);
     for name in ["depth.npy", "depth.pfm"] {
-        let target = Target::new(&[Aov::Depth], &folder.path().join(name), Style::default()).expect("a target");
+        let target = Target::new(&[Aov::Depth], &folder.path().join(name), FormatOptions::default()).expect("a target");
         let (mut bytes, _) = written(&whole, &target);
         if name.ends_with("npy") {
             assert_eq!(Array::from_bytes(&bytes, name).expect("readable").shape(), [4, 6]);
         }
         bytes.push(b'\n');
-        Sheet::from_bytes(&bytes, name).expect_err("more than we wrote");
+        ImageFile::from_bytes(&bytes, name).expect_err("more than we wrote");
         if name.ends_with("npy") {
             Array::from_bytes(&bytes, name).expect_err("more than we wrote");
         }
@@ -256,7 +256,7 @@ fn bytes_behind_the_provenance_are_refused() {
 fn raw_is_the_numbers_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(6, [5, 3]);
-    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.raw"), Style::default()).expect("a target");
+    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.raw"), FormatOptions::default()).expect("a target");
     let settings = Settings::default();
     target.write(&whole, &origin(&whole, &settings, "scene")).expect("written");
     let bytes = std::fs::read(target.path()).expect("there");
@@ -271,7 +271,7 @@ fn depth_beyond_the_range_of_png_has_a_warning_with_a_unit_that_fits() {
     let beyond = values(&whole, Aov::Depth).iter().filter(|x| x.is_finite() && **x > 65.5355).count();
     assert!(beyond > 3, "the frame is far enough");
     let warnings = |aov: Aov, name: &str, unit: f64| {
-        let style = Style { unit, ..Style::default() };
+        let style = FormatOptions { unit, ..FormatOptions::default() };
         Target::new(&[aov], Path::new(name), style).expect("a target").warnings(&whole)
     };
     let warning = warnings(Aov::Depth, "d.png", 0.001).concat();
@@ -286,7 +286,7 @@ fn a_crop_stores_its_offset() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(9, [300, 8]);
     let path = folder.path().join("a.png");
-    let target = Target::new(&[Aov::Color], &path, Style::default()).expect("a target");
+    let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
     let chunk = |frame: &Frame| {
         let bytes = written(frame, &target).0;
         let at = bytes.windows(4).position(|name| name == b"oFFs");
@@ -297,7 +297,7 @@ fn a_crop_stores_its_offset() {
     assert_eq!(chunk(&part), Some([&[0, 0, 0, 9][..], b"oFFs", &[0, 0, 1, 2, 0, 0, 0, 3, 0]].concat()));
     image::open(&path).expect("another decoder reads it");
     let path = folder.path().join("a.exr");
-    written(&part, &Target::new(&[Aov::Color], &path, Style::default()).expect("a target"));
+    written(&part, &Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target"));
     let exr = exr::meta::MetaData::read_from_file(&path, true).expect("readable");
     let header = &exr.headers[0];
     assert_eq!((header.own_attributes.layer_position.0, header.own_attributes.layer_position.1), (258, 3));
@@ -319,7 +319,7 @@ fn numpy_reads_npy_and_npz_with_their_provenance() {
     let whole = frame(11, [7, 5]);
     let [npy, npz] = ["depth.npy", "depth.npz"].map(|name| folder.path().join(name));
     for path in [&npy, &npz] {
-        written(&whole, &Target::new(&[Aov::Depth], path, Style::default()).expect("a target"));
+        written(&whole, &Target::new(&[Aov::Depth], path, FormatOptions::default()).expect("a target"));
     }
     let script = "import numpy as n,json,sys; a=n.load(sys.argv[1]); m=n.load(sys.argv[1],mmap_mode='r'); \
         z=n.load(sys.argv[2]); print(z.files, json.loads(z['provenance.json'])['halfline:buffers']); \
@@ -337,16 +337,16 @@ fn a_file_of_another_program_has_no_provenance() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("other.png");
     image::RgbImage::new(4, 4).save(&path).expect("written");
-    for (path, words) in [(path, "does not tell"), (folder.path().join("text"), "no .png, .exr, .npy, .npz or .pfm")] {
+    for (path, words) in [(path, "no provenance"), (folder.path().join("text"), "no .png, .exr, .npy, .npz or .pfm")] {
         if !path.exists() {
             std::fs::write(&path, "P6 1 1 255").expect("written");
         }
-        let error = Sheet::read(&path).expect_err("not ours").to_string();
+        let error = ImageFile::read(&path).expect_err("not ours").to_string();
         assert!(error.contains(words) && error.starts_with(&path.display().to_string()), "{error}");
     }
     let ours = folder.path().join("ours.png");
-    written(&frame(1, [2, 2]), &Target::new(&[Aov::Color], &ours, Style::default()).expect("a target"));
-    assert_eq!(read(&ours).0, Format::Png);
+    written(&frame(1, [2, 2]), &Target::new(&[Aov::Color], &ours, FormatOptions::default()).expect("a target"));
+    assert_eq!(read(&ours).0, FileFormat::Png);
 }
 
 /// With any one bit changed, the file does not count as rendered, and reading it gives the old content or an error.
@@ -357,11 +357,11 @@ fn a_changed_bit_is_found() {
         (cut(&frame(9, [9, 7]), halfline::Window { x0: 1, y0: 2, x1: 9, y1: 7 }), Rng::new(9), 0);
     let settings = Settings::default();
     let buffers =
-        |format: Format| if format.holds_many() { vec![Aov::Color, Aov::Depth, Aov::Id] } else { vec![Aov::Color] };
-    for format in Format::ALL.into_iter().filter(|format| *format != Format::Raw) {
+        |format: FileFormat| if format.holds_many() { vec![Aov::Color, Aov::Depth, Aov::Id] } else { vec![Aov::Color] };
+    for format in FileFormat::ALL.into_iter().filter(|format| *format != FileFormat::Raw) {
         let path = folder.path().join(format!("a{}", format.ending()));
-        let target = Target::new(&buffers(format), &path, Style::default()).expect("a target");
-        let (bytes, sheet) = written(&part, &target);
+        let target = Target::new(&buffers(format), &path, FormatOptions::default()).expect("a target");
+        let (bytes, image_file) = written(&part, &target);
         // All bits of the first 1200 and the last 400 bytes; of the samples between them one bit of each byte.
         let all = |n: usize| n < 1200 || n + 400 > bytes.len();
         let bits = (0..bytes.len()).flat_map(|n| {
@@ -371,8 +371,8 @@ fn a_changed_bit_is_found() {
         for (n, bit) in bits.collect::<Vec<_>>() {
             let mut changed = bytes.clone();
             changed[n] ^= 1 << bit;
-            match Sheet::from_bytes(&changed, "changed") {
-                Ok((_, read)) => assert_eq!(read.layers, sheet.layers, "{format:?}, bit {bit} of byte {n}"),
+            match ImageFile::from_bytes(&changed, "changed") {
+                Ok((_, read)) => assert_eq!(read.layers, image_file.layers, "{format:?}, bit {bit} of byte {n}"),
                 Err(error) => assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?}: {error}"),
             }
             // Only some are written to a file, which takes a hundred times as long.

@@ -4,7 +4,7 @@
 use crate::skip::skip;
 use halfline::error::Error;
 use halfline::frame::file::{Target, check_writable, write_atomically};
-use halfline::frame::format::Style;
+use halfline::frame::format::FormatOptions;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Buffer, Data, Frame, npy, png as picture};
 use halfline::measure::{Array, Values};
@@ -305,7 +305,7 @@ fn a_target_writes_what_readers_read() {
     let folder = tempfile::tempdir().expect("a folder");
     for buffer in buffers() {
         let path = folder.path().join(format!("{}.npy", buffer.aov));
-        let target = Target::new(&[buffer.aov], &path, Style::default()).expect("any buffer can be .npy");
+        let target = Target::new(&[buffer.aov], &path, FormatOptions::default()).expect("any buffer can be .npy");
         target.check().expect("writable");
         assert_eq!(names(folder.path()), [""; 0], "checking leaves no file");
         write_to(&target, &frame(&buffer)).expect("written");
@@ -316,7 +316,7 @@ fn a_target_writes_what_readers_read() {
         fs::remove_file(&path).expect("removed");
     }
     let path = folder.path().join("ramp.PNG");
-    let target = Target::new(&[Aov::Color], &path, Style::default()).expect("a target");
+    let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
     write_to(&target, &frame(&ramp())).expect("written");
     let levels = |bytes: &[u8]| Array::from_bytes(bytes, "ramp").expect("readable").values().clone();
     assert_eq!(levels(&fs::read(&path).expect("there")), levels(&png_of(&ramp())));
@@ -325,21 +325,21 @@ fn a_target_writes_what_readers_read() {
 #[test]
 fn a_target_refuses_buffers_that_it_cannot_hold() {
     for (aovs, name, offer) in [
-        (&[Aov::Id][..], "id.png", "end the name in .exr, .npy, .npz or .raw"),
-        (&[Aov::Color], "picture.jpg", "end the name in .png, .exr, .npy, .npz, .pfm or .raw"),
-        (&[Aov::Mask], "mask.pfm", "end the name in .png, .exr, .npy, .npz or .raw"),
-        (&[Aov::Color], ".png", "end the name in .png, .exr, .npy, .npz, .pfm or .raw"),
-        (&[Aov::Depth, Aov::Id], "both.npy", "end the name in .exr or .npz"),
-        (&[Aov::Depth, Aov::Id], "-", "end the name in .exr or .npz"),
+        (&[Aov::Id][..], "id.png", "use the file name extension .exr, .npy, .npz or .raw"),
+        (&[Aov::Color], "picture.jpg", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),
+        (&[Aov::Mask], "mask.pfm", "use the file name extension .png, .exr, .npy, .npz or .raw"),
+        (&[Aov::Color], ".png", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),
+        (&[Aov::Depth, Aov::Id], "both.npy", "use the file name extension .exr or .npz"),
+        (&[Aov::Depth, Aov::Id], "-", "use the file name extension .exr or .npz"),
     ] {
-        let error = Target::new(aovs, Path::new(name), Style::default()).expect_err("must be refused");
+        let error = Target::new(aovs, Path::new(name), FormatOptions::default()).expect_err("must be refused");
         assert!(matches!(error, Error::Settings { .. }), "{error}");
         assert!(error.to_string().starts_with(name) && error.to_string().ends_with(offer), "{error}");
     }
-    let standard = Target::new(&[Aov::Depth], Path::new("-"), Style::default()).expect("standard output");
+    let standard = Target::new(&[Aov::Depth], Path::new("-"), FormatOptions::default()).expect("standard output");
     assert!(standard.is_standard());
     let folder = tempfile::tempdir().expect("a folder");
-    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.npy"), Style::default()).expect("a target");
+    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.npy"), FormatOptions::default()).expect("a target");
     let mut short = buffers().swap_remove(2);
     short.shape[0] += 1;
     for wrong in [&buffers()[1], &short] {

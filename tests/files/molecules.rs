@@ -166,7 +166,7 @@ fn assemblies_are_those_that_gemmi_makes() {
         refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);
         refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "it has 1"]);
         let copies = ASSEMBLIES.iter().find(|assembly| assembly.file == name).map_or(1, |assembly| assembly.copies);
-        let offer = format!("{copies} copies; --assembly 1");
+        let offer = format!("{copies} copies; use --assembly 1");
         let warnings = unit.skipped.warnings();
         assert!(copies == 1 || warnings.iter().any(|warning| warning.contains(&offer)), "{name}: {warnings:?}");
     }

@@ -143,7 +143,7 @@ fn lights_and_materials_are_counted_or_refused() {
     for (lines, warnings, refused) in [
         ("f 1 0.5 0", vec![], None),
         ("f 1 0.5 0 1 0 30 0 1.5", vec![], None),
-        ("l 1 2 3", vec!["1 light left out"], Some(":7:1: light: a light is not modelled")),
+        ("l 1 2 3", vec!["1 light left out"], Some(":7:1: light: a light is not supported")),
         ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec!["2 lights left out"], Some(":8:1: light: ")),
         ("f 1 0.5 0 0.8 0 0 0 0", vec!["1 material reduced to the colour"], Some(":7:1: fill: a material")),
         ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),

@@ -1,58 +1,58 @@
-//! What a comparison found, in words and as JSON.
+//! The result of a comparison, as text and as JSON.
 
 use crate::cli::say;
 use halfline::error::{Error, Result};
 use halfline::measure::compare::{Difference, compare, sides};
-use halfline::measure::frames::{Frames, Pair, Pairs};
-use halfline::measure::{Number, picture};
+use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
+use halfline::measure::{ArrayValue, picture};
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
-/// The buffers that two files have in common, how far they differ, and what only one file has.
-pub(super) struct Found<'a> {
+/// The common buffers of two files, their differences, and the buffers that only one file has.
+pub(super) struct FrameComparison<'a> {
     tolerance: f64,
     files: [&'a str; 2],
-    pairs: Pairs<'a>,
+    pairs: MatchedBuffers<'a>,
     differences: Vec<Difference>,
-    /// Why the files differ whatever their buffers hold.
+    /// Why the files differ regardless of their buffers.
     unlike: Option<String>,
 }
 
-impl<'a> Found<'a> {
-    pub(super) fn of(a: &'a Frames, b: &'a Frames, pairs: Pairs<'a>, tolerance: f64) -> Self {
+impl<'a> FrameComparison<'a> {
+    pub(super) fn of(a: &'a FrameFile, b: &'a FrameFile, pairs: MatchedBuffers<'a>, tolerance: f64) -> Self {
         let differences = pairs.common.iter().map(|pair| compare(pair.a, pair.b, tolerance)).collect();
         let places = a.origin.zip(b.origin).filter(|(a, b)| a != b);
         let windows = places.map(|([x, y], [u, v])| format!("the data windows begin at {x},{y} and at {u},{v}"));
         let missing: Vec<String> = pairs.missing.iter().map(|(name, file)| format!("only {file} has {name}")).collect();
-        let nothing = pairs.common.is_empty().then(|| "no buffer is in both files".to_owned());
+        let nothing = pairs.common.is_empty().then(|| "the files have no buffer in common".to_owned());
         let unlike: Vec<String> = windows.into_iter().chain(missing).chain(nothing).collect();
         let unlike = (!unlike.is_empty()).then(|| unlike.join("; "));
         Self { tolerance, files: [&a.name, &b.name], pairs, differences, unlike }
     }
 
-    /// Whether the same buffers are in both files and equal within the tolerance.
+    /// Whether both files have the same buffers, equal within the tolerance.
     pub(super) fn is_equal(&self) -> bool {
         self.unlike.is_none() && self.differences.iter().all(Difference::is_within)
     }
 
-    /// Writes the picture of the one pair of buffers.
+    /// Writes the difference picture of the only pair of buffers.
     pub(super) fn draw(&self, path: &Path) -> Result<()> {
         match (&self.pairs.common[..], &self.differences[..]) {
-            // Shapes that differ are the answer, not a failure of the command.
+            // Different shapes are a result, not an error of the command.
             ([_], [difference]) if difference.unlike.is_some() => {
-                say(format_args!("{} is not written: no common pixels", path.display()));
+                say(format_args!("{} is not written, because there are no common pixels", path.display()));
                 Ok(())
             }
             ([pair], [difference]) => picture::write(pair.a, pair.b, difference, path),
             (pairs, _) => {
                 let names: Vec<&str> = pairs.iter().filter_map(|pair| pair.name).collect();
-                let problem = format!("{} shows one buffer, and {} are compared", path.display(), pairs.len());
+                let problem = format!("{} shows one buffer, but {} are compared", path.display(), pairs.len());
                 Err(Error::settings(problem, format!("choose one with --aov: {}", names.join(", "))))
             }
         }
     }
 
-    fn each(&self) -> impl Iterator<Item = (&Pair<'a>, &Difference)> {
+    fn each(&self) -> impl Iterator<Item = (&BufferPair<'a>, &Difference)> {
         self.pairs.common.iter().zip(&self.differences)
     }
 
@@ -77,18 +77,18 @@ impl<'a> Found<'a> {
 
     pub(super) fn json(&self) -> Result<String> {
         let one = match &self.each().collect::<Vec<_>>()[..] {
-            [(pair, difference)] => Some(Buffer::of(pair, difference)),
+            [(pair, difference)] => Some(BufferReport::of(pair, difference)),
             _ => None,
         };
         let some = |value: fn(&Difference) -> usize| Some(self.differences.iter().map(value).sum::<usize>());
         let like = self.differences.iter().any(|difference| difference.unlike.is_none());
         let most = self.differences.iter().map(|difference| difference.max).fold(0.0, f64::max);
         let inner = one.as_ref().and_then(|one| one.unlike.map(str::to_owned));
-        let report = Report {
+        let report = JsonReport {
             schema: "halfline-compare",
             version: 1,
             equal: self.is_equal(),
-            tolerance: Json(Number::Float(self.tolerance)),
+            tolerance: Json(ArrayValue::Float(self.tolerance)),
             unlike: self.unlike.clone().or(inner),
             files: self.files,
             shapes: one.as_ref().map(|one| one.shapes),
@@ -97,29 +97,29 @@ impl<'a> Found<'a> {
             pixels: some(|difference| difference.pixels).filter(|_| like),
             differing: some(|difference| difference.differing).filter(|_| like),
             beyond: some(|difference| difference.beyond).filter(|_| like),
-            max: like.then_some(Json(Number::Float(most))),
+            max: like.then_some(Json(ArrayValue::Float(most))),
             mean: one.as_ref().and_then(|one| one.mean),
             at: one.as_ref().and_then(|one| one.at),
-            buffers: self.each().map(|(pair, difference)| Buffer::of(pair, difference)).collect(),
+            buffers: self.each().map(|(pair, difference)| BufferReport::of(pair, difference)).collect(),
             missing: self.pairs.missing.iter().map(|(buffer, file)| Missing { buffer, only_in: file }).collect(),
         };
         serde_json::to_string_pretty(&report).map_err(|error| Error::write("-", error.into()))
     }
 }
 
-fn summary(pair: &Pair<'_>, found: &Difference) -> String {
+fn summary(pair: &BufferPair<'_>, found: &Difference) -> String {
     if let Some(why) = &found.unlike {
         return format!("different: {why}");
     }
     let (this, that) = (pair.a.values().dtype(), pair.b.values().dtype());
     let types = if this == that { this.to_owned() } else { format!("{this} against {that}") };
     let form = format!("{} of {types}", sides(pair.a.shape()));
-    let Some(at) = found.at else { return format!("equal: {form}, every value the same") };
+    let Some(at) = found.at else { return format!("equal: {form}, every value is the same") };
     let (verdict, count) = if found.is_within() { ("equal", found.differing) } else { ("different", found.beyond) };
     let how = if found.is_within() { "differ, none" } else { "differ" };
     format!(
         "{verdict}: {count} of {} pixels {how} beyond {:?} ({form})\n\
-         greatest {:?} at row {}, column {}, channel {}: {} against {}\n\
+         largest {:?} at row {}, column {}, channel {}: {} against {}\n\
          mean {:?}; {} pixels differ at all",
         found.pixels,
         found.tolerance,
@@ -134,10 +134,10 @@ fn summary(pair: &Pair<'_>, found: &Difference) -> String {
     )
 }
 
-/// What `--json` prints: of all buffers together, then each. `shapes`, `types`, `shape`, `mean` and `at` are null where several
-/// buffers are compared, and from `shape` on everything is for buffers that are unlike.
+/// The output of `--json`: a summary of all buffers, then each. `shapes`, `types`, `shape`, `mean` and `at` are null
+/// where several buffers are compared; `shape` and the keys after it are null for buffers that cannot be compared.
 #[derive(Serialize)]
-struct Report<'a> {
+struct JsonReport<'a> {
     schema: &'static str,
     version: u32,
     equal: bool,
@@ -152,21 +152,21 @@ struct Report<'a> {
     beyond: Option<usize>,
     max: Option<Json>,
     mean: Option<Json>,
-    at: Option<Place>,
-    buffers: Vec<Buffer<'a>>,
+    at: Option<ValueLocation>,
+    buffers: Vec<BufferReport<'a>>,
     missing: Vec<Missing<'a>>,
 }
 
-/// A buffer that one file has.
+/// A buffer that only one file has.
 #[derive(Serialize)]
 struct Missing<'a> {
     buffer: &'a str,
     only_in: &'a str,
 }
 
-/// A buffer of both files.
+/// A buffer that both files have.
 #[derive(Serialize)]
-struct Buffer<'a> {
+struct BufferReport<'a> {
     name: Option<&'a str>,
     equal: bool,
     unlike: Option<&'a str>,
@@ -178,11 +178,11 @@ struct Buffer<'a> {
     beyond: Option<usize>,
     max: Option<Json>,
     mean: Option<Json>,
-    at: Option<Place>,
+    at: Option<ValueLocation>,
 }
 
-impl<'a> Buffer<'a> {
-    fn of(pair: &Pair<'a>, found: &'a Difference) -> Self {
+impl<'a> BufferReport<'a> {
+    fn of(pair: &BufferPair<'a>, found: &'a Difference) -> Self {
         let like = found.unlike.is_none();
         Self {
             name: pair.name,
@@ -194,9 +194,9 @@ impl<'a> Buffer<'a> {
             pixels: like.then_some(found.pixels),
             differing: like.then_some(found.differing),
             beyond: like.then_some(found.beyond),
-            max: like.then_some(Json(Number::Float(found.max))),
-            mean: like.then_some(Json(Number::Float(found.mean))),
-            at: found.at.map(|at| Place {
+            max: like.then_some(Json(ArrayValue::Float(found.max))),
+            mean: like.then_some(Json(ArrayValue::Float(found.mean))),
+            at: found.at.map(|at| ValueLocation {
                 row: at.row,
                 column: at.column,
                 channel: at.channel,
@@ -208,7 +208,7 @@ impl<'a> Buffer<'a> {
 }
 
 #[derive(Clone, Copy, Serialize)]
-struct Place {
+struct ValueLocation {
     row: usize,
     column: usize,
     channel: usize,
@@ -216,17 +216,17 @@ struct Place {
     b: Json,
 }
 
-/// A number, or the string that stands for one JSON does not have.
+/// A number, or a string for a number that JSON cannot hold.
 #[derive(Clone, Copy)]
-struct Json(Number);
+struct Json(ArrayValue);
 
 impl Serialize for Json {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.0 {
-            Number::Int(x) => serializer.serialize_i64(x),
-            Number::Float(x) if x.is_nan() => serializer.serialize_str("nan"),
-            Number::Float(x) if x.is_infinite() => serializer.serialize_str(if x > 0.0 { "inf" } else { "-inf" }),
-            Number::Float(x) => serializer.serialize_f64(x),
+            ArrayValue::Int(x) => serializer.serialize_i64(x),
+            ArrayValue::Float(x) if x.is_nan() => serializer.serialize_str("nan"),
+            ArrayValue::Float(x) if x.is_infinite() => serializer.serialize_str(if x > 0.0 { "inf" } else { "-inf" }),
+            ArrayValue::Float(x) => serializer.serialize_f64(x),
         }
     }
 }

@@ -1,6 +1,7 @@
-//! A record for people: one table for a scene, one for each place for a suite.
+//! A record as text: one table for a scene, one per device for a suite.
 
 use halfline::measure::record::{Errors, PlaceRecord, Record, Run, SceneRecord};
+use halfline::quote::count;
 use std::fmt::Write as _;
 
 /// The record as text.
@@ -11,7 +12,7 @@ pub(super) fn of(record: &Record) -> String {
     }
 }
 
-/// One scene: a row for each method in each place.
+/// One scene: a row for each method on each device.
 fn one(record: &Record, scene: &SceneRecord) -> String {
     let [width, height] = scene.size;
     let mut rows = vec![
@@ -50,7 +51,7 @@ fn one(record: &Record, scene: &SceneRecord) -> String {
             ],
         });
     }
-    let mut text = format!("{}: {} spheres, {width} x {height} pixels\n", scene.name, scene.spheres);
+    let mut text = format!("{}: {}, {width} x {height} pixels\n", scene.name, count(scene.spheres, "sphere"));
     for place in &record.places {
         let _ = writeln!(text, "{}", heading(place));
     }
@@ -59,7 +60,7 @@ fn one(record: &Record, scene: &SceneRecord) -> String {
     text + &refusals(record, None)
 }
 
-/// Many scenes: a row for each, a column for each method; Markdown, as docs/extremes.md keeps it.
+/// Many scenes: a row for each, a column for each method; Markdown, as in docs/extremes.md.
 fn suite(record: &Record) -> String {
     let mut text = String::new();
     for (n, place) in record.places.iter().enumerate() {
@@ -91,7 +92,7 @@ fn suite(record: &Record) -> String {
     text
 }
 
-/// One row: each method's runs together.
+/// One row: the runs of all methods on a scene.
 fn row<'a>(text: &mut String, name: &str, methods: &[&'a str], runs: &[&'a Run]) {
     let of = |method: &'a str| runs.iter().copied().filter(move |run| run.method == method);
     let pixels = methods.iter().map(|m| of(m).map(|run| run.errors.pixels).sum::<u64>()).max().unwrap_or(0);
@@ -112,13 +113,13 @@ fn row<'a>(text: &mut String, name: &str, methods: &[&'a str], runs: &[&'a Run])
     text.push('\n');
 }
 
-/// Pixels that f32 proved.
+/// The number of pixels that f32 proved.
 fn proved(run: &Run) -> f64 {
     let Errors { pixels, .. } = run.errors;
     run.certified.unwrap_or(0.0) * pixels as f64
 }
 
-/// The largest; infinite, which is `None`, is largest of all.
+/// The largest; `None` is infinite and larger than all others.
 fn worst(mut errors: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     errors.try_fold(0.0, |a: f64, b| Some(a.max(b?)))
 }
@@ -150,7 +151,7 @@ fn refusals(record: &Record, place: Option<usize>) -> String {
     if told.is_empty() { String::new() } else { format!("\n{}\n", told.join("\n")) }
 }
 
-/// Columns as wide as their widest cell, words to the left and numbers to the right.
+/// Columns as wide as their widest cell, text aligned to the left and numbers to the right.
 fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
     let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: [usize; N] = std::array::from_fn(width);
@@ -164,7 +165,7 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// The middle one; of two middle ones the lower.
+/// The median; of an even number the lower of the two.
 fn median(samples: &[f64]) -> Option<f64> {
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);

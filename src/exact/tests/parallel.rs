@@ -3,7 +3,7 @@
 use super::*;
 use crate::camera::Lens;
 
-/// Looks along (3, 4, 0) with z up, so that alpha = beta = 5, and right is (4, -3, 0)/5. Nine pixels, a unit apart.
+/// Looks along (3, 4, 0) with z up, so that alpha = beta = 5, and right is (4, -3, 0)/5. Nine pixels with a pitch of 1.
 fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
     let look = Look::View([3.0, 4.0, 0.0].into());
     let lens = Lens::Orthographic { height: 3.0 };
@@ -54,7 +54,7 @@ fn tangency_and_what_is_an_ulp_off_it() {
         assert_eq!(slanted(EYE, &[(center, 5f64.next_down())]).pixel(0, 2), None, "{m}");
         assert!(!slanted(EYE, &[(center, 5f64.next_up())]).pixel(0, 2).expect("a cut").tangent, "{m}");
     }
-    // Shifts that no double-double holds beside a discriminant of 25.
+    // Shifts that double-doubles lose beside a discriminant of 25.
     for k in 40..130 {
         let shift = 2f64.powi(-k);
         let see = |eye: [f64; 3]| {
@@ -96,7 +96,7 @@ fn ties_go_to_the_lower_index() {
 
 #[test]
 fn the_plane_of_the_eye_is_where_rays_begin() {
-    // A sphere about the eye: from inside its far side, from its surface on only what lies ahead.
+    // A sphere about the eye: from inside its far side, from its surface only what lies ahead.
     let see = |center: [f64; 3], r: f64| slanted(EYE, &[(center, r)]).pixel(1, 1);
     let inside = see(EYE, 2.0).expect("inside");
     assert_eq!((inside.root, inside.t), (Root::Far, 2.0));
@@ -104,7 +104,7 @@ fn the_plane_of_the_eye_is_where_rays_begin() {
     let far = see(beside(1.0, 0.0, 0.0), 5.0).expect("looking in");
     assert_eq!((far.root, far.t), (Root::Far, 10.0));
     assert_eq!(see(beside(-1.0, 0.0, 0.0), 5f64.next_up()).map(|truth| truth.root), Some(Root::Far));
-    // The eye itself lies inside, but the ray a unit right of it leaves from outside, and meets the sphere before it.
+    // The eye itself is inside, but the ray a unit to the right of it starts outside, and hits the sphere ahead.
     let ball = (beside(0.125, 0.0, 0.0), 0.75);
     assert_eq!(slanted(EYE, &[ball]).pixel(1, 1).map(|truth| truth.root), Some(Root::Far));
     assert_eq!(slanted(EYE, &[ball]).pixel(1, 2), None);

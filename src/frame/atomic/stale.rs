@@ -1,6 +1,6 @@
-//! Names of unfinished files: where a complete file takes the place of another, and on file systems without nameless files
-//! (NFS, those of macOS and Windows). What a process that was killed has left is removed by the next one that writes the same
-//! file, if it is certain that nobody writes it any longer.
+//! Names of unfinished files. They are needed where a complete file replaces another, and on file systems without
+//! anonymous files (NFS, those of macOS and Windows). The unfinished file of a killed process is removed by the next
+//! process that writes the same file, if its lock shows that it is abandoned.
 
 use super::folder;
 use std::fs::{self, File};
@@ -8,12 +8,12 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use tempfile::{Builder, NamedTempFile};
 
-/// What begins and ends the name of an unfinished file.
+/// Prefix and suffix of the name of an unfinished file.
 const PREFIX: &str = ".halfline-";
 const SUFFIX: &str = ".part";
 
-/// Gives a file that shall become `path` a name beside it, by `make`, which fails with `AlreadyExists` where there is one of
-/// that name.
+/// Creates an unfinished file for `path` beside it with `make`, which fails with `AlreadyExists` where the name is
+/// taken.
 pub(super) fn named<R>(path: &Path, make: impl Fn(&Path) -> io::Result<R>) -> io::Result<NamedTempFile<R>> {
     let own = own_name(path);
     for _ in 0..2 {
@@ -30,7 +30,7 @@ pub(super) fn named<R>(path: &Path, make: impl Fn(&Path) -> io::Result<R>) -> io
     Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder(path), make).map_err(bare)
 }
 
-/// A new empty file that shall become `path`.
+/// A new empty file that will replace `path`.
 pub(super) fn new(path: &Path) -> io::Result<NamedTempFile> {
     named(path, |name| {
         let mut options = File::options();
@@ -39,13 +39,13 @@ pub(super) fn new(path: &Path) -> io::Result<NamedTempFile> {
         std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o666);
         let file = options.open(name)?;
         lock(&file);
-        // Between its making and its lock another process may have taken it for stale.
+        // Between its creation and its lock another process may have removed it as stale.
         if is_at(&file, name) { Ok(file) } else { Err(ErrorKind::AlreadyExists.into()) }
     })
 }
 
-/// The name of what becomes `path`, the same for all processes of this machine since it was started: locks say nothing of
-/// writers elsewhere.
+/// The name of the unfinished file for `path`: the same for all processes of this machine since it was started, since
+/// locks do not show writers on other machines.
 fn own_name(path: &Path) -> String {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     let mut hash = blake3::Hasher::new();
@@ -53,7 +53,7 @@ fn own_name(path: &Path) -> String {
     format!("{PREFIX}{}", &hash.finalize().to_hex()[..16])
 }
 
-/// Holds a file as long as this process lives. Where the file system has no locks, nobody takes it for stale.
+/// Locks a file for the lifetime of this process. Where the file system has no locks, it is never considered stale.
 #[cfg(target_os = "linux")]
 pub(super) fn lock(file: &File) {
     let _ = rustix::fs::flock(file, rustix::fs::FlockOperation::NonBlockingLockExclusive);
@@ -62,11 +62,11 @@ pub(super) fn lock(file: &File) {
 #[cfg(not(target_os = "linux"))]
 pub(super) fn lock(_: &File) {}
 
-/// Removes a file whose writer is gone: its lock is free. Whether it did.
+/// Removes a file whose lock is free, so its writer has ended; returns whether it did.
 #[cfg(target_os = "linux")]
 fn remove_stale(name: &Path) -> bool {
     use rustix::fs::{FlockOperation, flock};
-    // A file system that locks for writers only wants it opened so.
+    // Some file systems require write access for a lock.
     let Ok(file) = File::options().write(true).open(name) else { return false };
     let free = flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok();
     free && is_at(&file, name) && fs::remove_file(name).is_ok()
@@ -77,7 +77,7 @@ fn remove_stale(_: &Path) -> bool {
     false
 }
 
-/// Whether this very file is still at `path`.
+/// Whether `path` still refers to this file.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -91,7 +91,7 @@ fn is_at(_: &File, _: &Path) -> bool {
     true
 }
 
-/// The system's error without the name of the unfinished file, which says nothing to anybody.
+/// The system's error without the name of the unfinished file, which means nothing to the user.
 fn bare(error: io::Error) -> io::Error {
     let system = error.get_ref().and_then(|named| named.source()?.downcast_ref::<io::Error>()?.raw_os_error());
     system.map_or(error, io::Error::from_raw_os_error)

@@ -63,16 +63,19 @@ fn only_stale_files_are_removed() {
     drop(file);
     let mut alive = stale::new(&a).expect("a file");
     alive.write_all(b"alive").expect("written");
-    assert!(alive.path() == dead && other.exists(), "its own name is free again, another's is left alone");
+    assert!(
+        alive.path() == dead && other.exists(),
+        "its own name is free again, the name of another file is not touched"
+    );
     let second = stale::new(&a).expect("a file");
-    assert!(second.path() != alive.path() && alive.path().exists(), "what somebody writes is left alone");
+    assert!(second.path() != alive.path() && alive.path().exists(), "a file that is being written is not touched");
     drop(second);
     alive.persist(&a).expect("a name");
     assert_eq!((fs::read(&a).expect("there"), names(folder.path()).len()), (b"alive".to_vec(), 2));
     write_atomically(&b, |out| out.write_all(b"b")).expect("written");
-    assert!(other.exists(), "a file that needs no name of its own does not look");
+    assert!(other.exists(), "an anonymous file does not search for stale names");
     write_atomically(&b, |out| out.write_all(b"b")).expect("written");
-    assert_eq!(names(folder.path()), ["a", "b"], "one that takes another's place does");
+    assert_eq!(names(folder.path()), ["a", "b"], "a file that replaces another one does");
 }
 
 #[test]

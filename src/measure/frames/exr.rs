@@ -1,21 +1,21 @@
-//! OpenEXR of any writer: channels become buffers by the names of the technical introduction to OpenEXR. R, G, B are `color`, A
-//! is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` the components of `layer`. Of files with several parts each buffer
-//! is called by its part's name too.
+//! OpenEXR files of any program: channels become buffers by the names in the technical introduction to OpenEXR. R, G, B
+//! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`. In files
+//! with several parts the name of a buffer includes its part's name.
 
 use super::super::{Array, Values};
-use super::{Frames, Named};
+use super::{FrameFile, NamedBuffer};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use exr::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<Frames> {
+pub(super) fn read(bytes: &[u8], name: &str) -> Result<FrameFile> {
     let fail = |why: &dyn std::fmt::Display| {
-        Error::scene(Place::file(name), format!("not a whole EXR: {why}"), "render it again")
+        Error::scene(Place::file(name), format!("the EXR file is damaged or incomplete: {why}"), "render it again")
     };
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).map_err(|error| fail(&error))?;
-    // What claims to be larger than any compression makes it is not believed and not allocated.
+    // A size beyond any compression ratio is rejected and not allocated.
     let most = 1032 * bytes.len() as u64;
     let mut size = 0_u64;
     for header in &meta.headers {
@@ -24,7 +24,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Frames> {
         size = size.saturating_add(samples.saturating_mul(4));
     }
     if size > most {
-        return Err(fail(&format!("{size} bytes of samples are not in {} bytes", bytes.len())));
+        return Err(fail(&format!("{size} bytes of samples cannot be stored in {} bytes", bytes.len())));
     }
     check(3 * size, || format!("the samples of {name}"))?;
     let image = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
@@ -43,7 +43,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Frames> {
             _ if several => format!("{n}."),
             _ => String::new(),
         };
-        // By buffer, the channels with their places.
+        // For each buffer, its channels with their index.
         let mut groups: BTreeMap<String, Vec<(usize, &FlatSamples)>> = BTreeMap::new();
         for channel in &part.channel_data.list {
             let (buffer, place) = component(&channel.name.to_string());
@@ -57,16 +57,16 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Frames> {
             }
             let shape = if samples.len() > 1 { vec![height, width, samples.len()] } else { vec![height, width] };
             let array = Array::new(name, shape, values(&buffer, &samples))?;
-            buffers.push(Named { name: Some(format!("{prefix}{buffer}")), array });
+            buffers.push(NamedBuffer { name: Some(format!("{prefix}{buffer}")), array });
         }
     }
     if buffers.is_empty() {
         return Err(fail(&"it has no channels"));
     }
-    Ok(Frames { name: name.to_owned(), buffers, origin })
+    Ok(FrameFile { name: name.to_owned(), buffers, origin })
 }
 
-/// The buffer of a channel, and the channel's place in it.
+/// The buffer of a channel, and the channel's index in it.
 fn component(channel: &str) -> (String, usize) {
     let place = |last: &str| ["X", "Y", "Z"].iter().chain(&["R", "G", "B", "A"]).position(|known| *known == last);
     match channel {
@@ -82,7 +82,7 @@ fn component(channel: &str) -> (String, usize) {
     }
 }
 
-/// The samples pixel by pixel. Ids are signed: what a miss has, 4294967295, is -1 in other formats.
+/// The samples pixel by pixel. Ids become signed: 4294967295, the id of a miss, is -1 in other formats.
 fn values(buffer: &str, channels: &[&FlatSamples]) -> Values {
     let pixels = channels.first().map_or(0, |samples| samples.len());
     let whole: Option<Vec<&[u32]>> = channels

@@ -1,5 +1,6 @@
-//! Portable float maps of any writer: `PF` or `Pf`, width, height, and a scale whose sign tells the byte order, between white
-//! space; then rows of f32 from the bottom (pauldebevec.com/Research/HDR/PFM). The scale's size is a unit and not applied.
+//! Portable float maps of any program: `PF` or `Pf`, width, height, and a scale whose sign gives the byte order,
+//! separated by white space; then rows of f32 from the bottom (pauldebevec.com/Research/HDR/PFM). The absolute value of
+//! the scale is a unit and is ignored.
 
 use super::super::{Array, Values};
 use crate::error::{Error, Place, Result};
@@ -7,7 +8,9 @@ use crate::frame::provenance::Provenance;
 use crate::memory::check;
 
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let fail = |why: &str| Error::scene(Place::file(name), format!("not a whole PFM: {why}"), "render it again");
+    let fail = |why: &str| {
+        Error::scene(Place::file(name), format!("the PFM file is damaged or incomplete: {why}"), "render it again")
+    };
     let mut at = 0;
     let mut word = || {
         let start = at + bytes[at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
@@ -21,10 +24,10 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<Array> {
     let ([Some(width), Some(height)], Some(scale)) = (sides, scale) else {
         return Err(fail("the header has no size and scale"));
     };
-    // One white space ends the header.
+    // A single white space ends the header.
     let data = bytes.get(at + 1..).unwrap_or_default();
     let row = width.checked_mul(4 * channels).filter(|row| *row > 0 && height > 0);
-    let size = row.and_then(|row| row.checked_mul(height)).ok_or_else(|| fail("its size is none"))?;
+    let size = row.and_then(|row| row.checked_mul(height)).ok_or_else(|| fail("its size is not valid"))?;
     let (data, rest) = data.split_at_checked(size).ok_or_else(|| fail("it ends before its last number"))?;
     if !rest.is_empty() && Provenance::from_trailer(rest).is_none() {
         return Err(fail("bytes follow its last number"));

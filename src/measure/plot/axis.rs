@@ -1,4 +1,4 @@
-//! Logarithmic axes with room for zero and for what is unbounded, and the chart between two of them.
+//! Logarithmic axes with bands for zero and for unbounded values, and the chart between two of them.
 
 use super::canvas::{Area, Drawn};
 use super::look::{BAND, FAINT, GRID, INK, QUIET, centered, font};
@@ -7,7 +7,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::ops::Range;
 
-/// How the numbers of an axis are written.
+/// The number format of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unit {
     Plain,
@@ -21,15 +21,15 @@ pub(super) struct Axis {
     unit: Unit,
     low: f64,
     high: f64,
-    /// Decades below `low` in which zero lies; 0 where no value is zero.
+    /// Decades below `low` for zero; 0 where no value is zero.
     zero: f64,
-    /// Decades above `high` for what is unbounded.
+    /// Decades above `high` for unbounded values.
     unbounded: f64,
 }
 
-/// Share of an axis that a band for zero takes.
+/// Share of an axis for the band of zero.
 const ZERO: f64 = 0.28;
-/// Share of an axis that a band for the unbounded takes.
+/// Share of an axis for the band of unbounded values.
 const UNBOUNDED: f64 = 0.1;
 
 impl Axis {
@@ -41,7 +41,7 @@ impl Axis {
         let spare = (0.05 * (high - low)).max(0.15);
         let (low, high) = match unit {
             Unit::Plain => (low - spare, high + spare),
-            // A share ends at 1, and looks large only where it is.
+            // A share is at most 1, and an axis should show how small most shares are.
             Unit::Percent => ((low - spare).min(-3.1), 0.04),
         };
         let has = |wanted: fn(Option<f64>) -> bool| values.clone().any(wanted);
@@ -56,13 +56,13 @@ impl Axis {
         }
     }
 
-    /// The same with room above for names.
+    /// The same with space for names above.
     pub(super) fn roomy(mut self) -> Self {
         self.high += 0.1 * (self.high - self.low);
         self
     }
 
-    /// Where a value lies; `lane` (0 to 1, from above) keeps apart what is all zero.
+    /// The position of a value; `lane` (0 to 1, from above) separates values that are all zero.
     pub(super) fn at(&self, value: Option<f64>, lane: f64) -> f64 {
         match value {
             None => self.high + self.unbounded / 2.0,
@@ -71,7 +71,7 @@ impl Axis {
         }
     }
 
-    /// Numbered positions.
+    /// Labelled positions.
     fn ticks(&self) -> Vec<f64> {
         let span = self.high - self.low;
         let (first, last) = (self.low.floor() as i32, self.high.ceil() as i32);
@@ -85,7 +85,7 @@ impl Axis {
         ticks
     }
 
-    /// Lines between the numbered ones.
+    /// Positions between the labelled ones.
     fn between(&self) -> Vec<f64> {
         let span = self.high - self.low;
         let factors: &[f64] = if span < 4.0 { &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0] } else { &[1.0] };
@@ -94,7 +94,7 @@ impl Axis {
         all.filter(|tick| (self.low..=self.high).contains(tick)).collect()
     }
 
-    /// Pixels from `first` to `last`, which may run downwards.
+    /// The pixel of a position between `first` and `last`, which may run downwards.
     fn pixel(&self, at: f64, (first, last): (i32, i32)) -> i32 {
         let Range { start, end } = self.range();
         first + ((at - start) / (end - start) * f64::from(last - first)).round() as i32
@@ -133,14 +133,14 @@ impl ValueFormatter<f64> for Axis {
         let decade = (tick + 1e-6).floor();
         let factor = 10f64.powf(tick - decade).round() as i32;
         match self.unit {
-            // Powers throughout where some of them have to be.
+            // Powers of ten on the whole axis if some of its labels need them.
             Unit::Plain if factor == 1 && decade != 0.0 && (self.low < -2.5 || self.high > 4.0) => power(decade as i32),
             unit => number(factor, decade as i32, unit),
         }
     }
 }
 
-/// A number of one digit and a power of ten, in words short enough for an axis.
+/// A number of one digit times a power of ten, in a short form.
 pub(super) fn number(factor: i32, decade: i32, unit: Unit) -> String {
     let value = f64::from(factor) * 10f64.powi(decade);
     match (unit, factor) {
@@ -177,7 +177,7 @@ fn power(decade: i32) -> String {
     "10".chars().chain(decade.to_string().chars().map(raised)).collect()
 }
 
-/// Where the chart lies on its sheet.
+/// The position of the chart on its page.
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     x: Axis,
@@ -188,10 +188,10 @@ pub(super) struct Chart {
     pub(super) bottom: i32,
 }
 
-/// Room for the numbers and the title of an axis.
+/// Space for the numbers and the title of an axis.
 const LABELS: [i32; 2] = [120, 190];
 
-/// Draws the axes and the grid of a chart that leaves `header` free above and `side` to the right.
+/// Draws the axes and the grid of a chart that leaves `header` above and `side` to the right.
 pub(super) fn chart(area: &Area<'_>, (x, y): (Axis, Axis), header: i32, side: i32) -> Drawn<Chart> {
     let (width, height) = area.dim_in_pixel();
     let (left, right) = (LABELS[1], width as i32 - side);
@@ -209,14 +209,14 @@ pub(super) fn chart(area: &Area<'_>, (x, y): (Axis, Axis), header: i32, side: i3
         .axis_style(QUIET.stroke_width(2))
         .label_style(font(26))
         .draw()?;
-    // Over the grid: between these edges distances mean nothing.
+    // Drawn over the grid: within this band distances have no meaning.
     let band =
         |from: f64, to: f64| Rectangle::new([(left + 2, chart.row(to)), (right, chart.row(from) - 2)], BAND.filled());
     let Axis { low, high, zero, unbounded, .. } = chart.y;
     if unbounded > 0.0 {
         area.draw(&band(high, high + unbounded))?;
     }
-    // plotters sets titles by the width it guesses for them; these sit where there is room.
+    // plotters positions titles by an estimated width; these are positioned exactly.
     super::canvas::text(area, &chart.x.title, &centered(&font(28)), ((left + right) / 2, bottom + 88))?;
     let turned = centered(&font(28)).transform(FontTransform::Rotate270);
     super::canvas::text(area, &chart.y.title, &turned, (MARGIN_TITLE, (top + bottom) / 2))?;
@@ -237,7 +237,7 @@ impl Chart {
         (self.column(self.x.at(Some(x), 0.5)), self.row(self.y.at(y, lane)))
     }
 
-    /// Where the axis of `y` has its band for zero, if it has one: its upper edge.
+    /// The upper edge of the band for zero of the vertical axis, if it has one.
     pub(super) fn zero_edge(&self) -> Option<i32> {
         (self.y.zero > 0.0).then(|| self.row(self.y.low))
     }

@@ -21,16 +21,16 @@ pub(super) struct Drawing {
     pub(super) png: Vec<u8>,
 }
 
-/// Drawing fails only where the text grows out of memory, or by a mistake.
+/// Drawing fails only if memory is short, or by a bug.
 pub(super) type Drawn<T = ()> = Result<T, Source>;
 
 /// Columns of every plot.
 pub(super) const WIDTH: i32 = 2000;
 
-/// From the edge of the sheet to anything on it.
+/// Distance from the edge of the page.
 pub(super) const MARGIN: i32 = 40;
 
-/// What `draw` draws on white; the cells that it returns lie on top.
+/// The picture that `draw` draws on white; the cells that it returns are drawn on top.
 pub(super) fn drawing([width, height]: [i32; 2], draw: impl FnOnce(&Area<'_>) -> Drawn<Vec<Cells>>) -> Drawn<Drawing> {
     let mut svg = String::new();
     let mut pixels = Pixmap::new(width as u32, height as u32).ok_or("the plot is too large")?;
@@ -75,7 +75,7 @@ fn size(width: i32, height: i32) -> String {
     format!("<svg width=\"{width}\" height=\"{height}\" ")
 }
 
-/// Text that XML can hold: it knows no control characters and no noncharacters.
+/// Text without control characters and noncharacters, which XML cannot hold.
 pub(super) fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
 }
@@ -85,7 +85,7 @@ pub(super) fn text(area: &Area<'_>, text: &str, style: &TextStyle<'_>, at: (i32,
     Ok(area.draw_text(&plain(text), style, at)?)
 }
 
-/// How high [`header`] is with so many places.
+/// The height of [`header`] for these places.
 pub(super) fn header_height(places: &[usize]) -> i32 {
     MARGIN + 60 + 38 * places.len() as i32
 }
@@ -95,7 +95,7 @@ pub(super) fn header_row(place: usize) -> i32 {
     MARGIN + 66 + 38 * place as i32
 }
 
-/// What is plotted, and what ran where; `marks` are drawn before the places to say which is which.
+/// The title and the places; `marks` are drawn before the places to identify them.
 pub(super) fn header(area: &Area<'_>, record: &Record, title: &str, places: &[usize], marks: bool) -> Drawn {
     text(area, &format!("{title}: {}", record.subject), &bold(38), (MARGIN, MARGIN + 14))?;
     for (line, place) in places.iter().filter_map(|place| record.places.get(*place)).enumerate() {
@@ -115,7 +115,7 @@ pub(super) fn header(area: &Area<'_>, record: &Record, title: &str, places: &[us
     Ok(())
 }
 
-/// At most so many letters.
+/// At most `letters` letters.
 pub(super) fn shortened(words: &str, letters: usize) -> String {
     if words.chars().count() <= letters {
         return words.into();
@@ -152,7 +152,7 @@ pub(super) fn mark(area: &Area<'_>, look: &Look, (x, y): (i32, i32), size: i32, 
     Ok(())
 }
 
-/// Corners by angle and radius, chosen so that the marks look equally large.
+/// Corners by angle and radius, chosen so that all marks appear equally large.
 fn corners(mark: Mark) -> Vec<(f64, f64)> {
     let regular = |n: u32, first: f64, radius: f64| -> Vec<(f64, f64)> {
         (0..n).map(|i| (first + 360.0 * f64::from(i) / f64::from(n), radius)).collect()
@@ -172,7 +172,7 @@ fn corners(mark: Mark) -> Vec<(f64, f64)> {
     }
 }
 
-/// A line through points, dashed as the look says.
+/// A line through points, dashed as in the look.
 pub(super) fn line(area: &Area<'_>, look: &Look, points: &[(i32, i32)], width: u32) -> Drawn {
     let style = look.color.stroke_width(width);
     match look.dash {
@@ -205,7 +205,7 @@ impl Cells {
         Self { at, side, size, colors: (0..size[0] * size[1]).map(color).collect() }
     }
 
-    /// As SVG: the runs of a row in one path a colour, since a rectangle a cell would be megabytes.
+    /// The cells as SVG: the runs of a row in one path per colour, because a rectangle per cell would need megabytes.
     pub(super) fn svg(&self) -> String {
         let [columns, rows] = self.size;
         let mut paths: BTreeMap<[u8; 3], (usize, String)> = BTreeMap::new();
@@ -225,7 +225,7 @@ impl Cells {
             "<g transform=\"translate({} {}) scale({:.5})\" shape-rendering=\"crispEdges\">\n",
             self.at.0, self.at.1, self.side
         );
-        // The most frequent colour is drawn first and whole, so that its path need not be written.
+        // The most frequent colour is drawn first over the whole area, so that it needs no path.
         let ground = paths.iter().max_by_key(|(_, (covered, _))| *covered).map(|(color, _)| *color);
         let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
         if let Some(ground) = ground {

@@ -1,4 +1,4 @@
-//! What the methods show at growing distance: crops of the pictures themselves, wrong pixels marked.
+//! Crops of the pictures at growing distance, one row per method, with wrong pixels marked.
 
 use super::axis::rounded;
 use super::canvas::{Cells, Drawing, Drawn, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
@@ -8,14 +8,14 @@ use crate::measure::total::{main_place, methods};
 use crate::measure::verdict::percent;
 use plotters::prelude::*;
 
-/// Where no sphere is shown.
+/// The colour where no sphere is shown.
 const SKY: [u8; 3] = [0xdc, 0xe9, 0xf5];
-/// For the methods' names, for the share below a crop, between crops, and for the rungs above them.
+/// Space for the methods' names, for the share below a crop, between crops, and for the rungs above them.
 const NAMES: i32 = 236;
 const SHARE: i32 = 44;
 const GAP: i32 = 14;
 const RUNGS: i32 = 80;
-/// More rungs than this are thinned out evenly, the last one kept.
+/// The most columns; more rungs are thinned out evenly, and the last one is kept.
 const COLUMNS: usize = 10;
 
 /// The crops of the main place.
@@ -83,7 +83,7 @@ pub(super) fn place(record: &Record) -> Option<usize> {
     places().find(|place| Some(*place) == main).or_else(|| places().min())
 }
 
-/// Runs whose crop has the pixels that it says; a record may come from anywhere.
+/// Runs whose crop has its stated number of pixels; a record may come from anywhere.
 fn cropped(record: &Record) -> impl Iterator<Item = (&Run, &Crop)> {
     record.runs.iter().filter_map(|run| {
         let crop = run.crop.as_ref()?;
@@ -102,7 +102,7 @@ fn picture(crop: &Crop, (x, y): (i32, i32), side: i32) -> Cells {
         if let Some((.., color)) = KINDS.iter().find(|(letter, ..)| *letter == char::from(verdict[pixel])) {
             return *color;
         }
-        // Never so dark or so light that a marked pixel is hard to see beside it.
+        // A range of grey in which marked pixels remain visible.
         char::from(shade[pixel]).to_digit(16).map_or(SKY, |level| [0x38 + (level * 11) as u8; 3])
     })
 }

@@ -1,4 +1,4 @@
-//! How times grow: panels of curves on logarithmic axes, with the exponent that the end of each curve follows.
+//! The growth of times: panels of curves on logarithmic axes, with the exponent at the end of each curve.
 
 use super::Plot;
 use super::axis::{Axis, Chart, Unit, chart};
@@ -9,12 +9,12 @@ use crate::measure::record::{PlaceRecord, Record};
 use plotters::prelude::*;
 use std::io;
 
-/// A measurement of how times grow.
+/// A measurement of growing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Growth {
-    /// What was rendered, for the title.
+    /// The subject, for the title.
     pub subject: String,
-    /// What ran; see [`Curve::place`].
+    /// The places of the curves; see [`Curve::place`].
     pub places: Vec<PlaceRecord>,
     /// The panels, from left to right.
     pub panels: Vec<Panel>,
@@ -23,9 +23,9 @@ pub struct Growth {
 /// Curves over one quantity.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Panel {
-    /// What grows, with its unit.
+    /// The quantity on the horizontal axis, with its unit.
     pub over: String,
-    /// The curves; those of one name have one colour.
+    /// The curves; curves of the same name have the same colour.
     pub curves: Vec<Curve>,
 }
 
@@ -36,16 +36,16 @@ pub struct Curve {
     pub name: String,
     /// Index into the places.
     pub place: usize,
-    /// What grows and milliseconds, in growing order.
+    /// The quantity and milliseconds, in increasing order.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Decades of what grows over which the exponent is fitted.
+/// Decades of the quantity over which the exponent is fitted.
 const DECADES: f64 = 2.0;
 
 impl Curve {
-    /// The exponent p and the factor c of c n^p, by least squares of log time on log n over the last two decades; `None`
-    /// where fewer than three points lie there.
+    /// The exponent p and the factor c of c n^p, by least squares of log time on log n over the last two decades;
+    /// `None` for fewer than three points.
     #[must_use]
     pub fn fit(&self) -> Option<[f64; 2]> {
         let logs: Vec<[f64; 2]> = self.points.iter().map(|point| point.map(f64::log10)).collect();
@@ -63,7 +63,7 @@ impl Growth {
     /// Every panel in one picture.
     ///
     /// # Errors
-    /// [`Error::Io`] at the plot's name, should it fail to be drawn.
+    /// [`Error::Io`] at the plot's name if drawing fails.
     pub fn plot(&self) -> Result<Plot> {
         let name = "growth";
         let caption = "Straight is a power law; its exponent over the last two decades is written at each curve.";
@@ -72,7 +72,8 @@ impl Growth {
     }
 }
 
-/// Colours and marks of kinds of scenes, of Okabe and Ito's as those of methods; places are told by filled and hollow.
+/// Colours and marks of the kinds of scenes, from Okabe and Ito's palette; filled and hollow marks distinguish the
+/// places.
 const LOOKS: [([u8; 3], Mark); 3] =
     [([0x00, 0x9e, 0x73], Mark::Circle), ([0xd5, 0x5e, 0x00], Mark::Diamond), ([0x00, 0x72, 0xb2], Mark::Square)];
 
@@ -94,7 +95,7 @@ fn draw(growth: &Growth) -> Drawn<Drawing> {
             let left = each * column as i32;
             let (_, rest) = area.clone().split_horizontally(left);
             let (sheet, _) = rest.split_horizontally(each);
-            // Areas share one canvas, so the chart keeps clear of the header and of the names below it.
+            // All areas share one canvas, so the chart leaves space for the header and for the names below it.
             let chart = chart(&sheet, axes, top + 20 + 34 * most_names(growth), SIDE)?;
             draw_panel(&sheet, &chart, growth, panel, top)?;
         }
@@ -138,7 +139,7 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, growth: &Growth, panel: &Panel, to
             ends.push((*last, format!("n^{exponent:.2}"), look.color));
         }
     }
-    // Beside the ends; those that would lie on one another give way downwards.
+    // Beside the ends; overlapping ones are moved down.
     ends.sort_by_key(|((x, y), ..)| (*x, *y));
     let mut before = (0, 0);
     for ((x, y), words, color) in ends {
@@ -149,8 +150,8 @@ fn draw_panel(area: &Area<'_>, chart: &Chart, growth: &Growth, panel: &Panel, to
     Ok(())
 }
 
-/// Height of what is written at a curve.
+/// Height of the text at a curve.
 const SIZE: i32 = 23;
 
-/// Room for it beside the chart.
+/// Space for it beside the chart.
 const SIDE: i32 = 110;

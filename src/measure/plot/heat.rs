@@ -1,4 +1,4 @@
-//! Errors over the image: a map a method, all on one scale.
+//! Maps of the errors over the image, one per method, on a common scale.
 
 use super::axis::{Unit, number, rounded};
 use super::canvas::{
@@ -10,19 +10,19 @@ use crate::measure::total::main_place;
 use crate::measure::verdict::percent;
 use plotters::prelude::*;
 
-/// A cell with a wrong pixel: 22 or more in CIELAB from all of viridis, for every kind of colour vision that Machado,
-/// Oliveira and Fernandes model (IEEE TVCG 15, 2009).
+/// The colour of a cell with a wrong pixel: its distance from all of viridis is 22 or more in CIELAB, for all kinds of
+/// colour vision modelled by Machado, Oliveira and Fernandes (IEEE TVCG 15, 2009).
 const WRONG: [u8; 3] = [0xff, 0x2d, 0x00];
 /// A cell without an error, or without a hit.
 const NONE: [u8; 3] = [0xe8, 0xe8, 0xe8];
-/// Cells along a side that are shown at most; more are drawn together.
+/// The most cells along a side; larger maps are reduced.
 const CELLS: u32 = 256;
-/// Decades of the scale at most: f64 among the methods must not make all the others look alike.
+/// The most decades of the scale, so that f64 does not make the other methods look alike.
 const DECADES: f64 = 8.0;
-/// Between the maps, and for the words above each.
+/// Space between the maps, and for the text above each.
 const GAP: i32 = 30;
 const WORDS: i32 = 74;
-/// For the scale.
+/// Space for the scale.
 const SCALE: i32 = 190;
 
 /// Decades of the scale.
@@ -44,17 +44,17 @@ impl Scale {
         Self { low: low.floor().clamp(high - DECADES, high - 1.0), high }
     }
 
-    /// viridis of van der Walt and Smith (SciPy 2015): even steps, for the colour-blind and in grey too.
+    /// viridis of van der Walt and Smith (SciPy 2015): perceptually uniform, also for colour-blind readers and in grey.
     fn color(&self, decade: f64) -> [u8; 3] {
         let share = (decade - self.low) / (self.high - self.low);
-        // Steps finer than anybody tells apart would only make the file longer.
+        // Finer steps would not be visible and only make the file longer.
         let step = (share.clamp(0.0, 1.0) * 48.0).round() / 48.0;
         let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(step);
         [r, g, b]
     }
 }
 
-/// The maps of the first place that has any.
+/// The maps of the first place that has maps.
 pub(super) fn draw(record: &Record) -> Drawn<Drawing> {
     let place = place(record).ok_or("no maps")?;
     let runs: Vec<(&Run, Map)> = record
@@ -66,7 +66,7 @@ pub(super) fn draw(record: &Record) -> Drawn<Drawing> {
     let maps: Vec<Map> = runs.iter().map(|(_, map)| map.clone()).collect();
     let scale = Scale::of(&maps);
     let [wide, high] = maps.first().map_or([1, 1], |map| map.size);
-    // As many columns as give the largest maps on a sheet no higher than wide.
+    // The number of columns that gives the largest maps on a page no higher than wide.
     let columns = (1..=maps.len().min(5))
         .max_by_key(|columns| {
             let side = (WIDTH - 2 * MARGIN - SCALE) / *columns as i32 - GAP;
@@ -117,20 +117,20 @@ pub(super) fn draw(record: &Record) -> Drawn<Drawing> {
     })
 }
 
-/// The first place with a map, errors being looked at in the main one.
+/// The main place if it has maps, else the first that has.
 pub(super) fn place(record: &Record) -> Option<usize> {
     let has =
         |place: &usize| record.runs.iter().any(|run| run.place == *place && run.map.as_ref().is_some_and(is_whole));
     main_place(record).filter(has).or_else(|| (0..record.places.len()).find(has))
 }
 
-/// Whether a map has the cells that it says; a record may come from anywhere.
+/// Whether a map has its stated number of cells; a record may come from anywhere.
 fn is_whole(map: &Map) -> bool {
     let cells = map.size[0] as usize * map.size[1] as usize;
     cells > 0 && map.error.len() == cells && map.wrong.len() == cells
 }
 
-/// The same map of no more than [`CELLS`] cells a side: the largest error, all wrong pixels.
+/// The map reduced to at most [`CELLS`] cells per side: the largest error, all wrong pixels.
 fn coarse(map: &Map) -> Map {
     let factor = map.size[0].max(map.size[1]).div_ceil(CELLS);
     let [columns, rows] = map.size.map(|side| side.div_ceil(factor));
@@ -151,7 +151,7 @@ fn bar(area: &Area<'_>, scale: &Scale, top: i32, height: i32) -> Drawn<Cells> {
     let (x, steps) = (WIDTH - MARGIN - 120, 96usize);
     let side = f64::from(height) / steps as f64;
     let decades = scale.high - scale.low;
-    // One column of cells, made wider by drawing several.
+    // One column of cells, widened by repeating it.
     let columns = (34.0 / side).ceil().max(1.0) as usize;
     let cells = Cells::new((x, top), side, [columns, steps], |cell| {
         scale.color(scale.high - decades * ((cell / columns) as f64 + 0.5) / steps as f64)

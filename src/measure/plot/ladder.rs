@@ -1,4 +1,4 @@
-//! Errors against distance over radius: a line a method along a ladder, marks alone over any other set of scenes.
+//! Errors against distance over radius: a line per method along a ladder, only marks for other sets of scenes.
 
 use super::axis::{Axis, Chart, Unit, chart};
 use super::canvas::{Area, Drawing, Drawn, WIDTH, drawing, header, header_height, line, mark, text};
@@ -9,14 +9,14 @@ use crate::measure::verdict::is_ladder;
 use plotters::element::DottedPathElement;
 use plotters::prelude::*;
 
-/// Which error is followed.
+/// The error that is plotted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Against {
     /// Share of misclassified pixels.
     Wrong,
     /// Largest relative error of a distance.
     Distance,
-    /// How far outlines are off.
+    /// The error of outlines.
     Outline,
 }
 
@@ -52,13 +52,13 @@ impl Against {
     }
 }
 
-/// Half an ulp of f32 relative to the number: no f32 distance can promise less.
+/// Half an ulp of f32 relative to the number: the smallest error bound of an f32 distance.
 const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// Room for the methods' names beside the chart.
+/// Space for the methods' names beside the chart.
 const SIDE: i32 = 300;
 
-/// Each method where errors are looked at; see [`main_place`].
+/// The errors of each method in the main place; see [`main_place`].
 pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     let place = main_place(record).ok_or("nothing ran")?;
     let far = |run: &&Run| record.scenes.get(run.scene).is_some_and(|scene| scene.farthest.is_some());
@@ -73,7 +73,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
         runs.iter().map(|run| Some(distance(run))),
     );
     let seen: Vec<Option<f64>> = runs.iter().map(|run| against.seen(run)).collect();
-    // Predictions may widen the axis, though not so far that nothing is seen of what was measured.
+    // Predictions may extend the axis, but not so far that the measurements become invisible.
     let most = seen.iter().flatten().fold(1.0f64, |a, b| a.max(*b));
     let predicted = runs.iter().filter_map(|run| against.predicted(run)).filter(|p| *p > 0.0).map(|p| p.min(most));
     let values: Vec<Option<f64>> = seen.into_iter().chain(predicted.map(Some)).collect();
@@ -114,7 +114,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     })
 }
 
-/// What f32 can promise at all, and what certified answers promised; named where none of the `busy` points is.
+/// The limits of f32 and the tolerance of certified answers; labelled where no `busy` point is near.
 fn references(area: &Area<'_>, chart: &Chart, tolerance: f64, busy: &[(i32, i32)]) -> Drawn {
     for (value, words) in [(HALF_ULP, "half an ulp of f32"), (tolerance, "tolerance of certified")] {
         let (_, y) = chart.at(1.0, Some(value), 0.5);
@@ -136,7 +136,7 @@ fn references(area: &Area<'_>, chart: &Chart, tolerance: f64, busy: &[(i32, i32)
     Ok(())
 }
 
-/// Points along a line, close enough that nothing written between two of them crosses it.
+/// Points along a line, dense enough that no label between two of them crosses it.
 fn along(line: &[(i32, i32)]) -> impl Iterator<Item = (i32, i32)> {
     line.windows(2).flat_map(|ends| {
         let [(x0, y0), (x1, y1)] = [ends[0], ends[1]];
@@ -179,7 +179,7 @@ fn below(top: i32, a: (i32, i32), b: (i32, i32)) -> Option<[(i32, i32); 2]> {
     }
 }
 
-/// Names beside the chart, each as near to its line's end as the others let it.
+/// Names beside the chart, each as close to its line's end as the others allow.
 fn beside(area: &Area<'_>, chart: &Chart, mut ends: Vec<(&str, (i32, i32))>, connected: bool) -> Drawn {
     const GAP: i32 = 36;
     if connected {
@@ -190,7 +190,7 @@ fn beside(area: &Area<'_>, chart: &Chart, mut ends: Vec<(&str, (i32, i32))>, con
         let wished = if connected { at.1 } else { chart.top + 20 + GAP * index as i32 };
         rows.push(rows.last().map_or(wished, |last| wished.max(last + GAP)));
     }
-    // What was pushed below the chart moves up again.
+    // Names below the chart are moved up again.
     let mut limit = chart.bottom - 50;
     for row in rows.iter_mut().rev() {
         *row = (*row).min(limit);

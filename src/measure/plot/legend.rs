@@ -1,5 +1,5 @@
-//! The legend of colours: a bar from the least to the largest number, or a swatch for every category, with what they show above
-//! them.
+//! The legend of colours: a bar from the minimum to the maximum, or a swatch for every category, under the name of the
+//! coloured quantity.
 
 use super::Plot;
 use super::canvas::{Area, Drawing, Drawn, drawing, shortened, text};
@@ -14,16 +14,16 @@ use std::io;
 const WIDTH: i32 = 960;
 const BAR: [i32; 4] = [48, 60, 864, 44];
 
-/// Strips that the bar is drawn in, each of whole pixels, and numbers under it.
+/// The number of strips of the bar, each of whole pixels, and of the numbers under it.
 const STRIPS: i32 = 216;
 const TICKS: i32 = 5;
 
-/// Side of a swatch, height of a row of them, between a swatch and its label, and between a label and the next swatch.
+/// Side of a swatch, height of a row, distance between a swatch and its label, and between a label and the next swatch.
 const SWATCH: i32 = 28;
 const ROW: i32 = 44;
 const GAPS: [i32; 2] = [12, 36];
 
-/// Width of a letter of a label at most, but for few; letters of a label, and labels, that are shown.
+/// The width of most letters of a label at most; the most letters of a label, and the most labels.
 const LETTER: i32 = 16;
 const LETTERS: usize = 41;
 const LABELS: usize = 120;
@@ -32,7 +32,7 @@ const LABELS: usize = 120;
 const SIZE: i32 = 24;
 
 impl Legend {
-    /// The number at a part of the bar.
+    /// The number at a fraction of the bar.
     fn at(&self, part: f64) -> f64 {
         let [low, high] = self.range;
         if self.log { (low.ln() + part * (high.ln() - low.ln())).exp() } else { low + part * (high - low) }
@@ -41,7 +41,7 @@ impl Legend {
     /// The legend as a picture.
     ///
     /// # Errors
-    /// [`Error::Io`] at the plot's name, should it fail to be drawn.
+    /// [`Error::Io`] at the plot's name if drawing fails.
     pub fn plot(&self) -> Result<Plot> {
         let name = "legend";
         let drawn = if self.categories.is_empty() { self.bar() } else { self.swatches() };
@@ -71,7 +71,7 @@ impl Legend {
                 let [red, green, blue] = category.color;
                 let (right, bottom) = (x + SWATCH, y + SWATCH);
                 area.draw(&Rectangle::new([(x, y), (right, bottom)], RGBColor(red, green, blue).filled()))?;
-                // An outline, for white on white.
+                // An outline, so that white is visible on white.
                 let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y), (right, y)];
                 area.draw(&PathElement::new(outline, RGBColor(0x80, 0x80, 0x80).stroke_width(2)))?;
                 text(area, label, &font(SIZE), (right + GAPS[0], y + SWATCH / 2))?;
@@ -83,7 +83,7 @@ impl Legend {
         })
     }
 
-    /// The map from one end to the other, with numbers under it.
+    /// The colour map from one end to the other, with numbers under it.
     fn bar(&self) -> Drawn<Drawing> {
         let [left, top, wide, high] = BAR;
         drawing([WIDTH, 168], |area| {
@@ -172,7 +172,7 @@ mod tests {
         for color in ["#440154", "#fde725"] {
             assert!(plot.svg.contains(color), "{color} in {}", plot.svg);
         }
-        // Numbers are drawn too: dark pixels under the bar's marks.
+        // The numbers are drawn too: dark pixels under the bar's marks.
         let picture = image::load_from_memory(&plot.png).expect("a PNG").to_luma8();
         let below = (BAR[1] + BAR[3] + 12) as u32;
         let dark = picture.enumerate_pixels().filter(|(_, y, p)| *y >= below && p.0[0] < 64).count();

@@ -1,9 +1,9 @@
-//! How things look: one colour, mark and dash a method, one font, the greys, and the colours of wrong pixels.
+//! The look of plots: one colour, mark and dash per method, one font, the greys, and the colours of wrong pixels.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// DejaVu Sans is what the PNG is drawn with; a browser without it takes the next.
+/// The PNG uses DejaVu Sans; a browser without it uses the next font.
 pub(super) const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -12,7 +12,7 @@ pub(super) const GRID: RGBColor = RGBColor(0xdd, 0xdd, 0xdd);
 pub(super) const FAINT: RGBColor = RGBColor(0xf0, 0xf0, 0xf0);
 pub(super) const BAND: RGBColor = RGBColor(0xf3, 0xf6, 0xf4);
 
-/// Kinds of wrong pixels: letter in a crop, name, colour. Okabe and Ito's, bright enough to show on any grey.
+/// Kinds of wrong pixels: letter in a crop, name, colour. Okabe and Ito's palette, bright enough on any grey.
 pub(super) const KINDS: [(char, &str, [u8; 3]); 4] = [
     ('h', "false hit", [0xd5, 0x5e, 0x00]),
     ('m', "false miss", [0x00, 0x72, 0xb2]),
@@ -20,7 +20,7 @@ pub(super) const KINDS: [(char, &str, [u8; 3]); 4] = [
     ('r', "wrong root", [0xf0, 0xe4, 0x42]),
 ];
 
-/// A mark that can be told from the others without its colour.
+/// A mark; all differ in shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mark {
     Circle,
@@ -33,20 +33,20 @@ pub(super) enum Mark {
     Cross,
 }
 
-/// What tells one method from another.
+/// The look of a method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Look {
     pub(super) color: RGBColor,
     pub(super) mark: Mark,
-    /// Drawn and left out, in units of the canvas; `None` is a whole line.
+    /// Lengths of dash and gap, in units of the canvas; `None` is a solid line.
     pub(super) dash: Option<(i32, i32)>,
 }
 
-/// A line of the table below: a method and its colour, mark and dash.
+/// A row of the table below: a method with its colour, mark and dash.
 type Named = (&'static str, [u8; 3], Mark, Option<(i32, i32)>);
 
-/// Okabe and Ito's palette (jfly.uni-koeln.de/color, 2008), its yellow darkened to show on white. Methods that round
-/// alike and so lie on top of each other have different dashes.
+/// Okabe and Ito's palette (jfly.uni-koeln.de/color, 2008), with a darker yellow for contrast on white. Methods that
+/// round identically and therefore coincide have different dashes.
 const LOOKS: [Named; 8] = [
     ("textbook", [0xd5, 0x5e, 0x00], Mark::Circle, None),
     ("unit", [0xe6, 0x9f, 0x00], Mark::Square, None),
@@ -58,7 +58,7 @@ const LOOKS: [Named; 8] = [
     ("exact", [0x00, 0x00, 0x00], Mark::Cross, Some((14, 10))),
 ];
 
-/// The look of a method by its name; grey for one that the table does not know.
+/// The look of a method by its name; grey for unknown methods.
 pub(super) fn look(method: &str) -> Look {
     LOOKS.iter().find(|(name, ..)| *name == method).map_or(
         Look { color: RGBColor(0x88, 0x88, 0x88), mark: Mark::Circle, dash: Some((4, 6)) },
@@ -66,7 +66,7 @@ pub(super) fn look(method: &str) -> Look {
     )
 }
 
-/// Where a method comes among the others, 0 to 1: its lane where many have the same value.
+/// The position of a method among the others, 0 to 1: its lane where many have the same value.
 pub(super) fn lane(method: &str, among: &[&str]) -> f64 {
     let index = among.iter().position(|name| *name == method).unwrap_or(0);
     (index as f64 + 0.5) / among.len().max(1) as f64
@@ -94,7 +94,7 @@ pub(super) fn centered<'a>(style: &TextStyle<'a>) -> TextStyle<'a> {
     style.pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// About how wide `text` is: DejaVu Sans takes 0.58 of its height a letter.
+/// The approximate width of `text`: 0.58 of the height per letter in DejaVu Sans.
 pub(super) fn width(text: &str, size: i32) -> i32 {
     text.chars().count() as i32 * size * 58 / 100
 }

@@ -1,4 +1,4 @@
-//! The plane of speed against error, and its Pareto front.
+//! The plane of speed and error, and its Pareto front.
 
 use super::axis::{Axis, Chart, Unit, chart};
 use super::canvas::{
@@ -9,7 +9,7 @@ use crate::measure::record::Record;
 use crate::measure::total::{Total, totals};
 use plotters::prelude::*;
 
-/// Which error is held against the time.
+/// The error that is plotted against the time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Against {
     /// Share of misclassified pixels.
@@ -24,11 +24,11 @@ struct Point<'a> {
     ns: [f64; 3],
     error: Option<f64>,
     at: (i32, i32),
-    /// Columns of the least and the greatest time.
+    /// Columns of the minimum and the maximum time.
     whisker: [i32; 2],
 }
 
-/// The methods that were timed, one mark a place.
+/// The methods that were timed, one mark per place.
 pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     let mut points: Vec<Point<'_>> = totals(record)
         .into_iter()
@@ -95,7 +95,7 @@ pub(super) fn draw(record: &Record, against: Against) -> Drawn<Drawing> {
     })
 }
 
-/// Those of some points (time and error) than which none faster is as right, fastest first.
+/// The Pareto front of points (time and error): those for which no faster one is as accurate, fastest first.
 pub(super) fn pareto(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| points[*a].0.total_cmp(&points[*b].0).then(points[*a].1.total_cmp(&points[*b].1)));
@@ -121,13 +121,13 @@ fn steps(chart: &Chart, points: &[&Point<'_>]) -> Vec<(i32, i32)> {
     steps
 }
 
-/// How the front of a place is drawn.
+/// The look of the front of a place.
 fn front(backend: &str) -> Look {
     let dash = (backend == "cpu").then_some((14, 10));
     Look { color: RGBColor(0xaa, 0xaa, 0xaa), mark: Mark::Circle, dash }
 }
 
-/// A rectangle that names keep clear of.
+/// A rectangle that names must not overlap.
 type Box = [i32; 4];
 
 fn around(a: (i32, i32), b: (i32, i32), spare: i32) -> Box {
@@ -140,8 +140,8 @@ fn meet(a: &Box, b: &Box) -> bool {
 
 const SIZE: i32 = 26;
 
-/// Each mark's name beside it, or where there is room for it at the end of a line in the method's colour.
-/// `lines` may be crossed by leaders, though not by names.
+/// Each mark's name beside it, or at the end of a line in the method's colour where there is space. Leaders may cross
+/// `lines`, names may not.
 fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>], lines: &[Box]) -> Drawn {
     let mut taken: Vec<Box> = points.iter().map(|point| around(point.at, point.at, 17)).collect();
     for (index, point) in points.iter().enumerate() {
@@ -165,7 +165,7 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
             let left = if across < 0 { x + across - wide } else { x + across };
             name(left, y + down, wide)
         };
-        // A leader may leave from under the marks that crowd its own, and must then cross none.
+        // A leader may start under the marks that crowd its own, but must cross no others.
         let clear = |b: &Box| {
             let (foot, crowd) = (foot(point.at, b), around(point.at, point.at, 36));
             let mut along = (1..=16).map(|i| (x + (foot.0 - x) * i / 16, y + (foot.1 - y) * i / 16));
@@ -180,14 +180,14 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
                 [30, 80, 140, 200, 260].into_iter().flat_map(move |across| [(across, down), (-across, down)])
             })
             .collect();
-        // Up before down and right before left where it is as far.
+        // For equal distances, up before down and right before left.
         candidates.sort_by_key(|(across, down)| (across.abs() + 2 * down.abs(), *down > 0, *across < 0));
         let mut boxes = candidates.into_iter().map(apart).filter(free).peekable();
         let first = boxes.peek().copied();
         let b = boxes.find(clear).or(first).unwrap_or_else(|| apart((30, -52)));
         let (look, near) = (look(total.method), foot(point.at, &b));
         let far = (b[0] + b[2] - near.0, near.1);
-        // Nor may a later name cover the leader, once it is out of the crowd.
+        // A later name must not cover the leader outside of the crowd.
         let along = (6..16).map(|i| (x + (near.0 - x) * i / 16, y + (near.1 - y) * i / 16));
         taken.extend(along.map(|at| around(at, at, 2)));
         area.draw(&PathElement::new(vec![point.at, near, far], look.color.stroke_width(3)))?;
@@ -198,7 +198,7 @@ fn labels(area: &Area<'_>, record: &Record, chart: &Chart, points: &[Point<'_>],
     Ok(())
 }
 
-/// Where a leader from `at` meets a name: at the nearer end of the line under it.
+/// The end of a leader from `at` to a name: the nearer end of the line under it.
 fn foot(at: (i32, i32), name: &Box) -> (i32, i32) {
     (if (at.0 - name[0]).abs() < (at.0 - name[2]).abs() { name[0] } else { name[2] }, name[3])
 }

@@ -133,7 +133,7 @@ impl DrawingBackend for SvgAndPixels<'_> {
     }
 }
 
-/// Fills square cells. Their edges are rounded to whole pixels, as `shape-rendering="crispEdges"` asks of an SVG's reader.
+/// Fills square cells. Their edges are rounded to whole pixels, as with `shape-rendering="crispEdges"` in SVG.
 pub(super) fn fill_cells(pixels: &mut Pixmap, cells: &Cells) {
     let edge = |start: i32, index: usize| (f64::from(start) + cells.side * index as f64).round() as f32;
     for (index, [r, g, b]) in cells.colors.iter().enumerate() {
@@ -150,7 +150,7 @@ pub(super) fn fill_cells(pixels: &mut Pixmap, cells: &Cells) {
 
 /// The pixels as a PNG file.
 pub(super) fn png(pixels: &Pixmap) -> Drawn<Vec<u8>> {
-    // On white nothing is translucent any longer.
+    // Everything is opaque on white.
     let levels: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
     let software = [("Software".to_owned(), concat!("halfline ", env!("CARGO_PKG_VERSION")).to_owned())];
     let mut file = Vec::new();
@@ -202,7 +202,7 @@ impl Face {
         Self { font, em }
     }
 
-    /// The height of a small x at that size.
+    /// The height of a lower-case x at that size.
     fn ex(&self, size: f32) -> f32 {
         self.font
             .outline(self.font.glyph_id('x'))
@@ -210,7 +210,7 @@ impl Face {
             * size
     }
 
-    /// Each letter's glyph, and where it begins behind the first one's begin, in units of the font; then where the last ends.
+    /// The glyph of each letter and its offset from the first, in units of the font; then the end of the last.
     fn laid_out(&self, text: &str) -> (Vec<(GlyphId, f32)>, f32) {
         let (mut glyphs, mut end, mut last) = (Vec::new(), 0.0, None);
         for glyph in text.chars().map(|letter| self.font.glyph_id(letter)) {
@@ -232,7 +232,7 @@ impl Face {
         let scale = size / self.em;
         for (glyph, start) in self.laid_out(text).0 {
             let Some(outline) = self.font.outline(glyph) else { continue };
-            // A font's y runs upwards.
+            // A font's y axis points up.
             let on_page = |p: Point| (left + (start + p.x) * scale, baseline - p.y * scale);
             let mut pen = None;
             for curve in outline.curves {

@@ -1,8 +1,9 @@
-//! SYNTHETIC records for tests: shaped like the real ones, measured by nobody.
+//! SYNTHETIC records for tests, with the structure of real ones but without measurements.
 
 use crate::measure::record::{Crop, Errors, Map, PlaceRecord, Predicted, Record, Run, SceneRecord, Spread};
 
-/// Name, decade of radii at which it fails, relative error at 1 radius, growth a decade, ns a ray on the GPU and the CPU.
+/// Name, decade of radii at which it fails, relative error at 1 radius, growth per decade, ns per ray on the GPU and
+/// the CPU.
 type Method = (&'static str, f64, f64, f64, f64, f64);
 
 const METHODS: [Method; 8] = [
@@ -120,7 +121,7 @@ fn run(scene: usize, place: usize, index: usize, &(name, fails, error, growth, g
     }
 }
 
-/// A disc that falls apart beyond a distance.
+/// A disc that dissolves beyond a distance.
 fn crop(beyond: f64, seed: u64) -> Crop {
     let (mut shade, mut verdict) = (String::new(), String::new());
     for pixel in 0..48 * 48u64 {

@@ -47,7 +47,7 @@ fn plots_are_well_formed_and_say_what_they_show() {
             titles.iter().for_each(|title| says(title));
             says(&record.subject);
             says("SYNTHETIC H200 <not measured>");
-            // The first place is the one that every plot shows.
+            // Every plot shows the first place.
             let shown = record.runs.iter().filter(|run| run.place == 0 && run.refused.is_none());
             shown.for_each(|run| says(&run.method));
         }

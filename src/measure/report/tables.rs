@@ -5,7 +5,7 @@ use crate::measure::record::{Record, Run, SceneRecord, Spread};
 use crate::measure::total::{self, ns_per_ray, spread};
 use crate::measure::verdict::{broken, percent};
 
-/// A table in a box of its own that scrolls sideways on a phone; cells are HTML already.
+/// A table in a box that scrolls sideways on a narrow screen; cells are HTML.
 pub(super) fn table(heads: &[&str], rows: Vec<Vec<String>>) -> String {
     if rows.is_empty() {
         return String::new();
@@ -19,7 +19,7 @@ pub(super) fn table(heads: &[&str], rows: Vec<Vec<String>>) -> String {
     format!("<div class=\"scroll\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n")
 }
 
-/// Sums over the scenes; nothing for a single scene, whose own table says the same.
+/// Sums over the scenes; empty for a single scene, whose own table has the same numbers.
 pub(super) fn totals(record: &Record) -> String {
     if record.scenes.len() < 2 {
         return String::new();
@@ -60,7 +60,7 @@ pub(super) fn results(record: &Record) -> String {
         let reasons: String = runs.iter().map(|run| shout(record, run)).collect();
         let badge = if reasons.is_empty() { "" } else { BADGE };
         let far = scene.farthest.map_or(String::new(), |far| format!(", the farthest {far:.1e} radii away"));
-        // One scene, or a broken one, is to be seen at once.
+        // The details of a single scene, or of a broken one, are open.
         let open = if record.scenes.len() == 1 || !reasons.is_empty() { " open" } else { "" };
         let size = match (scene.size, scene.pictures) {
             ([0, _] | [_, 0], pictures) => format!("{pictures} pictures"),
@@ -80,7 +80,7 @@ pub(super) fn results(record: &Record) -> String {
     record.scenes.iter().enumerate().map(scene).collect()
 }
 
-/// Why a run is broken, for all to see.
+/// Why a run is broken, highlighted.
 fn shout(record: &Record, run: &Run) -> String {
     let place = record.places.get(run.place).map_or("", |place| &place.adapter);
     let line = |reason: String| {
@@ -127,7 +127,7 @@ fn row(record: &Record, run: &Run) -> Vec<String> {
     let errors = &run.errors;
     let Spread { median, p99, max } = errors.relative;
     let unit = |share: Option<f64>| share.map_or_else(none, percent);
-    // No prediction and an unbounded one look alike in a record.
+    // A record stores no prediction and an unbounded one alike.
     let predicted = |bound: Option<f64>| bound.map_or("no bound".into(), |bound| format!("{bound:.1e}"));
     cells.extend([
         format!("{} ({})", errors.wrong(), percent(errors.wrong_share())),

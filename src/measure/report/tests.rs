@@ -82,5 +82,5 @@ fn the_summary_names_the_best_methods_and_those_outside_the_chart() {
     says("the fastest method without a wrong pixel is stable at");
     says("off the chart (more than 1 % wrong) at 1e4: textbook, unit, geometric.");
     says("Right in every pixel at every distance: stable, f64, double-float, certified, exact.");
-    says("nothing exceeded its bound or its prediction");
+    says("no error exceeded its bound or its prediction");
 }

@@ -1,4 +1,4 @@
-//! How closely a ray passes a sphere, in double-double: at 1e12 radii f64 would not even tell hit from miss.
+//! The distance between a ray and a sphere's centre, in double-double: at 1e12 radii f64 cannot decide hit or miss.
 
 use crate::camera::Viewport;
 use crate::dd::{self, Dd, Dd3, dot};
@@ -19,8 +19,8 @@ impl Sight {
         Ok(Self { axes: scene.camera.axes()?, viewport })
     }
 
-    /// The direction of row `i`, column `j` in the canonical camera, 2 W H times the lecture's (u, v, -d) and scaled
-    /// by a power of two: ((2j + 1 - W) vw H, -(2i + 1 - H) vh W, -2 W H d).
+    /// The direction of row `i`, column `j` in the canonical camera, 2 W H times the lecture's (u, v, -d) and scaled by
+    /// a power of two: ((2j + 1 - W) vw H, -(2i + 1 - H) vh W, -2 W H d).
     fn direction(&self, [width, height]: [u32; 2], i: u32, j: u32) -> Dd3 {
         let Viewport { vw, vh, d } = self.viewport;
         let k = dd::exponent(vw.max(vh).max(d));
@@ -30,8 +30,8 @@ impl Sight {
         [along(j, w) * vw * h.into(), -(along(i, h) * vh * w.into()), -(d * Dd::product(2.0 * w, h))]
     }
 
-    /// l/r - 1 of a sphere, where l is the distance of its centre from the half-line: negative for a hit, to within
-    /// some 2^-94 of the centre's distance in radii.
+    /// l/r - 1 of a sphere, where l is the distance of its centre from the half-line: negative for a hit, with an error
+    /// of about 2^-94 of the centre's distance in radii.
     pub(super) fn excess(&self, scene: &Scene, i: u32, j: u32, id: u32) -> f64 {
         let Some((center, radius)) = scene.spheres.centers.get(id as usize).zip(scene.spheres.radii.get(id as usize))
         else {

@@ -1,4 +1,4 @@
-//! The middle of a picture in letters, small enough for a record.
+//! The middle of a picture as text, small enough for a record.
 
 use super::Score;
 use crate::error::Result;
@@ -7,12 +7,12 @@ use crate::measure::record::Crop;
 use crate::scene::Scene;
 use glam::DVec3;
 
-/// Pixels along a side, at most.
+/// The most pixels along a side.
 const SIDE: u32 = 64;
 
 impl Score {
-    /// The middle of the frame that was scored: how bright the headlight finds each pixel, whatever its colour, and
-    /// whether it is right.
+    /// The middle of the frame that was scored: the headlight brightness of each pixel, without colours, and the
+    /// verdict on it.
     ///
     /// # Errors
     /// Those of [`crate::camera::Camera::basis`].
@@ -39,7 +39,7 @@ impl Score {
     }
 }
 
-/// A sixteenth of full light a digit; what is no number is dark.
+/// One of 16 levels of brightness; NaN is dark.
 fn shade(hit: bool, cosine: f64) -> char {
     let level = (16.0 * cosine).clamp(0.0, 15.0) as u32;
     if hit { char::from_digit(level, 16).unwrap_or('0') } else { '.' }

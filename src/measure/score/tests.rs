@@ -5,7 +5,7 @@ use crate::scene::{ImagePlane, Spheres};
 use crate::settings::{Accuracy, Backend, Settings};
 
 /// Seen from the origin along -z in 3 x 3 rays of slopes -1, 0, 1: one sphere ahead, a smaller one before it, and one
-/// that only the middle ray of the right column meets.
+/// that only the middle ray of the right column hits.
 fn scene() -> Scene {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -10.0], 2.0, None);
@@ -60,7 +60,7 @@ fn the_exact_frame_has_no_errors() {
     let errors = score.errors();
     assert_eq!((errors.pixels, errors.wrong(), errors.outline), (9, 0, Some(0.0)));
     assert_eq!((errors.relative.max, errors.ulp.max, errors.radii.max), (Some(0.0), Some(0.0), Some(0.0)));
-    // The frame's normals are f32: 2^-24 a component is 6e-6 degrees at most.
+    // The frame's normals are f32: 2^-24 per component is at most 6e-6 degrees.
     assert!(errors.normal.max.is_some_and(|x| x < 6e-6), "{errors:?}");
     assert_eq!(score.of_bound(), Some(0.0));
 }
@@ -72,7 +72,7 @@ fn planted_wrong_ids_are_classified_and_measured_in_radii() {
     assert_eq!((errors.false_hit, errors.wrong()), (1, 1));
     let grow = 10.0 * (2.0f64 / 3.0).sqrt() / 2.0 - 1.0;
     assert!(errors.outline.is_some_and(|x| (x - grow).abs() < 1e-14), "{errors:?}, not {grow}");
-    // The middle ray passes through the centre: only a sphere of no radius is missed.
+    // The middle ray passes through the centre: only a sphere of radius 0 is missed.
     let errors = after(|frame| ids(frame)[MIDDLE] = -1);
     assert_eq!((errors.false_miss, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
     // Behind: the half-line is nearest at the eye, 5 from the centre.
@@ -86,12 +86,12 @@ fn planted_wrong_ids_are_classified_and_measured_in_radii() {
 
 #[test]
 fn a_wrong_sphere_is_a_wrong_outline_or_a_wrong_order() {
-    // Sphere 0, which the ray does meet, instead of 1 at 4, more than twice as far: 1 was missed, and for that it would
-    // have to shrink to nothing.
+    // Sphere 0, which the ray does hit, instead of 1 at 4, more than twice as far: 1 was missed, and for that its
+    // radius would have to be 0.
     let errors = after(|frame| (ids(frame)[MIDDLE], distances(frame)[MIDDLE]) = (0, 8.1));
     assert_eq!((errors.wrong_sphere, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
     assert_eq!(errors.relative.max, Some(0.0), "not counted as a distance");
-    // As near as 1: a wrong order.
+    // At the same distance as 1: a wrong order.
     let errors = after(|frame| (ids(frame)[MIDDLE], distances(frame)[MIDDLE]) = (0, 4.5));
     assert_eq!((errors.wrong_sphere, errors.outline, errors.relative.max), (1, Some(0.0), Some(0.125)));
     let errors = after(|frame| (ids(frame)[MIDDLE], distances(frame)[MIDDLE]) = (0, 3.0));
@@ -131,9 +131,10 @@ fn errors_of_distance_are_in_ulp_in_radii_and_relative() {
     assert_eq!(errors.wrong(), 0);
     assert_eq!((errors.ulp.max, errors.radii.max), (Some(3.0), Some(3.0 * 2f64.powi(-21))));
     assert_eq!(errors.relative.max, Some(0.75 * 2f64.powi(-21)));
-    // Half of the two hits are no worse than the other one.
+    // Half of the two hits have no larger error than the other one.
     assert_eq!((errors.ulp.median, errors.ulp.p99), (Some(0.0), Some(3.0)));
-    // To the right the direction is sqrt 2 long, so t* = (8 sqrt 2 - 4)/sqrt 2 = 5.17 though the distance is 7.3; the radius is 4.
+    // To the right the direction is sqrt 2 long, so t* = (8 sqrt 2 - 4)/sqrt 2 = 5.17 and the distance is 7.3; the
+    // radius is 4.
     let errors = after(|frame| distances(frame)[RIGHT] += 2f64.sqrt() * 2f64.powi(-21));
     assert!(errors.ulp.max.is_some_and(|x| (x - 1.0).abs() < 1e-6), "{errors:?}");
     assert!(errors.radii.max.is_some_and(|x| (x * 4.0 / 2f64.sqrt() * 2f64.powi(21) - 1.0).abs() < 1e-6), "{errors:?}");
@@ -177,7 +178,7 @@ fn a_map_has_the_place_of_each_error() {
     assert!(truths_size.is_some_and(|e| e.contains("321 x 3")), "another scene's frame is refused");
 }
 
-/// A kernel that is broken is reported as broken: here one that takes every radius for 1 % more than it is.
+/// A wrong kernel is reported as broken: here one whose radii are 1 % too large.
 #[test]
 fn a_broken_kernel_is_reported() {
     let mut scene = scene();
@@ -210,7 +211,7 @@ fn a_crop_shows_the_shading_and_the_verdict() {
     let score = Truths::of(&scene).expect("truths").score(&frame).expect("a score");
     let crop = score.crop(&scene, &frame).expect("a crop");
     assert_eq!((crop.size, crop.verdict.as_str()), ([3, 3], "--h------"));
-    // The corner that is wrongly hit has no normal; the middle one faces the light.
+    // The corner with a false hit has no normal; the middle one faces the light.
     assert_eq!((&crop.shade[..5], &crop.shade[6..]), ("..0.f", "..."), "{}", crop.shade);
     assert!(crop.shade.as_bytes()[RIGHT].is_ascii_hexdigit());
 }

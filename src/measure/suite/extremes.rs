@@ -1,9 +1,10 @@
-//! THE table of extremes: small pictures of what breaks ray tracers. `halfline measure --suite extremes` and a test
-//! walk it; the modules make the scenes. Oblique views unless a case needs the axes: an axis-aligned view hides what rounded directions do.
+//! The table of extremes: small pictures of hard cases for ray tracers. `halfline measure --suite extremes` and a test
+//! run it; the modules make the scenes. Views are oblique unless a case needs the axes, because rounding of directions
+//! has no effect along the axes.
 //!
-//! Sources named in the comments: *peers* are the failures of other renderers, measured 2026-11 with their own
-//! programs (Embree, Cycles, OVITO, POV-Ray, Mitsuba, Tachyon); *numerics* are measurements of the forms of the
-//! quadratic in f32, f64 and big floats for this project; issues are named by repository and number.
+//! Sources in the comments: *peers* are failures of other renderers, measured 2026-11 with their own programs (Embree,
+//! Cycles, OVITO, POV-Ray, Mitsuba, Tachyon); *numerics* are measurements of the forms of the quadratic in f32, f64 and
+//! big floats for this project; issues are given by repository and number.
 
 mod crowd;
 mod distance;
@@ -21,23 +22,23 @@ use std::path::Path;
 /// The seed of the published tables.
 pub const SEED: u64 = 0x5eed_0003;
 
-/// Scenes that are hard for one reason.
+/// Scenes with a common difficulty.
 pub struct Family {
-    /// What is hard.
+    /// The difficulty.
     pub name: &'static str,
     make: Make,
 }
 
-/// Where scenes come from.
+/// The source of the scenes.
 enum Make {
     /// A seed.
     Seed(fn(u64) -> Result<Vec<Scene>>),
-    /// Other people's data, in a file of this name.
+    /// Data of third parties, in a file of this name.
     File(&'static str, fn(&Path) -> Result<Vec<Scene>>),
 }
 
 impl Family {
-    /// The file of other people's data that it is made of, if it is.
+    /// The name of its third-party file, if it has one.
     #[must_use]
     pub fn file(&self) -> Option<&'static str> {
         match self.make {
@@ -46,10 +47,10 @@ impl Family {
         }
     }
 
-    /// Its scenes for a seed. Data is looked for in `folder`; a family whose file is not there is empty.
+    /// Its scenes for a seed. Data is searched for in `folder`; a family without its file is empty.
     ///
     /// # Errors
-    /// Those of [`Scene::read`], for data that makes no sense.
+    /// Those of [`Scene::read`], for malformed data.
     pub fn scenes(&self, seed: u64, folder: Option<&Path>) -> Result<Vec<Scene>> {
         match self.make {
             Make::Seed(make) => make(seed),
@@ -67,18 +68,18 @@ pub const FAMILIES: &[Family] = &[
     Family { name: "far, on the axis", make: Make::Seed(distance::on_axis) },
     Family { name: "far, oblique", make: Make::Seed(distance::oblique) },
     Family { name: "far, off the axis", make: Make::Seed(distance::off_axis) },
-    // numerics: from 1e7 on the order of hits, not hit or miss, is what f32 gets wrong.
+    // numerics: from 1e7 on f32 gets the order of hits wrong, not hit or miss.
     Family { name: "clusters 1e3 to 1e9 away", make: Make::Seed(distance::clusters) },
     // OVITO: 50 % of the pixels of 300 spheres at 1e7 wrong; pbrt-v3#265 (dark ring 8e5 from the origin).
     Family { name: "offsets 1e3 to 1e12", make: Make::Seed(distance::offsets) },
     // peers: OVITO's picture is empty at 800 scene radii; Embree's 1,405 + 1,607 wrong pixels at 1e6.
     Family { name: "peers' failures", make: Make::Seed(distance::peers) },
-    // numerics: f32 decides nothing from k = 24 on, the stable forms in f64 from 48.
+    // numerics: f32 cannot decide from k = 24 on, the stable forms in f64 from 48.
     Family { name: "grazing, b = r(1 +- 2^-k)", make: Make::Seed(touching::grazing) },
     Family { name: "grazing a large disc", make: Make::Seed(touching::grazing_large) },
     // A tangent ray hits (aardvark.base#127); D = 0 by Pythagorean triples and quadruples.
     Family { name: "exact tangency", make: Make::Seed(touching::touched) },
-    // peers: Embree loses 40 % of the inward rays there, and 13 % of the outward rays hit what they leave.
+    // peers: there Embree loses 40 % of the inward rays, and 13 % of the outward rays hit the sphere they start on.
     Family { name: "eye on a surface", make: Make::Seed(touching::on_surface) },
     Family { name: "eye just off a surface", make: Make::Seed(touching::off_surface) },
     // OSPRay's comment on large spheres (Intersect.ih); peers: Embree's horizon, 512 false hits.
@@ -100,9 +101,9 @@ pub const FAMILIES: &[Family] = &[
     Family { name: "shells 1e-9 r apart", make: Make::Seed(crowd::shells) },
     Family { name: "coincident spheres", make: Make::Seed(crowd::coincident) },
     Family { name: "mirror-symmetric ties", make: Make::Seed(crowd::ties) },
-    // numerics: one bound for a ray and one for a sphere differ most on wide lenses, near the eye plane.
+    // numerics: a bound per ray and a bound per sphere differ most with wide lenses, near the eye plane.
     Family { name: "around the eye", make: Make::Seed(crowd::around) },
-    // The cover of Ray Tracing in One Weekend and worse.
+    // The cover of Ray Tracing in One Weekend, and harder variants.
     Family { name: "ground and crumbs", make: Make::Seed(crowd::ground) },
     Family { name: "anything at all", make: Make::Seed(wild::anything) },
     // Haines' Standard Procedural Databases.
@@ -111,20 +112,20 @@ pub const FAMILIES: &[Family] = &[
     Family { name: "Jupiter from the Earth", make: Make::File("solar_system.csv", crowd::solar) },
 ];
 
-/// The oblique direction of the measurements, unit length within rounding.
+/// The oblique direction of the measurements, of unit length within rounding.
 fn aslant() -> DVec3 {
     DVec3::new(1.0, 2.0, 3.0).normalize()
 }
 
-/// A picture of `spheres` from `eye`, rolled a little.
+/// A picture of `spheres` from `eye`, slightly rolled.
 fn picture(eye: DVec3, look: Look, lens: Lens, size: [u32; 2], spheres: Spheres) -> Scene {
     let camera = Camera { eye, look, up: DVec3::new(0.1, 1.0, 0.2), lens };
     let image = ImagePlane { width: size[0], height: size[1], background: [0.0; 3] };
     Scene { camera, image, spheres, skipped: Skipped::default() }
 }
 
-/// The lens for a picture of 4:3 in which a sphere of tangent-of-angular-radius `tangent` fills half: its disc has the
-/// radius 0.46 of the height.
+/// The lens of a 4:3 picture that is half filled by a sphere whose angular radius has the tangent `tangent`: the radius
+/// of its disc is 0.46 of the height.
 fn filled_by(tangent: f64) -> Lens {
     let vh = tangent / 0.46;
     Lens::Viewport { vw: vh * 4.0 / 3.0, vh, distance: 1.0 }

@@ -1,4 +1,4 @@
-//! One wall of spheres from near to far: what distance alone does to each form.
+//! A wall of spheres from near to far, to measure the effect of distance alone on each method.
 
 use super::Random;
 use crate::camera::{Camera, Lens, Look};
@@ -6,7 +6,8 @@ use crate::error::Result;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use glam::DVec3;
 
-/// Distances of the nearest centre in radii. At 2, half the world before the eye is wall; the rest are decades.
+/// Distances of the nearest centre in radii. At 2 the wall fills half the space in front of the eye; the others are
+/// decades.
 pub const RUNGS: [f64; 11] = [2.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
 
 /// Pixels along a side of each picture.
@@ -15,17 +16,17 @@ pub const SIDE: u32 = 512;
 /// Spheres along a side of the wall.
 const WALL: u32 = 8;
 
-/// Between neighbours, in radii. With 2 JITTER less, they do not touch.
+/// Distance between neighbours, in radii. Reduced by 2 JITTER they still do not touch.
 const PITCH: f64 = 2.5;
 
-/// How far a centre is moved along the wall in each direction, and at most into it, in radii.
+/// The largest random offset of a centre along the wall in each direction, and into it, in radii.
 const JITTER: f64 = 0.2;
 
-/// The viewport's distance. Powers of ten up to 1e10 are numbers of f32, and at a viewport 1 away t would be one: no
-/// scene of anyone's is so lucky.
+/// The viewport's distance. Powers of ten up to 1e10 are exact in f32, so with a viewport at distance 1 t would be
+/// exact, which does not happen in real scenes.
 const LENS: f64 = 0.7;
 
-/// The wall's jitter is the same on every rung.
+/// The same offsets on every rung.
 const SEED: u64 = 0x5eed_1add;
 
 /// The rung's name.
@@ -34,8 +35,8 @@ pub fn name(rung: f64) -> String {
     if rung < 100.0 { format!("{rung} radii") } else { format!("{rung:e} radii") }
 }
 
-/// 64 unit spheres in a jittered wall that fills the picture, seen along (1, 2, 3) from `rung` radii before the one
-/// in the middle, which is the nearest and stands in the middle of the picture.
+/// 64 unit spheres in a jittered wall that fills the picture, seen along (1, 2, 3) from a distance of `rung` radii of
+/// the one in the middle, which is the nearest.
 ///
 /// # Errors
 /// Those of [`Camera::basis`], for a distance that is not finite.
@@ -50,12 +51,12 @@ pub fn scene(rung: f64) -> Result<Scene> {
         let [column, row] = [n % WALL, n / WALL];
         let [x, y, z] = if [column, row] == [middle, middle] { [0.0; 3] } else { random.cube() };
         let along = |k: u32, jitter: f64| PITCH * (f64::from(k) - f64::from(middle)) + JITTER * jitter;
-        // Only into the wall: nothing is nearer than the middle.
+        // Only into the wall, so that no sphere is nearer than the one in the middle.
         let center = axes.u * along(column, x) + axes.v * along(row, y) - axes.w * (JITTER * z.abs());
         spheres.push(center.to_array(), 1.0, Some(color(n)));
     }
     camera.eye = -view * rung;
-    // The wall reaches middle + 1/2 pitches to one side and half a pitch less to the other.
+    // The wall extends half a pitch farther to one side than to the other.
     let side = PITCH * f64::from(WALL + 1);
     camera.lens = Lens::Viewport { vw: LENS * side / rung, vh: LENS * side / rung, distance: LENS };
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.02, 0.02, 0.03] };
@@ -90,7 +91,7 @@ mod tests {
                 .step_by(7)
                 .filter_map(|k| judge.pixel(k / SIDE, k % SIDE).map(|truth| truth.id))
                 .collect();
-            // Near by, spheres hide what is behind them at the edge.
+            // At a small distance, spheres at the edge hide others behind them.
             assert!(seen.len() >= if rung > 2.0 { 64 } else { 40 }, "{rung}: {} seen", seen.len());
         }
     }

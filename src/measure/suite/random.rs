@@ -1,4 +1,4 @@
-/// xorshift64* (Vigna 2016), so that every run sees the same cases; a seed is any number but 0.
+/// xorshift64* (Vigna 2016), a fixed generator so that every run has the same cases; the seed must not be 0.
 #[derive(Debug, Clone)]
 pub struct Random(pub u64);
 

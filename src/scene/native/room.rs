@@ -1,14 +1,15 @@
-//! What parsing a text as TOML may allocate, told before it is parsed: the parser itself stops at nothing.
+//! Estimates what parsing a text as TOML may allocate, before it is parsed: the parser itself has no limit.
 
-/// Bytes that the parser (toml 1.2) holds at most while it parses `text`, its tree included: a sum over the characters
-/// that begin a token, a value, a key or a table. The weights are a quarter above the most that any of 36 texts took, each
-/// of which is all of one kind, at 16 lengths from 4 kB to 500 kB; of a list of spheres the sum is 1.6 times what is held.
-/// Fuzzing holds it against a counting allocator.
+/// An upper bound of the bytes that the parser (toml 1.2) holds while it parses `text`, including its tree: a sum over
+/// the characters that begin a token, a value, a key or a table. The weights are a quarter above the maximum of 36
+/// texts, each consisting of one construct, at 16 lengths from 4 kB to 500 kB; for a list of spheres the sum is 1.6
+/// times the actual memory. Fuzzing compares it with a counting allocator.
 pub(super) fn most_held(text: &str) -> u64 {
-    let (mut sum, mut key, mut braces, mut quoted, mut last) = (16 * text.len() as u64, true, 0u64, false, Class::Mark);
+    let (mut sum, mut key, mut braces, mut quoted, mut last) =
+        (16 * text.len() as u64, true, 0u64, false, CostClass::Mark);
     for byte in text.bytes() {
-        let class = Class::of(byte);
-        if class == Class::Mark || class != last {
+        let class = CostClass::of(byte);
+        if class == CostClass::Mark || class != last {
             sum += 64;
         }
         last = class;
@@ -33,7 +34,7 @@ pub(super) fn most_held(text: &str) -> u64 {
             }
             b'}' => braces = braces.saturating_sub(1),
             b'"' | b'\'' => quoted = true,
-            // A dot in a key makes a table; behind a quote there is no telling keys from numbers.
+            // A dot in a key creates a table; after a quote, keys and numbers cannot be distinguished.
             b'.' if key || quoted => sum += 1152,
             _ => {}
         }
@@ -41,15 +42,15 @@ pub(super) fn most_held(text: &str) -> u64 {
     sum
 }
 
-/// What a token is made of: each mark is one, and so is a run of blanks or of letters.
+/// The character classes of tokens: each mark is a token, and so is a run of blanks or of letters.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Class {
+enum CostClass {
     Blank,
     Word,
     Mark,
 }
 
-impl Class {
+impl CostClass {
     fn of(byte: u8) -> Self {
         match byte {
             b' ' | b'\t' => Self::Blank,

@@ -1,30 +1,30 @@
-//! A NumPy array as a scene of its own: rows of numbers, or records whose fields have names.
+//! A NumPy array as a scene: rows of numbers, or records with named fields.
 
 use super::Npy;
 use crate::error::{Error, Result};
 use crate::memory::{check, reserve};
 use crate::npy::{DType, Field, Header};
 use crate::scene::input::Input;
-use crate::scene::particles::{Frames, Layout, Particles, Role, Scalar, wanted};
-use crate::scene::source::Source;
+use crate::scene::particles::{Layout, ParticleFrames, Particles, Role, Scalar, wanted};
+use crate::scene::source::SceneSource;
 use crate::scene::{ReadOptions, Spheres, relocate};
 use std::io::{self, BufRead, Read};
 
 /// The reader.
 pub(in crate::scene) struct Array {
-    source: Option<Source>,
+    source: Option<SceneSource>,
     wanted: Vec<String>,
 }
 
 impl Array {
-    pub(in crate::scene) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(in crate::scene) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
     }
 }
 
-impl Frames for Array {
+impl ParticleFrames for Array {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(Source { reader, path, .. }) = self.source.take() else { return Ok(None) };
+        let Some(SceneSource { reader, path, .. }) = self.source.take() else { return Ok(None) };
         let (bytes, counts) = (reader.length(), reader.counts());
         let mut npy = Npy { path: &path, reader, bytes, counts };
         let header = npy.header()?;
@@ -39,10 +39,10 @@ impl Frames for Array {
     }
 }
 
-/// Longest record, bytes.
+/// The longest record in bytes.
 const MOST: usize = 1 << 16;
 
-/// Numbers that are read at once.
+/// Numbers per read.
 const BLOCK: usize = 1 << 16;
 
 impl Npy<'_, Input> {
@@ -64,7 +64,7 @@ impl Npy<'_, Input> {
             size += bytes;
         }
         if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
-            return Err(self.fail("dtype", "no fields are named x, y and z"));
+            return Err(self.fail("dtype", "the fields x, y and z are missing"));
         }
         let mut particles = layout.begin();
         let (mut record, mut numbers) = (vec![0; size], vec![0.0; places.len()]);
@@ -86,7 +86,7 @@ impl Npy<'_, Input> {
 }
 
 impl<R: BufRead> Npy<'_, R> {
-    /// The numbers of an array of one or two dimensions, row by row. Memory grows with what is there.
+    /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
     pub(in crate::scene) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
         let DType::Plain(name) = &header.dtype else {
             return Err(self.fail("dtype", format!("found {}, expected numbers", header.dtype)));
@@ -129,7 +129,7 @@ impl<R: BufRead> Npy<'_, R> {
     }
 }
 
-/// The numbers in a field: where in it, of which type, what they are called, and what they are. None of what is no number.
+/// The numbers in a field: offset, type, name and role of each; empty if the field is not numeric.
 fn columns(field: &Field) -> Vec<(usize, Scalar, String, Role)> {
     let name = field.name.to_lowercase();
     match &field.dtype {
@@ -178,7 +178,7 @@ mod tests {
 
     fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
-        let source = Source::of_bytes(&npy(&header, data));
+        let source = SceneSource::of_bytes(&npy(&header, data));
         let mut array = Array { source: Some(source), wanted: vec!["t".into(), "v_y".into()] };
         Ok(array.next()?.expect("one frame"))
     }
@@ -214,7 +214,7 @@ mod tests {
         let cut = read(descr, "(2,)", &data[..60]).map(drop).expect_err("cut short").to_string();
         assert!(cut.contains("after 1 of 2 rows"), "{cut}");
         for (descr, told) in [
-            ("[('x', '<f8')]", "no fields are named"),
+            ("[('x', '<f8')]", "the fields x, y and z are missing"),
             ("[('x', '<f8', (99999999,)), ('y', '<f8'), ('z', '<f8')]", "more than 65536 bytes"),
             ("[('x', '|O'), ('y', '<f8'), ('z', '<f8')]", "hold objects"),
         ] {

@@ -1,4 +1,4 @@
-//! Biological assemblies: copies of a file's chains, moved by its operators.
+//! Biological assemblies: copies of a file's chains, transformed by its operators.
 
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
@@ -7,20 +7,20 @@ use crate::progress::Watch;
 use crate::quote::{list, quote};
 use std::collections::HashMap;
 
-/// A rotation and a shift: three rows of a matrix, each with the shift behind it.
+/// A rotation and a translation: three rows of a matrix, each followed by its translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Operator(pub(super) [[f64; 4]; 3]);
 
-/// More operators than any assembly has; a few words of a file can ask for more than memory holds.
+/// The most operators in an assembly; without a limit, a short expression could demand more than memory holds.
 pub(super) const MOST_OPERATORS: usize = 1 << 16;
 
 impl Operator {
-    /// Where it moves a point.
+    /// The image of a point.
     pub(super) fn apply(&self, p: [f64; 3]) -> [f64; 3] {
         self.0.map(|[a, b, c, d]| a * p[0] + b * p[1] + c * p[2] + d)
     }
 
-    /// First `other`, then this.
+    /// The product: first `other`, then this.
     pub(super) fn after(&self, other: &Self) -> Self {
         Self(self.0.map(|row| {
             let column = |k: usize| (0..3).map(|j| row[j] * other.0[j][k]).sum::<f64>();
@@ -29,10 +29,10 @@ impl Operator {
     }
 }
 
-/// Chains that the same operators are applied to.
+/// Chains that the same operators apply to.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Part {
-    /// The chains, by the names that operators know them by.
+pub(super) struct AssemblyPart {
+    /// The chains, by the names that the operators refer to.
     pub(super) chains: Vec<Vec<u8>>,
     /// The operators in the file's order, each with its name.
     pub(super) operators: Vec<(String, Operator)>,
@@ -41,16 +41,16 @@ pub(super) struct Part {
 /// One assembly of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Assembly {
-    /// What the file calls it: `1`, `PAU`.
+    /// Its identifier in the file: `1`, `PAU`.
     pub(super) id: String,
     /// Its parts in the file's order.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<AssemblyPart>,
 }
 
-/// The one that is asked for.
+/// The selected assembly.
 ///
 /// # Errors
-/// [`Error::Settings`] with the names there are.
+/// [`Error::Settings`] with the identifiers of the file.
 pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Result<&'a Assembly> {
     assemblies
         .iter()
@@ -58,22 +58,22 @@ pub(super) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Re
         .ok_or_else(|| unknown(id, assemblies.iter().map(|a| &a.id), file))
 }
 
-/// The error for an assembly that a file does not have, among those it has.
+/// The error for an assembly that is not among those of the file.
 pub(super) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
     let ids = list(ids);
     let mend = match &ids[..] {
-        "" => "the file has none: leave --assembly out".to_owned(),
+        "" => "the file has none; remove --assembly".to_owned(),
         ids => format!("the file has {ids}"),
     };
     Error::settings(format!("{file}: there is no assembly {}", quote(id)), mend)
 }
 
 /// The assembly of these atoms: part by part, all atoms of the first operator, then of the second, each in the file's
-/// order. `chains` holds every atom's chain, an index of `names`. The cell goes: an assembly does not repeat by it.
-/// A column `copy` is filled where it is there: the operator's number from 0, the same for the same operator.
+/// order. `chains` holds every atom's chain, an index of `names`. The cell is dropped, since an assembly is not
+/// periodic. A column `copy`, if there is one, is filled with the operator's number from 0.
 ///
 /// # Errors
-/// [`Error::Limits`] for more atoms than memory holds, [`Error::Scene`] for an assembly of nothing.
+/// [`Error::Limits`] for more atoms than memory holds, [`Error::Scene`] for an assembly without atoms.
 pub(super) fn build(
     assembly: &Assembly,
     unit: Particles,
@@ -83,11 +83,11 @@ pub(super) fn build(
     watch: &Watch,
 ) -> Result<Particles> {
     let atoms = Members::of(chains, names)?;
-    let copies = |part: &Part| (part.operators.len() as u64).saturating_mul(atoms.count(part));
+    let copies = |part: &AssemblyPart| (part.operators.len() as u64).saturating_mul(atoms.count(part));
     let total = assembly.parts.iter().map(copies).fold(0, u64::saturating_add);
     if total == 0 {
-        let problem = format!("assembly {} has no atoms: the file has none of its chains", quote(&assembly.id));
-        return Err(Error::scene(file.clone(), problem, "leave --assembly out, or ask for another"));
+        let problem = format!("assembly {} has no atoms, because the file has none of its chains", quote(&assembly.id));
+        return Err(Error::scene(file.clone(), problem, "remove --assembly, or use another"));
     }
     check_spheres(total, true)?;
     let each = size_of::<[f64; 3]>() + size_of::<u8>() + unit.columns.len() * size_of::<f64>();
@@ -118,17 +118,18 @@ pub(super) fn build(
     Ok(whole)
 }
 
-/// The atoms by their chains, so that parts of many operators and files of many chains cost no more than they hold.
+/// The atoms grouped by chain, so that the cost of parts with many operators and of files with many chains stays
+/// proportional to their size.
 struct Members<'a> {
-    /// The chain of a name.
+    /// The index of a chain by its name.
     chains: HashMap<&'a [u8], usize>,
-    /// The atoms, chain by chain, each in the file's order; and where each chain begins.
+    /// The atoms, chain by chain, each in the file's order; and the beginning of each chain.
     atoms: Vec<usize>,
     starts: Vec<usize>,
 }
 
 impl<'a> Members<'a> {
-    /// Of atoms whose chains are indices of `names`.
+    /// Groups atoms whose chains are indices of `names`.
     fn of(chains: &[u32], names: &'a [Vec<u8>]) -> Result<Self> {
         let need = 8 * chains.len() + 64 * names.len();
         check(need as u64, || format!("the {} chains of the file", names.len()))?;
@@ -148,8 +149,8 @@ impl<'a> Members<'a> {
         Ok(Self { chains, atoms, starts })
     }
 
-    /// The chains of a part, each once.
-    fn chains_of(&self, part: &Part) -> Vec<usize> {
+    /// The chains of a part, without duplicates.
+    fn chains_of(&self, part: &AssemblyPart) -> Vec<usize> {
         let mut chains: Vec<usize> =
             part.chains.iter().filter_map(|name| self.chains.get(&name[..]).copied()).collect();
         chains.sort_unstable();
@@ -161,13 +162,13 @@ impl<'a> Members<'a> {
         &self.atoms[self.starts[chain]..self.starts[chain + 1]]
     }
 
-    /// How many atoms a part has.
-    fn count(&self, part: &Part) -> u64 {
+    /// The number of atoms of a part.
+    fn count(&self, part: &AssemblyPart) -> u64 {
         self.chains_of(part).into_iter().map(|chain| self.atoms_of(chain).len() as u64).sum()
     }
 
     /// The atoms of a part, in the file's order.
-    fn of_part(&self, part: &Part) -> Result<Vec<usize>> {
+    fn of_part(&self, part: &AssemblyPart) -> Result<Vec<usize>> {
         let mut atoms = room(self.count(part))?;
         self.chains_of(part).into_iter().for_each(|chain| atoms.extend(self.atoms_of(chain)));
         atoms.sort_unstable();
@@ -207,7 +208,7 @@ mod tests {
             ..Particles::default()
         };
         let names = [b"A".to_vec(), b"B".to_vec()];
-        let part = |chains: &[&[u8]], operators: &[(&str, Operator)]| Part {
+        let part = |chains: &[&[u8]], operators: &[(&str, Operator)]| AssemblyPart {
             chains: chains.iter().map(|name| name.to_vec()).collect(),
             operators: operators.iter().map(|(name, operator)| ((*name).to_owned(), *operator)).collect(),
         };
@@ -233,7 +234,7 @@ mod tests {
     fn a_frame_beyond_memory_is_refused_before_it_is_built() {
         let atoms = 1_000_000;
         let unit = Particles { positions: vec![[0.0; 3]; atoms], elements: vec![6; atoms], ..Particles::default() };
-        let part = Part { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };
+        let part = AssemblyPart { chains: vec![b"A".to_vec()], operators: vec![("1".into(), STEP); MOST_OPERATORS] };
         let assembly = Assembly { id: "1".into(), parts: vec![part] };
         let file = Place::file("text");
         let built = build(&assembly, unit, &vec![0; atoms], &[b"A".to_vec()], &file, &Watch::default()).map(drop);

@@ -1,28 +1,28 @@
-//! LAMMPS data: a header, and sections of which Atoms is read, Masses tells elements, and Velocities are columns;
-//! described at docs.lammps.org/read_data.html.
+//! LAMMPS data: a header, and sections. Atoms is read, Masses gives elements, and Velocities are columns; described at
+//! docs.lammps.org/read_data.html.
 
 use super::layout::{Layout, Role, wanted};
 use super::masses;
 use super::rows::surplus;
-use super::{Cell, Column, Frames, Particles};
+use super::{Cell, Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::{Ledger, check, check_ids, reserve};
 use crate::quote::{quote, unquoted};
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Word, Words};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 use crate::scene::style::elements::element;
 use std::collections::HashMap;
 
 /// The reader.
-pub(super) struct Data {
+pub(super) struct LammpsData {
     lines: Lines<Input>,
     wanted: Vec<String>,
     done: bool,
 }
 
-/// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is one.
+/// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
 const STYLES: [(&str, &str); 23] = [
     ("angle", "id mol type x y z"),
     ("atomic", "id type x y z"),
@@ -49,19 +49,19 @@ const STYLES: [(&str, &str); 23] = [
     ("tri", "id mol type triangleflag density x y z"),
 ];
 
-/// Lines that begin a section; whatever stands between two that are read is passed over.
+/// Lines that begin a section; lines between known sections are skipped.
 const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
 
-/// Bytes that a map and a list keep of a type beside its name, and of an atom by its number, while the map grows.
+/// Bytes per type (besides its name) and per atom number in a map and a list, while the map grows.
 const TYPE: usize = 128;
 const PLACE: u64 = 80;
 
-/// What the header tells.
+/// The content of the header.
 #[derive(Default)]
-struct Head {
+struct DataHeader {
     atoms: Option<u64>,
     types: u64,
-    /// Whether the file has ellipsoids, lines, triangles or bodies, whose atoms have columns of their own.
+    /// Whether the file has ellipsoids, lines, triangles or bodies, whose atoms have different columns.
     shaped: bool,
     low: [f64; 3],
     high: [f64; 3],
@@ -70,7 +70,7 @@ struct Head {
     general: [Option<[f64; 3]>; 4],
 }
 
-impl Head {
+impl DataHeader {
     fn cell(&self) -> Option<Cell> {
         if let [Some(a), Some(b), Some(c), origin] = self.general {
             return Some(Cell { origin: origin.unwrap_or_default(), edges: [a, b, c] });
@@ -82,32 +82,32 @@ impl Head {
     }
 }
 
-/// What the sections told besides the particles.
+/// The content of the sections besides the particles.
 #[derive(Default)]
-struct Found {
-    /// Types by name or number, as they were first met, and the mass of each.
+struct SectionData {
+    /// Types by name or number in order of first occurrence, and the mass of each.
     types: HashMap<String, usize>,
     masses: Vec<f64>,
     /// The type of every atom.
     of: Vec<u32>,
-    /// The number that every atom bears, where velocities are to be found by it.
+    /// The number of every atom, where velocities refer to it.
     ids: Vec<i64>,
     atoms: bool,
 }
 
-impl Data {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+impl LammpsData {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         let wanted = wanted(options.style.columns())?;
         Ok(Self { lines: Lines::new(source.reader, &source.path), wanted, done: false })
     }
 
     fn read(&mut self) -> Result<Particles> {
-        let (mut particles, mut found) = (Particles::default(), Found::default());
-        // The first line says what it likes.
+        let (mut particles, mut found) = (Particles::default(), SectionData::default());
+        // The first line is free text.
         let reduced = self.lines.advance()? && self.lines.text().contains("units = lj");
         let head = self.head()?;
         let count = head.atoms.ok_or_else(|| {
-            self.fail(0, "header", "the number of atoms is not known", "begin with a line such as 12 atoms")
+            self.fail(0, "header", "the number of atoms is not known", "add a line such as `12 atoms` to the header")
         })?;
         let mut there = self.is_section();
         while there || self.next_section()? {
@@ -115,18 +115,20 @@ impl Data {
                 "Masses" => self.masses(head.types, &mut found)?,
                 "Velocities" if found.atoms => self.velocities(count, &found, &mut particles)?,
                 "Velocities" => {
-                    let mend = "give the section Atoms before Velocities";
-                    return Err(self.fail(0, "Velocities", "of atoms that are not known yet", mend));
+                    let mend = "put the section Atoms before Velocities";
+                    return Err(self.fail(0, "Velocities", "the section Velocities comes before Atoms", mend));
                 }
-                _ if found.atoms => return Err(self.fail(0, "Atoms", "the atoms are given twice", "give them once")),
+                _ if found.atoms => {
+                    return Err(self.fail(0, "Atoms", "the section Atoms occurs twice", "remove one of them"));
+                }
                 _ => particles = self.atoms(count, &head, &mut found)?,
             }
-            // What follows the rows that were read is looked at already.
+            // The line after the rows was read already.
             there = self.is_section();
         }
         if !found.atoms && count > 0 {
-            let problem = format!("there is no section Atoms where {count} atoms are announced");
-            return Err(Error::scene(self.lines.file().named("Atoms"), problem, "give the atoms"));
+            let problem = format!("the section Atoms is missing, but the header has {count} atoms");
+            return Err(Error::scene(self.lines.file().named("Atoms"), problem, "add the section Atoms"));
         }
         particles.cell = head.cell();
         if !reduced {
@@ -135,9 +137,9 @@ impl Data {
         Ok(particles)
     }
 
-    /// The header, up to the first section: its line is the current one.
-    fn head(&mut self) -> Result<Head> {
-        let mut head = Head::default();
+    /// The header, up to the line of the first section, which becomes the current one.
+    fn head(&mut self) -> Result<DataHeader> {
+        let mut head = DataHeader::default();
         while self.lines.advance()? {
             let line = self.body();
             if line.starts_with(|c: char| c.is_ascii_uppercase()) {
@@ -153,8 +155,8 @@ impl Data {
             };
             let whole = || {
                 words[0].parse().map_err(|_| {
-                    let problem = format!("{} is no number of {}", quote(words[0]), words[1..].join(" "));
-                    self.fail(0, "header", problem, "give a whole number")
+                    let problem = format!("{} is not a number of {}", quote(words[0]), words[1..].join(" "));
+                    self.fail(0, "header", problem, "use a whole number")
                 })
             };
             match words[..] {
@@ -187,7 +189,7 @@ impl Data {
         SECTIONS.contains(&self.body())
     }
 
-    /// Passes over everything to the next section that is read.
+    /// Skips to the next known section.
     fn next_section(&mut self) -> Result<bool> {
         while self.lines.advance()? {
             if self.is_section() {
@@ -197,7 +199,7 @@ impl Data {
         Ok(false)
     }
 
-    /// The next line that says something, which must be there.
+    /// Reads the next line with content; its absence is an error.
     fn need(&mut self, section: &str, read: u64, count: u64) -> Result<()> {
         let mut what = "file";
         while self.lines.advance()? {
@@ -210,11 +212,10 @@ impl Data {
             }
         }
         let problem = format!("the {what} ends after {read} of {count} lines of {section}");
-        Err(self.fail(self.lines.text().len(), section, problem, "give as many lines as the header announces"))
+        Err(self.fail(self.lines.text().len(), section, problem, "give as many lines as the header says"))
     }
 
-    /// Goes to the next line that says something, and sees to it that it is none of the section's, of which there were to
-    /// be `count`.
+    /// Moves to the next line with content, and checks that it is not a row of the section, which has `count` rows.
     fn check_end(&mut self, section: &str, count: u64) -> Result<()> {
         let (what, number) = if section == "Masses" { ("atom types", 1) } else { ("atoms", 0) };
         let is_number = |word: &str| word.parse::<f64>().is_ok();
@@ -230,14 +231,14 @@ impl Data {
         Ok(())
     }
 
-    fn masses(&mut self, count: u64, found: &mut Found) -> Result<()> {
+    fn masses(&mut self, count: u64, found: &mut SectionData) -> Result<()> {
         let mut ledger = Ledger::default();
         for read in 0..count {
             self.need("Masses", read, count)?;
             let mut words = Words::of(&self.lines);
             let name = words.next().map_or_else(String::new, |word| word.text.to_owned());
             let Some(mass) = words.next() else {
-                let problem = "a type and its mass are wanted";
+                let problem = "expected a type and its mass";
                 return Err(self.fail(0, "Masses", problem, "give as many masses as there are atom types"));
             };
             let mass = mass.positive("mass")?;
@@ -248,7 +249,7 @@ impl Data {
         self.check_end("Masses", count)
     }
 
-    fn atoms(&mut self, count: u64, head: &Head, found: &mut Found) -> Result<Particles> {
+    fn atoms(&mut self, count: u64, head: &DataHeader, found: &mut SectionData) -> Result<Particles> {
         found.atoms = true;
         check_ids(count)?;
         let named = self.lines.text().split_once('#').map(|(_, style)| style.trim().to_owned()).unwrap_or_default();
@@ -262,13 +263,13 @@ impl Data {
             "" => (self.guess(head)?, false),
             name => (name.to_owned(), true),
         };
-        // The sub-styles of a hybrid are about what follows the coordinates.
+        // The sub-styles of a hybrid describe what follows the coordinates.
         let columns = if style == "hybrid" { Some("id type x y z") } else { None };
         let columns = columns.or_else(|| STYLES.iter().find(|(name, _)| *name == style).map(|(_, columns)| *columns));
         let Some(columns) = columns else {
             let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
-            let mend = format!("name one of {}", names.join(", "));
-            return Err(Error::scene(line.named(heading), format!("{} is no style of atoms", quote(&style)), mend));
+            let mend = format!("use one of {}", names.join(", "));
+            return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
         };
         let mut layout = Layout::default();
         for name in columns.split(' ') {
@@ -279,13 +280,13 @@ impl Data {
                 "diameter" => Role::Diameter,
                 _ => Role::Other,
             };
-            let twice = |problem| Error::scene(line.clone().named(heading), problem, "name each column once");
+            let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
             layout.add(name, role, &self.wanted).map_err(twice)?;
         }
         let mut particles = layout.begin();
         if !told {
             particles.skipped.assumed.push(format!(
-                "the atoms are read as of style {style} ({columns}) by their number of columns; `Atoms # {style}` says so"
+                "the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
             ));
         }
         let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
@@ -294,7 +295,7 @@ impl Data {
             if read > 0 {
                 self.need(heading, read, count)?;
             }
-            // Its type and its number are kept beside it.
+            // Its type and its number are stored beside it.
             particles.grow(1, size_of::<u32>() + size_of::<i64>())?;
             layout.row(&mut self.row(), &self.lines, &mut particles)?;
             self.remember(type_at, moving, found)?;
@@ -309,8 +310,8 @@ impl Data {
         Words::of(&self.lines).take_while(|word| !word.text.starts_with('#'))
     }
 
-    /// Keeps the type of the current line's atom, and its number if it will be asked for.
-    fn remember(&self, type_at: usize, moving: bool, found: &mut Found) -> Result<()> {
+    /// Stores the type of the current line's atom, and its number if it will be needed.
+    fn remember(&self, type_at: usize, moving: bool, found: &mut SectionData) -> Result<()> {
         for (place, word) in self.row().take(type_at + 1).enumerate() {
             if place == 0 && moving {
                 reserve(&mut found.ids, 1)?;
@@ -319,7 +320,7 @@ impl Data {
                 reserve(&mut found.of, 1)?;
                 found.of.push(match word.text.parse() {
                     Ok(number) => number,
-                    // A label, of a type that has a mass; else of none.
+                    // A label of a type that has a mass; other labels are unknown.
                     Err(_) => found.types.get(word.text).map_or(0, |place| *place as u32 + 1),
                 });
             }
@@ -327,10 +328,10 @@ impl Data {
         Ok(())
     }
 
-    /// The style that fits the atom of the current line.
-    fn guess(&self, head: &Head) -> Result<String> {
+    /// Guesses the style from the atom of the current line.
+    fn guess(&self, head: &DataHeader) -> Result<String> {
         let whole: Vec<bool> = self.row().take(16).map(|word| word.text.parse::<i64>().is_ok()).collect();
-        // Three whole numbers after the coordinates say in which image of the cell an atom is.
+        // Three whole numbers after the coordinates are image flags of the cell.
         let flags = if whole.len() >= 8 && whole.ends_with(&[true; 3]) { 3 } else { 0 };
         let style = match whole[..whole.len() - flags] {
             [true, true, _, _, _] => "atomic",
@@ -338,18 +339,18 @@ impl Data {
             [true, true, false, _, _, _] => "charge",
             [true, true, true, _, _, _, _] if !head.shaped => "full",
             _ => {
-                let problem = format!("the style of atoms with {} columns cannot be told", whole.len());
-                let mend = "write the style into the section's heading: Atoms # sphere";
+                let problem = format!("the style of atoms with {} columns is not known", whole.len());
+                let mend = "add the style to the section's heading, such as Atoms # sphere";
                 return Err(self.fail(0, "Atoms", problem, mend));
             }
         };
         Ok(style.to_owned())
     }
 
-    fn velocities(&mut self, count: u64, found: &Found, particles: &mut Particles) -> Result<()> {
+    fn velocities(&mut self, count: u64, found: &SectionData, particles: &mut Particles) -> Result<()> {
         particles.has.extend(["vx", "vy", "vz"].map(str::to_owned));
         if found.ids.is_empty() {
-            // Nobody asks for them: they are passed over.
+            // No velocities are requested, so the section is skipped.
             return self.lines.advance().map(drop);
         }
         let axes: Vec<usize> = (0..3)
@@ -365,7 +366,7 @@ impl Data {
             let id = words.next().map(|word| whole(&word)).transpose()?.unwrap_or(0);
             let mut atom = Some(read as usize).filter(|atom| found.ids[*atom] == id);
             if atom.is_none() {
-                // Only where they are not in the order of the atoms.
+                // Only if they are not in the order of the atoms.
                 if places.is_empty() {
                     check(PLACE * atoms, || format!("the numbers of {atoms} atoms"))?;
                     places.extend(found.ids.iter().enumerate().map(|(atom, id)| (*id, atom)));
@@ -373,8 +374,8 @@ impl Data {
                 atom = places.get(&id).copied();
             }
             let Some(atom) = atom else {
-                let problem = format!("{id} is the number of no atom");
-                return Err(self.fail(0, "Velocities", problem, "give the number of an atom"));
+                let problem = format!("no atom has the number {id}");
+                return Err(self.fail(0, "Velocities", problem, "use the number of an atom"));
             };
             let mut velocity = [f64::NAN; 3];
             for (component, name) in velocity.iter_mut().zip(["vx", "vy", "vz"]) {
@@ -403,13 +404,13 @@ fn is_velocity(name: &str) -> bool {
     ["vx", "vy", "vz"].iter().any(|velocity| name.eq_ignore_ascii_case(velocity))
 }
 
-/// A word as the number that an atom bears.
+/// Parses the number of an atom.
 fn whole(word: &Word<'_, Input>) -> Result<i64> {
     Ok(word.finite("id")? as i64)
 }
 
-/// Elements by the masses of the types, where those look like masses of atoms.
-fn name_elements(found: &Found, particles: &mut Particles) {
+/// Finds elements by the masses of the types, where those look like atomic masses.
+fn name_elements(found: &SectionData, particles: &mut Particles) {
     let Some(numbers) = masses::elements(&found.masses) else { return };
     let mut by_type: Vec<(&String, u8)> = found.types.iter().map(|(name, place)| (name, numbers[*place])).collect();
     by_type.sort_by_key(|(name, _)| found.types[*name]);
@@ -417,7 +418,7 @@ fn name_elements(found: &Found, particles: &mut Particles) {
     let told: Vec<_> =
         by_type.iter().take(32).map(|(name, number)| format!("{} {}", unquoted(name), symbol(*number))).collect();
     particles.skipped.assumed.push(format!("elements are taken from the masses of the types: {}", told.join(", ")));
-    // Types are numbered from 1, whatever order their masses have; labels were given the place of their mass.
+    // Types are numbered from 1, independent of the order of their masses; labels were given the index of their mass.
     let labels = by_type.iter().any(|(name, _)| name.parse::<u32>().is_err());
     let place = |of: u32| match labels {
         true => (of as usize).checked_sub(1),
@@ -428,7 +429,7 @@ fn name_elements(found: &Found, particles: &mut Particles) {
     particles.elements = found.of.iter().map(|of| table.get(*of as usize).copied().unwrap_or(0)).collect();
 }
 
-impl Frames for Data {
+impl ParticleFrames for LammpsData {
     fn next(&mut self) -> Result<Option<Particles>> {
         if std::mem::replace(&mut self.done, true) { Ok(None) } else { self.read().map(Some) }
     }
@@ -440,7 +441,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Ok(read_frames(text, columns, Data::new)?.remove(0))
+        Ok(read_frames(text, columns, LammpsData::new)?.remove(0))
     }
 
     const HEAD: &str = "by hand\n\n2 atoms # so many\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n";
@@ -508,25 +509,22 @@ mod tests {
         for (text, told) in [
             (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),
             (file("Atoms # atomic\n\n1 1 1 2 3\n\nVelocities\n"), ":13:11: Atoms: the section ends after 1 of 2 lines"),
-            (
-                file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"),
-                ":13:1: count: 2 atoms are announced, and 3 follow",
-            ),
-            (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: 2 atom types are announced, and 3 follow"),
+            (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"), ":13:1: count: expected 2 atoms, found 3"),
+            (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: expected 2 atom types, found 3"),
             (
                 file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n2 1 1 1\n1 1 1 1\n3 1 1 1\n\nBonds\n"),
-                ":18:1: count: 2 atoms are announced, and 3 follow",
+                ":18:1: count: expected 2 atoms, found 3",
             ),
-            ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: 0 atoms are announced, and 1 follow"),
-            ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than ids"),
+            ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: expected 0 atoms, found 1"),
+            ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than 32-bit ids"),
             (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
-            (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is no style"),
-            (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "cannot be told"),
+            (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is not an atom style"),
+            (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known"),
             (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
-            (file("Velocities\n\n"), "not known yet"),
+            (file("Velocities\n\n"), "comes before Atoms"),
             (file("Masses\n\n1\n"), ":11:1: Masses"),
             (file("Masses\n\n1 -1\n"), ":11:3: mass"),
-            (file("Bonds\n\n1 1 1 1\n"), "no section Atoms"),
+            (file("Bonds\n\n1 1 1 1\n"), "the section Atoms is missing"),
             ("title\n\nx atoms\n".into(), ":3:1: header"),
             ("title\n".into(), "the number of atoms is not known"),
         ] {

@@ -1,37 +1,37 @@
-//! LAMMPS dump: `ITEM:` by `ITEM:`, of which the atoms end a frame. Columns, scaled coordinates and the bounding box of
-//! a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
+//! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
+//! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::{rows, surplus};
-use super::{Cell, Frames, Particles};
+use super::{Cell, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Words};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 
 /// The reader.
 pub(super) struct Dump {
     lines: Lines<Input>,
     wanted: Vec<String>,
-    /// Whether the current line is still to be looked at.
+    /// Whether the current line has not been parsed yet.
     held: bool,
 }
 
-/// What stands before a frame's atoms; the line of their columns is the current one.
-struct Head {
+/// The sections before a frame's atoms; the line with their columns is the current one.
+struct DumpHeader {
     count: u64,
     cell: Option<Cell>,
 }
 
-/// Names of coordinates, best first: as they are, unwrapped, and as parts of the cell's edges.
+/// Names of coordinates in order of preference: plain, unwrapped, and as fractions of the cell's edges.
 const AXES: [([&str; 3], bool); 4] =
     [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
 
 impl Dump {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self {
             lines: Lines::new(source.reader, &source.path),
             wanted: wanted(options.style.columns())?,
@@ -39,7 +39,7 @@ impl Dump {
         })
     }
 
-    fn head(&mut self) -> Result<Option<Head>> {
+    fn head(&mut self) -> Result<Option<DumpHeader>> {
         let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
         loop {
             if !std::mem::take(&mut self.held) && !self.lines.advance()? {
@@ -50,8 +50,8 @@ impl Dump {
                 if foreign || text.is_empty() {
                     continue;
                 }
-                let problem = format!("{} is no ITEM", quote(text));
-                return Err(self.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS announces"));
+                let problem = format!("{} is not an ITEM", quote(text));
+                return Err(self.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS says"));
             };
             (begun, foreign) = (true, false);
             if item == "TIMESTEP" {
@@ -60,8 +60,8 @@ impl Dump {
                 self.need("NUMBER OF ATOMS")?;
                 let text = self.lines.text().trim();
                 let atoms = text.parse().map_err(|_| {
-                    let problem = format!("{} is no number of atoms", quote(text));
-                    self.fail(0, "NUMBER OF ATOMS", problem, "give a whole number")
+                    let problem = format!("{} is not a number of atoms", quote(text));
+                    self.fail(0, "NUMBER OF ATOMS", problem, "use a whole number")
                 })?;
                 check_ids(atoms)?;
                 count = Some(atoms);
@@ -70,11 +70,16 @@ impl Dump {
                 cell = Some(self.cell(&kind)?);
             } else if item.split_whitespace().next() == Some("ATOMS") {
                 let count = count.ok_or_else(|| {
-                    self.fail(0, "ITEM", "the number of atoms is not known", "give ITEM: NUMBER OF ATOMS before them")
+                    self.fail(
+                        0,
+                        "ITEM",
+                        "the number of atoms is not known",
+                        "add ITEM: NUMBER OF ATOMS before the atoms",
+                    )
                 })?;
-                return Ok(Some(Head { count, cell }));
+                return Ok(Some(DumpHeader { count, cell }));
             } else {
-                // UNITS, TIME and whatever else there may be.
+                // UNITS, TIME and other sections.
                 foreign = true;
             }
         }
@@ -106,14 +111,14 @@ impl Dump {
         for bound in &mut bounds[..count] {
             let Some(word) = words.next() else {
                 let end = self.lines.text().len();
-                return Err(self.fail(end, "BOX BOUNDS", format!("{count} numbers are wanted"), "give all of them"));
+                return Err(self.fail(end, "BOX BOUNDS", format!("expected {count} numbers"), "give all of them"));
             };
             *bound = word.finite("BOX BOUNDS")?;
         }
         Ok(bounds)
     }
 
-    /// The columns that the current line names, and whether coordinates are parts of the cell's edges.
+    /// The columns named by the current line, and whether coordinates are fractions of the cell's edges.
     fn layout(&self) -> Result<(Layout, bool)> {
         let names = || Words::of(&self.lines).skip(2);
         let at = names().next().map_or(self.lines.text().len(), |word| word.at);
@@ -131,13 +136,13 @@ impl Dump {
                 name => axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position),
             };
             if let Err(problem) = layout.add(word.text, role, &self.wanted) {
-                return fail(problem, "name each column once");
+                return fail(problem, "use each column name once");
             }
         }
         Ok((layout, scaled))
     }
 
-    /// Sees to it that no more atoms follow than `count`; the next line that is not blank is the current one then.
+    /// Checks that no more atoms follow than `count`; then the next line that is not blank is the current one.
     fn check_end(&mut self, count: u64, layout: &Layout) -> Result<()> {
         while self.lines.advance()? {
             if self.lines.text().trim().is_empty() {
@@ -151,14 +156,14 @@ impl Dump {
         Ok(())
     }
 
-    /// The next line, which must be there.
+    /// Reads the next line; its absence is an error.
     fn need(&mut self, what: &str) -> Result<()> {
         if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
     }
 
     fn ends(&self, what: &str) -> Error {
         let end = self.lines.text().len();
-        self.fail(end, what, "the file ends within a frame", "give as many atoms as the frame announces")
+        self.fail(end, what, "the file ends within a frame", "give as many atoms as the frame says")
     }
 
     fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
@@ -166,16 +171,21 @@ impl Dump {
     }
 }
 
-impl Frames for Dump {
+impl ParticleFrames for Dump {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(Head { count, cell }) = self.head()? else { return Ok(None) };
+        let Some(DumpHeader { count, cell }) = self.head()? else { return Ok(None) };
         let (layout, scaled) = self.layout()?;
         let mut particles = Particles { cell, ..layout.begin() };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
-                let mend = "give ITEM: BOX BOUNDS before the atoms";
-                return Err(self.fail(0, "ITEM: ATOMS", "coordinates are parts of a cell that is not known", mend));
+                let mend = "add ITEM: BOX BOUNDS before the atoms";
+                return Err(self.fail(
+                    0,
+                    "ITEM: ATOMS",
+                    "the coordinates are fractions of a cell that is not given",
+                    mend,
+                ));
             }
             _ => None,
         };
@@ -192,7 +202,7 @@ impl Frames for Dump {
     }
 
     fn skip(&mut self) -> Result<bool> {
-        let Some(Head { count, .. }) = self.head()? else { return Ok(false) };
+        let Some(DumpHeader { count, .. }) = self.head()? else { return Ok(false) };
         if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
     }
 }
@@ -247,7 +257,7 @@ mod tests {
     #[test]
     fn skipped_frames_are_not_parsed() {
         let text = frame(CUBE, "x y z", "no numbers here\nat all, at") + &frame(CUBE, "x y z", "1 2 3");
-        let mut dump = Dump::new(Source::of_text(&text), &ReadOptions::default()).expect("a dump");
+        let mut dump = Dump::new(SceneSource::of_text(&text), &ReadOptions::default()).expect("a dump");
         assert!(dump.skip().expect("the first"));
         assert_eq!(dump.next().expect("the second").expect("a frame").positions, [[1.0, 2.0, 3.0]]);
         assert!(!dump.skip().expect("the end"));
@@ -259,16 +269,16 @@ mod tests {
         for (text, told) in [
             (one("x y z", "1 2 b"), ":10:5: z: `b`"),
             (one("x y z", "1 2"), ":10:4: z"),
-            (one("x y z x", "1 2 3 4"), ":9:13: ITEM: ATOMS: `x` is given twice"),
+            (one("x y z x", "1 2 3 4"), ":9:13: ITEM: ATOMS: `x` occurs twice"),
             (one("x y zs", "1 2 3"), "no three columns"),
             (one("x y z radius", "1 2 3 0"), ":10:7: radius: `0` is not positive"),
-            (one("x y z", "1 2 3") + "4 5 6\n", ":11:1: count: 1 atoms are announced, and 2 follow"),
-            (one("x y z", "1 2 3") + "no row\n", ":11:1: ITEM: `no row` is no ITEM"),
+            (one("x y z", "1 2 3") + "4 5 6\n", ":11:1: count: expected 1 atoms, found 2"),
+            (one("x y z", "1 2 3") + "no row\n", ":11:1: ITEM: `no row` is not an ITEM"),
             (one("x y z", "1 2 3").replace("\n1\n", "\n2\n"), "the file ends within a frame"),
             (one("x y z", "1 2 3").replace("\n1\n", "\n-1\n"), ":4:1: NUMBER OF ATOMS"),
             (one("x y z", "1 2 3").replace("0 4", "0"), ":7:2: BOX BOUNDS"),
             ("ITEM: ATOMS x y z\n1 2 3\n".into(), "the number of atoms is not known"),
-            ("ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS xs ys zs\n1 2 3\n".into(), "a cell that is not known"),
+            ("ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS xs ys zs\n1 2 3\n".into(), "a cell that is not given"),
             ("ITEM: TIMESTEP\n".into(), "ends within"),
         ] {
             let error = read(&text, &[]).map(drop).expect_err(&text).to_string();

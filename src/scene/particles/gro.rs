@@ -1,44 +1,44 @@
 //! GROMACS coordinates: a title, a count, a line of fixed columns for every atom, and the box; frame after frame
-//! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres there and ångström here: ten
-//! times the numbers of the file. Velocities stay as they are written, nm/ps.
+//! (manual.gromacs.org/current/reference-manual/file-formats.html#gro). Lengths are nanometres in the file and are
+//! multiplied by ten to ångström. Velocities keep the file's unit, nm/ps.
 
-use super::infer::{self, Inference, Named};
+use super::infer::{self, AtomNames, Inference};
 use super::rows::surplus;
-use super::{Cell, Column, Frames, Particles};
+use super::{Cell, Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Words};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 use std::ops::Range;
 
 /// The reader.
 pub(super) struct Gro {
     lines: Lines<Input>,
-    wanted: Vec<Kind>,
-    /// Whether it was reported how elements were found.
+    wanted: Vec<GroColumn>,
+    /// Whether the way elements were found was reported.
     told: bool,
-    /// Whether the current line is still to be looked at.
+    /// Whether the current line has not been parsed yet.
     held: bool,
 }
 
-/// Numbers of an atom besides its place.
+/// The columns of an atom besides its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    /// Of its residue.
+enum GroColumn {
+    /// Number of its residue.
     Residue,
     Serial,
     Velocity(usize),
 }
 
-const KINDS: [(&str, Kind); 5] = [
-    ("residue", Kind::Residue),
-    ("serial", Kind::Serial),
-    ("vx", Kind::Velocity(0)),
-    ("vy", Kind::Velocity(1)),
-    ("vz", Kind::Velocity(2)),
+const KINDS: [(&str, GroColumn); 5] = [
+    ("residue", GroColumn::Residue),
+    ("serial", GroColumn::Serial),
+    ("vx", GroColumn::Velocity(0)),
+    ("vy", GroColumn::Velocity(1)),
+    ("vz", GroColumn::Velocity(2)),
 ];
 
 /// The columns before the coordinates, from 0.
@@ -48,11 +48,11 @@ const NAME: Range<usize> = 10..15;
 const SERIAL: Range<usize> = 15..20;
 const X: usize = 20;
 
-/// Ångström in a nanometre.
+/// Ångström per nanometre.
 const NANOMETRE: f64 = 10.0;
 
 impl Gro {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
         let kind = |name: &String| KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let wanted = options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect();
         Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false, held: false }
@@ -60,14 +60,14 @@ impl Gro {
 
     /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
-        // A title may be empty; blank lines behind the last frame are none.
+        // A title may be empty; blank lines after the last frame are not titles.
         let mut titled = false;
         while std::mem::take(&mut self.held) || self.lines.advance()? {
             let text = self.lines.text().trim();
             if titled && !text.is_empty() {
                 let count = text.parse().map_err(|_| {
-                    let problem = format!("{} is no number of atoms", quote(text));
-                    self.fail(0, "count", problem, "give a title, and below it the number of atoms")
+                    let problem = format!("{} is not a number of atoms", quote(text));
+                    self.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
                 })?;
                 return check_ids(count).map(|()| Some(count));
             }
@@ -81,7 +81,7 @@ impl Gro {
             return Ok(());
         }
         let end = self.lines.text().len();
-        Err(self.fail(end, what, "the file ends within a frame", "give as many atoms as announced, and the box"))
+        Err(self.fail(end, what, "the file ends within a frame", "give as many atoms as the count says, and the box"))
     }
 
     fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
@@ -97,18 +97,18 @@ impl Gro {
         std::str::from_utf8(self.field(columns)).ok()?.trim().parse().ok()
     }
 
-    /// The width of a coordinate: from point to point.
+    /// The width of a coordinate: the distance between decimal points.
     fn width(&self) -> Result<usize> {
         let rest = self.field(X..usize::MAX);
         let mut points = (0..rest.len()).filter(|k| rest[*k] == b'.');
         let [first, second] = [points.next(), points.next()];
         first.zip(second).map(|(first, second)| second - first).ok_or_else(|| {
-            let problem = "no two numbers with a decimal point stand behind column 20";
-            self.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates as %8.3f does")
+            let problem = "no two numbers with a decimal point follow column 20";
+            self.fail(X.min(self.lines.text().len()), "x", problem, "write coordinates in the format %8.3f")
         })
     }
 
-    /// Takes the atom of the current line.
+    /// Parses the atom of the current line.
     fn atom(&self, width: usize, particles: &mut Particles, inference: &mut Inference) -> Result<()> {
         particles.grow(1, infer::BYTES)?;
         let mut position = [0.0; 3];
@@ -119,35 +119,35 @@ impl Gro {
                 * found.ok_or_else(|| {
                     let found = self.field(at..at + width);
                     let blanks = found.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-                    let problem = format!("{} is no finite number", quote(found.trim_ascii()));
+                    let problem = format!("expected a finite number, found {}", quote(found.trim_ascii()));
                     let byte = (at + blanks % found.len().max(1)).min(self.lines.text().len());
-                    self.fail(byte, axis, problem, "write as many columns as the first atom of the frame has")
+                    self.fail(byte, axis, problem, "use the columns of the first atom of the frame")
                 })?;
         }
         let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
-        inference.push(&Named { symbol: b"", name, residue, site }, &mut particles.elements);
+        inference.push(&AtomNames { symbol: b"", name, residue, site }, &mut particles.elements);
         particles.positions.push(position);
         for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
             let columns = match kind {
-                Kind::Residue => RESIDUE,
-                Kind::Serial => SERIAL,
-                Kind::Velocity(k) => X + (3 + k) * width..X + (4 + k) * width,
+                GroColumn::Residue => RESIDUE,
+                GroColumn::Serial => SERIAL,
+                GroColumn::Velocity(k) => X + (3 + k) * width..X + (4 + k) * width,
             };
             column.values.push(self.number(columns).unwrap_or(f64::NAN));
         }
         Ok(())
     }
 
-    /// The error for a box that stands where atom `n`, from 0, is announced.
+    /// The error for a box in place of atom `n`, from 0.
     fn early_box(&self, n: u64, count: u64) -> Option<Error> {
         let numbers = Words::of(&self.lines).map(|word| word.text.parse().is_ok_and(f64::is_finite));
         let numbers: Vec<bool> = numbers.take(10).collect();
-        let problem = format!("{count} atoms are announced, and {n} stand before the box");
+        let problem = format!("expected {count} atoms, found {n} before the box");
         let is_box = matches!(numbers[..], [true, true, true]) || numbers.len() == 9 && numbers.iter().all(|is| *is);
-        is_box.then(|| self.fail(0, "count", problem, "announce as many as there are"))
+        is_box.then(|| self.fail(0, "count", problem, "correct the count"))
     }
 
-    /// Sees to it that the current line is no atom behind the last of `count`.
+    /// Checks that the current line is not an atom after the last of `count`.
     fn check_end(&mut self, width: usize, count: u64) -> Result<()> {
         let is_atom = |width: usize| move |lines: &Lines<Input>| is_atom(lines.text().as_bytes(), width);
         let width = if width > 0 { width } else { self.width().unwrap_or(0) };
@@ -167,8 +167,8 @@ impl Gro {
             [x, y, z] => [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]],
             [ax, by, cz, ay, az, bx, bz, cx, cy] => [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
             _ => {
-                let problem = format!("{} numbers make no box", numbers.len());
-                return Err(self.fail(0, "box", problem, "give 3 or 9; is the number of atoms right?"));
+                let problem = format!("a box has {} numbers", numbers.len());
+                return Err(self.fail(0, "box", problem, "use 3 or 9, and check the number of atoms"));
             }
         };
         let some = numbers.iter().any(|x| *x != 0.0);
@@ -176,8 +176,8 @@ impl Gro {
     }
 }
 
-/// Where the numbers of a word begin, and its end. Numbers too long for their columns have no blank between them: each ends
-/// as many digits behind its point as the last does.
+/// The positions of the numbers in a word, and its end. Numbers too long for their columns have no blank between them:
+/// each has as many decimals as the last.
 fn fields(word: &str) -> Vec<usize> {
     let mut ends = vec![0];
     if let Some(last) = word.rfind('.') {
@@ -189,7 +189,8 @@ fn fields(word: &str) -> Vec<usize> {
     ends
 }
 
-/// Whether a line has the columns of an atom: its number, and three coordinates of this width with a decimal point each.
+/// Whether a line has the columns of an atom: its number, and three coordinates of this width with a decimal point
+/// each.
 fn is_atom(line: &[u8], width: usize) -> bool {
     let field = |from: usize, to: usize| line.get(from..to.min(line.len())).unwrap_or_default().trim_ascii();
     let number = |field: &[u8]| std::str::from_utf8(field).is_ok_and(|text| text.parse::<f64>().is_ok());
@@ -205,11 +206,11 @@ fn is_atom(line: &[u8], width: usize) -> bool {
         && (0..3).all(|k| number(coordinate(k)) && coordinate(k).contains(&b'.'))
 }
 
-impl Frames for Gro {
+impl ParticleFrames for Gro {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         let mut particles = Particles::default();
-        let name = |kind: &Kind| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
+        let name = |kind: &GroColumn| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
         particles.columns =
             self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
         let (mut width, mut moving, mut inference) = (0, false, Inference::new(false));
@@ -227,14 +228,14 @@ impl Frames for Gro {
         self.need("box")?;
         self.check_end(width, count)?;
         particles.cell = self.cell()?;
-        // What follows the box is the next frame's title, and no atom.
+        // The line after the box is the next frame's title, not an atom.
         self.held = self.lines.advance()?;
         self.check_end(width, count)?;
-        let there = |kind: Kind| moving || !matches!(kind, Kind::Velocity(_));
+        let there = |kind: GroColumn| moving || !matches!(kind, GroColumn::Velocity(_));
         particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
         particles.columns.retain(|column| particles.has.contains(&column.name));
         let said = particles.infer(inference);
-        // Every frame would say the same.
+        // All frames would have the same message.
         if !std::mem::replace(&mut self.told, true) {
             particles.skipped.assumed.extend(said);
         }
@@ -261,7 +262,7 @@ mod tests {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
         let scale = Scale { columns, map: None, range: None, log: false };
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        Gro::new(Source::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
+        Gro::new(SceneSource::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
     }
 
     fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
@@ -269,7 +270,7 @@ mod tests {
         std::iter::from_fn(|| gro.next().transpose()).collect()
     }
 
-    /// The manual's example, first atoms; and a frame of five decimals with another box.
+    /// The first atoms of the manual's example; and a frame with five decimals and another box.
     const TWO: &str = "\
 MD of 2 waters, t= 0.0
     3
@@ -287,7 +288,7 @@ MD of 2 waters, t= 0.0
     fn frames_are_read_in_angstrom_by_the_width_that_decimals_give() {
         let frames = read(TWO, &["VX", "vz", "residue", "serial"]).expect("two frames");
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= b.abs() * f64::EPSILON);
-        // One rounding for the decimal number, one for its tenfold.
+        // One rounding for the decimal number, one for the multiplication by ten.
         assert!(close(frames[0].positions[0], [1.26, 16.24, 16.79]), "{:?}", frames[0].positions);
         assert!(close(frames[0].positions[2], [-1001.77, -2005.68, -3006.13]), "{:?}", frames[0].positions);
         assert_eq!(frames[0].elements, [8, 1, 1]);
@@ -321,7 +322,7 @@ MD of 2 waters, t= 0.0
             edges("1.00000 20000.0000030000.00000 0.0 0.0 1.0 0.00000-10000.00000-20000.00000").expect("a box");
         assert_eq!(tilted[2], [-1e5, -2e5, 3e5]);
         let error = edges("40000.0000040000.0000x50000.00000").expect_err("no number").to_string();
-        assert!(error.contains("text:6:12: box: `40000.0000x` is no number"), "{error}");
+        assert!(error.contains("text:6:12: box: `40000.0000x` is not a number"), "{error}");
     }
 
     #[test]
@@ -336,22 +337,22 @@ MD of 2 waters, t= 0.0
         assert_eq!(frames[0].columns[0].values, [1.0, 4.0, 3.0]);
         assert_eq!(frames[0].columns[1].values, [0.1227, 1.0, -0.9045]);
         assert_eq!(frames[0].positions.len(), 3);
-        assert!(frames[0].skipped.assumed.contains(&"1 virtual sites are left out (1 `MW`): they are no atoms".into()));
+        assert!(frames[0].skipped.assumed.contains(&"1 virtual site left out (1 `MW`)".into()));
     }
 
     #[test]
     fn errors_are_reported_with_line_and_column() {
         for (old, new, place) in [
             ("    3\n", "three\n", "text:2:1: count"),
-            ("    3\n", "9999999999999\n", "9999999999999 spheres are more than ids"),
-            ("    3\n", "    4\n", "text:6:1: count: 4 atoms are announced, and 3 stand before the box"),
-            ("    3\n", "    2\n", "text:5:1: count: 2 atoms are announced, and 3 follow"),
-            ("    3\n", "    0\n", "text:3:1: count: 0 atoms are announced, and 3 follow"),
-            ("   1.624   1.679  0.1", "   1.six   1.679  0.1", "text:3:32: y: `1.six`"),
+            ("    3\n", "9999999999999\n", "9999999999999 spheres are more than 32-bit ids"),
+            ("    3\n", "    4\n", "text:6:1: count: expected 4 atoms, found 3 before the box"),
+            ("    3\n", "    2\n", "text:5:1: count: expected 2 atoms, found 3"),
+            ("    3\n", "    0\n", "text:3:1: count: expected 0 atoms, found 3"),
+            ("   1.624   1.679  0.1", "   1.six   1.679  0.1", "text:3:32: y: expected a finite number, found `1.six`"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "   0.126   1.624", "text:3:37: z"),
             ("   0.126   1.624   1.679  0.1227 -0.0580  0.0434", "", "text:3:21: x: no two numbers"),
-            ("  0.190", "    inf", "text:4:26: x: `inf`"),
-            ("   1.82060   1.82060   1.82060", "   1.82060   1.82060", "text:6:1: box: 2 numbers"),
+            ("  0.190", "    inf", "text:4:26: x: expected a finite number, found `inf`"),
+            ("   1.82060   1.82060   1.82060", "   1.82060   1.82060", "text:6:1: box: a box has 2 numbers"),
             (" 1 2 3 0 0 0.25 0 0.5 0.75\n", "", "ends within a frame"),
             ("WATER  OW1    1   0.126", "W\u{fc}TER \u{20ac}W1    1   0.126", "text:3:"),
         ] {
@@ -364,7 +365,7 @@ MD of 2 waters, t= 0.0
     fn no_bytes_cause_a_panic() {
         let mut bytes = TWO.as_bytes().to_vec();
         let with = |bytes: &[u8]| {
-            let mut gro = Gro::new(Source::of_bytes(bytes), &ReadOptions::default());
+            let mut gro = Gro::new(SceneSource::of_bytes(bytes), &ReadOptions::default());
             (0..4).map(|_| gro.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
         };
         assert_eq!(with(&bytes), 4);

@@ -1,6 +1,6 @@
-//! Elements and virtual sites where a file gives names instead. Atoms are taken one by one and decided residue by residue,
-//! for what a name means depends on its neighbours: `CA` is calcium where it is alone and carbon in a chain. Only what
-//! depends on the whole file, whether its names stand in the columns of the PDB format, waits until the end.
+//! Infers elements and virtual sites from names. Atoms are added one by one and decided residue by residue, because the
+//! meaning of a name depends on its neighbours: `CA` is calcium where it is alone and carbon in a chain. Whether names
+//! are aligned in the columns of the PDB format depends on the whole file and is decided at the end.
 
 mod residues;
 pub(super) mod rules;
@@ -8,46 +8,46 @@ mod species;
 
 pub(in crate::scene) use species::Species;
 
-use crate::quote::quote;
-use residues::{Class, class};
-use rules::{How, Site};
+use crate::quote::{count, quote};
+use residues::{ResidueClass, class};
+use rules::{InferenceRule, Site};
 use std::collections::BTreeMap;
 
-/// Codes of what is not decided or is no element, above all atomic numbers.
+/// Codes of atoms that are undecided or not elements, above all atomic numbers.
 const UNKNOWN: u8 = 128;
 const VIRTUAL: u8 = u8::MAX;
 
-/// Unknown names that are told apart; the rest counts together.
+/// The most unknown names that are counted separately; the others are counted together.
 const NAMES: usize = 16;
 
-/// Bytes that are kept of an atom beside its code, at most, while the list of them doubles.
+/// The most bytes per atom, besides its code, while the list of them grows.
 pub(super) const BYTES: usize = 2 * size_of::<(usize, u8)>();
 
-/// More atoms than any residue has. A file that numbers nothing is one residue; what is known of a part of it will do.
+/// The most atoms in a residue. A file without residue numbers is one residue, of which a part is sufficient.
 const RESIDUE: usize = 1 << 12;
 
-/// An atom as a file names it.
-pub(super) struct Named<'a> {
-    /// What stands where an element belongs; empty where nothing does.
+/// The names of an atom.
+pub(super) struct AtomNames<'a> {
+    /// The content of the element column; may be empty.
     pub(super) symbol: &'a [u8],
-    /// The name; in PDB files with its blanks, as the columns have it.
+    /// The name; in PDB files with its blanks.
     pub(super) name: &'a [u8],
     /// The residue's name.
     pub(super) residue: &'a [u8],
-    /// Whatever tells the residue from the one before it.
+    /// Everything that distinguishes the residue from the one before it.
     pub(super) site: &'a [u8],
 }
 
 /// An atom of the current residue.
-struct Member {
+struct ResidueAtom {
     index: usize,
     name: [u8; 8],
     length: u8,
-    /// Whether its element is to be found.
+    /// Whether its element is to be inferred.
     open: bool,
 }
 
-impl Member {
+impl ResidueAtom {
     fn raw(&self) -> &[u8] {
         &self.name[..usize::from(self.length)]
     }
@@ -57,14 +57,14 @@ impl Member {
     }
 }
 
-/// How names stand in the columns of a PDB file.
+/// Statistics on how names are aligned in the columns of a PDB file.
 #[derive(Default)]
 struct Evidence {
-    /// Short names that begin in the first column though their symbol has one letter.
+    /// Short names that begin in the first column although their symbol has one letter.
     left: u64,
     /// Short names that begin in the second column.
     second: u64,
-    /// Symbols of two letters where they belong, and a column too far to the right.
+    /// Symbols of two letters in the right columns, and one column too far to the right.
     placed: u64,
     shifted: u64,
 }
@@ -91,20 +91,20 @@ impl Evidence {
         }
     }
 
-    /// Whether names are aligned as the format says.
+    /// Whether names are aligned as in the format.
     fn is_standard(&self) -> bool {
         self.left <= self.second && (self.shifted == 0 || self.placed > 0)
     }
 }
 
-/// What was found of a whole model.
+/// The result for a whole model.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Inferred {
-    /// Atoms without an element in the file, by [`How`] it was found.
+    /// Atoms without an element in the file, by [`InferenceRule`] it was found.
     counts: [u64; 4],
     unknown: u64,
     beads: u64,
-    /// Whether PDB names do not stand in their columns.
+    /// Whether PDB names are not in their columns.
     astray: bool,
     /// Virtual sites by name.
     sites: BTreeMap<String, u64>,
@@ -113,7 +113,7 @@ pub(super) struct Inferred {
 }
 
 impl Inferred {
-    /// What there is to report, of `met` atoms.
+    /// The messages about a model with `met` atoms.
     pub(super) fn sentences(&self, met: u64) -> Vec<String> {
         let mut said = Vec::new();
         let named: u64 = self.counts.iter().sum::<u64>() + self.unknown;
@@ -141,42 +141,42 @@ impl Inferred {
             if self.sites.len() > NAMES {
                 names.push("others".into());
             }
-            said.push(format!("{total} virtual sites are left out ({}): they are no atoms", names.join(", ")));
+            said.push(format!("{} left out ({})", count(total, "virtual site"), names.join(", ")));
         }
         said
     }
 
-    /// How many particles are no atoms and are left out.
+    /// The number of particles that are not atoms and are left out.
     pub(super) fn sites(&self) -> u64 {
         self.sites.values().sum()
     }
 }
 
-/// Finds elements. The caller keeps them; codes above all atomic numbers stand for what is not decided.
+/// Infers elements. The caller stores them; codes above all atomic numbers mark undecided atoms.
 #[derive(Default)]
 pub(super) struct Inference {
     /// Whether names have the columns of the PDB format.
     columns: bool,
     site: Vec<u8>,
     residue: Vec<u8>,
-    members: Vec<Member>,
+    members: Vec<ResidueAtom>,
     open: usize,
     evidence: Evidence,
-    /// Atoms that columns and names tell differently: what the name tells.
+    /// Atoms for which columns and name give different elements: the name's element.
     late: Vec<(usize, u8)>,
-    /// Atoms that both tell alike.
+    /// Atoms for which both give the same.
     alike: u64,
     found: Inferred,
 }
 
 impl Inference {
-    /// `columns` says whether names come with the four columns of the PDB format.
+    /// `columns` says whether names include the four columns of the PDB format.
     pub(super) fn new(columns: bool) -> Self {
         Self { columns, ..Self::default() }
     }
 
-    /// Takes the atom that follows the last of `elements` and appends it there.
-    pub(super) fn push(&mut self, atom: &Named<'_>, elements: &mut Vec<u8>) {
+    /// Adds the atom after the last of `elements` and appends its code there.
+    pub(super) fn push(&mut self, atom: &AtomNames<'_>, elements: &mut Vec<u8>) {
         if self.site != atom.site || self.residue != atom.residue || self.members.len() == RESIDUE {
             self.decide(elements);
             self.site.clear();
@@ -185,14 +185,14 @@ impl Inference {
             self.residue.extend(atom.residue);
         }
         let symbol = rules::of_symbol(atom.symbol);
-        let mut member = Member { index: elements.len(), name: [0; 8], length: 0, open: symbol == 0 };
-        // Longer names are told apart well enough by their beginning.
+        let mut member = ResidueAtom { index: elements.len(), name: [0; 8], length: 0, open: symbol == 0 };
+        // The beginning of a longer name is distinctive enough.
         let length = atom.name.len().min(member.name.len());
         member.name[..length].copy_from_slice(&atom.name[..length]);
         member.length = length as u8;
         self.open += usize::from(member.open);
         elements.push(symbol);
-        // `X` says that nobody knows.
+        // `X` means that the element is unknown.
         if member.open && atom.symbol.trim_ascii().eq_ignore_ascii_case(b"X") && !is_virtual(member.name(), None) {
             member.open = false;
             self.open -= 1;
@@ -202,11 +202,12 @@ impl Inference {
         self.members.push(member);
     }
 
-    /// Decides what is left. Virtual sites have the code that [`is_site`] knows, unknown atoms are numbered by their names.
+    /// Decides the remaining atoms. Virtual sites have the code of [`is_site`], unknown atoms are numbered by their
+    /// names.
     pub(super) fn finish(mut self, elements: &mut [u8]) -> Inferred {
         self.decide(elements);
         let standard = self.evidence.is_standard();
-        let how = if standard { How::Columns } else { How::Name };
+        let how = if standard { InferenceRule::Columns } else { InferenceRule::Name };
         self.found.counts[how as usize] += self.alike;
         self.found.astray = !standard;
         for (index, by_name) in std::mem::take(&mut self.late) {
@@ -234,7 +235,7 @@ impl Inference {
         self.members.clear();
     }
 
-    fn decide_one(&mut self, member: &Member, residue: &Residue) -> u8 {
+    fn decide_one(&mut self, member: &ResidueAtom, residue: &Residue) -> u8 {
         let name = member.name();
         let (site, how) = residue.site(name);
         if self.columns {
@@ -268,7 +269,7 @@ impl Inference {
                 self.late.push((member.index, code));
                 return element;
             }
-            None if code < UNKNOWN => self.found.counts[How::Name as usize] += 1,
+            None if code < UNKNOWN => self.found.counts[InferenceRule::Name as usize] += 1,
             None => self.found.unknown += 1,
         }
         code
@@ -288,12 +289,12 @@ impl Inference {
     }
 }
 
-/// Whether this code is a virtual site's.
+/// Whether this code means a virtual site.
 pub(super) fn is_site(code: u8) -> bool {
     code == VIRTUAL
 }
 
-/// The place of an unknown atom's name in [`Inferred::names`].
+/// The index of an unknown atom's name in [`Inferred::names`].
 pub(super) fn unknown(code: u8) -> Option<usize> {
     (code >= UNKNOWN && code != VIRTUAL).then(|| usize::from(code - UNKNOWN))
 }
@@ -301,30 +302,30 @@ pub(super) fn unknown(code: u8) -> Option<usize> {
 /// What is known of a residue as a whole.
 struct Residue {
     name: Vec<u8>,
-    class: Option<Class>,
-    /// Whether all its atoms have one name.
+    class: Option<ResidueClass>,
+    /// Whether all its atoms have the same name.
     alone: bool,
     /// Whether it is coarse-grained.
     beads: bool,
-    /// Whether it has the particles that the Drude model adds to heavy atoms.
+    /// Whether it has Drude particles on heavy atoms.
     drude: bool,
-    /// Whether it has the atoms of a chain's backbone.
+    /// Whether it has the backbone atoms of a chain.
     chain: bool,
-    /// Whether its names do not stand in the columns of the PDB format.
+    /// Whether its names are not in the columns of the PDB format.
     astray: bool,
 }
 
 impl Residue {
-    fn of(members: &[Member], name: &[u8], columns: bool) -> Self {
+    fn of(members: &[ResidueAtom], name: &[u8], columns: bool) -> Self {
         let name = name.trim_ascii().to_ascii_uppercase();
         let has = |wanted: &[u8]| members.iter().any(|member| member.name() == wanted);
-        let first = members.first().map(Member::name).unwrap_or_default();
+        let first = members.first().map(ResidueAtom::name).unwrap_or_default();
         let alone = members.iter().all(|member| member.name() == first);
         let class = class(&name);
-        // No atomistic model calls an atom so.
+        // Atomistic models do not use these names.
         let beads =
             ["BB", "BAS", "BB1", "GL1", "GL2", "PO4", "NC3", "ROH", "AM1"].iter().any(|bead| has(bead.as_bytes()))
-                || class == Some(Class::Bead);
+                || class == Some(ResidueClass::Bead);
         let mut evidence = Evidence::default();
         if columns {
             members.iter().for_each(|member| evidence.take(member.raw(), None));
@@ -334,46 +335,46 @@ impl Residue {
         Self { name, class, alone, beads, drude, chain, astray: evidence.left > evidence.second }
     }
 
-    /// What stands at an atom's place, where it does not depend on columns, and which rule says so.
-    fn site(&self, name: &[u8]) -> (Site, How) {
+    /// The site of a name and the rule that gives it, where it does not depend on columns.
+    fn site(&self, name: &[u8]) -> (Site, InferenceRule) {
         if is_virtual(name, self.class) || self.drude && name.starts_with(b"D") {
-            return (Site::Virtual, How::Name);
+            return (Site::Virtual, InferenceRule::Name);
         }
         if self.beads {
-            return (Site::Bead, How::Name);
+            return (Site::Bead, InferenceRule::Name);
         }
         if let Some(element) = self.alone.then(|| rules::ion(name, &self.name, self.class)).flatten() {
-            return (Site::Element(element), How::Ion);
+            return (Site::Element(element), InferenceRule::Ion);
         }
         if let Some(element) = self.class.and_then(|_| rules::in_residue(name, &self.name)) {
-            return (Site::Element(element), How::Residue);
+            return (Site::Element(element), InferenceRule::Residue);
         }
-        // In a chain, or in a trace of one: a residue of calcium alone is called so.
+        // In a chain, or in a trace of one; the residue of a calcium ion has its name.
         if name == b"CA" && (self.chain || self.alone) {
-            return (Site::Element(6), How::Name);
+            return (Site::Element(6), InferenceRule::Name);
         }
-        (Site::Unknown, How::Name)
+        (Site::Unknown, InferenceRule::Name)
     }
 }
 
-/// Massless sites of force fields: charges of water models beside the oxygen (`MW` of GROMACS, `OM` of CHARMM, `EPW` of AMBER,
-/// `LP1`), lone pairs of halogens (`LP`), dummies around metals (`DM1`), masses of rigid groups in GROMACS (`MCB1`),
-/// pseudo-atoms of NMR (`QB`).
-fn is_virtual(name: &[u8], class: Option<Class>) -> bool {
+/// Massless sites of force fields: charges of water models beside the oxygen (`MW` of GROMACS, `OM` of CHARMM, `EPW` of
+/// AMBER, `LP1`), lone pairs of halogens (`LP`), dummies around metals (`DM1`), masses of rigid groups in GROMACS
+/// (`MCB1`), pseudo-atoms of NMR (`QB`).
+fn is_virtual(name: &[u8], class: Option<ResidueClass>) -> bool {
     let letters = rules::letters(name).to_ascii_uppercase();
     match &letters[..] {
         b"MW" | b"EP" | b"EPW" | [b'L', b'P', ..] => true,
         b"DM" | b"DU" | b"DUM" => class.is_none(),
-        b"M" | b"OM" | b"IW" | b"L" => class == Some(Class::Water),
-        [b'M' | b'Q', ..] => class == Some(Class::Protein),
+        b"M" | b"OM" | b"IW" | b"L" => class == Some(ResidueClass::Water),
+        [b'M' | b'Q', ..] => class == Some(ResidueClass::Protein),
         _ => false,
     }
 }
 
-/// Whether most heavy atoms of a residue have a partner named as they are behind a D. Deuterium is named as the hydrogen
-/// it stands for, behind whose first letter no heavy atom's name is left.
-fn is_drude(members: &[Member]) -> bool {
-    let mut names: Vec<&[u8]> = members.iter().map(Member::name).collect();
+/// Whether most heavy atoms of a residue have a partner with the same name after a D. Deuterium has the name of the
+/// hydrogen that it replaces, in which no heavy atom's name follows the first letter.
+fn is_drude(members: &[ResidueAtom]) -> bool {
+    let mut names: Vec<&[u8]> = members.iter().map(ResidueAtom::name).collect();
     names.sort_unstable();
     let heavy = |name: &&&[u8]| matches!(rules::letters(name).first(), Some(b'C' | b'N' | b'O' | b'S' | b'P'));
     let (mut atoms, mut pairs) = (0, 0);

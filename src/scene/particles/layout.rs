@@ -1,5 +1,5 @@
-//! Columns by name: which of them are places, radii, colours and elements, and which are asked for. The formats whose
-//! columns have names share it.
+//! Columns by name: positions, radii, colours, elements, and requested columns. All formats with named columns share
+//! it.
 
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
@@ -9,10 +9,10 @@ use crate::scene::lines::{Lines, Word};
 use crate::scene::style::elements::element;
 use std::io::BufRead;
 
-/// What a column is.
+/// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// A coordinate, of axis 0, 1 or 2.
+    /// A coordinate of axis 0, 1 or 2.
     Position(usize),
     Radius,
     Diameter,
@@ -22,9 +22,9 @@ pub(crate) enum Role {
     Symbol,
     /// An atomic number.
     Number,
-    /// No number; passed over.
+    /// Text; skipped.
     Text,
-    /// A number that is read where it is asked for.
+    /// A number that is read only if it is requested.
     Other,
 }
 
@@ -32,9 +32,9 @@ pub(crate) enum Role {
 #[derive(Debug, Default)]
 pub(crate) struct Layout {
     slots: Vec<Slot>,
-    /// The columns that are asked for and here.
-    asked: Vec<String>,
-    /// The names of all columns of numbers.
+    /// The requested columns that the file has.
+    requested: Vec<String>,
+    /// The names of all numeric columns.
     has: Vec<String>,
     /// Bytes of all names.
     named: usize,
@@ -44,29 +44,30 @@ pub(crate) struct Layout {
 struct Slot {
     name: String,
     role: Role,
-    /// Which of the columns asked for it is.
-    asked: Option<usize>,
-    /// Of which of the columns asked for, a vector's length, it is a component; and whether the first.
+    /// Its index among the requested columns.
+    requested: Option<usize>,
+    /// For a component of a vector whose length is requested: the index among the requested columns, and whether it is
+    /// the first component.
     part: Option<(usize, bool)>,
 }
 
-/// A particle in the making.
+/// A particle that is being read.
 #[derive(Default)]
 struct Making {
     position: [f64; 3],
     color: Option<[f32; 3]>,
-    /// The byte its colour begins at.
+    /// The byte at which its colour begins.
     color_at: usize,
 }
 
-/// More columns than any file has.
+/// The most columns.
 const MOST: usize = 4096;
 
-/// Bytes of their names: a vector's components each bear its name.
+/// The most bytes of their names; every component of a vector has its own name.
 const MOST_NAMED: usize = 1 << 20;
 
 impl Layout {
-    /// One more column. What stands twice, and which of the two is meant cannot be told, is a problem.
+    /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
     pub(crate) fn add(&mut self, name: &str, role: Role, wanted: &[String]) -> Result<(), String> {
         if self.slots.len() == MOST {
             return Err(format!("more than {MOST} columns"));
@@ -76,9 +77,9 @@ impl Layout {
             return Err(format!("the names of the columns have more than {MOST_NAMED} bytes"));
         }
         if !matches!(role, Role::Other | Role::Text) && self.slots.iter().any(|slot| slot.role == role) {
-            return Err(format!("{} is given twice", quote(name)));
+            return Err(format!("{} occurs twice", quote(name)));
         }
-        // Two ways of saying the same: the first is taken.
+        // Two columns with the same meaning: the first is used.
         let role = match role {
             Role::Number if self.contains(Role::Symbol) => Role::Other,
             Role::Symbol if self.contains(Role::Number) => Role::Text,
@@ -87,37 +88,37 @@ impl Layout {
             role => role,
         };
         let name = name.to_lowercase();
-        let mut slot = Slot { name, role, asked: None, part: None };
+        let mut slot = Slot { name, role, requested: None, part: None };
         if !matches!(role, Role::Symbol | Role::Text) {
             self.has.push(slot.name.clone());
             if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&slot.name)) {
-                if self.asked.contains(&slot.name) {
-                    return Err(format!("{} is given twice", quote(&slot.name)));
+                if self.requested.contains(&slot.name) {
+                    return Err(format!("{} occurs twice", quote(&slot.name)));
                 }
-                slot.asked = Some(self.asked.len());
-                self.asked.push(slot.name.clone());
+                slot.requested = Some(self.requested.len());
+                self.requested.push(slot.name.clone());
             }
         }
         self.slots.push(slot);
         Ok(())
     }
 
-    /// The last `count` columns are a vector of this name, whose length can be asked for.
+    /// Declares the last `count` columns as a vector of this name, whose length can be requested.
     pub(crate) fn vector(&mut self, name: &str, count: usize, wanted: &[String]) {
         if count < 2
-            || self.asked.iter().any(|asked| asked == name)
+            || self.requested.iter().any(|requested| requested == name)
             || !wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
         {
             return;
         }
         let from = self.slots.len() - count;
         for (k, slot) in self.slots[from..].iter_mut().enumerate() {
-            slot.part = Some((self.asked.len(), k == 0));
+            slot.part = Some((self.requested.len(), k == 0));
         }
-        self.asked.push(name.to_owned());
+        self.requested.push(name.to_owned());
     }
 
-    /// Columns of a row.
+    /// The number of columns.
     pub(crate) fn len(&self) -> usize {
         self.slots.len()
     }
@@ -127,23 +128,23 @@ impl Layout {
         self.slots.iter().any(|slot| slot.role == role)
     }
 
-    /// What a column is.
+    /// The meaning of a column.
     pub(crate) fn role(&self, column: usize) -> Role {
         self.slots[column].role
     }
 
-    /// Particles without any yet, with a place for every column that is asked for.
+    /// An empty list of particles with a list for every requested column.
     pub(crate) fn begin(&self) -> Particles {
         Particles { has: self.has.clone(), ..self.begin_part() }
     }
 
-    /// The same for a part of them, which need not know what else the file has.
+    /// The same for a part of the file, without the names of the other columns.
     pub(crate) fn begin_part(&self) -> Particles {
-        let columns = self.asked.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
+        let columns = self.requested.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
         Particles { columns, ..Particles::default() }
     }
 
-    /// Takes a particle from the words of a line; what follows the last column is left.
+    /// Adds a particle from the words of a line; words after the last column are ignored.
     pub(crate) fn row<'a, R: BufRead + 'a>(
         &self,
         words: &mut impl Iterator<Item = Word<'a, R>>,
@@ -154,9 +155,9 @@ impl Layout {
         let mut making = Making::default();
         for (count, slot) in self.slots.iter().enumerate() {
             let Some(word) = words.next() else {
-                let problem = format!("{count} fields where {} are announced", self.slots.len());
+                let problem = format!("expected {} fields, found {count}", self.slots.len());
                 let place = lines.place(lines.text().len()).named(&slot.name);
-                return Err(Error::scene(place, problem, "give one field per column"));
+                return Err(Error::scene(place, problem, "use one field per column"));
             };
             slot.word(&word, &mut making, particles)?;
         }
@@ -168,10 +169,10 @@ impl Layout {
         Ok(())
     }
 
-    /// Takes a particle from a number for every column.
+    /// Adds a particle from a number for every column.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a colour that is none, without its place.
+    /// [`Error::Scene`] for an invalid colour, without its place.
     pub(crate) fn numbers(&self, numbers: &[f64], particles: &mut Particles) -> Result<()> {
         particles.grow(1, 0)?;
         let mut making = Making::default();
@@ -189,7 +190,7 @@ impl Layout {
 
 impl Slot {
     fn word<R: BufRead>(&self, word: &Word<'_, R>, making: &mut Making, particles: &mut Particles) -> Result<()> {
-        let unread = self.asked.is_none() && self.part.is_none();
+        let unread = self.requested.is_none() && self.part.is_none();
         let number = match self.role {
             Role::Text => return Ok(()),
             Role::Other if unread => return Ok(()),
@@ -209,7 +210,7 @@ impl Slot {
                 }
                 word.finite(&self.name)?
             }
-            // What is missing in a table has no number.
+            // A missing number in a table is NaN.
             Role::Other | Role::Number if word.text.is_empty() => f64::NAN,
             Role::Other | Role::Number => word.number(&self.name)?,
         };
@@ -229,7 +230,7 @@ impl Slot {
             }
             Role::Symbol | Role::Text | Role::Other => {}
         }
-        if let Some(column) = self.asked {
+        if let Some(column) = self.requested {
             particles.columns[column].values.push(number);
         }
         match self.part {
@@ -244,7 +245,7 @@ impl Slot {
     }
 }
 
-/// How a column of a vector is called: `forces_x`, and by its number beyond the third.
+/// The name of a vector's component: `forces_x`, and by its number beyond the third.
 pub(crate) fn component(name: &str, k: usize) -> String {
     match ["x", "y", "z"].get(k) {
         Some(axis) => format!("{name}_{axis}"),
@@ -252,15 +253,15 @@ pub(crate) fn component(name: &str, k: usize) -> String {
     }
 }
 
-/// The columns of a style, no more of them than are ever of use.
+/// The requested columns of a style, up to a limit.
 ///
 /// # Errors
 /// [`Error::Settings`] for more.
 pub(crate) fn wanted(columns: &[String]) -> Result<Vec<String>> {
     const ASKED: usize = 64;
     if columns.len() > ASKED {
-        let problem = format!("{} columns to colour by are more than {ASKED}", columns.len());
-        return Err(Error::settings(problem, "name fewer"));
+        let problem = format!("--color-by has {} columns, more than {ASKED}", columns.len());
+        return Err(Error::settings(problem, "use fewer columns"));
     }
     Ok(columns.to_vec())
 }

@@ -1,7 +1,7 @@
-//! Elements by their mass, for files that name none.
+//! Elements by mass, for files without element names.
 
 /// Standard atomic weights by atomic number from 1, abridged: Prohaska et al., Pure Appl. Chem. 94, 573 (2022). 0 for
-/// elements that have none.
+/// elements without one.
 #[rustfmt::skip]
 const WEIGHTS: [f64; 92] = [
     1.008, 4.0026, 6.94, 9.0122, 10.81, 12.011, 14.007, 15.999, 18.998, 20.180,
@@ -16,12 +16,12 @@ const WEIGHTS: [f64; 92] = [
     231.04, 238.03,
 ];
 
-/// How far a mass may be from an element's: as people round them (14.0067, 1.0, 35.5), and less than lies between any two
-/// neighbours but nickel and cobalt, of which the nearer is taken.
+/// The largest difference of a mass from an element's. It allows usual rounding (14.0067, 1.0, 35.5) and is smaller
+/// than the difference of any two neighbours except nickel and cobalt, of which the nearer is taken.
 const TOLERANCE: f64 = 0.1;
 
-/// The atomic numbers of these masses, if all of them look like masses of atoms in u. Whole numbers up to 4 do not: they
-/// are what reduced units have.
+/// The atomic numbers of these masses, if all of them look like atomic masses in u. Whole numbers up to 4 do not: they
+/// are usual in reduced units.
 pub(super) fn elements(masses: &[f64]) -> Option<Vec<u8>> {
     if masses.iter().all(|mass| mass.fract() == 0.0 && *mass <= 4.0) {
         return None;

@@ -1,5 +1,6 @@
-//! Macromolecular CIF: the loop of `_atom_site`, its columns in any order, model after model (PDBx/mmCIF dictionary,
-//! mmcif.wwpdb.org). Small-molecule CIF, whose places are fractions of the cell, is read too, and its symmetry fills the cell.
+//! Macromolecular CIF: the loop of `_atom_site` with its columns in any order, model after model (PDBx/mmCIF
+//! dictionary, mmcif.wwpdb.org). Small-molecule CIF, with positions as fractions of the cell, is read too, and its
+//! symmetry fills the cell.
 
 mod operators;
 mod row;
@@ -7,36 +8,36 @@ mod symmetry;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{Choice, Copies, Kind, Model, Names, Passed, more_models, not_assembled};
-use super::{Cell, Frames, Particles};
+use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Names, Passed, more_models, not_assembled};
+use super::{Cell, ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
 use crate::scene::ReadOptions;
 use crate::scene::lines::Lines;
-use crate::scene::source::Source;
-use operators::{Item, Operators};
-use row::{Layout, Row};
+use crate::scene::source::SceneSource;
+use operators::{OperatorItem, Operators};
+use row::{AtomColumns, AtomRow};
 use tokens::{Token, Tokens};
 
 /// The reader.
 pub(super) struct Mmcif {
     tokens: Tokens,
-    choice: Choice,
+    choice: MoleculeOptions,
     operators: Operators,
-    layout: Layout,
-    row: Row,
+    layout: AtomColumns,
+    row: AtomRow,
     names: RowNames,
     state: State,
-    /// Models that are behind, kept or not, and the numbers of those that were not asked for.
+    /// The number of models read or skipped, and the numbers of the skipped ones.
     count: u64,
     passed: Passed,
-    /// Whether it was said that assemblies are not built.
+    /// Whether it was reported that assemblies are not built.
     told: bool,
-    /// Whether another data block follows that of the atoms.
+    /// Whether another data block follows the one with the atoms.
     blocks: bool,
 }
 
-/// Names of chains and the like, numbered.
+/// Numbered names of chains, asym units and entities.
 #[derive(Debug, Default)]
 struct RowNames {
     chains: Names,
@@ -44,26 +45,26 @@ struct RowNames {
     entities: Names,
 }
 
-/// Where in the file the reader is.
+/// The reader's state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     /// Before the atoms.
     Before,
-    /// Within them: the row holds the first atom of the next model.
-    Row,
-    /// Behind them, in the same block.
+    /// Within the atoms: the row holds the first atom of the next model.
+    AtomRow,
+    /// After the atoms, in the same block.
     Behind,
     End,
 }
 
 impl Mmcif {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
         Self {
             tokens: Tokens::new(Lines::new(source.reader, &source.path).of_any_bytes()),
-            choice: Choice::of(options),
+            choice: MoleculeOptions::of(options),
             operators: Operators::default(),
-            layout: Layout::default(),
-            row: Row::default(),
+            layout: AtomColumns::default(),
+            row: AtomRow::default(),
             names: RowNames::default(),
             state: State::Before,
             count: 0,
@@ -73,13 +74,13 @@ impl Mmcif {
         }
     }
 
-    /// Moves to the first atom of the first block that has one.
+    /// Moves to the first atom of the first block that has atoms.
     fn seek(&mut self) -> Result<()> {
         loop {
             match self.tokens.next()? {
                 Token::End => {
-                    let problem = "there are no atoms: no values of _atom_site with Cartn_x, Cartn_y, Cartn_z";
-                    return Err(Error::scene(self.tokens.file(), problem, "give a file of coordinates"));
+                    let problem = "the file has no atoms (no values of _atom_site with Cartn_x, Cartn_y, Cartn_z)";
+                    return Err(Error::scene(self.tokens.file(), problem, "use a file with coordinates"));
                 }
                 Token::Block => self.operators = Operators::default(),
                 token => {
@@ -91,7 +92,7 @@ impl Mmcif {
         }
     }
 
-    /// Reads what is left of the block behind the atoms.
+    /// Reads the rest of the block after the atoms.
     fn rest(&mut self) -> Result<()> {
         while self.state == State::Behind {
             match self.tokens.next()? {
@@ -106,19 +107,19 @@ impl Mmcif {
         Ok(())
     }
 
-    /// Takes a value or a loop; true if these are atoms and the first of them is in the row.
+    /// Parses a value or a loop; returns true if it contains atoms, with the first of them in the row.
     fn item(&mut self, token: Token) -> Result<bool> {
         match token {
             Token::Loop => self.a_loop(),
             Token::Tag => {
                 let tag = self.tag();
-                if self.state == State::Before && Layout::is_atom(&tag) {
+                if self.state == State::Before && AtomColumns::is_atom(&tag) {
                     return self.single(&tag);
                 }
-                let item = Item::of(&tag);
+                let item = OperatorItem::of(&tag);
                 match self.tokens.next()? {
                     Token::Value => {}
-                    // A tag without its value is no reason to stop.
+                    // A tag without a value is ignored.
                     other => {
                         self.tokens.give_back(other);
                         return Ok(false);
@@ -134,35 +135,35 @@ impl Mmcif {
         }
     }
 
-    /// The current word as a tag in lower case. No tag that is known is longer than what is kept of it.
+    /// The current word as a tag in lower case, cut to the length of the longest known tag.
     fn tag(&self) -> String {
         let word = self.tokens.word();
         String::from_utf8_lossy(&word[..word.len().min(LONGEST_TAG)]).to_ascii_lowercase()
     }
 
-    /// Takes a loop: its tags, then either the first row of atoms or all rows of what is kept.
+    /// Parses a loop: its tags, then either the first row of atoms or all rows of a known category.
     fn a_loop(&mut self) -> Result<bool> {
         let mut tags = Vec::new();
         let after = loop {
             match self.tokens.next()? {
                 Token::Tag if tags.len() < MOST_COLUMNS => tags.push(self.tag()),
                 Token::Tag => {
-                    let problem = format!("a loop of more than {MOST_COLUMNS} columns");
-                    return Err(Error::scene(self.tokens.place(), problem, "give fewer"));
+                    let problem = format!("the loop has more than {MOST_COLUMNS} columns");
+                    return Err(Error::scene(self.tokens.place(), problem, "use fewer columns"));
                 }
                 token => break token,
             }
         };
         self.tokens.give_back(after);
-        if self.state == State::Before && tags.first().is_some_and(|tag| Layout::is_atom(tag)) {
-            let layout = Layout::of(&tags, &self.choice);
-            // A dictionary's or a file's loop of something else about atoms.
+        if self.state == State::Before && tags.first().is_some_and(|tag| AtomColumns::is_atom(tag)) {
+            let layout = AtomColumns::of(&tags, &self.choice);
+            // Loops of dictionaries, or of other data about atoms, are ignored.
             if layout.is_placed() {
                 self.layout = layout;
                 return self.row();
             }
         }
-        let items: Vec<Option<Item>> = tags.iter().map(|tag| Item::of(tag)).collect();
+        let items: Vec<Option<OperatorItem>> = tags.iter().map(|tag| OperatorItem::of(tag)).collect();
         let first = items.iter().flatten().next().copied();
         loop {
             for (k, item) in items.iter().enumerate() {
@@ -190,11 +191,11 @@ impl Mmcif {
     fn row(&mut self) -> Result<bool> {
         let found = self.row.read(&mut self.tokens, &self.layout, &mut self.names)?;
         self.tokens.found();
-        self.state = if found { State::Row } else { State::Behind };
+        self.state = if found { State::AtomRow } else { State::Behind };
         Ok(true)
     }
 
-    /// Takes the one atom of a file that writes it as single values.
+    /// Parses the only atom of a file that writes it as single values.
     fn single(&mut self, tag: &str) -> Result<bool> {
         let mut tags = vec![tag.to_owned()];
         let (mut values, mut ledger) = (Vec::new(), Ledger::default());
@@ -212,26 +213,26 @@ impl Mmcif {
             }
             let token = self.tokens.next()?;
             let tag = self.tag();
-            if token != Token::Tag || !Layout::is_atom(&tag) || tags.len() >= MOST_COLUMNS {
+            if token != Token::Tag || !AtomColumns::is_atom(&tag) || tags.len() >= MOST_COLUMNS {
                 self.tokens.give_back(token);
                 break;
             }
             tags.push(tag);
         }
-        let layout = Layout::of(&tags, &self.choice);
+        let layout = AtomColumns::of(&tags, &self.choice);
         if !layout.is_placed() {
             return Ok(false);
         }
         let file = self.tokens.file();
         self.row.single(&layout, &values, &mut self.names, &file)?;
-        (self.layout, self.state) = (layout.of_one(), State::Row);
+        (self.layout, self.state) = (layout.of_one(), State::AtomRow);
         Ok(true)
     }
 
-    /// Reads the atoms of the row's model into `model`, or passes over them.
+    /// Reads the atoms of the row's model into `model`, or skips them.
     fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
         let number = self.row.model;
-        while self.state == State::Row && self.row.model == number {
+        while self.state == State::AtomRow && self.row.model == number {
             if let Some(model) = &mut model {
                 self.row.give(model, &self.operators.symmetry)?;
             }
@@ -245,25 +246,25 @@ impl Mmcif {
         Ok(())
     }
 
-    /// Makes sure that the operators were read where an assembly is asked for.
+    /// Checks that the operators were read if an assembly is selected.
     fn know_operators(&mut self) -> Result<()> {
-        if self.choice.assembly.is_some() && !self.operators.known() && self.state == State::Row {
+        if self.choice.assembly.is_some() && !self.operators.known() && self.state == State::AtomRow {
             if self.choice.model.is_none() && self.count < self.choice.frames.last() {
-                let problem = "the assembly's operators stand behind the atoms, which are of several models";
-                let mend = "ask for one model with --model, or for one of --frames";
+                let problem = "the operators of the assembly come after the atoms of several models";
+                let mend = "select one model with --model or --frames";
                 return Err(Error::settings(format!("{}: {problem}", self.tokens.file()), mend));
             }
-            while self.state == State::Row {
+            while self.state == State::AtomRow {
                 self.row()?;
             }
         }
         self.rest()
     }
 
-    /// The cell that places are fractions of.
+    /// The cell for fractional positions.
     fn crystal_cell(&self, file: &Place) -> Result<Cell> {
         self.operators.cell().ok_or_else(|| {
-            let problem = "places are fractions of a cell that the file does not give";
+            let problem = "positions are fractions of a cell that the file does not give";
             Error::scene(file.clone(), problem, "give _cell_length_a to _cell_angle_gamma")
         })
     }
@@ -272,15 +273,15 @@ impl Mmcif {
         if self.state == State::Before {
             self.seek()?;
         }
-        Ok(self.state == State::Row)
+        Ok(self.state == State::AtomRow)
     }
 }
 
-/// More columns than any loop has, and bytes of a tag.
+/// The most columns of a loop, and the longest tag in bytes.
 const MOST_COLUMNS: usize = 4096;
 const LONGEST_TAG: usize = 128;
 
-impl Frames for Mmcif {
+impl ParticleFrames for Mmcif {
     fn next(&mut self) -> Result<Option<Particles>> {
         let asked = self.choice.model;
         let behind = self.state != State::Before;
@@ -293,7 +294,7 @@ impl Frames for Mmcif {
             }
             let mut model = Model::new(&self.choice, &self.layout.has(), Inference::new(false));
             self.body(Some(&mut model))?;
-            let more = self.state == State::Row;
+            let more = self.state == State::AtomRow;
             self.know_operators()?;
             let file = self.tokens.file();
             let assembly = match &self.choice.assembly {
@@ -309,10 +310,14 @@ impl Frames for Mmcif {
                 (None, None) => Copies::None,
             };
             let mut particles = model.finish(copies, &self.names.asyms.list, &file)?;
-            // An assembly is not what the crystal repeats.
+            // An assembly is not periodic.
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
             let names = &self.names;
-            let named = [(Kind::Chain, &names.chains), (Kind::Asym, &names.asyms), (Kind::Entity, &names.entities)];
+            let named = [
+                (AtomProperty::Chain, &names.chains),
+                (AtomProperty::Asym, &names.asyms),
+                (AtomProperty::Entity, &names.entities),
+            ];
             for (kind, names) in named.into_iter().filter(|(kind, _)| self.choice.wants(*kind)) {
                 particles.labels.insert(kind.name().into(), names.labels());
             }

@@ -1,7 +1,7 @@
-//! What PDB and mmCIF have in common: which atoms of a model are kept, what is kept of them, and what is said about it.
+//! Common parts of PDB and mmCIF: which atoms of a model are read, what is stored of them, and what is reported.
 
 use super::assembly::{self, Assembly};
-use super::infer::{self, Inference, Named, is_site};
+use super::infer::{self, AtomNames, Inference, is_site};
 use super::{Altloc, Cell, Column, FrameRange, Particles, keep};
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
@@ -11,28 +11,28 @@ use crate::scene::ReadOptions;
 use crate::scene::source::Format;
 use std::collections::HashMap;
 
-/// Numbers of an atom that it can be coloured by.
+/// Numeric columns of an atom that can give its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum AtomProperty {
     /// B factor, Å².
     Bfactor,
     Occupancy,
-    /// The residue's number in its chain.
+    /// The number of the residue in its chain.
     Residue,
-    /// The chain, counted from 0 in the order of first appearance; so are asym and entity.
+    /// The chain, numbered from 0 in the order of first occurrence; asym and entity likewise.
     Chain,
     Model,
     Serial,
     Asym,
     Entity,
-    /// In an assembly, its operator's number from 0.
+    /// In an assembly, the number of the operator from 0.
     Copy,
     /// Partial charge, elementary charges.
     Charge,
 }
 
-impl Kind {
-    /// All of them, by the names that colours are asked by.
+impl AtomProperty {
+    /// All of them, by their names in `--color-by`.
     pub(super) const ALL: [(&'static str, Self); 10] = [
         ("bfactor", Self::Bfactor),
         ("occupancy", Self::Occupancy),
@@ -51,32 +51,32 @@ impl Kind {
     }
 }
 
-/// What is asked of a file of molecules.
+/// The options for reading molecules.
 #[derive(Debug, Clone)]
-pub(super) struct Choice {
-    /// The columns to be kept.
-    pub(super) columns: Vec<Kind>,
+pub(super) struct MoleculeOptions {
+    /// The columns to store.
+    pub(super) columns: Vec<AtomProperty>,
     pub(super) altloc: Altloc,
     pub(super) model: Option<i64>,
     pub(super) frames: FrameRange,
     pub(super) assembly: Option<String>,
-    /// Whether a crystal's symmetry is left out.
+    /// Whether the symmetry of a crystal is not applied.
     pub(super) as_listed: bool,
-    /// Who may end the work.
+    /// Cancellation.
     pub(super) watch: Watch,
 }
 
-/// What is made of the atoms of a model.
+/// The copies to make of the atoms of a model.
 pub(super) enum Copies<'a> {
     None,
     Assembly(&'a Assembly),
-    /// By what the format knows: a crystal's symmetry.
+    /// Those of the format: a crystal's symmetry.
     Made(&'a dyn Fn(Particles) -> Result<Particles>),
 }
 
-impl Choice {
+impl MoleculeOptions {
     pub(super) fn of(options: &ReadOptions) -> Self {
-        let kind = |name: &String| Kind::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        let kind = |name: &String| AtomProperty::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         Self {
             columns: options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect(),
             altloc: options.altloc.clone(),
@@ -88,36 +88,36 @@ impl Choice {
         }
     }
 
-    /// Whether nobody said which model.
+    /// Whether no model is selected.
     pub(super) fn any_model(&self) -> bool {
         self.model.is_none() && self.frames == FrameRange::first()
     }
 
-    pub(super) fn wants(&self, kind: Kind) -> bool {
+    pub(super) fn wants(&self, kind: AtomProperty) -> bool {
         self.columns.contains(&kind)
     }
 }
 
-/// Refuses what is asked of molecules where a format has none.
+/// Returns an error for options of molecules that a format does not have.
 ///
 /// # Errors
-/// [`Error::Settings`] that says which option to leave out.
+/// [`Error::Settings`] with the option to remove.
 pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
     let entry = matches!(format, Format::Pdb | Format::Mmcif);
     let columns = entry || format == Format::Pdbqt;
     let asked = [
-        (options.assembly.is_some(), entry, "biological assemblies", "leave --assembly out"),
-        (options.model.is_some(), columns, "numbered models", "leave --model out; --frames counts from 1"),
-        (options.as_listed, format == Format::Mmcif, "symmetry of crystals", "leave --as-listed out"),
-        (options.altloc != Altloc::All, columns, "alternate locations", "leave --altloc out"),
+        (options.assembly.is_some(), entry, "biological assemblies", "remove --assembly"),
+        (options.model.is_some(), columns, "numbered models", "remove --model, or use --frames, which counts from 1"),
+        (options.as_listed, format == Format::Mmcif, "symmetry of crystals", "remove --as-listed"),
+        (options.altloc != Altloc::All, columns, "alternate locations", "remove --altloc"),
     ];
     match asked.iter().find(|(asked, known, ..)| *asked && !known) {
-        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files know no {what}", format.name()), *mend)),
+        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), *mend)),
         None => Ok(()),
     }
 }
 
-/// Names by the order of their first appearance.
+/// Names numbered in the order of first occurrence.
 #[derive(Debug, Default)]
 pub(super) struct Names {
     pub(super) list: Vec<Vec<u8>>,
@@ -126,19 +126,19 @@ pub(super) struct Names {
     ledger: Ledger,
 }
 
-/// Bytes that a list and a map keep of a name beside its letters, twice, and a list of labels made of them.
+/// Bytes per name, besides its letters, in a list and a map while they grow, and in a list of labels.
 const NAME: usize = 160;
 
 impl Names {
-    /// The names as text, for a column of these numbers.
+    /// The names as text, as labels of a column.
     pub(super) fn labels(&self) -> Vec<String> {
         self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
     }
 
-    /// The number of a name, a new one if it is new.
+    /// The number of a name; a new name gets the next number.
     ///
     /// # Errors
-    /// [`Error::Limits`] where the memory has no room for another name.
+    /// [`Error::Limits`] where memory is short.
     pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
         // Atoms of a chain follow each other.
         if self.list.get(self.last as usize).is_none_or(|last| last != name) {
@@ -157,14 +157,14 @@ impl Names {
     }
 }
 
-/// The numbers of models that were passed over: the first of them, and how many they are.
+/// The numbers of skipped models: the first of them, and their count.
 #[derive(Debug, Default)]
 pub(super) struct Passed {
     first: Vec<i64>,
     count: usize,
 }
 
-/// Models that an error lists.
+/// The most models that an error lists.
 const LISTED: usize = 16;
 
 impl Passed {
@@ -181,7 +181,11 @@ impl Passed {
         if self.count > LISTED {
             listed.push(format!("{} more", self.count - LISTED));
         }
-        let mend = if listed.is_empty() { "it has no atoms".into() } else { format!("it has {}", listed.join(", ")) };
+        let mend = if listed.is_empty() {
+            "the file has no atoms".into()
+        } else {
+            format!("the file has {}", listed.join(", "))
+        };
         Error::settings(format!("{file}: there is no model {wanted}"), mend)
     }
 }
@@ -190,31 +194,31 @@ impl Passed {
 pub(super) struct Model {
     particles: Particles,
     altloc: Altloc,
-    columns: Vec<(Kind, Vec<f64>)>,
-    /// The chain of every atom, kept for an assembly.
+    columns: Vec<(AtomProperty, Vec<f64>)>,
+    /// The chain of every atom, stored for an assembly.
     chains: Option<Vec<u32>>,
-    /// For [`Altloc::Highest`]: of every atom that has several places, which one and with what occupancy.
+    /// For [`Altloc::Highest`]: for every atom with several locations, the chosen one and its occupancy.
     best: HashMap<Vec<u8>, (usize, f64)>,
     beaten: Vec<usize>,
-    /// Of both.
+    /// Bytes of both.
     ledger: Ledger,
     watch: Watch,
-    /// What the file gives no element for.
+    /// Inference of elements that the file does not give.
     inference: Inference,
-    /// Atoms met, and those of them that are alternate locations.
+    /// The number of atoms, and of those that are alternate locations.
     met: u64,
     alternates: u64,
-    /// The first alternate location's name, and whether that which was asked for is among them.
+    /// The first alternate location's identifier, and whether the selected one occurs.
     first: String,
     found: bool,
 }
 
 impl Model {
-    /// An empty one; `has` are the columns that the file has, and `inference` finds elements that it does not give.
-    pub(super) fn new(choice: &Choice, has: &[Kind], inference: Inference) -> Self {
+    /// An empty model; `has` are the columns of the file, and `inference` finds elements that it does not give.
+    pub(super) fn new(choice: &MoleculeOptions, has: &[AtomProperty], inference: Inference) -> Self {
         let copy = choice.assembly.is_some();
-        let there = |kind: Kind| has.contains(&kind) || copy && kind == Kind::Copy;
-        let names = Kind::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
+        let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
+        let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
         Self {
             particles: Particles { has: names.collect(), ..Particles::default() },
             altloc: choice.altloc.clone(),
@@ -232,11 +236,11 @@ impl Model {
         }
     }
 
-    /// Whether an atom at an alternate location (empty if it has only one) is kept. `site` writes what its alternatives
-    /// have in common with it.
+    /// Whether an atom at an alternate location (empty if it has only one) is read. `site` writes what its alternatives
+    /// have in common.
     ///
     /// # Errors
-    /// [`Error::Limits`] where the memory has no room for another site.
+    /// [`Error::Limits`] where memory is short.
     pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> Result<bool> {
         self.met += 1;
         if location.is_empty() {
@@ -273,16 +277,16 @@ impl Model {
         }
     }
 
-    /// Takes an atom: what the file calls it, its place, and its numbers by kind.
+    /// Adds an atom: its names, its position, and its numbers by kind.
     ///
     /// # Errors
     /// Those of [`Particles::grow`].
     pub(super) fn push(
         &mut self,
-        atom: &Named<'_>,
+        atom: &AtomNames<'_>,
         position: [f64; 3],
         chain: u32,
-        value: impl Fn(Kind) -> f64,
+        value: impl Fn(AtomProperty) -> f64,
     ) -> Result<()> {
         let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
         self.particles.grow(1, beside)?;
@@ -299,15 +303,15 @@ impl Model {
         Ok(())
     }
 
-    /// Takes the radius of the last atom; NaN where the file gives none. Of a model all atoms have one or none has.
+    /// Sets the radius of the last atom; NaN where the file gives none. Either all atoms of a model have one or none.
     pub(super) fn radius(&mut self, radius: f64) {
         self.particles.radii.push(radius);
     }
 
-    /// The particles and what is made of them; of an assembly chains are indices of `names`.
+    /// The particles with their copies; in an assembly chains are indices of `names`.
     ///
     /// # Errors
-    /// Those of [`assembly::build`] and of what makes copies.
+    /// Those of [`assembly::build`] and of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
         self.particles.columns = columns.collect();
@@ -330,10 +334,12 @@ impl Model {
         self.particles.count_unknown_atoms(inferred);
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
-            Altloc::All => format!("{of} and all are shown; --altloc highest or {} keeps one", unquoted(&self.first)),
+            Altloc::All => {
+                format!("{of} and all are shown; use --altloc highest or {} to show one", unquoted(&self.first))
+            }
             Altloc::Named(name) if !self.found => {
                 format!(
-                    "{of}, none of them is called {} and none is shown; --altloc {} shows some",
+                    "{of}, but none of them has the identifier {}, so none is shown; use --altloc {} to show some",
                     quote(name),
                     unquoted(&self.first)
                 )
@@ -347,27 +353,31 @@ impl Model {
     }
 }
 
-/// That there are more models than the one that is shown; how many, where it is known.
+/// The warning about more models than the one that is shown, with their number if it is known.
 pub(super) fn more_models(count: Option<u64>) -> String {
     match count {
-        Some(n) => format!("the file has {n} models and the first is shown; --model N or --frames 1-{n} shows others"),
-        None => "the file has more than one model and the first is shown; --model N or --frames 1- shows others".into(),
+        Some(n) => {
+            format!("the file has {n} models and the first is shown; use --model N or --frames 1-{n} to show others")
+        }
+        None => "the file has more than one model and the first is shown; use --model N or --frames 1- to show others"
+            .into(),
     }
 }
 
-/// That there are assemblies that nobody asked for; nothing where they are the atoms as they stand.
+/// The warning about assemblies that are not built; `None` where they equal the atoms of the file.
 pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> Option<String> {
     let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
     several.map(|(id, operators)| {
         format!(
-            "the atoms are shown as they stand, not the biological assembly of {operators} copies; --assembly {} builds it",
+            "the atoms are shown as in the file, not the biological assembly of {operators} copies; use --assembly {} to build it",
             unquoted(&id)
         )
     })
 }
 
-/// The cell of these edges, ångström, and angles between them (b and c, a and c, a and b), degrees: a along x, b in the xy
-/// plane (wwPDB format 3.3, SCALEn). `None` for what encloses nothing, and for the unit cube that stands for "no crystal".
+/// The cell with these edges, ångström, and angles between them (b and c, a and c, a and b), degrees: a along x, b in
+/// the xy plane (wwPDB format 3.3, SCALEn). `None` for a cell without volume, and for the unit cube, which means "no
+/// crystal".
 pub(super) fn cell([a, b, c]: [f64; 3], angles: [f64; 3]) -> Option<Cell> {
     let cosine = |degrees: f64| if degrees == 90.0 { 0.0 } else { degrees.to_radians().cos() };
     let [alpha, beta, gamma] = angles.map(cosine);
@@ -429,12 +439,12 @@ mod tests {
     #[test]
     fn unknown_names_are_counted_after_selection() {
         let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
-        let mut model = Model::new(&Choice::of(&options), &[], Inference::new(false));
+        let mut model = Model::new(&MoleculeOptions::of(&options), &[], Inference::new(false));
         for (location, occupancy, name) in
             [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("", 1.0, "MW"), ("C", 0.6, "X3"), ("", 1.0, "X1")]
         {
             if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")).expect("room") {
-                let atom = Named { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
+                let atom = AtomNames { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
                 model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
             }
         }
@@ -443,6 +453,6 @@ mod tests {
         assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
         assert_eq!(particles.elements, [0, 0]);
         let assumed = &particles.skipped.assumed;
-        assert!(assumed.iter().any(|said| said.starts_with("1 virtual sites are left out (1 `MW`)")), "{assumed:?}");
+        assert!(assumed.iter().any(|said| said.starts_with("1 virtual site left out (1 `MW`)")), "{assumed:?}");
     }
 }

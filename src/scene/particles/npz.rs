@@ -1,8 +1,8 @@
-//! Named NumPy arrays: an archive as numpy.savez writes it, read from front to back, so that a pipe will do; the
-//! directory at its end is not needed. The archive's form is PKWARE's APPNOTE.TXT 6.3.10.
+//! Named NumPy arrays: an archive as written by numpy.savez, read sequentially, so that it may come from a pipe; the
+//! directory at its end is not used. The format is PKWARE's APPNOTE.TXT 6.3.10.
 
 use super::layout::wanted;
-use super::{Column, Frames, Particles};
+use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::npy::{DType, Header};
@@ -11,7 +11,7 @@ use crate::scene::ReadOptions;
 use crate::scene::check_color;
 use crate::scene::input::Input;
 use crate::scene::npy::Npy;
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 use flate2::CrcReader;
 use flate2::bufread::DeflateDecoder;
 use std::io::{self, BufRead, BufReader, Read};
@@ -20,11 +20,11 @@ use std::sync::Arc;
 
 /// The reader.
 pub(super) struct Npz {
-    source: Option<Source>,
+    source: Option<SceneSource>,
     wanted: Vec<String>,
 }
 
-/// What was found so far. Arrays may come in any order.
+/// The arrays read so far, in any order.
 #[derive(Default)]
 struct Found {
     positions: Option<Vec<f64>>,
@@ -32,22 +32,22 @@ struct Found {
     radii: Option<Vec<f64>>,
     colors: Option<Vec<f64>>,
     columns: Vec<Column>,
-    /// Arrays of numbers of one dimension, and how long they are.
+    /// Names and lengths of one-dimensional numeric arrays.
     one: Vec<(String, u64)>,
 }
 
 const MEND: &str = "save positions of shape (n, 3) with numpy.savez, and radii and colors where there are any";
 
-/// More arrays than are of use, and bytes in the name of one that can be named.
+/// The most arrays, and the most bytes in the name of an array.
 const MOST: usize = 4096;
 const LONGEST_NAME: usize = 256;
 
 impl Npz {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
     }
 
-    fn read(&self, source: Source) -> Result<Particles> {
+    fn read(&self, source: SceneSource) -> Result<Particles> {
         let counts = source.reader.counts();
         let mut archive = Archive { reader: source.reader, path: source.path };
         let mut found = Found::default();
@@ -82,7 +82,7 @@ impl Found {
             ("colors" | "color" | "rgb", [_, 3]) => &mut self.colors,
             (_, [_] | [_, 2..=3]) if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name)) => {
                 let numbers = npy.numbers(header)?;
-                // Of vectors their length.
+                // For vectors their length.
                 let width = shape.get(1).map_or(1, |width| *width as usize);
                 check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
                 let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
@@ -93,8 +93,8 @@ impl Found {
             _ => return Ok(()),
         };
         let numbers = npy.numbers(header)?;
-        let asked = shape.len() == 1 && wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name));
-        if asked {
+        let requested = shape.len() == 1 && wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name));
+        if requested {
             check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
             self.columns.push(Column { name, values: numbers.clone() });
         }
@@ -106,32 +106,35 @@ impl Found {
         let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
         let found = [&self.positions, &self.colors, &self.axes[0], &self.axes[1], &self.axes[2]];
         let numbers: usize = found.into_iter().flatten().map(Vec::len).sum();
-        check(8 * numbers as u64, || "the particles beside the file's arrays".into())?;
+        check(8 * numbers as u64, || "the particles besides the file's arrays".into())?;
         let threes =
             |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
         let positions = match (self.positions, self.axes) {
             (Some(positions), _) => threes(&positions),
             (None, [Some(x), Some(y), Some(z)]) => {
                 if x.len() != y.len() || x.len() != z.len() {
-                    return fail("x, y, z", format!("{}, {} and {} numbers are no places", x.len(), y.len(), z.len()));
+                    return fail(
+                        "x, y, z",
+                        format!("x, y and z have {}, {} and {} numbers", x.len(), y.len(), z.len()),
+                    );
                 }
                 x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect()
             }
             _ => {
                 let names = list(self.one.iter().map(|(name, _)| name));
-                let found = if names.is_empty() { "nothing of use" } else { &names };
+                let found = if names.is_empty() { "none" } else { &names };
                 return fail("positions", format!("no array (n, 3) has that name; found {found}"));
             }
         };
         let n = positions.len();
         let radii = self.radii.unwrap_or_default();
         if !radii.is_empty() && radii.len() != n {
-            return fail("radii", format!("{} radii where there are {n} positions", radii.len()));
+            return fail("radii", format!("found {} radii for {n} positions", radii.len()));
         }
         let colors: Vec<[f32; 3]> =
             threes(&self.colors.unwrap_or_default()).into_iter().map(|color| color.map(|c| c as f32)).collect();
         if !colors.is_empty() && colors.len() != n {
-            return fail("colors", format!("{} colours where there are {n} positions", colors.len()));
+            return fail("colors", format!("found {} colours for {n} positions", colors.len()));
         }
         for (row, color) in colors.iter().enumerate() {
             check_color(*color, || file.clone().named(format!("colors row {row}")))?;
@@ -142,38 +145,38 @@ impl Found {
     }
 }
 
-impl Frames for Npz {
+impl ParticleFrames for Npz {
     fn next(&mut self) -> Result<Option<Particles>> {
         self.source.take().map(|source| self.read(source)).transpose()
     }
 }
 
-/// An archive from front to back.
+/// An archive that is read sequentially.
 struct Archive {
     reader: Input,
     path: PathBuf,
 }
 
-/// What stands before a file of the archive.
+/// The header of a file in the archive.
 struct Member {
     name: String,
     deflated: bool,
-    /// Bytes in the archive; `None` where only what follows them tells.
+    /// Bytes in the archive; `None` if they follow the file.
     packed: Option<u64>,
-    /// The checksum, likewise.
+    /// The checksum; `None` if it follows the file.
     crc: Option<u32>,
-    /// Whether sizes that follow have 8 bytes.
+    /// Whether sizes after the file have 8 bytes.
     long: bool,
 }
 
 impl Archive {
-    /// The next file's header; `None` where the directory begins.
+    /// The next file's header; `None` at the directory.
     fn member(&mut self) -> Result<Option<Member>> {
         let start: [u8; 4] = self.bytes()?;
         match start {
             [b'P', b'K', 3, 4] => {}
             [b'P', b'K', 1, 2] | [b'P', b'K', 5, 6] | [b'P', b'K', 6, 6] => return Ok(None),
-            _ => return Err(self.fail("archive", "it is damaged, or has sizes that cannot be told from its front")),
+            _ => return Err(self.fail("archive", "the archive is damaged, or has sizes only in its directory")),
         }
         let fixed: [u8; 26] = self.bytes()?;
         let two = |at: usize| u16::from_le_bytes([fixed[at], fixed[at + 1]]);
@@ -188,12 +191,12 @@ impl Archive {
             (packed, _) => packed.into(),
         };
         if flags & 1 != 0 || !matches!(method, 0 | 8) {
-            let problem = format!("method {method} of {} is neither stored nor deflated", unquoted(&name));
+            let problem = format!("the compression method {method} of {} is not supported", unquoted(&name));
             return Err(self.fail("archive", problem));
         }
         let told = flags & 8 == 0;
         if !told && method == 0 {
-            let problem = "a stored array was written to a pipe, and its size stands behind it";
+            let problem = "an uncompressed array was written to a pipe, so its size follows it";
             let mend = "save with numpy.savez_compressed, or to a file";
             return Err(Error::scene(self.place("archive"), problem, mend));
         }
@@ -206,7 +209,7 @@ impl Archive {
         }))
     }
 
-    /// Gives the bytes of a file to `read`, and then sees to it that they were whole.
+    /// Passes the content of a file to `read`, and then checks its length and checksum.
     fn open(
         &mut self,
         member: &Member,
@@ -235,12 +238,12 @@ impl Archive {
             None => self.descriptor(member.long)?,
         };
         if crc != sum {
-            return Err(self.fail(shown, "it is damaged: its checksum is another"));
+            return Err(self.fail(shown, "the content does not match its checksum"));
         }
         Ok(())
     }
 
-    /// The checksum that follows a file of unknown size.
+    /// The checksum after a file of unknown size.
     fn descriptor(&mut self, long: bool) -> Result<u32> {
         let mut crc: [u8; 4] = self.bytes()?;
         // The signature is optional.
@@ -257,7 +260,7 @@ impl Archive {
         Ok(bytes)
     }
 
-    /// So many bytes, of which there are at most 65535.
+    /// Reads `count` bytes, at most 65535.
     fn some(&mut self, count: usize) -> Result<Vec<u8>> {
         let mut bytes = vec![0; count];
         self.reader.read_exact(&mut bytes).map_err(|e| self.cut(e))?;
@@ -280,7 +283,7 @@ impl Archive {
     }
 }
 
-/// The sizes, unpacked and packed, of the field for large files.
+/// The unpacked and packed sizes in the ZIP64 field.
 fn zip64(mut extra: &[u8]) -> Option<[u64; 2]> {
     while let [a, b, c, d, rest @ ..] = extra {
         let (id, length) = (u16::from_le_bytes([*a, *b]), usize::from(u16::from_le_bytes([*c, *d])));
@@ -315,7 +318,7 @@ mod tests {
     enum How {
         Stored,
         Deflated,
-        /// Sizes behind the file, as a pipe has them.
+        /// Sizes after the file, as written to a pipe.
         Piped,
     }
 
@@ -353,7 +356,7 @@ mod tests {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
         let scale = Scale { columns, map: Default::default(), range: None, log: false };
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut npz = Npz::new(Source::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+        let mut npz = Npz::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
         Ok(npz.next()?.expect("one frame"))
     }
 
@@ -395,13 +398,13 @@ mod tests {
             archive(How::Stored, &members)
         };
         for (bytes, told) in [
-            (damaged, "colors.npy: it is damaged"),
+            (damaged, "colors.npy: the content does not match its checksum"),
             (foreign, "method 12 of colors.npy"),
             (good[..good.len() / 2].to_vec(), "text"),
             (archive(How::Stored, &members()[..4]), "no array (n, 3) has that name; found t, other"),
-            (with("radii.npy", "(3,)", 3), "radii: 3 radii where there are 2"),
+            (with("radii.npy", "(3,)", 3), "radii: found 3 radii for 2"),
             (with("radii.npy", "(1000000000000,)", 3), "text/radii.npy: data: the file ends after 3 of"),
-            (with("colors.npy", "(1, 3)", 3), "1 colours where there are 2"),
+            (with("colors.npy", "(1, 3)", 3), "found 1 colours for 2"),
             (with("colors.npy", "(2, 3)", 5), "after 1 of 2 rows"),
         ] {
             let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();

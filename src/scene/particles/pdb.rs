@@ -1,24 +1,24 @@
-//! Protein Data Bank files: fixed columns, one record a line (wwPDB format 3.3,
-//! wwpdb.org/documentation/file-format-content/format33/v3.3.html), and what older and other programs write: short lines,
-//! no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that END alone divides. So are PDBQT and PQR
-//! files, whose atoms have other columns at their end.
+//! Protein Data Bank files: fixed columns, one record per line (wwPDB format 3.3,
+//! wwpdb.org/documentation/file-format-content/format33/v3.3.html), and variants of older files and other programs:
+//! short lines, no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that are separated by
+//! END only. PDBQT and PQR files are read too; their atoms have different last columns.
 
 mod biomt;
 mod columns;
 mod dialects;
 
-use super::infer::{Inference, Named};
-use super::molecule::{Choice, Copies, Kind, Model, Names, Passed, cell, more_models, not_assembled};
-use super::{Altloc, Cell, Frames, Particles, assembly};
+use super::infer::{AtomNames, Inference};
+use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Names, Passed, cell, more_models, not_assembled};
+use super::{Altloc, Cell, ParticleFrames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::Lines;
-use crate::scene::source::{Format, Source};
+use crate::scene::source::{Format, SceneSource};
 use biomt::Biomt;
 use columns::{
-    BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, RESIDUE, RESIDUE_ID, RESIDUE_NAME, Record, SERIAL,
-    SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
+    BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, PdbRecord, RESIDUE, RESIDUE_ID, RESIDUE_NAME,
+    SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
 };
 use std::ops::Range;
 
@@ -26,32 +26,40 @@ use std::ops::Range;
 pub(super) struct Pdb {
     lines: Lines<Input>,
     dialect: Format,
-    choice: Choice,
-    /// Whether the current line is still to be looked at.
+    choice: MoleculeOptions,
+    /// Whether the current line has not been parsed yet.
     held: bool,
-    /// The number of the last model, and whether the one that was asked for is behind.
+    /// The number of the last model, and whether the selected one was read.
     number: i64,
     done: bool,
-    /// The numbers of models that were passed over.
+    /// The numbers of skipped models.
     passed: Passed,
-    /// As many models as NUMMDL says.
+    /// The number of models in NUMMDL.
     announced: Option<u64>,
     cell: Option<Cell>,
     biomt: Biomt,
     chains: Names,
-    /// What was met before the atoms.
+    /// Warnings from before the atoms.
     said: Vec<String>,
-    /// Whether it was said that assemblies are not built.
+    /// Whether it was reported that assemblies are not built.
     told: bool,
 }
 
-/// The columns of an atom by format: those of PDB, and in PDBQT a charge behind them.
-const HAS: [Kind; 7] =
-    [Kind::Bfactor, Kind::Occupancy, Kind::Residue, Kind::Chain, Kind::Model, Kind::Serial, Kind::Charge];
-const HAS_PQR: [Kind; 4] = [Kind::Charge, Kind::Residue, Kind::Chain, Kind::Serial];
+/// The columns of an atom by format: those of PDB, and in PDBQT a charge after them.
+const HAS: [AtomProperty; 7] = [
+    AtomProperty::Bfactor,
+    AtomProperty::Occupancy,
+    AtomProperty::Residue,
+    AtomProperty::Chain,
+    AtomProperty::Model,
+    AtomProperty::Serial,
+    AtomProperty::Charge,
+];
+const HAS_PQR: [AtomProperty; 4] =
+    [AtomProperty::Charge, AtomProperty::Residue, AtomProperty::Chain, AtomProperty::Serial];
 
 /// The columns of a file in this format.
-fn has(dialect: Format) -> &'static [Kind] {
+fn has(dialect: Format) -> &'static [AtomProperty] {
     match dialect {
         Format::Pqr => &HAS_PQR,
         Format::Pdbqt => &HAS,
@@ -60,11 +68,11 @@ fn has(dialect: Format) -> &'static [Kind] {
 }
 
 impl Pdb {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Self {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
         Self {
             lines: Lines::new(source.reader, &source.path).of_any_bytes(),
             dialect: source.format,
-            choice: Choice::of(options),
+            choice: MoleculeOptions::of(options),
             held: false,
             number: 0,
             done: false,
@@ -82,45 +90,45 @@ impl Pdb {
         Ok(std::mem::take(&mut self.held) || self.lines.advance()?)
     }
 
-    /// Moves to the beginning of the next model and tells its number.
+    /// Moves to the beginning of the next model and returns its number.
     fn seek(&mut self) -> Result<Option<i64>> {
         while self.advance()? {
             match record(self.line()) {
-                Record::Model => {
+                PdbRecord::Model => {
                     let written = text(field(self.line(), 10..14)).parse();
                     return Ok(Some(written.unwrap_or(self.number + 1)));
                 }
-                Record::Atom => {
+                PdbRecord::Atom => {
                     self.held = true;
                     return Ok(Some(self.number + 1));
                 }
-                Record::End => {}
-                Record::Other => self.header()?,
+                PdbRecord::End => {}
+                PdbRecord::Other => self.header()?,
             }
         }
         Ok(None)
     }
 
-    /// Reads the model that begins here into `model`, or passes over it.
+    /// Reads the model that begins here into `model`, or skips it.
     fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
         while self.advance()? {
             match (record(self.line()), &mut model) {
-                (Record::Atom, Some(model)) => {
+                (PdbRecord::Atom, Some(model)) => {
                     self.lines.found();
-                    let names = self.choice.assembly.is_some() || self.choice.wants(Kind::Chain);
+                    let names = self.choice.assembly.is_some() || self.choice.wants(AtomProperty::Chain);
                     let chains = names.then_some(&mut self.chains);
                     match self.dialect {
                         Format::Pqr => dialects::pqr(&self.lines, chains, model)?,
                         dialect => Self::atom(&self.lines, &self.choice, dialect, chains, self.number, model)?,
                     }
                 }
-                (Record::Atom, None) => self.lines.found(),
-                (Record::End, _) => break,
-                (Record::Model, _) => {
+                (PdbRecord::Atom, None) => self.lines.found(),
+                (PdbRecord::End, _) => break,
+                (PdbRecord::Model, _) => {
                     self.held = true;
                     break;
                 }
-                (Record::Other, _) => self.header()?,
+                (PdbRecord::Other, _) => self.header()?,
             }
         }
         Ok(())
@@ -130,12 +138,12 @@ impl Pdb {
         self.lines.text().as_bytes()
     }
 
-    /// Takes a record that is of the whole file.
+    /// Parses a record that applies to the whole file.
     fn header(&mut self) -> Result<()> {
         let line = self.line();
         if line.starts_with(b"REMARK 350") {
             let taken = self.biomt.take(&self.lines);
-            // What is wrong with it matters to those who ask for it.
+            // Its errors matter only if an assembly is selected.
             let matters = self.choice.assembly.is_some() || matches!(taken, Err(Error::Limits { .. }));
             return if matters { taken } else { Ok(()) };
         }
@@ -145,7 +153,8 @@ impl Pdb {
             let angles = [number(33..40), number(40..47), number(47..54)];
             if self.said.is_empty() && lengths.iter().chain(&angles).any(|number| number.is_nan()) {
                 let place = self.lines.place(6);
-                self.said.push(format!("{place}: CRYST1 is no cell of six numbers, so that the file has none"));
+                self.said
+                    .push(format!("{place}: CRYST1 does not have the six numbers of a cell, so the file has no cell"));
             }
             self.cell = cell(lengths, angles);
         } else if line.starts_with(b"NUMMDL") {
@@ -154,10 +163,10 @@ impl Pdb {
         Ok(())
     }
 
-    /// Takes the atom of the current line.
+    /// Parses the atom of the current line.
     fn atom(
         lines: &Lines<Input>,
-        choice: &Choice,
+        choice: &MoleculeOptions,
         dialect: Format,
         chains: Option<&mut Names>,
         model_number: i64,
@@ -179,8 +188,8 @@ impl Pdb {
             let at = X + k * COORDINATE;
             position[k] = coordinate(lines, at..at + COORDINATE, axis)?;
         }
-        let atom = Named {
-            // Older files have digits there, or nothing.
+        let atom = AtomNames {
+            // Older files have digits in these columns, or nothing.
             symbol: match dialect {
                 Format::Pdbqt => dialects::symbol(field(line, TYPE)),
                 _ => field(line, SYMBOL),
@@ -194,18 +203,18 @@ impl Pdb {
             name => chains.number(name),
         })?;
         model.push(&atom, position, chain, |kind| match kind {
-            Kind::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
-            Kind::Occupancy => occupancy(),
-            Kind::Residue => hybrid36(field(line, RESIDUE)),
-            Kind::Serial => hybrid36(field(line, SERIAL)),
-            Kind::Chain => f64::from(chain),
-            Kind::Model => model_number as f64,
-            Kind::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
-            Kind::Asym | Kind::Entity | Kind::Copy => 0.0,
+            AtomProperty::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
+            AtomProperty::Occupancy => occupancy(),
+            AtomProperty::Residue => hybrid36(field(line, RESIDUE)),
+            AtomProperty::Serial => hybrid36(field(line, SERIAL)),
+            AtomProperty::Chain => f64::from(chain),
+            AtomProperty::Model => model_number as f64,
+            AtomProperty::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
+            AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
         })
     }
 
-    /// What was chosen and what of it is worth saying.
+    /// Reports the selected model and what else is relevant.
     fn say(&mut self, particles: &mut Particles) -> Result<()> {
         particles.skipped.assumed.append(&mut self.said);
         if self.choice.any_model() {
@@ -224,7 +233,7 @@ impl Pdb {
     }
 }
 
-impl Frames for Pdb {
+impl ParticleFrames for Pdb {
     fn next(&mut self) -> Result<Option<Particles>> {
         while !self.done {
             let Some(number) = self.seek()? else {
@@ -250,10 +259,10 @@ impl Frames for Pdb {
             };
             let copies = assembly.map_or(Copies::None, Copies::Assembly);
             let mut particles = model.finish(copies, &self.chains.list, &file)?;
-            // An assembly is not what the crystal repeats.
+            // An assembly is not periodic.
             particles.cell = self.cell.filter(|_| assembly.is_none());
-            if self.choice.wants(Kind::Chain) {
-                particles.labels.insert(Kind::Chain.name().into(), self.chains.labels());
+            if self.choice.wants(AtomProperty::Chain) {
+                particles.labels.insert(AtomProperty::Chain.name().into(), self.chains.labels());
             }
             self.say(&mut particles)?;
             return Ok(Some(particles));

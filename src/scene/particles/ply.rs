@@ -1,34 +1,34 @@
-//! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and whatever else
-//! there is are left out. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
+//! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and other elements
+//! are skipped. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::surplus;
 use super::scalar::Scalar;
-use super::{Frames, Particles};
+use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_ids;
 use crate::quote::{quote, unquoted};
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Words};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 use crate::scene::{ReadOptions, relocate};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::PathBuf;
 
 /// The reader.
 pub(super) struct Ply {
-    source: Option<Source>,
+    source: Option<SceneSource>,
     wanted: Vec<String>,
     strict: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Form {
+enum PlyEncoding {
     Text,
     Binary { big: bool },
 }
 
-struct Element {
+struct PlyElement {
     name: String,
     count: u64,
     properties: Vec<Property>,
@@ -36,30 +36,30 @@ struct Element {
 
 struct Property {
     name: String,
-    /// The type of the number of a list's items.
+    /// The type of a list's length.
     length: Option<Scalar>,
     scalar: Scalar,
 }
 
-/// More properties than any file has, and bytes of a header.
+/// The most properties, and the most bytes of a header.
 const MOST: usize = 4096;
 const LONGEST: usize = 1 << 20;
 
-/// Bytes that are counted behind the last element.
+/// The most bytes that are counted after the last element.
 const BEHIND: u64 = 1 << 29;
 
 impl Ply {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self { source: Some(source), wanted: wanted(options.style.columns())?, strict: options.strict })
     }
 
-    fn read(&self, source: Source) -> Result<Particles> {
+    fn read(&self, source: SceneSource) -> Result<Particles> {
         let path = source.path.clone();
         let mut lines = Lines::new(source.reader, &path);
         let (form, elements) = header(&mut lines)?;
         let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
-            let mend = "give a file of points";
-            return Err(Error::scene(lines.place(0).named("header"), "there is no element vertex", mend));
+            let mend = "use a file with points";
+            return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
         };
         let layout = self.layout(&elements[place], &lines)?;
         let mut particles = layout.begin();
@@ -78,14 +78,14 @@ impl Ply {
         let (before, vertices, behind) = (&elements[..place], &elements[place], &elements[place + 1..]);
         check_ids(vertices.count)?;
         match form {
-            Form::Text => {
+            PlyEncoding::Text => {
                 for element in before {
                     lines.pass(element.count)?;
                 }
                 text(&mut lines, vertices, &layout, &mut particles)?;
                 rest_of_text(&mut lines, vertices, behind, &mut particles)?;
             }
-            Form::Binary { .. } => {
+            PlyEncoding::Binary { .. } => {
                 let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
                 for element in before {
                     binary.pass(element)?;
@@ -97,10 +97,10 @@ impl Ply {
         Ok(particles)
     }
 
-    /// The columns of a vertex: its properties that are no lists.
-    fn layout(&self, vertex: &Element, lines: &Lines<Input>) -> Result<Layout> {
+    /// The columns of a vertex: its properties that are not lists.
+    fn layout(&self, vertex: &PlyElement, lines: &Lines<Input>) -> Result<Layout> {
         let wrong = |problem: String| {
-            let mend = "give a vertex the properties x, y and z, each property once";
+            let mend = "give the vertices the properties x, y and z, each once";
             Error::scene(lines.file().named("vertex"), problem, mend)
         };
         let mut layout = Layout::default();
@@ -127,67 +127,75 @@ impl Ply {
 }
 
 /// The header, up to its end.
-fn header(lines: &mut Lines<Input>) -> Result<(Form, Vec<Element>)> {
-    let (mut form, mut elements) = (None, Vec::<Element>::new());
+fn header(lines: &mut Lines<Input>) -> Result<(PlyEncoding, Vec<PlyElement>)> {
+    let (mut form, mut elements) = (None, Vec::<PlyElement>::new());
     let (mut properties, mut bytes) = (0, 0);
     if !lines.advance()? || lines.text().trim() != "ply" {
-        return Err(Error::scene(lines.place(0).named("header"), "this is no polygon file", "begin with the line ply"));
+        return Err(Error::scene(
+            lines.place(0).named("header"),
+            "this is not a polygon file",
+            "begin with the line ply",
+        ));
     }
     loop {
         if !lines.advance()? {
             let problem = "the file ends within its header";
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end it with end_header"));
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
         }
         bytes += lines.text().len() + 1;
         if bytes > LONGEST {
-            let problem = format!("a header of more than {LONGEST} bytes");
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end it with end_header"));
+            let problem = format!("the header has more than {LONGEST} bytes");
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
         }
         let wrong = |what: &str| {
             let problem = format!("{} {what}", quote(lines.text()));
-            Error::scene(lines.place(0).named("header"), problem, "write it as the format's description does")
+            Error::scene(lines.place(0).named("header"), problem, "write it as in the description of the format")
         };
         let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
         let scalar = |name: &str| {
-            let big = form == Some(Form::Binary { big: true });
-            Scalar::of_ply(name, big).ok_or_else(|| wrong("has a type that is none"))
+            let big = form == Some(PlyEncoding::Binary { big: true });
+            Scalar::of_ply(name, big).ok_or_else(|| wrong("has an unknown type"))
         };
         match words[..] {
-            ["format", "ascii", _] => form = Some(Form::Text),
-            ["format", "binary_little_endian", _] => form = Some(Form::Binary { big: false }),
-            ["format", "binary_big_endian", _] => form = Some(Form::Binary { big: true }),
+            ["format", "ascii", _] => form = Some(PlyEncoding::Text),
+            ["format", "binary_little_endian", _] => form = Some(PlyEncoding::Binary { big: false }),
+            ["format", "binary_big_endian", _] => form = Some(PlyEncoding::Binary { big: true }),
             ["comment" | "obj_info", ..] | [] => {}
             ["element", name, count] if elements.len() < MOST => {
-                let count = count.parse().map_err(|_| wrong("has no whole number of elements"))?;
+                let count = count.parse().map_err(|_| wrong("needs a whole number of elements"))?;
                 if elements.iter().any(|element| element.name == name) {
-                    return Err(wrong("stands there already"));
+                    return Err(wrong("occurs twice"));
                 }
-                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
+                elements.push(PlyElement { name: name.to_owned(), count, properties: Vec::new() });
             }
             ["property", ref kind @ .., name] if properties < MOST && form.is_some() => {
                 let Some(element) = elements.last_mut() else { return Err(wrong("belongs to no element")) };
                 let (length, scalar) = match kind {
                     ["list", length, item] => (Some(scalar(length)?).filter(|length| length.is_whole()), scalar(item)?),
                     [kind] => (None, scalar(kind)?),
-                    _ => return Err(wrong("is no property")),
+                    _ => return Err(wrong("is not a property")),
                 };
                 if length.is_none() && kind.len() == 3 {
-                    return Err(wrong("counts by a type that is no whole number"));
+                    return Err(wrong("has a length type that is not an integer type"));
                 }
                 element.properties.push(Property { name: name.to_owned(), length, scalar });
                 properties += 1;
             }
             ["end_header"] => break,
-            _ => return Err(wrong("is no line of a header")),
+            _ => return Err(wrong("is not a header line")),
         }
     }
     match form {
         Some(form) => Ok((form, elements)),
-        None => Err(Error::scene(lines.place(0).named("header"), "there is no format", "write format ascii 1.0")),
+        None => Err(Error::scene(
+            lines.place(0).named("header"),
+            "the format line is missing",
+            "add the line `format ascii 1.0`",
+        )),
     }
 }
 
-fn text(lines: &mut Lines<Input>, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
+fn text(lines: &mut Lines<Input>, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
     let mut numbers = Vec::new();
     for read in 0..element.count {
         if !lines.advance()? {
@@ -203,7 +211,7 @@ fn text(lines: &mut Lines<Input>, element: &Element, layout: &Layout, particles:
             let word = words.next().ok_or_else(need)?;
             match property.length {
                 Some(_) => {
-                    // Each item is a word; what is counted beyond the line is not there.
+                    // Each item is a word; items beyond the line are missing.
                     let count = word.finite(&property.name)?;
                     for _ in 0..count as u64 {
                         words.next().ok_or_else(need)?;
@@ -222,8 +230,8 @@ fn text(lines: &mut Lines<Input>, element: &Element, layout: &Layout, particles:
         }
         if let Some(word) = words.next() {
             let problem =
-                format!("{} is a number more than the {} properties", quote(word.text), element.properties.len());
-            let mend = "announce as many vertices as there are, and all of their properties";
+                format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
+            let mend = "correct the number of vertices and the list of their properties";
             return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
         }
         layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
@@ -232,11 +240,11 @@ fn text(lines: &mut Lines<Input>, element: &Element, layout: &Layout, particles:
     Ok(())
 }
 
-/// Sees to it that the lines behind the vertices are those of the other elements, so that no vertex is among them.
+/// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
 fn rest_of_text(
     lines: &mut Lines<Input>,
-    vertices: &Element,
-    behind: &[Element],
+    vertices: &PlyElement,
+    behind: &[PlyElement],
     particles: &mut Particles,
 ) -> Result<()> {
     for element in behind {
@@ -254,17 +262,17 @@ fn rest_of_text(
     Ok(())
 }
 
-/// What is said of elements that are left out anyway, and of which there are fewer than announced.
-fn short_of(file: Place, found: u64, element: &Element) -> String {
+/// The warning about a skipped element with fewer entries than declared.
+fn short_of(file: Place, found: u64, element: &PlyElement) -> String {
     let name = quote(&element.name);
     format!(
-        "{file}: the file ends after {found} of {} elements {name}: is its number of vertices right?",
+        "{file}: the file ends after {found} of {} elements {name}; its number of vertices may be wrong",
         element.count
     )
 }
 
 impl Property {
-    /// The value of a column: bytes of colours are sRGB, and made linear.
+    /// The value of a column: bytes of colours are converted from sRGB to linear.
     fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
         match layout.role(column) {
             Role::Color(_) => self.scalar.light(number),
@@ -273,12 +281,12 @@ impl Property {
     }
 }
 
-fn truncated(file: Place, read: u64, element: &Element) -> Error {
+fn truncated(file: Place, read: u64, element: &PlyElement) -> Error {
     let problem = format!("the file ends after {read} of {} vertices", element.count);
-    Error::scene(file.named("vertex"), problem, "give as many as the header announces")
+    Error::scene(file.named("vertex"), problem, "give as many vertices as the header says")
 }
 
-/// What follows a header that is followed by bytes.
+/// The binary data after a header.
 struct Binary {
     reader: BufReader<Input>,
     path: PathBuf,
@@ -295,7 +303,7 @@ impl Binary {
         }
     }
 
-    /// Passes over so many bytes; how many there were.
+    /// Skips bytes; returns the number skipped.
     fn skip(&mut self, bytes: u64) -> Result<u64> {
         let mut left = bytes;
         while left > 0 {
@@ -310,7 +318,7 @@ impl Binary {
         Ok(bytes - left)
     }
 
-    /// Passes over a property; `false` at the end of the file.
+    /// Skips a property; `false` at the end of the file.
     fn skip_property(&mut self, property: &Property) -> Result<bool> {
         let size = property.scalar.size() as u64;
         let bytes = match property.length {
@@ -323,8 +331,8 @@ impl Binary {
         Ok(self.skip(bytes)? == bytes)
     }
 
-    /// Passes over an element's entries; how many there were.
-    fn pass(&mut self, element: &Element) -> Result<u64> {
+    /// Skips an element's entries; returns the number skipped.
+    fn pass(&mut self, element: &PlyElement) -> Result<u64> {
         if element.properties.iter().all(|property| property.length.is_none()) {
             let size = element.properties.iter().map(|property| property.scalar.size() as u64).sum::<u64>();
             let passed = self.skip(element.count.saturating_mul(size))?;
@@ -340,8 +348,8 @@ impl Binary {
         Ok(element.count)
     }
 
-    /// Sees to it that nothing follows the vertices but the other elements.
-    fn rest(&mut self, vertices: &Element, behind: &[Element], particles: &mut Particles) -> Result<()> {
+    /// Checks that only the other elements follow the vertices.
+    fn rest(&mut self, vertices: &PlyElement, behind: &[PlyElement], particles: &mut Particles) -> Result<()> {
         let file = Place::file(self.path.display().to_string());
         for element in behind {
             let passed = self.pass(element)?;
@@ -356,16 +364,16 @@ impl Binary {
         if left < size {
             return Ok(());
         }
-        let what = format!("{} vertices are announced, and {left} bytes follow the last element", vertices.count);
+        let what = format!("expected {} vertices, but {left} bytes follow the last element", vertices.count);
         if behind.is_empty() && left.is_multiple_of(size) {
-            let problem = format!("{what}, as many as {} more have", left / size);
-            return Err(Error::scene(file.named("count"), problem, "announce as many as there are"));
+            let problem = format!("{what}, the size of {} more vertices", left / size);
+            return Err(Error::scene(file.named("count"), problem, "correct the count"));
         }
-        particles.skipped.assumed.push(format!("{file}: {what}: is their number right?"));
+        particles.skipped.assumed.push(format!("{file}: {what}; the number of vertices may be wrong"));
         Ok(())
     }
 
-    fn vertices(&mut self, element: &Element, layout: &Layout, particles: &mut Particles) -> Result<()> {
+    fn vertices(&mut self, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
         let file = Place::file(self.path.display().to_string());
         let mut numbers = Vec::new();
         for read in 0..element.count {
@@ -393,7 +401,7 @@ impl Binary {
     }
 }
 
-impl Frames for Ply {
+impl ParticleFrames for Ply {
     fn next(&mut self) -> Result<Option<Particles>> {
         self.source.take().map(|source| self.read(source)).transpose()
     }
@@ -435,7 +443,7 @@ mod tests {
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
         let scale = Scale { columns: vec!["t".into()], map: Default::default(), range: None, log: false };
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
-        let mut ply = Ply::new(Source::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
+        let mut ply = Ply::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
         Ok(ply.next()?.expect("one frame"))
     }
 
@@ -449,7 +457,9 @@ mod tests {
             // IEC 61966-2-1 of 128/255.
             assert!(found.colors[0][0] == 1.0 && (found.colors[1][2] - 0.2158605).abs() < 1e-6);
             assert_eq!(found.skipped.kinds, [("face", 1), ("edge", 7)]);
-            assert!(read_bytes(&bytes, true).expect_err("strict").to_string().contains("a face is no sphere"));
+            assert!(
+                read_bytes(&bytes, true).expect_err("strict").to_string().contains("expected a sphere, found a face")
+            );
             let short = &bytes[..bytes.len() - 9];
             assert!(read_bytes(short, false).is_err(), "cut short");
         }
@@ -471,17 +481,17 @@ mod tests {
         let four: Vec<u8> = floats(12).collect();
         let error = read_bytes(&file("", &four), true).map(drop).expect_err("four").to_string();
         assert!(
-            error.contains("2 vertices are announced, and 24 bytes follow the last element, as many as 2 more"),
+            error.contains("expected 2 vertices, but 24 bytes follow the last element, the size of 2 more"),
             "{error}"
         );
-        // A third vertex is taken for the first face, and the face is too much.
+        // A third vertex is read from the first face, so the face is surplus.
         let faces = "element face 1\nproperty list uchar int vertex_indices\n";
         let face = [&[3][..], &[0; 12]].concat();
         let right = read_bytes(&file(faces, &[&two[..], &face].concat()), false).expect("a face");
         assert!(right.skipped.assumed.is_empty());
         let three: Vec<u8> = floats(9).chain(face).collect();
         let said = read_bytes(&file(faces, &three), false).expect("faces are left out").skipped.assumed;
-        assert!(said.len() == 1 && said[0].contains("is their number right?"), "{said:?}");
+        assert!(said.len() == 1 && said[0].contains("the number of vertices may be wrong"), "{said:?}");
         let said = read_bytes(&file(faces, &two), false).expect("faces are left out").skipped.assumed;
         assert!(said.len() == 1 && said[0].contains("after 0 of 1 elements `face`"), "{said:?}");
     }
@@ -495,17 +505,17 @@ mod tests {
         for (text, told) in [
             (points(xyz, "1 2\n"), ":8:4: z"),
             (points(xyz, "1 b 2\n"), ":8:3: y: `b`"),
-            (points(xyz, "1 2 3\n4 5 6\n\n7 8 9\n"), ":9:1: count: 1 vertices are announced, and 2 follow"),
-            (points(xyz, "3 0 1 2\n"), ":8:7: vertex: `2` is a number more than the 3 properties"),
-            (points(xyz, "1 2 3\n").replace("vertex 1", "vertex 9999999999"), "more than ids"),
+            (points(xyz, "1 2 3\n4 5 6\n\n7 8 9\n"), ":9:1: count: expected 1 vertices, found 2"),
+            (points(xyz, "3 0 1 2\n"), ":8:7: vertex: `2` is one number more than the 3 properties"),
+            (points(xyz, "1 2 3\n").replace("vertex 1", "vertex 9999999999"), "more than 32-bit ids"),
             (points(&format!("{xyz}{}", "comment far too long\n".repeat(60_000)), ""), "more than 1048576 bytes"),
             (points(xyz, ""), "after 0 of 1 vertices"),
             (points("property float x\n", "1\n"), "no y"),
             (points("property half x\n", "1\n"), ":4:1: header"),
-            (points(&format!("{xyz}property float x\n"), ""), "given twice"),
+            (points(&format!("{xyz}property float x\n"), ""), "occurs twice"),
             (points(&format!("{xyz}property float radius\n"), "1 2 3 0\n"), ":9:7: radius"),
-            (points(&format!("{xyz}property list float int i\n"), ""), "no whole number"),
-            ("ply\nformat ascii 1.0\nend_header\n".into(), "no element vertex"),
+            (points(&format!("{xyz}property list float int i\n"), ""), "not an integer type"),
+            ("ply\nformat ascii 1.0\nend_header\n".into(), "the element vertex is missing"),
             ("ply\nelement vertex 1\n".into(), "within its header"),
             ("ply\nwhat\n".into(), ":2:1: header: `what`"),
         ] {

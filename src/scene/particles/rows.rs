@@ -1,5 +1,5 @@
-//! Rows of particles by all cores: the file is read in blocks of lines, and while the next is read, the parts of one are
-//! looked at. Nothing is held but two blocks and what was found, and the first bad line is the one that is told.
+//! Parses rows of particles on all cores. The file is read in blocks of lines; while the next block is read, the parts
+//! of the previous one are parsed. At most two blocks are in memory, and the error is that of the first invalid line.
 
 use super::{Layout, Particles};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::scene::input::Input;
 use crate::scene::lines::{Block, Lines};
 use rayon::prelude::*;
 
-/// Takes `most` lines, or all there are, into `particles`, which `layout` began; how many there were. `row` takes the current
+/// Reads at most `most` lines into `particles`, which `layout` began; returns their number. `row` parses the current
 /// line.
 ///
 /// # Errors
@@ -32,7 +32,7 @@ pub(super) fn rows(
     while block.len() > 0 {
         let (before, parts) = (particles.positions.len(), block.parts());
         let read = if parts.len() == 1 {
-            // A small frame is not worth waking other threads.
+            // A small frame does not pay for waking other threads.
             parts.into_iter().try_for_each(|part| particles.append(found(part)?))?;
             lines.block(most - taken, &mut next)
         } else {
@@ -51,14 +51,14 @@ pub(super) fn rows(
     Ok(taken)
 }
 
-/// Surplus rows that are counted; a file may have any number.
+/// The most surplus rows that are counted; a file may have any number.
 const COUNTED: u64 = 1 << 20;
 
-/// The error for rows that follow those that a file announces: a count that is too low would drop particles in silence. The
-/// current line is the first of them; `is_row` tells those that follow it.
+/// The error for rows beyond the number that a file declares: a count that is too low would silently drop particles.
+/// The current line is the first of them; `is_row` recognises the following ones.
 ///
 /// # Errors
-/// This one, with both numbers, and those of reading.
+/// This error, with both numbers, and those of reading.
 pub(super) fn surplus<T>(
     lines: &mut Lines<Input>,
     announced: u64,
@@ -72,8 +72,8 @@ pub(super) fn surplus<T>(
     }
     let all = announced.saturating_add(more);
     let all = if more < COUNTED { all.to_string() } else { format!("at least {all}") };
-    let problem = format!("{announced} {what} are announced, and {all} follow");
-    Err(Error::scene(place, problem, "announce as many as there are"))
+    let problem = format!("expected {announced} {what}, found {all}");
+    Err(Error::scene(place, problem, "correct the count"))
 }
 
 #[cfg(test)]
@@ -83,7 +83,7 @@ mod tests {
     /// Several blocks of 2 MiB.
     const COUNT: usize = 200_000;
 
-    /// Two frames, of which the second is small; line `n` of `changed` is another.
+    /// Two frames, of which the second is small; line `n` of `changed` is replaced.
     fn xyz(changed: &[(usize, &str)]) -> String {
         let mut atoms: Vec<String> = (0..COUNT).map(|n| format!("X{} {n}.125 -{n} 1e-3", n % 3)).collect();
         changed.iter().for_each(|(n, line)| atoms[*n] = (*line).to_owned());

@@ -1,36 +1,36 @@
-//! Numbers in binary files: what PLY and NumPy call their types, and how each is read.
+//! Numbers in binary files: the type names of PLY and NumPy, and their decoding.
 
 use crate::scene::style::linear;
 use std::sync::LazyLock;
 
-/// A type of number in bytes.
+/// A binary number type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Scalar {
-    kind: Kind,
+    kind: NumberKind,
     /// 1, 2, 4 or 8 bytes.
     size: usize,
     big: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum NumberKind {
     Signed,
     Unsigned,
     Float,
 }
 
 impl Scalar {
-    /// A type of a PLY header.
+    /// The type with this name in a PLY header.
     pub(crate) fn of_ply(name: &str, big: bool) -> Option<Self> {
         let (kind, size) = match name {
-            "char" | "int8" => (Kind::Signed, 1),
-            "uchar" | "uint8" => (Kind::Unsigned, 1),
-            "short" | "int16" => (Kind::Signed, 2),
-            "ushort" | "uint16" => (Kind::Unsigned, 2),
-            "int" | "int32" => (Kind::Signed, 4),
-            "uint" | "uint32" => (Kind::Unsigned, 4),
-            "float" | "float32" => (Kind::Float, 4),
-            "double" | "float64" => (Kind::Float, 8),
+            "char" | "int8" => (NumberKind::Signed, 1),
+            "uchar" | "uint8" => (NumberKind::Unsigned, 1),
+            "short" | "int16" => (NumberKind::Signed, 2),
+            "ushort" | "uint16" => (NumberKind::Unsigned, 2),
+            "int" | "int32" => (NumberKind::Signed, 4),
+            "uint" | "uint32" => (NumberKind::Unsigned, 4),
+            "float" | "float32" => (NumberKind::Float, 4),
+            "double" | "float64" => (NumberKind::Float, 8),
             _ => return None,
         };
         Some(Self { kind, size, big })
@@ -42,13 +42,13 @@ impl Scalar {
         let (order, rest) = name.split_at_checked(1)?;
         let (kind, size) = rest.split_at_checked(1)?;
         let kind = match kind {
-            "i" => Kind::Signed,
-            "u" | "b" => Kind::Unsigned,
-            "f" => Kind::Float,
+            "i" => NumberKind::Signed,
+            "u" | "b" => NumberKind::Unsigned,
+            "f" => NumberKind::Float,
             _ => return None,
         };
         let size = size.parse().ok()?;
-        let sizes: &[usize] = if kind == Kind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
+        let sizes: &[usize] = if kind == NumberKind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
         let big = match order {
             "<" => false,
             ">" => true,
@@ -59,25 +59,25 @@ impl Scalar {
         sizes.contains(&size).then_some(Self { kind, size, big })
     }
 
-    /// Bytes of one.
+    /// Bytes per number.
     pub(crate) fn size(self) -> usize {
         self.size
     }
 
-    /// A component of a colour as linear light: bytes are sRGB, other numbers are linear already.
+    /// A component of a colour in linear light: bytes are sRGB, other numbers are linear already.
     pub(crate) fn light(self, number: f64) -> f64 {
-        // A table once, not a power for every point.
+        // A table, not a power for every point.
         static LIGHT: LazyLock<Vec<f64>> =
             LazyLock::new(|| (0..=255).map(|level| f64::from(linear([level; 3])[0])).collect());
-        if self.kind == Kind::Unsigned && self.size == 1 { LIGHT[number as usize & 255] } else { number }
+        if self.kind == NumberKind::Unsigned && self.size == 1 { LIGHT[number as usize & 255] } else { number }
     }
 
-    /// Whether it has no fractions.
+    /// Whether it is an integer type.
     pub(crate) fn is_whole(self) -> bool {
-        self.kind != Kind::Float
+        self.kind != NumberKind::Float
     }
 
-    /// The number in these bytes, of which there are [`Scalar::size`]; whole numbers beyond 2^53 are rounded.
+    /// Decodes [`Scalar::size`] bytes; whole numbers above 2^53 are rounded.
     pub(crate) fn number(self, bytes: &[u8]) -> f64 {
         let mut little = [0; 8];
         little[..self.size].copy_from_slice(&bytes[..self.size]);
@@ -87,10 +87,10 @@ impl Scalar {
         let whole = u64::from_le_bytes(little);
         let unused = 64 - 8 * self.size as u32;
         match self.kind {
-            Kind::Unsigned => whole as f64,
-            Kind::Signed => ((whole << unused) as i64 >> unused) as f64,
-            Kind::Float if self.size == 4 => f64::from(f32::from_bits(whole as u32)),
-            Kind::Float => f64::from_bits(whole),
+            NumberKind::Unsigned => whole as f64,
+            NumberKind::Signed => ((whole << unused) as i64 >> unused) as f64,
+            NumberKind::Float if self.size == 4 => f64::from(f32::from_bits(whole as u32)),
+            NumberKind::Float => f64::from_bits(whole),
         }
     }
 }

@@ -1,18 +1,18 @@
-//! Tables: comma-, semicolon-, tab- or space-separated values under a header that names the columns. One reader, with a
-//! tolerant way for what people bring and the strict one of `[[spheres]]`.
+//! Tables: comma-, semicolon-, tab- or space-separated values under a header that names the columns. One reader with
+//! two modes: tolerant for particle files, strict for `[[spheres]]`.
 //!
-//! Read by lines rather than by the csv crate, whose record positions count the comments and blank lines before a
-//! record to it: a number that spans lines is wrong anyway, and an error here names the very character.
+//! The csv crate is not used: its record positions count the comments and blank lines before a record, and errors here
+//! have the exact column. A number that spans lines is an error anyway.
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::rows;
-use super::{Frames, Particles};
+use super::{ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Word};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 use std::io::BufRead;
 
 /// Rows under a header.
@@ -20,15 +20,15 @@ pub(crate) struct Table<R> {
     lines: Lines<R>,
     layout: Layout,
     delimiter: u8,
-    /// The current line is a row that is not read yet.
+    /// Whether the current line is a row that has not been parsed yet.
     ahead: bool,
 }
 
 impl<R: BufRead> Table<R> {
-    /// A table whose header is the first line that says something, separated by commas; `roles` tells what its names are.
+    /// A comma-separated table whose header is the first line with content; `role` gives the meaning of its names.
     pub(crate) fn strict(mut lines: Lines<R>, allowed: &str, role: impl Fn(&str) -> Option<Role>) -> Result<Self> {
         if !next(&mut lines)? {
-            return Err(Error::scene(lines.file(), "the file is empty", format!("begin with a header: {allowed}")));
+            return Err(Error::scene(lines.file(), "the file is empty", format!("add a header: {allowed}")));
         }
         let mut layout = Layout::default();
         for word in fields(&lines, 0, b',') {
@@ -39,7 +39,7 @@ impl<R: BufRead> Table<R> {
         Ok(Self { lines, layout, delimiter: b',', ahead: false })
     }
 
-    /// A table as people have them: any delimiter, other columns, a header that may be a comment.
+    /// A table with any delimiter, other columns, and a header that may be a comment.
     fn tolerant(mut lines: Lines<R>, wanted: &[String]) -> Result<Self> {
         let mut header = None;
         let ahead = loop {
@@ -52,10 +52,10 @@ impl<R: BufRead> Table<R> {
             }
             let comment = text.len() - text.trim_start_matches('#').len();
             let start = lines.text().len() - text.len() + comment;
-            if let Some(found) = Header::of(&lines, start)? {
+            if let Some(found) = TableHeader::of(&lines, start)? {
                 header = Some(found);
                 if comment == 0 {
-                    // Another header can only be a row; its first row tells which columns are texts.
+                    // A second header line can only be a row; its first row shows which columns are text.
                     break next(&mut lines)?;
                 }
             } else if comment == 0 {
@@ -64,11 +64,11 @@ impl<R: BufRead> Table<R> {
         };
         let Some(mut header) = header else {
             let place = if ahead { lines.place(0) } else { lines.file() };
-            let mend = "begin with a header that names x, y and z, such as x,y,z,radius";
-            return Err(Error::scene(place.named("header"), "no columns are named x, y and z", mend));
+            let mend = "add a header that names x, y and z, such as x,y,z,radius";
+            return Err(Error::scene(place.named("header"), "the columns x, y and z are missing", mend));
         };
         if ahead {
-            // numpy.savetxt separates the names as it likes.
+            // numpy.savetxt uses any separator between names.
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
                 header.delimiter = delimiter(lines.text());
             }
@@ -80,7 +80,7 @@ impl<R: BufRead> Table<R> {
         }
         let mut layout = Layout::default();
         for (name, role) in &header.names {
-            let mend = "name each column once";
+            let mend = "use each column name once";
             layout
                 .add(name, *role, wanted)
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
@@ -88,7 +88,7 @@ impl<R: BufRead> Table<R> {
         Ok(Self { lines, layout, delimiter: header.delimiter, ahead })
     }
 
-    /// The lines, whose current one is the row just read.
+    /// The lines; the current one is the row just read.
     pub(crate) fn lines(&self) -> &Lines<R> {
         &self.lines
     }
@@ -98,7 +98,7 @@ impl<R: BufRead> Table<R> {
         &self.layout
     }
 
-    /// Takes the next row; `false` after the last.
+    /// Adds the next row; `false` after the last.
     pub(crate) fn row(&mut self, particles: &mut Particles) -> Result<bool> {
         if !std::mem::take(&mut self.ahead) && !next(&mut self.lines)? {
             return Ok(false);
@@ -109,7 +109,7 @@ impl<R: BufRead> Table<R> {
 }
 
 impl Table<Input> {
-    /// Takes all rows.
+    /// Adds all rows.
     fn all(mut self) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
         let mut particles = layout.begin();
@@ -125,15 +125,15 @@ impl Table<Input> {
     }
 }
 
-/// Takes the particle of the current line.
+/// Adds the particle of the current line.
 fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: &mut Particles) -> Result<()> {
     let mut words = fields(lines, 0, delimiter);
     layout.row(&mut words, lines, particles)?;
     match words.next() {
         None => Ok(()),
         Some(word) => {
-            let problem = format!("more than the {} fields that the header names", layout.len());
-            Err(Error::scene(lines.place(word.at).named("row"), problem, "give one field per column"))
+            let problem = format!("the row has more than the {} fields of the header", layout.len());
+            Err(Error::scene(lines.place(word.at).named("row"), problem, "use one field per column"))
         }
     }
 }
@@ -144,7 +144,7 @@ fn says(line: &str) -> bool {
     !text.is_empty() && !text.starts_with('#')
 }
 
-/// Goes to the next line that says something.
+/// Moves to the next line with content.
 fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
     while lines.advance()? {
         if says(lines.text()) {
@@ -155,14 +155,14 @@ fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
 }
 
 /// A header that names x, y and z.
-struct Header {
+struct TableHeader {
     names: Vec<(String, Role)>,
     delimiter: u8,
     comment: bool,
     place: crate::error::Place,
 }
 
-impl Header {
+impl TableHeader {
     /// The header that begins at this byte of the current line, if it is one.
     fn of<R: BufRead>(lines: &Lines<R>, start: usize) -> Result<Option<Self>> {
         let likely = delimiter(&lines.text()[start..]);
@@ -171,14 +171,14 @@ impl Header {
             let Some(unit) = axes(&names) else { continue };
             let place = lines.place(start);
             let mut roles: Vec<Role> = names.iter().map(|name| role(name, &unit)).collect();
-            // Three components or none: an `r` alone is no colour.
+            // Three components or none: an `r` alone is not a colour.
             let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
             roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
             let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
             let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
             if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
-                let problem = format!("{} is in another unit than the places", quote(odd));
-                let mend = "give radii and places in one unit, and name it the same";
+                let problem = format!("{} has another unit than the positions", quote(odd));
+                let mend = "use the same unit for radii and positions, and the same name for it";
                 return Err(Error::scene(place.named("header"), problem, mend));
             }
             let comment = start > 0 && lines.text()[..start].ends_with('#');
@@ -188,7 +188,7 @@ impl Header {
     }
 }
 
-/// What a column is, where lengths are in this unit.
+/// The meaning of a column, where lengths have this unit.
 fn role(name: &str, unit: &str) -> Role {
     let (base, of) = split(name);
     match (base.as_str(), name.to_lowercase().as_str()) {
@@ -205,13 +205,13 @@ fn role(name: &str, unit: &str) -> Role {
     }
 }
 
-/// Units of length that follow a name: `x_km`, `x (km)`.
+/// Units of length that may follow a name: `x_km`, `x (km)`.
 const UNITS: [&str; 22] = [
     "m", "km", "cm", "mm", "um", "µm", "nm", "pm", "a", "å", "ang", "angstrom", "au", "pc", "kpc", "mpc", "gpc", "ly",
     "px", "mpc/h", "kpc/h", "bohr",
 ];
 
-/// A name and the unit of length that follows it; both in lower case.
+/// A name and the unit of length after it, both in lower case.
 fn split(name: &str) -> (String, String) {
     let name = name.trim().to_lowercase();
     if let Some((base, unit)) = name.split_once(['_', '(', '[', ' ']) {
@@ -223,17 +223,17 @@ fn split(name: &str) -> (String, String) {
     (name, String::new())
 }
 
-/// The unit that x, y and z are named with, where there are such columns; empty for none.
+/// The unit of x, y and z, where there are such columns; empty for none.
 pub(crate) fn axes(names: &[String]) -> Option<String> {
     let names: Vec<_> = names.iter().map(|name| split(name)).collect();
-    // Without a unit first.
+    // Names without a unit first.
     let mut units: Vec<&String> = names.iter().filter(|(base, _)| base == "x").map(|(_, unit)| unit).collect();
     units.sort();
     let named = |axis: &str, unit: &String| names.iter().any(|(base, of)| base == axis && of == unit);
     units.into_iter().find(|unit| named("y", unit) && named("z", unit)).cloned()
 }
 
-/// What separates the fields of a line.
+/// The delimiter of a line.
 fn delimiter(line: &str) -> u8 {
     [b'\t', b';', b','].into_iter().find(|delimiter| line.as_bytes().contains(delimiter)).unwrap_or(b' ')
 }
@@ -273,7 +273,7 @@ fn fields<R: BufRead>(lines: &Lines<R>, start: usize, delimiter: u8) -> impl Ite
     })
 }
 
-/// Bytes of the quoted text that begins here; a quote within is doubled.
+/// The length of the quoted text that begins here; a doubled quote is a quote.
 fn quoted(text: &[u8]) -> Option<usize> {
     let mut at = 1;
     if text.first() != Some(&b'"') {
@@ -288,17 +288,17 @@ fn quoted(text: &[u8]) -> Option<usize> {
     }
 }
 
-/// The one frame of a table.
+/// The single frame of a table.
 pub(super) struct OneTable(Option<Table<Input>>);
 
 impl OneTable {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         let lines = Lines::new(source.reader, &source.path);
         Ok(Self(Some(Table::tolerant(lines, &wanted(options.style.columns())?)?)))
     }
 }
 
-impl Frames for OneTable {
+impl ParticleFrames for OneTable {
     fn next(&mut self) -> Result<Option<Particles>> {
         self.0.take().map(Table::all).transpose()
     }
@@ -346,12 +346,12 @@ mod tests {
     #[test]
     fn errors_are_reported_with_line_and_column() {
         for (text, told) in [
-            ("", "text: header: no columns"),
-            ("1,2,3\n", ":1:1: header: no columns"),
-            ("x_au,y_au,z_au,radius_km\n1,2,3,4\n", ":1:1: header: `radius_km` is in another unit"),
+            ("", "text: header: the columns x, y and z are missing"),
+            ("1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
+            ("x_au,y_au,z_au,radius_km\n1,2,3,4\n", ":1:1: header: `radius_km` has another unit"),
             ("x,y,z,x\n1,2,3,4\n", ":1:1: header"),
-            ("x,y,z\n1,2\n", ":2:4: z: 2 fields where 3"),
-            ("x,y,z\n1,2,3,4\n", ":2:7: row: more than"),
+            ("x,y,z\n1,2\n", ":2:4: z: expected 3 fields, found 2"),
+            ("x,y,z\n1,2,3,4\n", ":2:7: row: the row has more than"),
             ("x,y,z\n1,,3\n", ":2:3: y"),
             ("x,y,z,radius\n1,2,3,-4\n", ":2:7: radius: `-4`"),
             ("x,y,z,r,g,b\n1,2,3,0,-1,0\n", ":2:7: color"),

@@ -1,28 +1,28 @@
 //! XYZ and extended XYZ: a count, a comment, and a line for every atom; frame after frame. The comment of extended XYZ
-//! says what the columns are (`Properties=species:S:1:pos:R:3:forces:R:3`) and what the cell is (`Lattice="..."`);
-//! described at github.com/libAtoms/extxyz.
+//! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`); described at
+//! github.com/libAtoms/extxyz.
 
 use super::layout::{Layout, Role, component, wanted};
 use super::rows::{rows, surplus};
-use super::{Cell, Frames, Particles};
+use super::{Cell, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::scene::ReadOptions;
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Words};
-use crate::scene::source::Source;
+use crate::scene::source::SceneSource;
 
 /// The reader.
 pub(super) struct Xyz {
     lines: Lines<Input>,
     wanted: Vec<String>,
-    /// Whether the current line is still to be looked at.
+    /// Whether the current line has not been parsed yet.
     held: bool,
 }
 
 impl Xyz {
-    pub(super) fn new(source: Source, options: &ReadOptions) -> Result<Self> {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self {
             lines: Lines::new(source.reader, &source.path),
             wanted: wanted(options.style.columns())?,
@@ -30,7 +30,7 @@ impl Xyz {
         })
     }
 
-    /// The number of atoms that the next frame announces; `None` at the end of the file.
+    /// The number of atoms of the next frame; `None` at the end of the file.
     fn count(&mut self) -> Result<Option<u64>> {
         loop {
             if !std::mem::take(&mut self.held) && !self.lines.advance()? {
@@ -41,15 +41,15 @@ impl Xyz {
                 continue;
             }
             let count = text.parse().map_err(|_| {
-                let problem = format!("{} is no number of atoms", quote(text));
-                self.fail(0, "count", problem, "begin a frame with the number of its atoms")
+                let problem = format!("{} is not a number of atoms", quote(text));
+                self.fail(0, "count", problem, "begin each frame with its number of atoms")
             })?;
             return check_ids(count).map(|()| Some(count));
         }
     }
 
-    /// Sees to it that no more atoms follow than `count`; the next frame's first line, if there is one, is the current one
-    /// then.
+    /// Checks that no more atoms follow than `count`; then the first line of the next frame, if there is one, is the
+    /// current one.
     fn check_end(&mut self, count: u64, layout: &Layout, particles: &mut Particles) -> Result<()> {
         loop {
             if !self.lines.advance()? {
@@ -67,26 +67,26 @@ impl Xyz {
         let text = self.lines.text().trim();
         if text.parse::<u64>().is_err() {
             let [place, text] = [self.lines.place(0).to_string(), quote(text).to_string()];
-            particles.skipped.assumed.push(format!("{place}: {text} behind the {count} atoms begins no frame"));
+            particles.skipped.assumed.push(format!("{place}: {text} after the {count} atoms does not begin a frame"));
         }
         Ok(())
     }
 
-    /// The next line, which must be there.
+    /// Reads the next line; its absence is an error.
     fn need(&mut self, what: &str) -> Result<()> {
         if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
     }
 
     fn ends(&self, what: &str) -> Error {
         let end = self.lines.text().len();
-        self.fail(end, what, "the file ends within a frame", "give as many lines as the frame announces")
+        self.fail(end, what, "the file ends within a frame", "give as many lines as the count says")
     }
 
     fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
         Error::scene(self.lines.place(byte).named(field), problem, mend)
     }
 
-    /// The columns and the cell that the comment line tells of.
+    /// The columns and the cell of the comment line.
     fn layout(&self) -> Result<(Layout, Option<Cell>)> {
         let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
         for (place, key, value) in pairs(self.lines.text()) {
@@ -103,9 +103,9 @@ impl Xyz {
         let mut layout = Layout::default();
         while let Some(name) = parts.next() {
             let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
-                return Err(wrong(format!("{} has no type S, R, I or L and number of columns", quote(name))));
+                return Err(wrong(format!("{} needs a type S, R, I or L and a number of columns", quote(name))));
             };
-            let count = count.parse().map_err(|_| wrong(format!("{} is no number of columns", quote(count))))?;
+            let count = count.parse().map_err(|_| wrong(format!("{} is not a number of columns", quote(count))))?;
             let name = name.to_lowercase();
             for k in 0..count {
                 let (column, role) = column(&name, kind, k, count);
@@ -116,13 +116,13 @@ impl Xyz {
             }
         }
         if !layout.contains(Role::Position(2)) {
-            return Err(wrong("there is no pos of three columns".into()));
+            return Err(wrong("the property pos with three columns is missing".into()));
         }
         Ok((layout, cell))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
-        // ASE writes blanks, others commas, brackets as JSON does, or both.
+        // ASE writes blanks, others commas, brackets as in JSON, or both.
         let words = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|word| !word.is_empty());
         let numbers: Vec<f64> = words.take(10).map_while(|word| word.parse().ok()).collect();
         match numbers[..] {
@@ -130,14 +130,14 @@ impl Xyz {
                 Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
             }
             _ => {
-                let problem = format!("{} is no cell", quote(text));
-                Err(self.fail(at, "Lattice", problem, "give three vectors, nine finite numbers"))
+                let problem = format!("{} is not a cell", quote(text));
+                Err(self.fail(at, "Lattice", problem, "use three vectors of finite numbers, nine in all"))
             }
         }
     }
 }
 
-/// What the `k`th of `count` columns of a property is called, and what it is.
+/// The name and the meaning of the `k`th of `count` columns of a property.
 fn column(name: &str, kind: &str, k: usize, count: usize) -> (String, Role) {
     match (name, kind, count) {
         ("species" | "element" | "symbol", "S", 1) => (name.to_owned(), Role::Symbol),
@@ -152,7 +152,8 @@ fn column(name: &str, kind: &str, k: usize, count: usize) -> (String, Role) {
     }
 }
 
-/// The `key=value` pairs of a comment, values perhaps in quotes or brackets, each with the byte its value begins at.
+/// The `key=value` pairs of a comment, with values optionally in quotes or brackets, each with the byte at which its
+/// value begins.
 fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
     let mut found = Vec::new();
     let mut at = 0;
@@ -167,7 +168,7 @@ fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
             _ => (' ', 0),
         };
         let start = value + open;
-        // Arrays hold arrays.
+        // Arrays may be nested.
         let mut depth = 1;
         let ends = |c: char| match close {
             ' ' => c.is_whitespace(),
@@ -184,7 +185,7 @@ fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
     found
 }
 
-impl Frames for Xyz {
+impl ParticleFrames for Xyz {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         self.need("comment")?;
@@ -257,7 +258,7 @@ mod tests {
     fn trailing_lines_that_are_not_a_frame_are_reported() {
         let mut xyz = Xyz::new(Source::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
         let frame = xyz.next().expect("read").expect("a frame");
-        assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` behind the 1 atoms begins no frame"]);
+        assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` after the 1 atoms does not begin a frame"]);
         xyz.next().map(drop).expect_err("and it is none");
     }
 
@@ -274,15 +275,15 @@ mod tests {
         for (text, place) in [
             ("two\n\n", ":1:1: count"),
             ("2\n\nO 0 0 0\n", "file ends"),
-            ("1\n\nO 0 0 0\nO 1 0 0\n\nO 2 0 0\n", ":4:1: count: 1 atoms are announced, and 2 follow"),
-            ("0\n\nO 0 0 0\n", ":3:1: count: 0 atoms are announced, and 1 follow"),
+            ("1\n\nO 0 0 0\nO 1 0 0\n\nO 2 0 0\n", ":4:1: count: expected 1 atoms, found 2"),
+            ("0\n\nO 0 0 0\n", ":3:1: count: expected 0 atoms, found 1"),
             ("99999999999\n\nO 0 0 0\n", "99999999999 spheres are more"),
             ("1\n\nO 0 zero 0\n", ":3:5: y"),
             ("1\n\nO 0 inf 0\n", ":3:5: y"),
             ("1\n\nO 0 1\n", ":3:6: z"),
             ("1\nProperties=pos:R\nO 0 1\n", ":2:12: Properties"),
-            ("1\nProperties=species:S:1\nO\n", "no pos"),
-            ("1\nProperties=pos:R:3:radius:R:1:radius:R:1\n0 0 0 1 1\n", "given twice"),
+            ("1\nProperties=species:S:1\nO\n", "pos with three columns is missing"),
+            ("1\nProperties=pos:R:3:radius:R:1:radius:R:1\n0 0 0 1 1\n", "occurs twice"),
             ("1\nProperties=pos:R:99999999999999\n0 0 0 1 1\n", "columns"),
             ("1\nLattice=\"1 2\"\nO 0 0 0\n", ":2:10: Lattice"),
             ("1\nProperties=pos:R:3:radius:R:1\n0 0 0 -1\n", ":3:7: radius"),

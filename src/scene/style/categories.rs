@@ -1,4 +1,4 @@
-//! Colours of what has no order: names, whole numbers that are names, elements.
+//! Colours of categories: names, numbers that identify, elements.
 
 use super::colormap::ColorMap;
 use super::elements::element;
@@ -10,32 +10,32 @@ use crate::scene::particles::{Column, Particles};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// A category that particles are of.
+/// A category of particles.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Category {
-    /// Its name or number, as the file writes it.
+    /// Its name or number, as in the file.
     pub label: String,
     /// Its colour, 8-bit sRGB.
     pub color: [u8; 3],
-    /// How many particles are of it.
+    /// The number of its particles.
     pub count: u64,
 }
 
-/// Columns of whole numbers that are names: of types, of molecules, of copies.
+/// Columns whose whole numbers are identifiers: of types, molecules, copies.
 const NUMBERED: [&str; 6] = ["type", "mol", "molecule", "model", "copy", "cluster"];
 
-/// What has no number is of no category.
+/// The colour of particles without a number.
 const MISSING: [u8; 3] = [0x80; 3];
 
-/// Categories that are counted one by one; what comes after them counts together.
+/// The most categories that are counted separately; the rest are counted together.
 const MOST: usize = 1 << 16;
 
-/// 0xrrggbb of an element in 8-bit sRGB; of what is none, deep pink.
+/// 0xrrggbb of an element in 8-bit sRGB; deep pink if it is unknown.
 pub(super) fn of_element(number: u8) -> u32 {
     element(number).map_or(0xff1493, |element| element.color)
 }
 
-/// The legend of the elements that are there, by atomic number; those that are not known last.
+/// The legend of the elements that occur, by atomic number; unknown elements come last.
 pub(super) fn elements(elements: &[u8]) -> Legend {
     let mut counts = [0_u64; 256];
     elements.iter().for_each(|number| counts[usize::from(*number)] += 1);
@@ -52,7 +52,7 @@ pub(super) fn elements(elements: &[u8]) -> Legend {
 /// The colours and the legend where the scale's columns are categories; `None` where they are numbers.
 ///
 /// # Errors
-/// [`Error::Settings`] for a range, a logarithm or a length of categories.
+/// [`Error::Settings`] for a range, a logarithm or several columns of categories.
 pub(super) fn apply(
     scale: &Scale,
     columns: &[&Column],
@@ -69,15 +69,15 @@ pub(super) fn apply(
     }
     let name = &scale.columns.join(", ");
     let refused =
-        |what: &str, mend: &str| Err(Error::settings(format!("the categories of {name} have no {what}"), mend));
-    let [column] = columns else { return refused("length", "name one column") };
+        |what: &str, mend: &str| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
+    let [column] = columns else { return refused("length", "use one column") };
     if scale.range.is_some() {
-        return refused("range", "leave --range out, or name a column of numbers");
+        return refused("range", "remove --range, or use a column of numbers");
     }
     if scale.log {
-        return refused("logarithm", "leave --log out, or name a column of numbers");
+        return refused("logarithm", "remove --log, or use a column of numbers");
     }
-    // A map of continuous colours is spread over all the names that the file has.
+    // A continuous map is spread over all names of the file.
     let last = labels.map_or(1, |labels| labels.len().saturating_sub(1).max(1)) as f64;
     let map = scale.map.unwrap_or(ColorMap::Category);
     let place = |category: f64| if map == ColorMap::Category { category } else { category / last };
@@ -94,14 +94,14 @@ pub(super) fn apply(
     }
     if missing > 0 {
         let of = column.values.len();
-        skipped
-            .assumed
-            .push(format!("{missing} of {of} values of {name} are no numbers: they are of no category and grey"));
+        skipped.assumed.push(format!(
+            "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
+        ));
     }
     let several = counts.len() as u64 + more;
     if map == ColorMap::Category && several > ColorMap::CATEGORIES {
         let colors = ColorMap::CATEGORIES;
-        skipped.assumed.push(format!("{several} categories of {name} share {colors} colours, which repeat"));
+        skipped.assumed.push(format!("{several} categories of {name} share {colors} colours"));
     }
     let label = |category: i64| match labels {
         Some(labels) => usize::try_from(category).ok().and_then(|n| labels.get(n)).cloned().unwrap_or_default(),

@@ -1,5 +1,5 @@
-//! Perceptual colour maps: a number between 0 and 1 becomes a colour. The maps are those of crate colorous (matplotlib's
-//! and ColorBrewer's by d3-scale-chromatic).
+//! Perceptual colour maps from numbers between 0 and 1 to colours. The maps are those of the crate colorous
+//! (matplotlib's and ColorBrewer's by d3-scale-chromatic).
 
 use super::linear;
 use crate::error::{Error, Result};
@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// A colour map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
-    /// Dark violet to yellow; even in lightness.
+    /// Dark violet to yellow, with uniform lightness steps.
     #[default]
     Viridis,
     /// Black over violet and orange to pale yellow.
@@ -17,19 +17,19 @@ pub enum ColorMap {
     Magma,
     /// Blue over violet to yellow.
     Plasma,
-    /// Blue to yellow, for every kind of colour vision.
+    /// Blue to yellow, for all kinds of colour vision.
     Cividis,
-    /// Black over blue and green to white, evenly.
+    /// Black over blue and green to white, with uniform lightness steps.
     Cubehelix,
-    /// A rainbow, more even than the old one.
+    /// A rainbow with more uniform lightness than jet.
     Turbo,
-    /// Red over pale yellow to blue: what has a middle.
+    /// Red over pale yellow to blue, for values with a midpoint.
     RedYellowBlue,
-    /// Blue over white to red: what has a middle.
+    /// Blue over white to red, for values with a midpoint.
     BlueWhiteRed,
     /// Black to white.
     Grays,
-    /// Ten plain colours, then ten darker and ten lighter ones, by the whole part of the number: what has no order.
+    /// Ten base colours, then ten darker and ten lighter ones, by the integer part of the number; for categories.
     Category,
 }
 
@@ -49,7 +49,7 @@ impl ColorMap {
         Self::Category,
     ];
 
-    /// How many categories have colours of their own.
+    /// The number of different category colours.
     pub const CATEGORIES: u64 = 30;
 
     /// The name on the command line.
@@ -70,7 +70,7 @@ impl ColorMap {
         }
     }
 
-    /// 8-bit sRGB of `x` in [0, 1]; of a category, by its whole number.
+    /// 8-bit sRGB of `x` in [0, 1]; of a category, by its integer part.
     #[must_use]
     pub fn srgb(self, x: f64) -> [u8; 3] {
         use colorous::{
@@ -91,7 +91,8 @@ impl ColorMap {
                 let last = Self::CATEGORIES - 1;
                 let place = (x.rem_euclid(Self::CATEGORIES as f64) as u64).min(last) as usize;
                 let plain = TABLEAU10[place % TABLEAU10.len()].as_array();
-                // Towards black, then towards white; half the way keeps each near its plain colour and apart from the others.
+                // Towards black, then towards white; half the way keeps each near its base colour and distinct from the
+                // others.
                 return match place / TABLEAU10.len() {
                     0 => plain,
                     1 => plain.map(|level| level / 2),
@@ -99,7 +100,7 @@ impl ColorMap {
                 };
             }
         };
-        // Some scales of d3 run the other way.
+        // Some scales of d3 have the opposite direction.
         let x = if matches!(self, Self::Grays | Self::BlueWhiteRed) { 1.0 - x } else { x };
         gradient.eval_continuous(x.clamp(0.0, 1.0)).as_array()
     }

@@ -1,28 +1,28 @@
-//! What elements look like: the sizes and colours that molecular graphics agreed on.
+//! Radii and colours of the elements, as is customary in molecular graphics.
 
 /// An element of the periodic table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
-    /// As in the periodic table: `Fe`.
+    /// Its symbol: `Fe`.
     pub symbol: &'static str,
-    /// Van der Waals radius, ångström: Bondi, J. Phys. Chem. 68, 441 (1964), and for the main group elements he left out
-    /// Mantina et al., J. Phys. Chem. A 113, 5806 (2009); for the others Alvarez, Dalton Trans. 42, 8617 (2013). `None`
-    /// where nobody gives one.
+    /// Van der Waals radius, ångström: Bondi, J. Phys. Chem. 68, 441 (1964), and for the main group elements missing
+    /// there Mantina et al., J. Phys. Chem. A 113, 5806 (2009); for the others Alvarez, Dalton Trans. 42, 8617 (2013).
+    /// `None` where no source gives one.
     pub vdw: Option<f64>,
-    /// Covalent radius, ångström: Cordero et al., Dalton Trans. 2832 (2008), which ends at curium.
+    /// Covalent radius, ångström: Cordero et al., Dalton Trans. 2832 (2008), up to curium.
     pub covalent: Option<f64>,
-    /// 8-bit sRGB, Jmol's colours (jmol.sourceforge.net/jscolors), which end at meitnerium; then deep pink, as Jmol
-    /// paints what it does not know.
+    /// 8-bit sRGB, Jmol's colours (jmol.sourceforge.net/jscolors), up to meitnerium; then deep pink, Jmol's colour of
+    /// unknown elements.
     pub color: u32,
 }
 
-/// The element of an atomic number; `None` for 0, which stands for "unknown", and beyond 118.
+/// The element of an atomic number; `None` for 0, which means unknown, and above 118.
 #[must_use]
 pub fn element(number: u8) -> Option<&'static Element> {
     ELEMENTS.get(usize::from(number).checked_sub(1)?)
 }
 
-/// The atomic number of a symbol in capitals or not; `D` and `T` are hydrogen. 0 if it names no element.
+/// The atomic number of a symbol in upper or lower case; `D` and `T` are hydrogen. 0 if it is not an element.
 #[must_use]
 pub fn atomic_number(symbol: &str) -> u8 {
     let place = |letter: u8| usize::from(letter.to_ascii_lowercase().wrapping_sub(b'a'));
@@ -35,10 +35,10 @@ pub fn atomic_number(symbol: &str) -> u8 {
     number.copied().unwrap_or(0)
 }
 
-/// Where the symbols of one letter are in a row of [`NUMBERS`].
+/// The column of one-letter symbols in [`NUMBERS`].
 const ALONE: usize = 26;
 
-/// Atomic numbers by the symbol's first letter and its second, for files name millions of atoms.
+/// Atomic numbers by the symbol's first and second letter; a table, because files contain millions of atoms.
 static NUMBERS: [[u8; 27]; 26] = {
     let mut numbers = [[0; 27]; 26];
     let mut n = 0;

@@ -1,4 +1,4 @@
-//! Colours from columns of numbers, and what they stand for.
+//! Colours from columns of numbers, and their legends.
 
 use super::categories::{self, Category};
 use super::colormap::ColorMap;
@@ -11,29 +11,29 @@ use rayon::prelude::*;
 /// How numbers become colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
-    /// The column; the length of the vector where several are named.
+    /// The column; with several, the length of the vector.
     pub columns: Vec<String>,
-    /// Which colours. `None` takes [`ColorMap::Category`] for names (chain, asym, entity) and for whole numbers that are names
-    /// (type, molecule, model, copy), else [`ColorMap::Viridis`].
+    /// The colour map. `None` takes [`ColorMap::Category`] for names (chain, asym, entity) and for numbers that
+    /// identify (type, molecule, model, copy), else [`ColorMap::Viridis`].
     pub map: Option<ColorMap>,
-    /// The numbers at the map's ends; `None` takes the least and the largest there are.
+    /// The values at the map's ends; `None` takes the minimum and the maximum.
     pub range: Option<[f64; 2]>,
     /// Whether the scale is logarithmic.
     pub log: bool,
 }
 
-/// What the colours of a scale stand for.
+/// The legend of a scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
-    /// What is coloured: `speed`, or `|vx, vy, vz|`.
+    /// The coloured quantity: `speed`, or `|vx, vy, vz|`.
     pub name: String,
-    /// Which colours.
+    /// The colour map.
     pub map: ColorMap,
-    /// The numbers at the map's ends; of categories the least and the largest.
+    /// The values at the map's ends; for categories the minimum and the maximum.
     pub range: [f64; 2],
     /// Whether the scale is logarithmic.
     pub log: bool,
-    /// The categories that are there, where the colours stand for such; else empty.
+    /// The categories that occur; empty for numbers.
     pub categories: Vec<Category>,
 }
 
@@ -41,14 +41,14 @@ pub struct Legend {
 pub(super) type Colored = (Vec<[f32; 3]>, Option<Legend>);
 
 impl Scale {
-    /// The colours, and the legend unless there is nothing to be shown and no range.
+    /// The colours, and the legend unless there are no values and no range.
     ///
     /// # Errors
-    /// [`Error::Settings`] for columns that are not there or that the scale does not fit.
+    /// [`Error::Settings`] for missing columns or columns that the scale does not fit.
     pub(super) fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Colored> {
         if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
-            let problem = format!("the range {a},{b} has an end without a logarithm");
-            return Err(Error::settings(problem, "give two positive numbers, or leave the logarithm out"));
+            let problem = format!("the range {a},{b} is not positive, so it has no logarithm");
+            return Err(Error::settings(problem, "use two positive numbers, or remove --log"));
         }
         let column = |name: &String| {
             particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
@@ -56,7 +56,7 @@ impl Scale {
                     [] => "this file has no columns of numbers".to_owned(),
                     has => format!("the file has {}", list(has)),
                 };
-                Error::settings(format!("there is no column {} to colour by", quote(name)), mend)
+                Error::settings(format!("the file has no column {} to colour by", quote(name)), mend)
             })
         };
         let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;
@@ -78,7 +78,7 @@ impl Scale {
         let (from, width) = (scaled(low), scaled(high) - scaled(low));
         let color = |x: &f64| {
             let part = (scaled(*x) - from) / width;
-            // All alike, or no number at all: the map's beginning.
+            // If all values are equal or NaN: the map's first colour.
             map.color(if part.is_nan() { 0.0 } else { part })
         };
         let name = match &self.columns[..] {
@@ -87,10 +87,10 @@ impl Scale {
         };
         let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
         if lost > 0 {
-            let why = if self.log { "are not positive or no numbers" } else { "are no numbers" };
-            skipped
-                .assumed
-                .push(format!("{lost} of {n} values of {name} {why}: they have the colour of the map's beginning"));
+            let why = if self.log { "are not positive numbers" } else { "are not numbers" };
+            skipped.assumed.push(format!(
+                "{lost} of {n} values of {name} {why}, so these particles have the first colour of the map"
+            ));
         }
         let legend = Legend { name, map, range: [low, high], log: self.log, categories: Vec::new() };
         Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))

@@ -1,4 +1,4 @@
-//! Many at once: in each other, on each other, around the eye; and scenes that nobody here wrote.
+//! Many spheres: overlapping, coincident, around the eye; and scenes from third parties.
 
 use super::{aslant, cloud, filled_by, one, picture};
 use crate::camera::{Lens, Look};
@@ -10,7 +10,7 @@ use std::path::Path;
 
 const LENS: Lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
 
-/// Concentric spheres 1e-9 r apart, in either order, from outside and inside; and pairs shifted by as much.
+/// Concentric spheres 1e-9 r apart, in either order, from outside and inside; and pairs shifted by the same distance.
 pub(super) fn shells(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn shells(seed: u64) -> Result<Vec<Scene>> {
                 let center = DVec3::from_array(random.cube()) * 0.8;
                 let radius = 0.2 + 0.3 * random.unit();
                 spheres.push(center.to_array(), radius, None);
-                // The same centre, or one as far off as the radii could differ.
+                // The same centre, or one shifted by the difference of the radii.
                 let shift = if random.unit() < 0.5 { DVec3::ZERO } else { gap * DVec3::from_array(random.cube()) };
                 let thick = if shift == DVec3::ZERO { radius * (1.0 + gap) } else { radius };
                 spheres.push((center + shift).to_array(), thick, None);
@@ -33,7 +33,7 @@ pub(super) fn shells(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Every sphere three times, among others: the lowest index is what is seen.
+/// Every sphere three times, among others: the lowest index is visible.
 pub(super) fn coincident(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -41,7 +41,7 @@ pub(super) fn coincident(seed: u64) -> Result<Vec<Scene>> {
         let once = cloud(&mut random, 20, DVec3::ZERO, 1.0, [0.2, 0.5]);
         let mut spheres = Spheres::default();
         for n in 0..60 {
-            // 7 is prime to 20: each comes three times.
+            // 7 is coprime to 20, so each sphere comes three times.
             let k = (7 * n + n / 20) % 20;
             spheres.push(once.centers[k], once.radii[k], None);
         }
@@ -51,7 +51,7 @@ pub(super) fn coincident(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Pairs that mirror each other in the plane of the middle column: there both are exactly as near.
+/// Pairs mirrored in the plane of the middle column, where both are at exactly the same distance.
 pub(super) fn ties(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -69,8 +69,8 @@ pub(super) fn ties(seed: u64) -> Result<Vec<Scene>> {
         scene.camera.up = DVec3::Y;
         scenes.push(scene);
     }
-    // The same in the plane of a view (1, 2, 2) and an up (2, -2, 1), which (2, 1, -2) is perpendicular to: irrational
-    // neither here nor there. Coordinates are whole, so the mirror image is exact.
+    // The same in the plane of a view (1, 2, 2) and an up (2, -2, 1), to which (2, 1, -2) is perpendicular; no square
+    // root is irrational here. Coordinates are integers, so the mirror image is exact.
     for distance in [100.0, 1e9] {
         let (view, up, side) = (DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, -2.0, 1.0), DVec3::new(2.0, 1.0, -2.0));
         let eye = DVec3::new(3.0, -5.0, 7.0);
@@ -89,7 +89,7 @@ pub(super) fn ties(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Straddling the eye's plane, behind it, holding the eye, in front: each in its form of the discriminant.
+/// Across the eye plane, behind it, around the eye, in front: each has its own form of the discriminant.
 pub(super) fn around(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -97,7 +97,7 @@ pub(super) fn around(seed: u64) -> Result<Vec<Scene>> {
         for (count, size) in [(30, 1.0), (150, 0.3)] {
             let eye = DVec3::new(0.3, -0.2, 0.1);
             let mut spheres = cloud(&mut random, count, eye, 2.0, [0.05 * size, 0.8 * size]);
-            // Two that hold the eye, one of them hardly; they hide what is behind them.
+            // Two that contain the eye, one of them barely; they hide the others.
             if count == 30 {
                 spheres.push([50.0, 20.0, -10.0], 56.0, None);
                 spheres.push((eye + DVec3::new(0.0, 1.0, 0.0)).to_array(), 1.0 + 1e-7, None);
@@ -109,7 +109,7 @@ pub(super) fn around(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// A ground that fills the picture's lower half, and crumbs lying on it.
+/// A ground that fills the lower half of the picture, with crumbs on it.
 pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -132,7 +132,7 @@ pub(super) fn ground(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// A spiral of 5,761 spheres that overlap heavily: the whole and a corner.
+/// A spiral of 5,761 heavily overlapping spheres: the whole and a corner.
 pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
     let mut scene = Scene::read(path, &ReadOptions::default())?;
     (scene.image.width, scene.image.height) = (48, 48);
@@ -141,7 +141,8 @@ pub(super) fn spiral(path: &Path) -> Result<Vec<Scene>> {
     Ok(vec![scene, close])
 }
 
-/// Jupiter and all else from the Earth's surface: the day side and the night side, wide and through a long lens.
+/// Jupiter and all other bodies from the Earth's surface: from the day side and the night side, wide and through a long
+/// lens.
 pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::read(path, e))?;
     let mut bodies = Spheres::default();
@@ -149,7 +150,11 @@ pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
         let numbers: Option<Vec<f64>> = line.split(',').skip(1).map(|x| x.parse().ok()).collect();
         let Some([x, y, z, r]) = numbers.as_deref() else {
             let place = Place::file(path.display().to_string()).at(number, 1);
-            return Err(Error::scene(place, "it is no body", "give name,x,y,z,radius"));
+            return Err(Error::scene(
+                place,
+                "expected name,x,y,z,radius",
+                "use a file with the columns name,x,y,z,radius",
+            ));
         };
         bodies.push([*x, *y, *z], *r, None);
     }
@@ -158,7 +163,7 @@ pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
         return Err(Error::scene(
             place,
             "bodies are missing",
-            "give sun, mercury, venus, earth, moon, mars, jupiter, saturn",
+            "the file needs sun, mercury, venus, earth, moon, mars, jupiter, saturn",
         ));
     }
     // In the file's order: sun, mercury, venus, earth, moon, mars, jupiter, ...
@@ -166,7 +171,7 @@ pub(super) fn solar(path: &Path) -> Result<Vec<Scene>> {
     let mut scenes = Vec::new();
     for target in [6, 0, 4, 7] {
         let p = place(target) - place(3);
-        // A metre and a half above the ground, the target 25 degrees above the horizon.
+        // 1.5 m above the ground, with the target 25 degrees above the horizon.
         let up = (p.normalize() + 2.0 * p.cross(DVec3::Z).normalize()).normalize();
         let eye = place(3) + up * (bodies.radii[3] + 1.5e-3);
         let view = place(target) - eye;

@@ -1,4 +1,4 @@
-//! Far away: from the scene, from the origin.
+//! Far from the scene, or far from the origin.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::camera::{Lens, Look};
@@ -42,7 +42,8 @@ pub(super) fn oblique(_: u64) -> Result<Vec<Scene>> {
     Ok(distances().map(scene).collect())
 }
 
-/// The same, off the middle of the picture and in wide lenses far off it, with centres that are no round numbers.
+/// The same, off the middle of the picture and, in wide lenses, far off it; the coordinates of the centres are not
+/// round.
 pub(super) fn off_axis(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -57,7 +58,7 @@ pub(super) fn off_axis(seed: u64) -> Result<Vec<Scene>> {
             [32, 24],
             one(center, 1.0),
         ));
-        // 60 degrees off the axis, in a picture that is as many pixels wide as the sphere is small.
+        // 60 degrees off the axis, in a picture with as many columns as the distance has radii.
         if (10.0..1e3).contains(&distance) {
             let view = (center - eye).normalize() + 1.7 * aside;
             let lens = Lens::Viewport { vw: 8.0, vh: 6.0, distance: 1.0 };
@@ -67,7 +68,7 @@ pub(super) fn off_axis(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// 40 spheres of radius 0.5 to 1.5, the lens narrowed with distance.
+/// 40 spheres of radius 0.5 to 1.5; the lens narrows with the distance.
 pub(super) fn clusters(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |distance: f64| {
@@ -78,7 +79,7 @@ pub(super) fn clusters(seed: u64) -> Result<Vec<Scene>> {
     Ok(decades(3, 9, 1).map(&mut scene).collect())
 }
 
-/// Scene and eye together far from the origin, where coordinates are coarse.
+/// Scene and eye both far from the origin, where coordinates are coarse.
 pub(super) fn offsets(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |offset: f64| {
@@ -90,10 +91,10 @@ pub(super) fn offsets(seed: u64) -> Result<Vec<Scene>> {
     Ok(decades(3, 12, 1).map(&mut scene).collect())
 }
 
-/// What other renderers were seen to get wrong.
+/// Observed failures of other renderers.
 pub(super) fn peers(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
-    // A unit sphere filling half the picture, view along (1, 2, 3): false at 1e4, gone at 1e8.
+    // A unit sphere filling half the picture, view along (1, 2, 3): wrong at 1e4, missing at 1e8.
     let small = |distance: f64| {
         picture(
             -aslant() * distance,

@@ -1,4 +1,4 @@
-//! Very small, very large, very wide, very narrow.
+//! Very small, very large, very wide and very narrow scenes.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::camera::{Lens, Look};
@@ -7,7 +7,7 @@ use crate::measure::suite::Random;
 use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 
-/// A cluster about the origin, scaled; seen from outside and from among it.
+/// A cluster about the origin, scaled; seen from outside and from within.
 pub(super) fn sizes(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn sizes(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Spheres of all sizes, each a tenth to a third as large as it is far.
+/// Spheres of all sizes, each with a radius of a tenth to a third of its distance.
 pub(super) fn mixed(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scene = |eye: DVec3| {
@@ -47,7 +47,7 @@ pub(super) fn viewports(seed: u64) -> Result<Vec<Scene>> {
     Ok(decades(-20, 20, 5).map(&mut scene).collect())
 }
 
-/// Up to nearly a half space, from among the spheres and from before a large one.
+/// Nearly up to a half space, from among the spheres and from the front of a large one.
 pub(super) fn wide(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn wide(seed: u64) -> Result<Vec<Scene>> {
         let lens = Lens::Vfov { degrees, distance: 1.0 };
         let among = cloud(&mut random, 120, DVec3::ZERO, 3.0, [0.1, 0.6]);
         scenes.push(picture(DVec3::new(0.1, 0.2, 0.3), Look::View(aslant()), lens, [48, 36], among));
-        // Wholly in front, so that only a wide lens sees them well off the axis.
+        // Completely in front of the eye, so that only a wide lens sees them far off the axis.
         let mut spheres = cloud(&mut random, 40, aslant() * 6.0, 4.0, [0.1, 0.8]);
         spheres.push((aslant() * 1e3).to_array(), 990.0, None);
         scenes.push(picture(DVec3::ZERO, Look::View(aslant()), lens, [48, 36], spheres));
@@ -63,7 +63,7 @@ pub(super) fn wide(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Down to 1e-28 degrees, at the silhouette of a unit sphere, of two that overlap, and inside a picture's disc.
+/// Down to 1e-28 degrees, at the silhouette of a unit sphere, of two that overlap, and within a picture's disc.
 pub(super) fn long(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn long(seed: u64) -> Result<Vec<Scene>> {
         let edge = p / far * (1.0 - sine * sine).sqrt() + aside * sine;
         let mut spheres = one(center, 1.0);
         scenes.push(picture(eye, Look::View(edge), lens, [32, 24], spheres.clone()));
-        // A second one crosses it: their seam runs through the picture.
+        // A second one intersects it, so their seam runs through the picture.
         spheres.push((center + 0.5 * aside).to_array(), 1.0, None);
         // A circle of radius sqrt(1 - 1/16) about the middle between them, turned to the eye.
         let out = 0.6 * aside.cross(p / far) - 0.8 * p / far;
@@ -86,7 +86,7 @@ pub(super) fn long(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// The smallest pictures and the thinnest ones.
+/// The smallest and the thinnest pictures.
 pub(super) fn slivers(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -101,7 +101,7 @@ pub(super) fn slivers(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Thousands of spheres of a thousandth of a pixel, every other one where a pixel's ray passes.
+/// Thousands of spheres with a diameter of a thousandth of a pixel, every other one at a pixel's ray.
 pub(super) fn dust(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -114,7 +114,7 @@ pub(super) fn dust(seed: u64) -> Result<Vec<Scene>> {
         let pitch = lens.vw / 64.0 * distance;
         for n in 0..3000 {
             let anywhere = [64.0 * random.unit(), 48.0 * random.unit()];
-            // A pixel's centre within a radius each way: some are hit, some not.
+            // A pixel's centre within a radius each way: some are hit, some are not.
             let at = if n % 2 == 0 { anywhere.map(|x| x.floor() + 0.5) } else { anywhere };
             let shift = DVec3::from_array(random.cube()) * 1e-3 * pitch;
             let [u, v] = [(at[0] / 64.0 - 0.5) * lens.vw, (0.5 - at[1] / 48.0) * lens.vh];
@@ -127,7 +127,7 @@ pub(super) fn dust(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Pixels that are up to 1e12 times as wide as high, or as high as wide.
+/// Pixels up to 1e12 times as wide as high, or as high as wide.
 pub(super) fn stretched(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -141,7 +141,7 @@ pub(super) fn stretched(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// An up that hardly differs from the view, so that the roll hangs on the last bits; near and far from the origin.
+/// An up vector almost parallel to the view, so that the roll depends on the last bits; near and far from the origin.
 pub(super) fn rolled(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -158,8 +158,8 @@ pub(super) fn rolled(seed: u64) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// Depths in one frame from 1e-45 to 1e40: an eye so close to small spheres that f32 has no normal number for it beside
-/// the large ones.
+/// Depths from 1e-45 to 1e40 in one frame: the eye is so close to small spheres that f32 has no normal numbers for them
+/// beside the large ones.
 pub(super) fn span(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -167,7 +167,7 @@ pub(super) fn span(seed: u64) -> Result<Vec<Scene>> {
         for close in [1e-15, 1e-13, 1e-9, 0.3] {
             let mut spheres = cloud(&mut random, 20, DVec3::ZERO, 3.0 * huge, [0.1 * huge, huge]);
             for _ in 0..6 {
-                // As far as it is large, and a little: its surface is `close` radii away.
+                // At a distance slightly more than its radius: its surface is `close` radii away.
                 let away = tiny * (1.0 + random.unit()) * (aslant() + 0.5 * DVec3::from_array(random.cube()));
                 spheres.push(away.to_array(), away.length() * (1.0 - close * (1.0 + random.unit())), None);
             }

@@ -1,4 +1,4 @@
-//! Nearly or exactly touching: rays that graze, eyes on surfaces, planets underfoot.
+//! Nearly or exactly touching: grazing rays, eyes on surfaces, observers on planets.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::camera::{Lens, Look};
@@ -19,14 +19,14 @@ fn direction(scene: &Scene, i: u32, j: u32) -> Result<DVec3> {
     Ok(basis.u * (odd(j, image.width) * lens.vw) - basis.v * (odd(i, image.height) * lens.vh) - basis.w * lens.d)
 }
 
-/// The least f64 radius with which the ray of that pixel hits a sphere about `center`: its exact impact, rounded up.
-/// `guess` is within 2^-20 of it.
+/// The smallest f64 radius at which the ray of that pixel hits a sphere about `center`: its exact impact parameter,
+/// rounded up. `guess` is within 2^-20 of it.
 fn impact(scene: &Scene, [i, j]: [u32; 2], center: DVec3, guess: f64) -> Result<f64> {
     let hit = |radius: f64| -> Result<bool> {
         let alone = Scene { spheres: one(center, radius), ..scene.clone() };
         Ok(Judge::new(&alone)?.pixel(i, j).is_some())
     };
-    // Positive f64 are in the order of their bits.
+    // Positive f64 have the order of their bits.
     let [mut missed, mut touched] = [-1.0, 1.0].map(|side| (guess * (1.0 + side * 2f64.powi(-20))).to_bits());
     debug_assert!(!hit(f64::from_bits(missed))? && hit(f64::from_bits(touched))?, "the guess {guess:e} is off");
     while touched - missed > 1 {
@@ -41,14 +41,14 @@ fn distance(scene: &Scene, d: DVec3, center: DVec3) -> f64 {
     (center - scene.camera.eye).cross(d).length() / d.length()
 }
 
-/// b(1 +- 2^-k) for the n-th case; k counts to 45, the sign alternates, and every 46th is the impact itself.
+/// b(1 +- 2^-k) for the n-th case: k counts to 45, the sign alternates, and every 46th case is b itself.
 fn nearly(b: f64, n: i32) -> f64 {
     let k = 1 + n / 2 % 46;
     let side = if n % 2 == 0 { 1.0 } else { -1.0 };
     if k == 46 { b } else { b * (1.0 + side * 2f64.powi(-k)) }
 }
 
-/// Beside each of 192 rays a small sphere of its own that the ray touches or just misses.
+/// Beside each of 192 rays a small sphere that the ray touches or just misses.
 pub(super) fn grazing(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -79,7 +79,7 @@ pub(super) fn grazing_large(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
     for (distances, axis) in [(5.0, false), (1e3, false), (1e6, false), (1e6, true)] {
-        // k = 5, 15, 25, 35, 40, 45, the impact itself; one sign each, and the other.
+        // k = 5, 15, 25, 35, 40, 45, and b itself, with alternating signs.
         for n in [8, 28, 49, 68, 79, 88, 89, 90] {
             let away = if axis { DVec3::Z } else { aslant() };
             let eye = away * distances;
@@ -98,7 +98,7 @@ pub(super) fn grazing_large(seed: u64) -> Result<Vec<Scene>> {
 
 /// Rays whose discriminant is exactly 0.
 fn tangent_rays(eye: DVec3, unit: f64) -> Scene {
-    // Pixels' rays are (a, b, -6) with a in -16 ..= 16 and b in -12 ..= 12: all whole numbers.
+    // The rays of the pixels are (a, b, -6) with a in -16 ..= 16 and b in -12 ..= 12: all integers.
     let lens = Lens::Viewport { vw: 33.0 * unit, vh: 25.0 * unit, distance: 6.0 * unit };
     let mut spheres = Spheres::default();
     // Right of the rays with a = 0: the centre's perpendicular is along x, of length r.
@@ -129,13 +129,13 @@ pub(super) fn touched(_: u64) -> Result<Vec<Scene>> {
         tangent_rays(DVec3::new(1e6, -3e6, 1e9), 2f64.powi(-60)),
         tangent_rays(DVec3::new(0.5, 0.25, 8.0), 2f64.powi(40)),
     ];
-    // The middle ray is the view (1, 2, 2) itself, whatever irrational basis surrounds it; (2, 1, -2) is perpendicular
-    // and as long. One sphere behind another, each tangent on one side or the other.
+    // The middle ray is the view (1, 2, 2) itself, even if the basis is irrational; (2, 1, -2) is perpendicular and of
+    // the same length. One sphere behind another, each tangent on one side or the other.
     for (t, s, side) in [(5.0, 1.0, 1.0), (7.0, 0.5, -1.0), (1e6, 2.0, 1.0), (1e9, 3.0, -1.0)] {
         let (view, aside) = (DVec3::new(1.0, 2.0, 2.0), DVec3::new(2.0, 1.0, -2.0));
         let eye = DVec3::new(-3.0, 4.0, 0.5);
         let mut spheres = one(eye + t * view + side * s * aside, 3.0 * s);
-        // As far behind it as it is large: the middle ray enters this one deeply.
+        // As far behind it as it is large: the middle ray enters this sphere deeply.
         spheres.push((eye + (t + 2.0 * s) * view).to_array(), 0.5 * s, None);
         scenes.push(picture(eye, Look::View(view), filled_by(s / t), [33, 25], spheres));
     }
@@ -161,7 +161,7 @@ fn shore(random: &mut Random, eye: DVec3, view: DVec3, degrees: f64) -> Scene {
     picture(eye, Look::View(view), Lens::Vfov { degrees, distance: 1.0 }, [32, 24], spheres)
 }
 
-/// Exactly on it, at 1 and at other scales.
+/// Exactly on the surface, at scale 1 and at other scales.
 pub(super) fn on_surface(seed: u64) -> Result<Vec<Scene>> {
     let mut random = Random(seed);
     let mut scenes = Vec::new();
@@ -169,12 +169,12 @@ pub(super) fn on_surface(seed: u64) -> Result<Vec<Scene>> {
         scenes.push(shore(&mut random, eye, view, 60.0));
         scenes.push(shore(&mut random, eye, view, 150.0));
     }
-    // Touching ones behind and beside, alone: nothing hides the empty side.
+    // Touching spheres behind and beside the eye, alone: nothing hides the empty side.
     for scale in [1.0, 1e-20, 2f64.powi(60)] {
         let [eye, view] = [DVec3::new(2.0, 3.0, 6.0), DVec3::new(3.0, -6.0, 2.0)];
         let lens = Lens::Vfov { degrees: 100.0, distance: 1.0 };
         let mut spheres = Spheres::default();
-        // Multiples of powers of two times whole numbers: exact at 1 and 2^60, rounded at 1e-20.
+        // Multiples of powers of two times integers: exact at 1 and 2^60, rounded at 1e-20.
         for m in [1.0, 2.0, 0.5, -1.0] {
             let center = eye * (1.0 - m) * scale;
             spheres.push(center.to_array(), 7.0 * f64::abs(m) * scale, None);
@@ -194,12 +194,12 @@ pub(super) fn off_surface(seed: u64) -> Result<Vec<Scene>> {
             scenes.push(shore(&mut random, eye * (1.0 + side * off), eye.cross(view) + 0.1 * view, 110.0));
         }
     }
-    // The nearest f64 to a point of the unit sphere that has no rational one there.
+    // The nearest f64 to an irrational point of the unit sphere.
     scenes.push(picture(aslant(), Look::View(DVec3::X), CANONICAL, [32, 24], one(DVec3::ZERO, 1.0)));
     Ok(scenes)
 }
 
-/// The Earth's radius, from 1.7 m to 100 km, and 40 stones whose size goes with the height.
+/// The Earth from heights of 1.7 m to 100 km, and 40 stones whose size is proportional to the height.
 pub(super) fn planet(seed: u64) -> Result<Vec<Scene>> {
     const R: f64 = 6.4e6;
     let mut random = Random(seed);
@@ -212,7 +212,7 @@ pub(super) fn planet(seed: u64) -> Result<Vec<Scene>> {
             let [x, _, z] = random.cube();
             let ground = R * up + height * ((4.0 + 3.0 * x) * ahead + 3.0 * z * ahead.cross(up));
             let stone = height * (0.02 + 0.1 * random.unit());
-            // Half sunk or lying on top.
+            // Half sunk or lying on the surface.
             spheres.push((ground.normalize() * (R + stone * random.unit())).to_array(), stone, None);
         }
         let lens = Lens::Vfov { degrees: 50.0, distance: 1.0 };
@@ -223,13 +223,13 @@ pub(super) fn planet(seed: u64) -> Result<Vec<Scene>> {
     Ok([1.7, 10.0, 100.0, 1e3, 1e4, 1e5].into_iter().map(&mut scene).collect())
 }
 
-/// The horizon alone, enlarged: a silhouette of a sphere that fills half the world.
+/// The horizon, magnified: the silhouette of a sphere that fills half the view.
 pub(super) fn horizon(_: u64) -> Result<Vec<Scene>> {
     let mut scenes = Vec::new();
     for (radius, height) in [(6.4e6, 1.7), (6.4e6, 1e5), (1e6, 1.0), (6.957e8, 1e-3)] {
         let eye = (radius + height) * aslant();
         let out = aslant().cross(DVec3::X).normalize();
-        // From the eye to the horizon: sqrt(h(2 r + h)) along, and down to where the tangent touches.
+        // From the eye to the horizon: sqrt(h(2 r + h)) along, and down to the point of tangency.
         let along = f64::sqrt(height * (2.0 * radius + height));
         let dip = along / radius;
         let view = out - dip * aslant();

@@ -1,4 +1,4 @@
-//! Anything at all: every number of the scene drawn over its whole range, so that cases meet that nobody thought of.
+//! Random scenes: every number is drawn over its whole range, to find combinations that no other case covers.
 
 use super::picture;
 use crate::camera::{Lens, Look};
@@ -7,7 +7,7 @@ use crate::measure::suite::Random;
 use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 
-/// 10^x for x uniform between.
+/// 10^x with x uniform between `from` and `to`.
 fn log(random: &mut Random, from: f64, to: f64) -> f64 {
     10f64.powf(from + (to - from) * random.unit())
 }
@@ -24,7 +24,7 @@ fn lens(random: &mut Random) -> Lens {
     Lens::Viewport { vw: tall * shape * distance, vh: tall * distance, distance }
 }
 
-/// A sphere that the picture is likely to show, at `depth`: small or large for a pixel, or about to touch the eye.
+/// Adds a sphere that is probably visible, at `depth`: small or large relative to a pixel, or almost touching the eye.
 fn add(random: &mut Random, scene: &mut Scene, depth: f64) -> Result<()> {
     let [x, y, _] = random.cube();
     let basis = scene.camera.basis()?;
@@ -43,7 +43,7 @@ fn add(random: &mut Random, scene: &mut Scene, depth: f64) -> Result<()> {
     let spheres = &mut scene.spheres;
     let n = spheres.len();
     if n > 0 && random.unit() < 0.15 {
-        // One of the others again, moved or grown by a few of its last bits, or not at all.
+        // A copy of another sphere, moved or grown by a few of its last bits, or unchanged.
         let k = (random.unit() * n as f64) as usize;
         center = DVec3::from_array(spheres.centers[k]);
         let ulps = (random.unit() * 4.0).floor() - 1.0;
@@ -72,7 +72,7 @@ pub(super) fn anything(seed: u64) -> Result<Vec<Scene>> {
         let lens = lens(&mut random);
         let size = [1 + (24.0 * random.unit()) as u32, 1 + (24.0 * random.unit()) as u32];
         let mut scene = picture(eye, Look::View(view), lens, size, Spheres::default());
-        // All at much the same depth, or at all depths.
+        // All at nearly the same depth, or at different depths.
         let spread = if random.unit() < 0.5 { 0.02 } else { 6.0 * random.unit() };
         for _ in 0..1 + (40.0 * random.unit()) as usize {
             let depth = scale * log(&mut random, -spread, spread);

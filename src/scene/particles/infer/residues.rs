@@ -1,10 +1,10 @@
-//! Residues by name: what molecules they are of, in the names of the Protein Data Bank, CHARMM, AMBER, GROMACS and GROMOS.
-//! Sources: the wwPDB chemical component dictionary; CHARMM36 top_all36_prot.rtf, _na, _lipid and toppar_water_ions.str;
-//! AMBER leaprc.protein.ff19SB and lipid21; GROMACS residuetypes.dat.
+//! Residues by name and their kind of molecule, with the names of the Protein Data Bank, CHARMM, AMBER, GROMACS and
+//! GROMOS. Sources: the wwPDB chemical component dictionary; CHARMM36 top_all36_prot.rtf, _na, _lipid and
+//! toppar_water_ions.str; AMBER leaprc.protein.ff19SB and lipid21; GROMACS residuetypes.dat.
 
-/// What a residue is of.
+/// The kind of molecule of a residue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Class {
+pub(super) enum ResidueClass {
     Protein,
     Nucleic,
     Water,
@@ -14,16 +14,16 @@ pub(super) enum Class {
     Bead,
 }
 
-/// The class of a residue's name in capitals; `None` for ligands, ions and whatever else is not listed.
-pub(super) fn class(name: &[u8]) -> Option<Class> {
+/// The class of a residue's name in capitals; `None` for ligands, ions and all names that are not listed.
+pub(super) fn class(name: &[u8]) -> Option<ResidueClass> {
     let listed = match name {
         b"WAT" | b"HOH" | b"H2O" | b"DOD" | b"D2O" | b"SOL" | b"TIP" | b"TIP2" | b"TIP3" | b"TIP4" | b"TIP5"
         | b"TIP3P" | b"TIP4P" | b"TIP5P" | b"TP3" | b"TP4" | b"TP5" | b"TP3M" | b"TP4M" | b"TP5M" | b"T3P" | b"T4P"
         | b"T4E" | b"T5P" | b"SPC" | b"SPCE" | b"OPC" | b"OPC3" | b"FB3" | b"FB4" | b"PL3" | b"POL3" | b"DC4"
         | b"SPF" | b"SPG" | b"SWM" | b"SWM4" | b"SWM6" | b"SW4" | b"SW6" | b"OH2" | b"WTR" | b"MTO" => {
-            Some(Class::Water)
+            Some(ResidueClass::Water)
         }
-        b"W" | b"WF" | b"WN" | b"PW" | b"TW" => Some(Class::Bead),
+        b"W" | b"WF" | b"WN" | b"PW" | b"TW" => Some(ResidueClass::Bead),
         b"POPC" | b"POPE" | b"POPG" | b"POPS" | b"POPA" | b"POPI" | b"POP" | b"DPPC" | b"DPPE" | b"DPPG" | b"DPPS"
         | b"DPPA" | b"DMPC" | b"DMPE" | b"DMPG" | b"DMPS" | b"DMPA" | b"DOPC" | b"DOPE" | b"DOPG" | b"DOPS"
         | b"DOPA" | b"DSPC" | b"DSPE" | b"DSPG" | b"DLPC" | b"DLPE" | b"DLPG" | b"DLPS" | b"DLIPC" | b"DAPC"
@@ -31,18 +31,18 @@ pub(super) fn class(name: &[u8]) -> Option<Class> {
         | b"PYPE" | b"PYPG" | b"PMPE" | b"PMPG" | b"PVPE" | b"PVPG" | b"PSM" | b"SSM" | b"CER" | b"CHL1" | b"CHL"
         | b"CHOL" | b"CLR" | b"ERG" | b"SITO" | b"STIG" | b"CAMP" | b"TOCL1" | b"TOCL2" | b"TLCL1" | b"TLCL2"
         | b"TMCL2" | b"LPPC" | b"LPC" | b"SDS" | b"DPC" | b"DDM" | b"LDA" | b"OLA" | b"PLM" | b"PAL" | b"STE"
-        | b"MYR" | b"OLE" | b"LAL" | b"DHA" => Some(Class::Other),
+        | b"MYR" | b"OLE" | b"LAL" | b"DHA" => Some(ResidueClass::Other),
         b"NAG" | b"NDG" | b"BMA" | b"MAN" | b"BGC" | b"GLC" | b"GAL" | b"GLA" | b"FUC" | b"FUL" | b"XYP" | b"XYS"
         | b"SIA" | b"SLB" | b"RAM" | b"SUC" | b"BGLC" | b"AGLC" | b"BMAN" | b"AMAN" | b"BGAL" | b"AGAL" | b"BGLCNA"
         | b"AGLCNA" | b"BGALNA" | b"AGALNA" | b"AFUC" | b"BFUC" | b"BXYL" | b"AXYL" | b"ANE5" | b"ANE5AC"
-        | b"BNE5AC" => Some(Class::Other),
-        _ if is_amino_acid(name) => Some(Class::Protein),
-        _ if is_nucleotide(name) => Some(Class::Nucleic),
+        | b"BNE5AC" => Some(ResidueClass::Other),
+        _ if is_amino_acid(name) => Some(ResidueClass::Protein),
+        _ if is_nucleotide(name) => Some(ResidueClass::Nucleic),
         _ => None,
     };
     // AMBER marks the residue at either end of a chain: NALA, CALA.
     listed.or_else(|| match name {
-        [b'N' | b'C', rest @ ..] if rest.len() == 3 && is_amino_acid(rest) => Some(Class::Protein),
+        [b'N' | b'C', rest @ ..] if rest.len() == 3 && is_amino_acid(rest) => Some(ResidueClass::Protein),
         _ => None,
     })
 }
@@ -57,17 +57,18 @@ fn is_amino_acid(name: &[u8]) -> bool {
             | b"OCS" | b"CSS" | b"CSX" | b"PCA" | b"ORN" | b"NLE" | b"NVA" | b"AIB" | b"ABA" | b"DAL" | b"DAR" | b"DSG"
             | b"DAS" | b"DCY" | b"DGN" | b"DGL" | b"DHI" | b"DIL" | b"DLE" | b"DLY" | b"MED" | b"DPN" | b"DPR" | b"DSN"
             | b"DTH" | b"DTR" | b"DTY" | b"DVA"
-            // Protonation.
+            // Protonation states.
             | b"HSD" | b"HSE" | b"HSP" | b"HID" | b"HIE" | b"HIP" | b"HISA" | b"HISB" | b"HISD" | b"HISE" | b"HISH"
             | b"HISP" | b"HIS1" | b"HIS2" | b"HISN" | b"CYX" | b"CYM" | b"CYN" | b"CYSH" | b"CYS1" | b"CYS2" | b"CYS3"
             | b"ASH" | b"ASPH" | b"ASPP" | b"AS4" | b"GLH" | b"GLUH" | b"GLUP" | b"GL4" | b"LYN" | b"LYSH" | b"LSN"
             | b"LYP" | b"ARN" | b"ARGN" | b"AR0" | b"TYM" | b"TYRU" | b"QLN"
-            // Caps.
+            // Terminal caps.
             | b"ACE" | b"ACEX" | b"NME" | b"NMA" | b"NH2" | b"NHE" | b"FOR" | b"NAC" | b"CT3"
     )
 }
 
-/// Bases by one letter, as deoxynucleotides, as CHARMM and AMBER call them, at either end of a chain (`DA5`, `RU3`, `AN`).
+/// Bases by one letter, as deoxynucleotides, as named by CHARMM and AMBER, at either end of a chain (`DA5`, `RU3`,
+/// `AN`).
 fn is_nucleotide(name: &[u8]) -> bool {
     let base = |name: &[u8]| matches!(name, [b'A' | b'C' | b'G' | b'T' | b'U' | b'I']);
     let with_sugar = |name: &[u8]| match name {
@@ -89,11 +90,11 @@ mod tests {
     #[test]
     fn residues_are_known_by_the_names_of_all_programs() {
         for (class_of, names) in [
-            (Some(Class::Protein), "ALA HSD HIE HISH CYX ASH GLH LYN MSE NALA CGLY ACE NME"),
-            (Some(Class::Nucleic), "A DA RU DG5 U3 AN ADE"),
-            (Some(Class::Water), "HOH SOL TIP3 SWM4"),
-            (Some(Class::Other), "POPC CHL1 NAG"),
-            (Some(Class::Bead), "W PW"),
+            (Some(ResidueClass::Protein), "ALA HSD HIE HISH CYX ASH GLH LYN MSE NALA CGLY ACE NME"),
+            (Some(ResidueClass::Nucleic), "A DA RU DG5 U3 AN ADE"),
+            (Some(ResidueClass::Water), "HOH SOL TIP3 SWM4"),
+            (Some(ResidueClass::Other), "POPC CHL1 NAG"),
+            (Some(ResidueClass::Bead), "W PW"),
             (None, "LIG HEM NA CL CAL CLA SOD POT ZN N 3 X MG NACE2"),
         ] {
             for name in names.split(' ') {

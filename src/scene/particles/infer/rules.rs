@@ -1,37 +1,37 @@
-//! What a single atom's name says, given what is known of its residue and of the file's columns.
+//! Rules for a single atom's name, given its residue and the file's columns.
 
-use super::residues::Class;
+use super::residues::ResidueClass;
 use crate::scene::style::elements::atomic_number;
 
-/// What stands at an atom's place.
+/// The kind of site of an atom record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Site {
-    /// An atom, by its number.
+    /// An atom, by its atomic number.
     Element(u8),
-    /// A massless site of a force field: no atom.
+    /// A massless site of a force field: not an atom.
     Virtual,
-    /// Several atoms in one particle of a coarse-grained model.
+    /// A bead of a coarse-grained model: several atoms.
     Bead,
     Unknown,
 }
 
-/// Which rule found an element, the surest first.
+/// The rule that found an element, the most reliable first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum How {
-    /// The residue is known, and what its atoms are.
+pub(super) enum InferenceRule {
+    /// The residue is known, with its atoms.
     Residue,
     /// An ion, alone in its residue.
     Ion,
-    /// The columns that the name stands in.
+    /// The columns of the name.
     Columns,
-    /// The name and nothing else.
+    /// The name alone.
     Name,
 }
 
-/// Symbols of two letters that a name begins with more often than it means its first letter alone.
+/// Two-letter symbols that are more common at the beginning of a name than their first letter alone.
 const PAIRS: [&[u8]; 11] = [b"CL", b"BR", b"FE", b"ZN", b"MG", b"MN", b"CU", b"SI", b"SE", b"LI", b"PT"];
 
-/// Names of ions in CHARMM and AMBER that are no symbols.
+/// Names of ions in CHARMM and AMBER that are not symbols.
 const IONS: [(&[u8], &str); 14] = [
     (b"SOD", "Na"),
     (b"POT", "K"),
@@ -49,12 +49,12 @@ const IONS: [(&[u8], &str); 14] = [
     (b"BRO", "Br"),
 ];
 
-/// The atomic number of a symbol, perhaps with a charge or a number behind it (`Cu2+`); 0 for none.
+/// The atomic number of a symbol, optionally with a charge or a number after it (`Cu2+`); 0 for anything else.
 pub(crate) fn of_symbol(symbol: &[u8]) -> u8 {
     let symbol = symbol.trim_ascii();
     let letters = symbol.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
     match symbol {
-        // What molecules are made of, without a search.
+        // The most common elements, without a search.
         b"C" => 6,
         b"O" => 8,
         b"N" => 7,
@@ -63,16 +63,16 @@ pub(crate) fn of_symbol(symbol: &[u8]) -> u8 {
     }
 }
 
-/// The letters that a name begins with, behind the number of an old hydrogen's name: `HB` of `1HB2`.
+/// The letters at the beginning of a name, after the number of an old hydrogen name: `HB` of `1HB2`.
 pub(super) fn letters(name: &[u8]) -> &[u8] {
     let start = name.iter().position(u8::is_ascii_alphabetic).unwrap_or(name.len());
     let rest = &name[start..];
     &rest[..rest.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(rest.len())]
 }
 
-/// The element of an atom that is alone in its residue, if it is an ion. A trace of a chain has one atom a residue too: there
-/// `CA` is calcium only where the residue is called so.
-pub(super) fn ion(name: &[u8], residue: &[u8], class: Option<Class>) -> Option<u8> {
+/// The element of an atom that is alone in its residue, if it is an ion. A chain trace also has one atom per residue;
+/// there `CA` is calcium only if the residue has that name too.
+pub(super) fn ion(name: &[u8], residue: &[u8], class: Option<ResidueClass>) -> Option<u8> {
     if class.is_some() && letters(name) != letters(residue) {
         return None;
     }
@@ -88,7 +88,8 @@ pub(super) fn ion(name: &[u8], residue: &[u8], class: Option<Class>) -> Option<u
     (element > 0 && (named || !trace)).then_some(element)
 }
 
-/// The element of an atom in a known residue: its name begins with the symbol. `None` for what does not stand there.
+/// The element of an atom in a known residue: its name begins with the symbol. `None` for names that do not occur
+/// there.
 pub(super) fn in_residue(name: &[u8], residue: &[u8]) -> Option<u8> {
     let letters = letters(name);
     if letters.eq_ignore_ascii_case(b"SE") && matches!(residue, b"MSE" | b"SEC" | b"CSE") {
@@ -101,16 +102,18 @@ pub(super) fn in_residue(name: &[u8], residue: &[u8]) -> Option<u8> {
     }
 }
 
-/// The element by the four columns of a PDB name: a symbol of one letter stands in the second, one of two begins in the
-/// first, and so does a name of four letters (wwPDB format 3.3, ATOM). `None` where the columns say nothing.
+/// The element by the four columns of a PDB name: a one-letter symbol is in the second column; a two-letter symbol
+/// begins in the first, and so does a four-letter name (wwPDB format 3.3, ATOM). `None` where the columns are not
+/// conclusive.
 pub(super) fn of_columns(name: &[u8]) -> Option<u8> {
     let &[first, second, _, last] = name else { return None };
     let full = !last.is_ascii_whitespace();
     let one = |letter: u8| Some(of_symbol(&[letter])).filter(|element| *element > 0 && letter != b'T');
     match (first.is_ascii_alphabetic(), second.is_ascii_alphabetic()) {
-        // Programs that begin every name here write these symbols so; no carbon, boron, fluorine or sulphur has such a name.
+        // Programs that begin every name in this column write these symbols so; no carbon, boron, fluorine or sulphur
+        // has such a name.
         (false, true) if matches!(&name[1..3], b"CL" | b"BR" | b"FE" | b"SI") => Some(of_symbol(&name[1..3])),
-        // Hydrogens mostly, `1HB `, and what some programs write, `1C4A`.
+        // Mostly hydrogens, `1HB `, and names of some programs, `1C4A`.
         (false, true) => one(second),
         (true, true) if full && PAIRS.iter().all(|pair| !name[..2].eq_ignore_ascii_case(pair)) => {
             one(first).or_else(|| Some(of_symbol(&name[..2])).filter(|element| *element > 0))
@@ -120,21 +123,21 @@ pub(super) fn of_columns(name: &[u8]) -> Option<u8> {
     }
 }
 
-/// The element by a name of a residue that is not known, in columns that say nothing: its first letter, but for symbols of
-/// two letters that begin with no element's letter, that are written as in the periodic table, or that are far more common
-/// ([`PAIRS`]). 0 for none.
+/// The element by name in an unknown residue, where columns are not conclusive: the first letter, except for two-letter
+/// symbols whose first letter is not an element, that are written as in the periodic table, or that are far more common
+/// ([`PAIRS`]). 0 for unknown names.
 pub(super) fn of_name(name: &[u8]) -> u8 {
     let letters = letters(name);
     let &[first, ref rest @ ..] = letters else { return 0 };
     let Some(second) = rest.first() else {
-        // Tritium is less common than types that are numbered `T1`.
+        // Tritium is less common than types numbered `T1`.
         return if first.eq_ignore_ascii_case(&b'T') { 0 } else { of_symbol(&[first]) };
     };
-    // Letters behind a first one tell atoms of organic molecules apart: `UNK` is no uranium.
+    // Letters after the first one number the atoms of organic molecules: `UNK` is not uranium.
     let one = if b"HCNOPSFB".contains(&first.to_ascii_uppercase()) { of_symbol(&[first]) } else { 0 };
     let two = of_symbol(&letters[..2]);
     let pair = PAIRS.iter().any(|pair| letters[..2].eq_ignore_ascii_case(pair));
-    // `Fe`, `Ca`, as in the periodic table; with a number behind them, small letters only tell atoms apart.
+    // `Fe`, `Ca`, as in the periodic table; with a number after them, small letters only number atoms.
     let written = first.is_ascii_uppercase() && second.is_ascii_lowercase() && first != b'H' && name.len() == 2;
     if two > 0 && (pair || written || one == 0) { two } else { one }
 }
@@ -225,7 +228,7 @@ mod tests {
             ("CAL", "CAL", None, "Ca"),
             ("CA", "CAL", None, "Ca"),
             ("CA", "LIG", None, "none"),
-            ("CA", "ALA", Some(Class::Protein), "none"),
+            ("CA", "ALA", Some(ResidueClass::Protein), "none"),
             ("ZN", "ION", None, "Zn"),
             ("NA+", "ION", None, "Na"),
             ("CL-", "CL-", None, "Cl"),
@@ -234,7 +237,7 @@ mod tests {
             ("K", "K", None, "K"),
             ("I", "IOD", None, "I"),
             ("N", "XXX", None, "none"),
-            ("W", "W", Some(Class::Bead), "W"),
+            ("W", "W", Some(ResidueClass::Bead), "W"),
         ] {
             assert_eq!(symbol(ion(name.as_bytes(), residue.as_bytes(), class)), expected, "{name} of {residue}");
         }

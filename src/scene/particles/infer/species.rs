@@ -1,30 +1,32 @@
-//! Elements where a column of symbols holds names of atoms: `HB1`, `CA`, `OW`, as programs write them to XYZ files. A name of two
-//! capital letters may be a symbol too; it is none where other words of its first letter, or of carbon's, can only be names.
+//! Elements from a column of symbols that contains atom names: `HB1`, `CA`, `OW`, as programs write them to XYZ files.
+//! A name of two capital letters may also be a symbol; it is not one where other words with its first letter, or with
+//! carbon's, can only be names.
 
 use super::{NAMES, is_virtual, rules};
-use crate::quote::quote;
+use crate::quote::{count, quote};
 use crate::scene::style::elements::{atomic_number, element};
 use std::collections::BTreeMap;
 
-/// Codes above all atomic numbers: a symbol that may be a name, [`UNSURE`] beyond its atomic number, and a virtual site.
+/// Codes above all atomic numbers: a symbol that may be a name is its atomic number plus [`UNSURE`]; a virtual site has
+/// its own.
 const UNSURE: u8 = 128;
 const SITE: u8 = u8::MAX;
 
-/// What a column of species holds besides symbols.
+/// The content of a species column besides symbols.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Species {
-    /// Names that are no symbols, by their first letter from A, and some of them.
+    /// Names that are not symbols, counted by their first letter from A, and some of them.
     named: [u64; 26],
     names: BTreeMap<String, u64>,
     /// Virtual sites by name.
     sites: BTreeMap<String, u64>,
-    /// Whether symbols are there that may be names.
+    /// Whether there are symbols that may be names.
     unsure: bool,
 }
 
 impl Species {
-    /// The code of a word: a symbol, perhaps with a number or a charge behind it (`C12`), an atomic number, or a name; 0 for
-    /// none of them.
+    /// The code of a word: a symbol, optionally with a number or a charge after it (`C12`), an atomic number, or a
+    /// name; 0 for anything else.
     pub(crate) fn code(&mut self, word: &str) -> u8 {
         if let Ok(number) = word.parse::<u8>() {
             return element(number).map_or(0, |_| number);
@@ -32,7 +34,7 @@ impl Species {
         let letters = word.trim_end_matches(|c: char| c.is_ascii_digit() || "+-_*'".contains(c));
         let number = atomic_number(letters);
         let capital = letters.bytes().all(|byte| byte.is_ascii_uppercase());
-        // Nobody draws elements beyond lawrencium; `SG` and `CN` are names.
+        // Elements beyond lawrencium do not occur; `SG` and `CN` are names.
         if number > 0 && !(capital && number > 103) {
             let name = if capital && letters.len() == 2 { rules::of_name(letters.as_bytes()) } else { 0 };
             let unsure = name > 0 && name != number;
@@ -40,31 +42,31 @@ impl Species {
             return if unsure { UNSURE + number } else { number };
         }
         if is_virtual(word.as_bytes(), None) {
-            count(&mut self.sites, word, 1);
+            tally(&mut self.sites, word, 1);
             return SITE;
         }
-        // Names of three letters and more are words of other things as often.
+        // Names of three letters and more are as often words with other meanings.
         let letters = word.trim_matches(|c: char| c.is_ascii_digit() || "'*".contains(c));
         let capital = letters.bytes().all(|byte| byte.is_ascii_uppercase());
         let name = capital && (letters.len() == 2 || ["OXT", "HXT"].contains(&letters)) && word.len() <= 5;
         let number = if name { rules::of_name(letters.as_bytes()) } else { 0 };
         if number > 0 {
             self.named[usize::from(letters.as_bytes()[0] - b'A')] += 1;
-            count(&mut self.names, word, 1);
+            tally(&mut self.names, word, 1);
         }
         number
     }
 
-    /// Adds what another part of the file holds.
+    /// Adds the counts of another part of the file.
     pub(crate) fn add(&mut self, other: Self) {
         self.named.iter_mut().zip(other.named).for_each(|(count, more)| *count += more);
         self.unsure |= other.unsure;
-        other.names.iter().for_each(|(name, n)| count(&mut self.names, name, *n));
-        other.sites.iter().for_each(|(name, n)| count(&mut self.sites, name, *n));
+        other.names.iter().for_each(|(name, n)| tally(&mut self.names, name, *n));
+        other.sites.iter().for_each(|(name, n)| tally(&mut self.sites, name, *n));
     }
 
-    /// Turns codes into atomic numbers, those of virtual sites excepted. What there is to report, and whether there are virtual
-    /// sites.
+    /// Turns codes into atomic numbers, except those of virtual sites. Returns the messages, and whether there are
+    /// virtual sites.
     pub(crate) fn settle(self, codes: &mut [u8]) -> (Vec<String>, bool) {
         let (mut said, mut names) = (Vec::new(), 0_u64);
         if self.unsure {
@@ -73,7 +75,7 @@ impl Species {
                 let number = *code - UNSURE;
                 let symbol = element(number).map_or("", |element| element.symbol);
                 let first = symbol.bytes().next().map_or(0, |letter| usize::from(letter - b'A'));
-                // Where carbons have names, nitrogens do; but sodium is more common than the nitrogen NA of haem.
+                // Where carbons have names, nitrogens do too; but sodium is more common than the nitrogen NA of haem.
                 let named = number != 11 && (carbon || self.named[first] > 0);
                 names += u64::from(named);
                 *code = if named { rules::of_name(symbol.to_ascii_uppercase().as_bytes()) } else { number };
@@ -89,19 +91,19 @@ impl Species {
             };
             let of = codes.len();
             said.push(format!(
-                "{named} of {of} species are names of atoms and no symbols ({some}){also}: elements are inferred from their first letters"
+                "{named} of {of} species are atom names and not symbols ({some}){also}; elements are inferred from their first letters"
             ));
         }
         if !self.sites.is_empty() {
             let total: u64 = self.sites.values().sum();
-            said.push(format!("{total} virtual sites are left out ({}): they are no atoms", listed(&self.sites)));
+            said.push(format!("{} left out ({})", count(total, "virtual site"), listed(&self.sites)));
         }
         (said, !self.sites.is_empty())
     }
 }
 
-/// Counts a name so often; only so many are told apart, whatever a file holds.
-fn count(names: &mut BTreeMap<String, u64>, name: &str, n: u64) {
+/// Counts a name; the number of different names is limited.
+fn tally(names: &mut BTreeMap<String, u64>, name: &str, n: u64) {
     let full = names.len() >= NAMES && !names.contains_key(name);
     *names.entry(if full { "others" } else { name }.to_owned()).or_default() += n;
 }
@@ -145,11 +147,11 @@ mod tests {
     fn atom_names_among_the_species_decide_similar_names() {
         let (found, said) = symbols("N HN CA HA CB 1HB2|HG CG CD ND1 CE1 O OXT OT1 CL SG NA");
         assert_eq!(found, "N H C H C H H C C N C O O O Cl S Na");
-        assert!(said[0].starts_with("8 of 17 species are names of atoms"), "{said:?}");
+        assert!(said[0].starts_with("8 of 17 species are atom names"), "{said:?}");
         assert!(said[0].contains("and so are 5 that could be symbols"), "{said:?}");
-        // Water's names tell nothing about metals of other letters.
+        // The names of water say nothing about metals with other first letters.
         let (found, said) = symbols("OW HW1 HW2 MW|CA NA CL OW HW1 HW2 MW");
         assert_eq!(found, "O H H - Ca Na Cl O H H -");
-        assert_eq!(said[1], "2 virtual sites are left out (2 `MW`): they are no atoms");
+        assert_eq!(said[1], "2 virtual sites left out (2 `MW`)");
     }
 }

@@ -1,14 +1,14 @@
 use super::*;
 use crate::scene::style::elements::element;
 
-/// Symbols of `NAME.RESIDUE` words, all of one residue where the residue's name is the same, and what is reported.
+/// The symbols of `NAME.RESIDUE` words, all of one residue where the residue's name is the same, and the messages.
 fn symbols(columns: bool, words: &str) -> (String, Inferred) {
     let mut inference = Inference::new(columns);
     let mut elements = Vec::new();
     for word in words.split(',') {
         let (name, residue) = word.split_once('.').expect("a residue");
         let name = name.as_bytes();
-        inference.push(&Named { symbol: b"", name, residue: residue.as_bytes(), site: b"" }, &mut elements);
+        inference.push(&AtomNames { symbol: b"", name, residue: residue.as_bytes(), site: b"" }, &mut elements);
     }
     let found = inference.finish(&mut elements);
     let symbol = |code: &u8| match element(*code) {
@@ -100,7 +100,7 @@ fn inferred_elements_are_reported_with_counts() {
         [
             "the file gives no element for 6 of 7 atoms; inferred: 3 from known residues, 1 as single ions, 1 from their \
              names alone, 1 unknown",
-            "1 virtual sites are left out (1 `MW`): they are no atoms"
+            "1 virtual site left out (1 `MW`)"
         ]
     );
     assert_eq!(report.names, ["X"]);
@@ -114,7 +114,7 @@ fn a_given_element_is_kept() {
         [(" N", " N  "), ("CA", "CA  "), ("  ", " C  "), ("X ", " UNK"), ("EP", " EP "), ("2-", " O  ")]
     {
         let (symbol, name) = (symbol.as_bytes(), name.as_bytes());
-        inference.push(&Named { symbol, name, residue: b"ALA", site: b"A   1" }, &mut elements);
+        inference.push(&AtomNames { symbol, name, residue: b"ALA", site: b"A   1" }, &mut elements);
     }
     let found = inference.finish(&mut elements);
     assert_eq!((&elements[..3], elements[5]), (&[7, 20, 6][..], 8));
@@ -129,7 +129,7 @@ fn unknown_names_are_counted_to_a_limit() {
     let mut elements = Vec::new();
     for (n, word) in words.iter().enumerate() {
         let name = format!("X{n}");
-        let atom = Named { symbol: b"", name: name.as_bytes(), residue: word.as_bytes(), site: b"" };
+        let atom = AtomNames { symbol: b"", name: name.as_bytes(), residue: word.as_bytes(), site: b"" };
         inference.push(&atom, &mut elements);
     }
     let found = inference.finish(&mut elements);

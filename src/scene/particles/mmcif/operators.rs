@@ -1,4 +1,4 @@
-//! What an mmCIF file says besides its atoms: the cell, the operators and which of them make which assembly
+//! Data of an mmCIF file besides its atoms: the cell, the operators, and the assemblies made with them
 //! (mmcif.wwpdb.org/dictionaries/mmcif_pdbx_v50.dic: `_cell`, `_pdbx_struct_oper_list`, `_pdbx_struct_assembly_gen`).
 
 use super::symmetry::{self, Symmetry};
@@ -8,28 +8,28 @@ use crate::memory::Ledger;
 use crate::quote::quote;
 use crate::scene::lines::Spot;
 use crate::scene::particles::Cell;
-use crate::scene::particles::assembly::{Assembly, MOST_OPERATORS, Operator, Part, unknown};
+use crate::scene::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, Operator, unknown};
 use crate::scene::particles::molecule::cell;
 use std::collections::HashMap;
 
-/// A value that is kept.
+/// A value that is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Item {
-    /// Of [`Generator`]: which assembly, which operators, which chains.
+pub(super) enum OperatorItem {
+    /// In [`Generator`]: the assembly, the operators, the chains.
     Assembly,
     Expression,
     Chains,
-    /// Of an operator: its name, and its numbers row by row.
+    /// In an operator: its name, and its numbers row by row.
     Operator,
     Number(usize),
-    /// Of the cell: edges, then angles.
+    /// In the cell: edges, then angles.
     Cell(usize),
-    /// Of a small molecule.
-    Symmetry(symmetry::Item),
+    /// In a small molecule.
+    Symmetry(symmetry::SymmetryItem),
 }
 
-impl Item {
-    /// Of a tag in lower case.
+impl OperatorItem {
+    /// The item of a tag in lower case.
     pub(super) fn of(tag: &str) -> Option<Self> {
         // Small-molecule files write `_cell_length_a`.
         if let Some(name) = tag.strip_prefix("_cell").and_then(|rest| rest.strip_prefix(['.', '_'])) {
@@ -45,7 +45,7 @@ impl Item {
             };
         }
         let Some(name) = tag.strip_prefix("_pdbx_struct_oper_list.") else {
-            return symmetry::Item::of(tag).map(Self::Symmetry);
+            return symmetry::SymmetryItem::of(tag).map(Self::Symmetry);
         };
         let digit = |byte: u8| (b'1'..=b'3').contains(&byte).then(|| usize::from(byte - b'1'));
         match name.as_bytes() {
@@ -59,7 +59,7 @@ impl Item {
     }
 }
 
-/// Chains of an assembly and the operators that they are moved by, as the file writes them.
+/// Chains of an assembly and the operators that apply to them, as written in the file.
 #[derive(Debug, Clone, Default)]
 struct Generator {
     assembly: String,
@@ -68,22 +68,22 @@ struct Generator {
     at: Spot,
 }
 
-/// An operator as the file writes it; NaN for what is missing or no number.
+/// An operator as written in the file; NaN for missing or invalid numbers.
 #[derive(Debug, Clone)]
-struct Listed {
+struct ListedOperator {
     name: String,
     numbers: [f64; 12],
     at: Spot,
 }
 
-/// What was said.
+/// The data read so far.
 #[derive(Debug)]
 pub(super) struct Operators {
     generators: Vec<Generator>,
-    list: Vec<Listed>,
+    list: Vec<ListedOperator>,
     cell: [f64; 6],
     pub(super) symmetry: Symmetry,
-    /// Of both lists.
+    /// Bytes of both lists.
     ledger: Ledger,
 }
 
@@ -100,60 +100,67 @@ impl Default for Operators {
 }
 
 impl Operators {
-    /// A row of a loop begins, or a value that stands alone, with this item.
+    /// Begins a row of a loop, or a single value, with this item.
     ///
     /// # Errors
-    /// [`Error::Limits`] where the memory has no room for it.
-    pub(super) fn begin(&mut self, item: Item, alone: bool, at: Spot) -> Result<()> {
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn begin(&mut self, item: OperatorItem, alone: bool, at: Spot) -> Result<()> {
         match item {
-            Item::Assembly | Item::Expression | Item::Chains if !alone || self.generators.is_empty() => {
+            OperatorItem::Assembly | OperatorItem::Expression | OperatorItem::Chains
+                if !alone || self.generators.is_empty() =>
+            {
                 self.ledger.add(2 * size_of::<Generator>())?;
                 self.generators.push(Generator { at, ..Generator::default() });
             }
-            Item::Operator | Item::Number(_) if !alone || self.list.is_empty() => {
-                self.ledger.add(2 * size_of::<Listed>())?;
-                self.list.push(Listed { name: String::new(), numbers: [f64::NAN; 12], at });
+            OperatorItem::Operator | OperatorItem::Number(_) if !alone || self.list.is_empty() => {
+                self.ledger.add(2 * size_of::<ListedOperator>())?;
+                self.list.push(ListedOperator { name: String::new(), numbers: [f64::NAN; 12], at });
             }
             _ => {}
         }
         Ok(())
     }
 
-    /// Takes the current value.
+    /// Stores the current value.
     ///
     /// # Errors
-    /// [`Error::Limits`] where the memory has no room for it, and those of [`Tokens::string`].
-    pub(super) fn take(&mut self, item: Item, tokens: &Tokens) -> Result<()> {
-        if matches!(item, Item::Assembly | Item::Expression | Item::Chains | Item::Operator) {
+    /// [`Error::Limits`] where memory is short, and those of [`Tokens::string`].
+    pub(super) fn take(&mut self, item: OperatorItem, tokens: &Tokens) -> Result<()> {
+        if matches!(
+            item,
+            OperatorItem::Assembly | OperatorItem::Expression | OperatorItem::Chains | OperatorItem::Operator
+        ) {
             self.ledger.add(tokens.value().len())?;
         }
         match (item, self.generators.last_mut(), self.list.last_mut()) {
-            (Item::Symmetry(item), ..) => self.symmetry.take(item, tokens)?,
-            (Item::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
-            (Item::Assembly, Some(generator), _) => generator.assembly = tokens.string()?,
-            (Item::Chains, Some(generator), _) => generator.chains = tokens.string()?,
-            (Item::Expression, Some(generator), _) => {
+            (OperatorItem::Symmetry(item), ..) => self.symmetry.take(item, tokens)?,
+            (OperatorItem::Cell(k), ..) => self.cell[k] = number(tokens.value()).unwrap_or(f64::NAN),
+            (OperatorItem::Assembly, Some(generator), _) => generator.assembly = tokens.string()?,
+            (OperatorItem::Chains, Some(generator), _) => generator.chains = tokens.string()?,
+            (OperatorItem::Expression, Some(generator), _) => {
                 (generator.expression, generator.at) = (tokens.string()?, tokens.spot());
             }
-            (Item::Operator, _, Some(listed)) => listed.name = tokens.string()?,
-            (Item::Number(k), _, Some(listed)) => listed.numbers[k] = number(tokens.value()).unwrap_or(f64::NAN),
+            (OperatorItem::Operator, _, Some(listed)) => listed.name = tokens.string()?,
+            (OperatorItem::Number(k), _, Some(listed)) => {
+                listed.numbers[k] = number(tokens.value()).unwrap_or(f64::NAN)
+            }
             _ => {}
         }
         Ok(())
     }
 
-    /// Whether all is there that assemblies are made of.
+    /// Whether all data of assemblies was read.
     pub(super) fn known(&self) -> bool {
         !self.generators.is_empty() && !self.list.is_empty()
     }
 
-    /// The cell, if it was given and encloses something.
+    /// The cell, if it was given and has a volume.
     pub(super) fn cell(&self) -> Option<Cell> {
         let [a, b, c, alpha, beta, gamma] = self.cell;
         cell([a, b, c], [alpha, beta, gamma])
     }
 
-    /// The assemblies' names, and how many operators each has at most, where that can be told.
+    /// The names of the assemblies, and the most operators that each can have, where it is known.
     pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
         let places = self.places();
         let count = move |generator: &Generator| match self.groups(&generator.expression, &places) {
@@ -163,10 +170,10 @@ impl Operators {
         self.generators.iter().map(move |generator| (generator.assembly.clone(), count(generator)))
     }
 
-    /// The assembly of this name.
+    /// The assembly with this name.
     ///
     /// # Errors
-    /// [`Error::Settings`] with the names there are, [`Error::Scene`] for operators that are none.
+    /// [`Error::Settings`] with the names of the file, [`Error::Scene`] for invalid operators.
     pub(super) fn assembly(&self, id: &str, file: &Place) -> Result<Assembly> {
         let generators: Vec<&Generator> = self.generators.iter().filter(|generator| generator.assembly == id).collect();
         if generators.is_empty() {
@@ -187,7 +194,7 @@ impl Operators {
                 return Err(fail(too_many(&generator.expression)));
             }
             let chains = generator.chains.split(',').map(|name| name.trim().as_bytes().to_vec()).collect();
-            parts.push(Part { chains, operators: self.products(&groups, file)? });
+            parts.push(AssemblyPart { chains, operators: self.products(&groups, file)? });
         }
         Ok(Assembly { id: id.to_owned(), parts })
     }
@@ -213,27 +220,27 @@ impl Operators {
         let listed = &self.list[n];
         if listed.numbers.iter().any(|number| number.is_nan()) {
             let place = listed.at.of(file.clone()).named("_pdbx_struct_oper_list");
-            let problem = format!("operator {} is not made of 12 finite numbers", quote(&listed.name));
+            let problem = format!("operator {} does not have 12 finite numbers", quote(&listed.name));
             return Err(Error::scene(place, problem, "give matrix[1][1] to matrix[3][3] and vector[1] to vector[3]"));
         }
         let [a, b, c, d, e, f, g, h, i, j, k, l] = listed.numbers;
         Ok(Operator([[a, b, c, d], [e, f, g, h], [i, j, k, l]]))
     }
 
-    /// The places of the operators in the list, by their names; of equal names the last.
+    /// The indices of the operators by their names; of equal names the last.
     fn places(&self) -> HashMap<&str, usize> {
         self.list.iter().enumerate().map(|(n, listed)| (&listed.name[..], n)).collect()
     }
 
-    /// The operators that an expression names, as places in the list: one group for `1,2` or `(1-60)`, two for
-    /// `(1-60)(61-88)`. Or what is wrong and how to mend it.
+    /// The operators of an expression, as indices of the list: one group for `1,2` or `(1-60)`, two for
+    /// `(1-60)(61-88)`. Or the problem and its remedy.
     fn groups(
         &self,
         expression: &str,
         places: &HashMap<&str, usize>,
     ) -> Result<Vec<Vec<usize>>, (String, &'static str)> {
-        const MEND: &str = "write 1, or (1-60), or (1-60)(61-88), of ids in _pdbx_struct_oper_list";
-        let wrong = || (format!("{} names no operators", quote(expression)), MEND);
+        const MEND: &str = "use 1, (1-60) or (1-60)(61-88), with ids of _pdbx_struct_oper_list";
+        let wrong = || (format!("{} is not an expression of operators", quote(expression)), MEND);
         let place = |name: &str| {
             let missing = || (format!("there is no operator {}", quote(name)), MEND);
             places.get(name).copied().ok_or_else(missing)
@@ -246,10 +253,10 @@ impl Operators {
                 match ends.filter(|_| !places.contains_key(item)) {
                     None => group.push(place(item)?),
                     Some((first, last)) if first <= last => {
-                        // Their number is checked before they are.
+                        // Their number is checked before they are looked up.
                         if last - first >= self.list.len() as u64 {
                             let problem =
-                                format!("{} are more operators than the {} of the file", quote(item), self.list.len());
+                                format!("{} has more operators than the {} of the file", quote(item), self.list.len());
                             return Err((problem, MEND));
                         }
                         for name in first..=last {
@@ -274,21 +281,21 @@ impl Operators {
     }
 }
 
-/// More factors than any product has.
+/// The most factors of a product.
 const MOST_FACTORS: usize = 64;
 
 fn too_many(expression: &str) -> (String, &'static str) {
-    let problem = format!("{} are more than {MOST_OPERATORS} operators", quote(expression));
-    (problem, "ask for a smaller assembly")
+    let problem = format!("{} has more than {MOST_OPERATORS} operators", quote(expression));
+    (problem, "use a smaller assembly")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// `n` shifts along x, the k-th by 2^k, and one that doubles.
+    /// `n` translations along x, the k-th by 2^k, and an operator that doubles.
     fn operators(n: usize) -> Operators {
-        let row = |name: String, scale: f64, shift: f64| Listed {
+        let row = |name: String, scale: f64, shift: f64| ListedOperator {
             name,
             numbers: [scale, 0.0, 0.0, shift, 0.0, scale, 0.0, 0.0, 0.0, 0.0, scale, 0.0],
             at: Spot::default(),
@@ -312,7 +319,7 @@ mod tests {
             ("1,3", &[3.0, 9.0]),
             ("(2-4)", &[5.0, 9.0, 17.0]),
             (" ( 1 , 3-4 ) ", &[3.0, 9.0, 17.0]),
-            // The doubling acts on the place, and then the shift.
+            // The doubling acts on the position, and then the translation.
             ("(1,2)(X0)", &[4.0, 6.0]),
             ("(X0)(1-2)", &[6.0, 10.0]),
             ("(1-2)(3-4)", &[11.0, 19.0, 13.0, 21.0]),
@@ -327,11 +334,11 @@ mod tests {
         let many = operators(500);
         for (expression, problem) in [
             ("", "there is no operator ``"),
-            ("(1", "names no operators"),
-            ("1,(2)", "names no operators"),
-            ("(1)(", "names no operators"),
+            ("(1", "is not an expression of operators"),
+            ("1,(2)", "is not an expression of operators"),
+            ("(1)(", "is not an expression of operators"),
             ("((1))", "there is no operator `(1"),
-            ("4-2", "names no operators"),
+            ("4-2", "is not an expression of operators"),
             ("Y", "there is no operator `Y`"),
             ("1-999999999", "more operators than the 501"),
             ("1-18446744073709551615", "more operators than"),
@@ -346,7 +353,7 @@ mod tests {
         assert!(error.contains("65536") && error.len() < 200, "{error}");
         let mut broken = operators(2);
         broken.list[1].numbers[7] = f64::NAN;
-        assert!(moved(&broken, "2").expect_err("not 12").to_string().contains("operator `2` is not made of 12"));
+        assert!(moved(&broken, "2").expect_err("not 12").to_string().contains("operator `2` does not have 12"));
         assert_eq!(moved(&broken, "1").expect("the other is good"), [3.0]);
     }
 }

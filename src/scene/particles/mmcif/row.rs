@@ -1,4 +1,4 @@
-//! A row of `_atom_site`: which column is what, and what an atom's values come to.
+//! A row of `_atom_site`: the meaning of its columns, and the values of an atom.
 
 use super::RowNames;
 use super::symmetry::Symmetry;
@@ -7,76 +7,76 @@ use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::scene::lines::Spot;
 use crate::scene::particles::Altloc;
-use crate::scene::particles::infer::Named;
-use crate::scene::particles::molecule::{Choice, Kind, Model};
+use crate::scene::particles::infer::AtomNames;
+use crate::scene::particles::molecule::{AtomProperty, Model, MoleculeOptions};
 
-/// What a column is.
+/// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Use {
     Symbol,
     /// The atom's name.
     Name,
-    /// The residue's.
+    /// The residue's name.
     Residue,
-    /// Part of what tells residues apart.
+    /// Part of what distinguishes residues.
     ResidueNumber,
     Location,
     Model,
     Position(usize),
-    /// A number that only colours need.
-    Number(Kind),
-    /// The author's chain; the file's own.
+    /// A number that only colours use.
+    Number(AtomProperty),
+    /// The author's chain, and the file's own.
     Chain,
     Asym,
     Entity,
-    /// Part of what tells sites apart.
+    /// Part of what distinguishes sites.
     Site,
-    /// How the place was found; `dum` is that of no atom.
+    /// How the position was determined; `dum` marks a dummy atom.
     Origin,
 }
 
 /// The columns of the atoms.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Layout {
+pub(super) struct AtomColumns {
     uses: Vec<Vec<Use>>,
-    has: Vec<Kind>,
+    has: Vec<AtomProperty>,
     fractional: bool,
     one: bool,
 }
 
-impl Layout {
-    /// Whether a tag in lower case is of an atom; small-molecule files write `_atom_site_label`.
+impl AtomColumns {
+    /// Whether a tag in lower case belongs to atoms; small-molecule files write `_atom_site_label`.
     pub(super) fn is_atom(tag: &str) -> bool {
         item(tag).is_some()
     }
 
-    /// Of tags in lower case.
-    pub(super) fn of(tags: &[String], choice: &Choice) -> Self {
+    /// The layout of these tags, in lower case.
+    pub(super) fn of(tags: &[String], choice: &MoleculeOptions) -> Self {
         let items: Vec<&str> = tags.iter().map(|tag| item(tag).unwrap_or_default()).collect();
-        // The first of these names that is there.
+        // The first of these names that occurs.
         let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
         let mut layout = Self { uses: vec![Vec::new(); items.len()], ..Self::default() };
         let highest = choice.altloc == Altloc::Highest;
-        let numbers: [(Kind, &[&str]); 8] = [
-            (Kind::Bfactor, &["b_iso_or_equiv"]),
-            (Kind::Occupancy, &["occupancy"]),
-            (Kind::Residue, &["auth_seq_id", "label_seq_id"]),
-            (Kind::Serial, &["id"]),
-            (Kind::Chain, &["auth_asym_id", "label_asym_id"]),
-            (Kind::Asym, &["label_asym_id", "auth_asym_id"]),
-            (Kind::Entity, &["label_entity_id"]),
-            (Kind::Model, &["pdbx_pdb_model_num"]),
+        let numbers: [(AtomProperty, &[&str]); 8] = [
+            (AtomProperty::Bfactor, &["b_iso_or_equiv"]),
+            (AtomProperty::Occupancy, &["occupancy"]),
+            (AtomProperty::Residue, &["auth_seq_id", "label_seq_id"]),
+            (AtomProperty::Serial, &["id"]),
+            (AtomProperty::Chain, &["auth_asym_id", "label_asym_id"]),
+            (AtomProperty::Asym, &["label_asym_id", "auth_asym_id"]),
+            (AtomProperty::Entity, &["label_entity_id"]),
+            (AtomProperty::Model, &["pdbx_pdb_model_num"]),
         ];
         for (kind, names) in numbers {
             let Some(at) = column(names) else { continue };
             layout.has.push(kind);
-            let (wanted, sites) = (choice.wants(kind), highest && kind == Kind::Occupancy);
+            let (wanted, sites) = (choice.wants(kind), highest && kind == AtomProperty::Occupancy);
             match kind {
-                Kind::Model => layout.uses[at].push(Use::Model),
-                Kind::Chain if wanted => layout.uses[at].push(Use::Chain),
-                Kind::Asym if wanted || choice.assembly.is_some() => layout.uses[at].push(Use::Asym),
-                Kind::Entity if wanted => layout.uses[at].push(Use::Entity),
-                Kind::Chain | Kind::Asym | Kind::Entity => {}
+                AtomProperty::Model => layout.uses[at].push(Use::Model),
+                AtomProperty::Chain if wanted => layout.uses[at].push(Use::Chain),
+                AtomProperty::Asym if wanted || choice.assembly.is_some() => layout.uses[at].push(Use::Asym),
+                AtomProperty::Entity if wanted => layout.uses[at].push(Use::Entity),
+                AtomProperty::Chain | AtomProperty::Asym | AtomProperty::Entity => {}
                 kind if wanted || sites => layout.uses[at].push(Use::Number(kind)),
                 _ => {}
             }
@@ -94,7 +94,7 @@ impl Layout {
             (symbol, Use::Symbol),
             (column(&["label_atom_id", "auth_atom_id", "label"]), Use::Name),
             (column(&["label_comp_id", "auth_comp_id"]), Use::Residue),
-            // Only where elements are to be found do residues matter.
+            // Residues matter only where elements are inferred.
             (column(&["label_asym_id", "auth_asym_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
             (column(&["label_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
             (column(&["auth_seq_id"]).filter(|_| symbol.is_none()), Use::ResidueNumber),
@@ -113,7 +113,7 @@ impl Layout {
         layout
     }
 
-    /// Whether all three coordinates are there.
+    /// Whether all three coordinates are present.
     pub(super) fn is_placed(&self) -> bool {
         (0..3).all(|k| self.uses.iter().flatten().any(|kind| *kind == Use::Position(k)))
     }
@@ -122,7 +122,7 @@ impl Layout {
         self.fractional
     }
 
-    /// The same, of a single atom that no row follows.
+    /// The same for a single atom without a row.
     pub(super) fn of_one(self) -> Self {
         Self { one: true, ..self }
     }
@@ -131,9 +131,9 @@ impl Layout {
         self.one
     }
 
-    /// The numbers that the file has; what symmetry makes of a small molecule is numbered as copies.
-    pub(super) fn has(&self) -> Vec<Kind> {
-        self.has.iter().copied().chain(self.fractional.then_some(Kind::Copy)).collect()
+    /// The numeric columns of the file; symmetry copies of a small molecule are numbered.
+    pub(super) fn has(&self) -> Vec<AtomProperty> {
+        self.has.iter().copied().chain(self.fractional.then_some(AtomProperty::Copy)).collect()
     }
 }
 
@@ -141,31 +141,31 @@ fn item(tag: &str) -> Option<&str> {
     tag.strip_prefix("_atom_site").and_then(|rest| rest.strip_prefix(['.', '_']))
 }
 
-/// The values of an atom; its texts in buffers that the next atom uses again.
+/// The values of an atom, with text in reused buffers.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Row {
+pub(super) struct AtomRow {
     /// The model's number.
     pub(super) model: i64,
     symbol: Vec<u8>,
     name: Vec<u8>,
     residue: Vec<u8>,
-    /// What tells the residue apart.
+    /// What distinguishes the residue.
     number: Vec<u8>,
     location: Vec<u8>,
     site: Vec<u8>,
     position: [f64; 3],
-    /// By [`Kind`].
-    numbers: [f64; Kind::ALL.len()],
+    /// By [`AtomProperty`].
+    numbers: [f64; AtomProperty::ALL.len()],
     asym: u32,
-    /// Whether no atom stands here.
+    /// Whether this is a dummy atom.
     dummy: bool,
-    /// Whether it is a small molecule's.
+    /// Whether it belongs to a small molecule.
     small: bool,
 }
 
-impl Row {
-    /// Reads the next row; false where the loop ends.
-    pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &Layout, names: &mut RowNames) -> Result<bool> {
+impl AtomRow {
+    /// Reads the next row; false at the end of the loop.
+    pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &AtomColumns, names: &mut RowNames) -> Result<bool> {
         self.clear();
         self.small = layout.fractional;
         for (k, uses) in layout.uses.iter().enumerate() {
@@ -176,8 +176,8 @@ impl Row {
                     return Ok(false);
                 }
                 _ => {
-                    let problem = format!("the row of this atom ends after {k} of its {} values", layout.uses.len());
-                    return Err(Error::scene(tokens.place().named("_atom_site"), problem, "give one for every column"));
+                    let problem = format!("the row of this atom ends after {k} of {} values", layout.uses.len());
+                    return Err(Error::scene(tokens.place().named("_atom_site"), problem, "use one value per column"));
                 }
             }
             for kind in uses {
@@ -187,10 +187,10 @@ impl Row {
         Ok(true)
     }
 
-    /// Takes an atom whose values stand alone.
+    /// Reads an atom whose values are not in a loop.
     pub(super) fn single(
         &mut self,
-        layout: &Layout,
+        layout: &AtomColumns,
         values: &[(Vec<u8>, Spot)],
         names: &mut RowNames,
         file: &Place,
@@ -209,7 +209,7 @@ impl Row {
         let names = [&mut self.symbol, &mut self.name, &mut self.residue, &mut self.number];
         names.into_iter().chain([&mut self.location, &mut self.site]).for_each(Vec::clear);
         (self.model, self.asym, self.dummy) = (1, 0, false);
-        self.numbers = [f64::NAN; Kind::ALL.len()];
+        self.numbers = [f64::NAN; AtomProperty::ALL.len()];
     }
 
     fn take(&mut self, kind: Use, value: &[u8], names: &mut RowNames, place: impl Fn() -> Place) -> Result<()> {
@@ -242,35 +242,35 @@ impl Row {
                 };
             }
             Use::Number(kind) => self.numbers[kind as usize] = number(value).unwrap_or(f64::NAN),
-            Use::Chain => self.numbers[Kind::Chain as usize] = f64::from(names.chains.number(value)?),
-            Use::Entity => self.numbers[Kind::Entity as usize] = f64::from(names.entities.number(value)?),
+            Use::Chain => self.numbers[AtomProperty::Chain as usize] = f64::from(names.chains.number(value)?),
+            Use::Entity => self.numbers[AtomProperty::Entity as usize] = f64::from(names.entities.number(value)?),
             Use::Asym => {
                 self.asym = names.asyms.number(value)?;
-                self.numbers[Kind::Asym as usize] = f64::from(self.asym);
+                self.numbers[AtomProperty::Asym as usize] = f64::from(self.asym);
             }
         }
         Ok(())
     }
 
-    /// Gives the atom to a model; fractions of a cell as they are. Where no symbol is given, the label of a small molecule's atom
-    /// begins with it.
+    /// Adds the atom to a model, with fractional positions as they are. Without a symbol, the element is inferred from
+    /// the label of a small molecule's atom.
     pub(super) fn give(&self, model: &mut Model, symmetry: &Symmetry) -> Result<()> {
-        let occupancy = self.numbers[Kind::Occupancy as usize];
-        // Where a file does not say it, an atom is there.
+        let occupancy = self.numbers[AtomProperty::Occupancy as usize];
+        // Without an occupancy, an atom is present.
         let occupancy = if occupancy.is_nan() { 1.0 } else { occupancy };
         if !model.admits(&self.location, occupancy, |key| key.extend(&self.site))? {
             return Ok(());
         }
-        let mut atom = Named { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
+        let mut atom = AtomNames { symbol: &self.symbol, name: &self.name, residue: &self.residue, site: &self.number };
         if self.dummy {
-            atom = Named { symbol: b"", name: b"DUM", ..atom };
+            atom = AtomNames { symbol: b"", name: b"DUM", ..atom };
         } else if self.symbol.is_empty() && self.small {
             atom.symbol = symmetry.symbol(&self.name);
         }
         model.push(&atom, self.position, self.asym, |kind| match kind {
-            Kind::Occupancy => occupancy,
-            Kind::Model => self.model as f64,
-            Kind::Copy => 0.0,
+            AtomProperty::Occupancy => occupancy,
+            AtomProperty::Model => self.model as f64,
+            AtomProperty::Copy => 0.0,
             kind => self.numbers[kind as usize],
         })
     }
@@ -278,13 +278,13 @@ impl Row {
 
 fn bad_place(axis: usize, value: &[u8], place: Place) -> Error {
     let problem = match value {
-        [] => "the atom has no place".to_owned(),
-        word => format!("{} is no finite number", quote(word)),
+        [] => "the atom has no position".to_owned(),
+        word => format!("expected a finite number, found {}", quote(word)),
     };
-    Error::scene(place.named(["x", "y", "z"][axis]), problem, "give a finite number such as -12.345")
+    Error::scene(place.named(["x", "y", "z"][axis]), problem, "use a finite number such as -12.345")
 }
 
 fn bad_model(value: &[u8], place: Place) -> Error {
-    let problem = format!("{} is no model's number", quote(value));
-    Error::scene(place.named("pdbx_PDB_model_num"), problem, "give a whole number")
+    let problem = format!("{} is not a model number", quote(value));
+    Error::scene(place.named("pdbx_PDB_model_num"), problem, "use a whole number")
 }

@@ -1,4 +1,4 @@
-//! The symmetry of small-molecule CIF: what its operators make of the atoms that it lists, in one unit cell (IUCr core
+//! The symmetry of small-molecule CIF: the images of the listed atoms under the operators, in one unit cell (IUCr core
 //! dictionary, `_space_group_symop_operation_xyz`; Hahn, International Tables for Crystallography A).
 
 use super::tokens::{Tokens, number};
@@ -13,31 +13,31 @@ use crate::scene::style::elements::atomic_number;
 use rayon::prelude::*;
 use std::collections::HashSet;
 
-/// Two images of one atom that are nearer to each other than this, ångström, are one atom on a special position whose place is
-/// rounded (0.333 for 1/3) or refined a little beside it. It is half the shortest distance between nuclei that there is, the
-/// bond of H2, 0.74: two atoms are never so near.
+/// Two images of one atom closer than this, ångström, are one atom on a special position whose coordinates are rounded
+/// (0.333 for 1/3) or refined slightly beside it. It is half the shortest distance between nuclei, the bond of H2,
+/// 0.74, so two atoms are never that close.
 const SAME: f64 = 0.37;
 
-/// No space group has more operators in its conventional cell (International Tables A, F m -3 m).
+/// The most operators of a space group in its conventional cell (International Tables A, F m -3 m).
 const MOST: usize = 192;
 
-/// Atoms between two looks at whether the work is still wanted.
+/// Atoms between two checks for cancellation.
 const PART: usize = 1 << 10;
 
-/// A value that is kept.
+/// A value that is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Item {
+pub(super) enum SymmetryItem {
     /// An operator as `x,1/2-y,z`.
     Operator,
     /// The space group's name, and its number in International Tables A.
     Name,
     Number,
-    /// The elements that are there, as a formula or one by one.
+    /// The elements of the block, as a formula or one by one.
     Elements,
 }
 
-impl Item {
-    /// Of a tag in lower case.
+impl SymmetryItem {
+    /// The item of a tag in lower case.
     pub(super) fn of(tag: &str) -> Option<Self> {
         match tag {
             "_symmetry_equiv_pos_as_xyz"
@@ -58,34 +58,34 @@ impl Item {
     }
 }
 
-/// What a block says of its symmetry.
+/// The symmetry data of a block.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Symmetry {
     operators: Vec<(String, Spot)>,
     name: String,
     number: Option<f64>,
-    /// By atomic number, the elements that the block says are there.
+    /// By atomic number, the elements that the block lists.
     elements: Vec<u8>,
 }
 
 impl Symmetry {
-    /// Takes the current value.
+    /// Stores the current value.
     ///
     /// # Errors
     /// Those of [`Tokens::string`].
-    pub(super) fn take(&mut self, item: Item, tokens: &Tokens) -> Result<()> {
+    pub(super) fn take(&mut self, item: SymmetryItem, tokens: &Tokens) -> Result<()> {
         match item {
-            // One more than there can be, to be refused when it is used.
-            Item::Operator if self.operators.len() <= MOST => {
+            // One more than allowed, so that the excess is an error when they are used.
+            SymmetryItem::Operator if self.operators.len() <= MOST => {
                 let text = tokens.string()?;
                 if !text.is_empty() {
                     self.operators.push((text, tokens.spot()));
                 }
             }
-            Item::Operator => {}
-            Item::Name => self.name = tokens.string()?,
-            Item::Number => self.number = number(tokens.value()),
-            Item::Elements => {
+            SymmetryItem::Operator => {}
+            SymmetryItem::Name => self.name = tokens.string()?,
+            SymmetryItem::Number => self.number = number(tokens.value()),
+            SymmetryItem::Elements => {
                 let text = tokens.string()?;
                 let symbols = text.split(|c: char| !c.is_ascii_alphabetic()).map(atomic_number);
                 let new: Vec<u8> = symbols.filter(|number| *number > 0 && !self.elements.contains(number)).collect();
@@ -95,8 +95,8 @@ impl Symmetry {
         Ok(())
     }
 
-    /// The symbol that an atom's label begins with (`Fe1`, `O2W`): where two letters and one make elements, those of two that
-    /// the block says are there, or that are written as in the periodic table.
+    /// The symbol at the beginning of an atom's label (`Fe1`, `O2W`). Where both one and two letters are symbols, two
+    /// are taken if the block lists that element or if they are written as in the periodic table.
     pub(super) fn symbol<'a>(&self, label: &'a [u8]) -> &'a [u8] {
         let letters = label.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
         let number = |length: usize| std::str::from_utf8(&label[..length]).map_or(0, atomic_number);
@@ -117,21 +117,25 @@ impl Symmetry {
         &label[..length]
     }
 
-    /// The operators of the block, that which changes nothing first.
+    /// The operators of the block, the identity first.
     ///
     /// # Errors
-    /// [`Error::Scene`] for what is no operator, and for more of them than there can be.
+    /// [`Error::Scene`] for invalid operators, and for more than a space group can have.
     fn operators(&self, file: &Place) -> Result<Vec<Operator>> {
         if self.operators.len() > MOST {
             let place = self.operators[MOST].1.of(file.clone()).named("symmetry");
-            let problem = format!("more than {MOST} operators of symmetry, which no space group has");
-            return Err(Error::scene(place, problem, "give each once, or draw the atoms as listed with --as-listed"));
+            let problem = format!("more than {MOST} symmetry operators, which no space group has");
+            return Err(Error::scene(
+                place,
+                problem,
+                "list each operator once, or use --as-listed to show the atoms as listed",
+            ));
         }
         let mut found = Vec::new();
         for (text, spot) in &self.operators {
             let operator = parse(text).filter(is_isometry).ok_or_else(|| {
-                let problem = format!("{} is no operator of symmetry", quote(text));
-                Error::scene(spot.of(file.clone()).named("symmetry"), problem, "write one such as x,1/2-y,z+1/2")
+                let problem = format!("{} is not a symmetry operator", quote(text));
+                Error::scene(spot.of(file.clone()).named("symmetry"), problem, "use an operator such as x,1/2-y,z+1/2")
             })?;
             if !found.contains(&operator) {
                 found.push(operator);
@@ -145,10 +149,10 @@ impl Symmetry {
         Ok(found)
     }
 
-    /// Turns fractions of the cell into places, and draws what the operators make of each atom, wrapped into the cell, each
-    /// place once: operator by operator, and of each the atoms in the file's order. A column `copy` tells the operator, from
-    /// 0. Where the block has no operators but that which changes nothing, or they are not wanted, atoms are where the file puts
-    /// them. What there is to report is added to what was assumed.
+    /// Turns fractional coordinates into positions, and makes the images of each atom under the operators, wrapped into
+    /// the cell and without duplicates: operator by operator, and for each the atoms in the file's order. A column
+    /// `copy` gives the operator, from 0. Where the block has only the identity, or symmetry is not wanted, atoms stay
+    /// at the listed positions. Messages are added to the assumptions.
     ///
     /// # Errors
     /// Those of [`Symmetry::operators`], [`Error::Limits`] for more atoms than memory holds, [`Error::Interrupted`].
@@ -161,14 +165,16 @@ impl Symmetry {
         watch: &Watch,
     ) -> Result<Particles> {
         let atoms = listed.positions.len();
-        // A table of them is twice as long as it has entries.
+        // A hash table of them has twice as many slots as entries.
         check(2 * (size_of::<[u64; 3]>() as u64 + 1) * atoms as u64, || format!("the places of {atoms} atoms"))?;
         let operators = if wanted { self.operators(file)? } else { Vec::new() };
         let mut taken = HashSet::new();
         let first = |place: &&[f64; 3]| taken.insert(place.map(|x| wrap(x).to_bits()));
         let shared = atoms - listed.positions.iter().filter(first).count();
         if shared > 0 {
-            let said = format!("{shared} atoms have the place of another (mixed occupancy): the larger sphere is seen");
+            let said = format!(
+                "{shared} atoms have the position of another (mixed occupancy), so only the larger sphere is visible"
+            );
             listed.skipped.assumed.push(said);
         }
         if operators.len() < 2 {
@@ -205,26 +211,26 @@ impl Symmetry {
         let count = operators.len();
         let name = if self.name.is_empty() { String::new() } else { format!(" of {}", unquoted(&self.name)) };
         whole.skipped.assumed.push(format!(
-            "{count} operators{name} make {} atoms in the cell of the {atoms} that the file lists; --as-listed draws these",
+            "{count} operators{name} make {} atoms in the cell from the {atoms} in the file; use --as-listed to show only those",
             places.len()
         ));
         Ok(whole)
     }
 
-    /// What there is to say where a block lists no operators.
+    /// The message where a block lists no operators.
     fn unknown(&self) -> Option<String> {
         let bare: String = self.name.chars().filter(|c| !c.is_whitespace()).collect();
         let group = match (&bare[..], self.number) {
             ("P1", _) | ("", Some(1.0)) => return None,
-            ("", None) => "the file names no symmetry".to_owned(),
-            ("", Some(number)) => format!("the file has space group {number} and lists no operators"),
-            (name, _) => format!("the file has space group {} and lists no operators", unquoted(name)),
+            ("", None) => "the file has no symmetry".to_owned(),
+            ("", Some(number)) => format!("the file has space group {number} but lists no operators"),
+            (name, _) => format!("the file has space group {} but lists no operators", unquoted(name)),
         };
-        Some(format!("{group}: the atoms are shown as the file lists them"))
+        Some(format!("{group}, so the atoms are shown as listed"))
     }
 }
 
-/// One of the places that operators move an atom to, in fractions.
+/// One of an atom's images, in fractional coordinates.
 struct Image {
     operator: usize,
     atom: usize,
@@ -233,7 +239,7 @@ struct Image {
 
 const IDENTITY: Operator = Operator([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
-/// The places of an atom, each once.
+/// The images of an atom, without duplicates.
 fn images(operators: &[Operator], position: [f64; 3], cell: &Cell, atom: usize) -> Vec<Image> {
     let mut found: Vec<Image> = Vec::new();
     for (operator, moved) in operators.iter().enumerate() {
@@ -245,14 +251,14 @@ fn images(operators: &[Operator], position: [f64; 3], cell: &Cell, atom: usize) 
     found
 }
 
-/// The part of a number behind its point, in [0, 1).
+/// The fractional part of a number, in [0, 1).
 fn wrap(x: f64) -> f64 {
     let part = x - x.floor();
     // Just below a whole number, the difference rounds to 1.
     if part < 1.0 { part } else { 0.0 }
 }
 
-/// How far apart two places are, ångström, of all that the cell repeats them to.
+/// The distance of two positions, ångström, to the nearest periodic image.
 fn apart(a: [f64; 3], b: [f64; 3], cell: &Cell) -> f64 {
     let between = [0, 1, 2].map(|k| {
         let x = a[k] - b[k];
@@ -262,14 +268,14 @@ fn apart(a: [f64; 3], b: [f64; 3], cell: &Cell) -> f64 {
     [0, 1, 2].map(along).iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Whether volumes keep their size: a rotation, perhaps with an inversion, in fractions of a cell.
+/// Whether the operator preserves volume: a rotation, optionally with an inversion, in fractional coordinates.
 fn is_isometry(Operator([a, b, c]): &Operator) -> bool {
     let determinant =
         a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
     determinant.abs() == 1.0
 }
 
-/// An operator such as `-x+y, 1/2-z, .25+x`: for each coordinate a sum of x, y, z and fractions, in any order.
+/// Parses an operator such as `-x+y, 1/2-z, .25+x`: for each coordinate a sum of x, y, z and fractions, in any order.
 fn parse(text: &str) -> Option<Operator> {
     let mut rows = [[0.0; 4]; 3];
     let bare: String = text.chars().filter(|c| !c.is_whitespace()).collect();
@@ -288,12 +294,12 @@ fn parse(text: &str) -> Option<Operator> {
             rest = &rest[end..];
         }
     }
-    // A fourth is time's, of magnetic groups.
+    // A fourth coordinate is the time reversal of magnetic groups.
     let time = sums.next().is_none_or(|time| ["+1", "1", "-1"].contains(&time));
     (time && sums.next().is_none()).then_some(Operator(rows))
 }
 
-/// A summand: which column, the fourth for the shift, and its factor.
+/// A summand: its column, where the fourth is the translation, and its factor.
 fn term(text: &str) -> Option<(usize, f64)> {
     let axis = |c: char| ['x', 'y', 'z'].iter().position(|axis| c.eq_ignore_ascii_case(axis));
     let value = |text: &str| {

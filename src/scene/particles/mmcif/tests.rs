@@ -9,7 +9,7 @@ fn options(columns: &[&str]) -> ReadOptions {
 }
 
 fn read(text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut mmcif = Mmcif::new(Source::of_text(text), options);
+    let mut mmcif = Mmcif::new(SceneSource::of_text(text), options);
     std::iter::from_fn(|| mmcif.next().transpose()).collect()
 }
 
@@ -21,7 +21,7 @@ fn xs(particles: &Particles) -> Vec<f64> {
     particles.positions.iter().map(|p| p[0]).collect()
 }
 
-/// Columns in an order of its own, a row over several lines, names in quotes, two models.
+/// Columns in an unusual order, a row over several lines, names in quotes, two models.
 const ATOMS: &str = "\
 loop_
 _atom_site.Cartn_z
@@ -47,7 +47,7 @@ C 'CB' A B X 8 1 0.4 . 2 1
 #
 ";
 
-/// The first operator leaves everything where it is, `P` moves by 100 along x.
+/// The first operator is the identity, `P` translates by 100 along x.
 const ASSEMBLY: &str = "\
 _pdbx_struct_assembly_gen.assembly_id 1
 _pdbx_struct_assembly_gen.oper_expression '(1,P)'
@@ -106,8 +106,8 @@ fn models_and_alternate_locations_are_chosen() {
     let second = with(Altloc::All, Some(2)).expect("the second");
     assert_eq!((second.len(), xs(&second[0]), &second[0].skipped.assumed[..]), (1, vec![5.0], &[][..]));
     let error = with(Altloc::All, Some(3)).map(drop).expect_err("no third").to_string();
-    assert!(error.contains("no model 3") && error.contains("it has 1, 2"), "{error}");
-    let mut mmcif = Mmcif::new(Source::of_text(&text), &options(&[]));
+    assert!(error.contains("no model 3") && error.contains("the file has 1, 2"), "{error}");
+    let mut mmcif = Mmcif::new(SceneSource::of_text(&text), &options(&[]));
     assert!(mmcif.skip().expect("skipped"));
     assert_eq!(xs(&mmcif.next().expect("read").expect("the second")), [5.0]);
     assert!(!mmcif.skip().expect("the end") && mmcif.next().expect("the end").is_none());
@@ -117,7 +117,7 @@ fn models_and_alternate_locations_are_chosen() {
 fn assemblies_are_built_wherever_their_operators_stand() {
     let with = |id: &str| ReadOptions { assembly: Some(id.into()), ..options(&["copy"]) };
     for text in [format!("data_X\n{ASSEMBLY}{ATOMS}"), format!("data_X\n{ATOMS}{ASSEMBLY}data_Y\n_a 'open\n")] {
-        let mut mmcif = Mmcif::new(Source::of_text(&text), &with("1"));
+        let mut mmcif = Mmcif::new(SceneSource::of_text(&text), &with("1"));
         let whole = mmcif.next().expect("read").expect("an assembly");
         assert_eq!(xs(&whole), [1.0, 3.0, 101.0, 103.0]);
         assert_eq!(
@@ -129,13 +129,13 @@ fn assemblies_are_built_wherever_their_operators_stand() {
     }
     let text = format!("data_X\n{ASSEMBLY}{ATOMS}");
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
-    assert!(unit.skipped.assumed.iter().any(|said| said.contains("2 copies; --assembly 1")), "{:?}", unit.skipped);
+    assert!(unit.skipped.assumed.iter().any(|said| said.contains("2 copies; use --assembly 1")), "{:?}", unit.skipped);
     let behind = format!("data_X\n{ATOMS}{ASSEMBLY}");
     let all = ReadOptions { frames: "1-".parse().expect("frames"), ..with("1") };
     assert!(refused(&behind, &all).contains("--model"));
     assert_eq!(xs(&read(&behind, &ReadOptions { model: Some(2), ..all }).expect("one model")[0]), [5.0, 105.0]);
     let error = refused(&text.replace("100 P", "x P"), &with("1"));
-    assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` is not made of 12"), "{error}");
+    assert!(error.contains("text:24:1: _pdbx_struct_oper_list: operator `P` does not have 12"), "{error}");
     let error = refused(&text.replace("(1,P)", "(1-999999999)"), &with("1"));
     assert!(error.contains("text:3:") && error.contains("more operators than the 2"), "{error}");
     assert!(refused(&format!("data_X\n{ATOMS}"), &with("1")).contains("the file has none"));
@@ -153,7 +153,7 @@ fn the_first_block_with_atoms_is_read_and_others_are_skipped() {
         assert_eq!((one.len(), one[0].positions[0], one[0].elements[0]), (1, [1.5, 2.0, -3.0], 30));
     }
     for bad in ["", "data_X\n", "data_X\nloop_\n", "data_X\nloop_\n_atom_site.id\n1\n", "data_X\n_atom_site.id\n"] {
-        assert!(refused(bad, &options(&[])).contains("there are no atoms"), "{bad:?}");
+        assert!(refused(bad, &options(&[])).contains("the file has no atoms"), "{bad:?}");
     }
 }
 
@@ -176,10 +176,10 @@ fn fractions_of_the_cell_become_places() {
 fn errors_are_reported_with_line_and_column() {
     let text = format!("data_X\n{ATOMS}");
     for (old, new, place) in [
-        ("3 2 1 C", "3 2 one C", "text:17:5: x: `one`"),
-        ("3 2 1 C", "3 ? 1 C", "text:17:3: y: the atom has no place"),
+        ("3 2 1 C", "3 2 one C", "text:17:5: x: expected a finite number, found `one`"),
+        ("3 2 1 C", "3 ? 1 C", "text:17:3: y: the atom has no position"),
         ("20.5 1 1", "20.5 1 first", "text:17:36: pdbx_PDB_model_num"),
-        ("20.5 5 2\n", "20.5 5\n", "_atom_site: the row of this atom ends after 13 of its 14 values"),
+        ("20.5 5 2\n", "20.5 5\n", "_atom_site: the row of this atom ends after 13 of 14 values"),
         ("'CB'", "'CB", "text:19:3: a quote"),
         ("3 2 1 C", "3 2 1e999 C", "text:17:5: x"),
     ] {
@@ -192,12 +192,12 @@ fn errors_are_reported_with_line_and_column() {
 fn no_bytes_cause_a_panic() {
     let mut bytes = format!("data_X\n{ATOMS}{ASSEMBLY}").into_bytes();
     let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let mut mmcif = Mmcif::new(Source::of_bytes(&bytes), options);
+        let mut mmcif = Mmcif::new(SceneSource::of_bytes(&bytes), options);
         (0..4).map(|_| mmcif.next().ok().flatten().map_or(0, |frame| frame.positions.len())).sum::<usize>()
     };
     let all = ReadOptions { assembly: Some("1".into()), altloc: Altloc::Highest, ..options(&["serial", "residue"]) };
     assert_eq!((with(bytes.clone(), &all), with(bytes.clone(), &options(&[]))), (4, 5));
-    // The end comes anywhere, and so does a beginning.
+    // The file may end anywhere, and a text may begin anywhere.
     let single = b"data_X\n_atom_site.Cartn_x 1\n_atom_site.Cartn_y\n;2\n;\n_atom_site.Cartn_z 'a'\n";
     for text in [&bytes[..], single] {
         for at in 0..text.len() {
@@ -237,12 +237,12 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
             assert_eq!(frame.columns[0].values, [0.0, 0.0, 1.0, 1.0, 2.0]);
             let said = &frame.skipped.assumed;
             assert!(said.iter().any(|said| said.starts_with("3 operators make 5 atoms")), "{said:?}");
-            assert!(said.iter().any(|said| said.starts_with("1 virtual sites are left out (1 `DUM`)")), "{said:?}");
+            assert!(said.iter().any(|said| said.starts_with("1 virtual site left out (1 `DUM`)")), "{said:?}");
             let listed = ReadOptions { as_listed: true, ..options(&["copy"]) };
             assert_eq!(read(&text, &listed).expect("as listed")[0].positions, [[0.0; 3], [1.0; 3]]);
         }
     }
-    // P 1 with only x,y,z has no symmetry to speak of.
+    // P 1 with only x,y,z has no symmetry.
     let plain = format!(
         "data_x\n_symmetry_space_group_name_H-M 'P 1'\n{cell}_space_group_symop_operation_xyz x,y,z\n{}",
         atoms.replace("Cg 0.1 0.1 0.1 dum\n", "")
@@ -251,11 +251,11 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
     assert!(frame.skipped.assumed.is_empty() && frame.positions.len() == 2, "{:?}", frame.skipped);
     let bad = format!("data_x\n{cell}{}{atoms}", operators("_symmetry_equiv_pos_as_xyz", "x,y,z\nx,y"));
     let error = refused(&bad, &options(&[]));
-    assert!(error.contains("text:11:1: symmetry: `x,y` is no operator"), "{error}");
+    assert!(error.contains("text:11:1: symmetry: `x,y` is not a symmetry operator"), "{error}");
     let two = read(&format!("{plain}data_y\n{atoms}"), &options(&[])).expect("the first").remove(0);
     assert_eq!((two.positions.len(), two.skipped.assumed.len()), (2, 1));
     assert!(two.skipped.assumed[0].starts_with("the file has several data blocks"), "{:?}", two.skipped);
-    // What macromolecules list is the asymmetric unit, whatever operators follow.
+    // Macromolecular files list the asymmetric unit, even if operators follow.
     let entry = format!("data_X\n{ATOMS}{}", operators("_symmetry_equiv.pos_as_xyz", centred));
     assert_eq!(read(&entry, &options(&[])).expect("atoms")[0].positions.len(), 4);
 }

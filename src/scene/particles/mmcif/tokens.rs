@@ -1,12 +1,12 @@
-//! The words of a CIF file (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991); iucr.org/resources/cif/spec/version1.1):
-//! one after the other, whatever lines they stand in.
+//! The words of a CIF file (Hall, Allen and Brown, Acta Cryst. A47, 655 (1991);
+//! iucr.org/resources/cif/spec/version1.1), independent of line breaks.
 
 use crate::error::{Error, Place, Result};
 use crate::scene::input::Input;
 use crate::scene::lines::{Lines, Spot};
 use std::ops::Range;
 
-/// What a word is.
+/// The kind of a word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Token {
     /// `data_` and a name.
@@ -16,28 +16,28 @@ pub(super) enum Token {
     /// The name of a value, which begins with `_`.
     Tag,
     Value,
-    /// `save_`, `global_`, `stop_`: what dictionaries have and data has not.
+    /// `save_`, `global_`, `stop_`, which occur in dictionaries but not in data.
     Other,
     End,
 }
 
-/// Bytes of a text of several lines that are kept.
+/// The most bytes of a multi-line text that are stored.
 const LONGEST: usize = 1 << 20;
 
 /// A file's words.
 pub(super) struct Tokens {
     lines: Lines<Input>,
-    /// The byte of the line that is next.
+    /// The next byte of the line.
     at: usize,
     /// The word in its line, without quotes.
     span: Range<usize>,
     quoted: bool,
-    /// A text of several lines, if the word is one, and where it begins.
+    /// A multi-line text, if the word is one, and where it begins.
     text: Option<Spot>,
     buffer: Vec<u8>,
-    /// Whether the text is longer than the buffer keeps.
+    /// Whether the text is longer than the buffer.
     cut: bool,
-    /// A word that was given back.
+    /// A word that was put back.
     kept: Option<Token>,
 }
 
@@ -76,7 +76,7 @@ impl Tokens {
                         return Err(Error::scene(
                             place,
                             "a quote is not closed in its line",
-                            "close it before a blank",
+                            "add the closing quote before a blank",
                         ));
                     };
                     (self.span, self.at, self.quoted) = (start + 1..start + 1 + end, start + end + 2, true);
@@ -103,7 +103,7 @@ impl Tokens {
                 self.at = 1;
                 return Ok(Token::Value);
             }
-            // Whole data files stand in such texts, and nothing of them is of use here.
+            // Such texts may contain whole data files, which are not used here.
             let line = self.lines.text().as_bytes();
             self.cut |= self.buffer.len() + line.len() >= LONGEST;
             if !self.cut {
@@ -111,11 +111,11 @@ impl Tokens {
                 self.buffer.extend(line);
             }
         }
-        let problem = "a text that a semicolon begins has no end";
-        Err(Error::scene(spot.of(self.lines.file()), problem, "end it with a line that begins with a semicolon"))
+        let problem = "a text that begins with a semicolon has no end";
+        Err(Error::scene(spot.of(self.lines.file()), problem, "end the text with a line that begins with a semicolon"))
     }
 
-    /// Makes the current word the next one again.
+    /// Puts the current word back, to be returned again.
     pub(super) fn give_back(&mut self, token: Token) {
         self.kept = Some(token);
     }
@@ -124,12 +124,12 @@ impl Tokens {
     pub(super) fn word(&self) -> &[u8] {
         match self.text {
             Some(_) => &self.buffer,
-            // Behind the last line there is none.
+            // After the last line there is none.
             None => self.lines.text().as_bytes().get(self.span.clone()).unwrap_or_default(),
         }
     }
 
-    /// The current value; empty for `.` and `?`, which stand for none.
+    /// The current value; empty for `.` and `?`, which mean none.
     pub(super) fn value(&self) -> &[u8] {
         match self.word() {
             b"." | b"?" if !self.quoted && self.text.is_none() => b"",
@@ -140,26 +140,26 @@ impl Tokens {
     /// The current value as text.
     ///
     /// # Errors
-    /// [`Error::Scene`] for a text too long to be a name or a list of them.
+    /// [`Error::Scene`] for a text too long to be a name or a list of names.
     pub(super) fn string(&self) -> Result<String> {
         if self.cut && self.text.is_some() {
-            let problem = format!("a text of more than {LONGEST} bytes where a name or a list of names belongs");
-            return Err(Error::scene(self.place(), problem, "give a shorter one"));
+            let problem = format!("expected a name or a list of names, found a text of more than {LONGEST} bytes");
+            return Err(Error::scene(self.place(), problem, "use a shorter one"));
         }
         Ok(String::from_utf8_lossy(self.value()).trim().to_owned())
     }
 
-    /// The current line holds an atom.
+    /// Reports that the current line contains an atom.
     pub(super) fn found(&self) {
         self.lines.found();
     }
 
-    /// Where the current word stands.
+    /// The place of the current word.
     pub(super) fn place(&self) -> Place {
         self.spot().of(self.file())
     }
 
-    /// The same, for an error that may come later.
+    /// The same, for a later error.
     pub(super) fn spot(&self) -> Spot {
         self.text.unwrap_or_else(|| self.lines.spot(self.span.start))
     }
@@ -181,7 +181,7 @@ fn kind(first: u8, word: &[u8]) -> Token {
     }
 }
 
-/// A number, perhaps with its uncertainty in brackets: `1.234(5)`.
+/// A number, optionally with its uncertainty in brackets: `1.234(5)`.
 pub(super) fn number(value: &[u8]) -> Option<f64> {
     let end = value.iter().position(|byte| *byte == b'(').unwrap_or(value.len());
     let text = std::str::from_utf8(&value[..end]).ok()?;
@@ -191,10 +191,10 @@ pub(super) fn number(value: &[u8]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::source::Source;
+    use crate::scene::source::SceneSource;
 
     fn words(text: &str) -> Result<Vec<(Token, String)>> {
-        let source = Source::of_text(text);
+        let source = SceneSource::of_text(text);
         let mut tokens = Tokens::new(Lines::new(source.reader, &source.path));
         let mut found = Vec::new();
         loop {

@@ -1,32 +1,32 @@
-//! REMARK 350 of a PDB file: biological assemblies, as lists of chains and the operators they are to be moved by
+//! REMARK 350 of a PDB file: biological assemblies, as lists of chains and the operators that are applied to them
 //! (wwPDB format 3.3, remark 350).
 
 use crate::error::{Error, Result};
 use crate::memory::Ledger;
 use crate::quote::{quote, unquoted};
 use crate::scene::lines::{Lines, Words};
-use crate::scene::particles::assembly::{Assembly, Operator, Part};
+use crate::scene::particles::assembly::{Assembly, AssemblyPart, Operator};
 use std::io::BufRead;
 
-/// What the remark has said so far.
+/// The part of the remark that was read.
 #[derive(Debug, Default)]
 pub(super) struct Biomt {
     assemblies: Vec<Assembly>,
-    /// The first of the assemblies that the current lines speak of: `BIOMOLECULE: 1, 2` begins two.
+    /// The first of the current lines' assemblies: `BIOMOLECULE: 1, 2` begins two.
     current: usize,
-    /// Rows of an operator that is not complete.
+    /// Rows of an incomplete operator.
     rows: Vec<[f64; 4]>,
     /// Its name.
     name: String,
-    /// Of all names and operators.
+    /// Bytes of all names and operators.
     ledger: Ledger,
 }
 
-/// Bytes of an entry of a list that doubles, beside its letters.
+/// Bytes per entry of a growing list, besides its letters.
 const ENTRY: usize = 96;
 
 impl Biomt {
-    /// Takes the current line, which is of the remark.
+    /// Parses the current line, which belongs to the remark.
     pub(super) fn take<R: BufRead>(&mut self, lines: &Lines<R>) -> Result<()> {
         let mut words = Words::of(lines).skip(2);
         let Some(first) = words.next() else { return Ok(()) };
@@ -49,7 +49,7 @@ impl Biomt {
             self.ledger.add(ENTRY + bytes)?;
             match assembly.parts.last_mut().filter(|_| first.text != "APPLY") {
                 Some(part) => part.chains.extend(chains()),
-                None => assembly.parts.push(Part { chains: chains().collect(), operators: Vec::new() }),
+                None => assembly.parts.push(AssemblyPart { chains: chains().collect(), operators: Vec::new() }),
             }
         }
         Ok(())
@@ -63,15 +63,16 @@ impl Biomt {
         let expected = self.rows.len() + 1;
         if row != expected.to_string() || expected > 1 && name != self.name {
             let problem = format!(
-                "{} of operator {} stands where BIOMT{expected} belongs",
+                "found {} of operator {}, expected BIOMT{expected}",
                 unquoted(&format!("BIOMT{row}")),
                 quote(name)
             );
-            return Err(fail(problem, "give every operator its three rows, BIOMT1 to BIOMT3"));
+            return Err(fail(problem, "give every operator three rows, BIOMT1 to BIOMT3"));
         }
         let mut numbers = [0.0; 4];
         for number in &mut numbers {
-            let word = words.next().ok_or_else(|| fail("the row has no four numbers".into(), "give 12 an operator"))?;
+            let word =
+                words.next().ok_or_else(|| fail("expected four numbers in the row".into(), "use 12 per operator"))?;
             *number = word.finite("REMARK 350")?;
         }
         self.rows.push(numbers);
@@ -81,14 +82,16 @@ impl Biomt {
             for assembly in &mut self.assemblies[self.current..] {
                 self.ledger.add(ENTRY + size_of::<Operator>() + self.name.len())?;
                 let part = assembly.parts.last_mut();
-                let part = part.ok_or_else(|| fail("no chains are named before it".into(), "name them after APPLY"))?;
+                let part = part.ok_or_else(|| {
+                    fail("no chains are named before the operator".into(), "name the chains after APPLY")
+                })?;
                 part.operators.push((self.name.clone(), Operator([a, b, c])));
             }
         }
         Ok(())
     }
 
-    /// The assemblies, all operators complete.
+    /// The assemblies, with complete operators.
     ///
     /// # Errors
     /// [`Error::Scene`] where rows are missing.
@@ -96,18 +99,18 @@ impl Biomt {
         if self.rows.is_empty() {
             return Ok(&self.assemblies);
         }
-        let problem = format!("operator {} has {} of its three rows", quote(&self.name), self.rows.len());
+        let problem = format!("operator {} has {} of three rows", quote(&self.name), self.rows.len());
         Err(Error::scene(lines.file().named("REMARK 350"), problem, "give BIOMT1 to BIOMT3"))
     }
 
-    /// The assemblies' names, and how many operators each has at most.
+    /// The names of the assemblies, and the most operators that each can have.
     pub(super) fn told(&self) -> impl Iterator<Item = (String, u64)> {
         let most = |assembly: &Assembly| assembly.parts.iter().map(|part| part.operators.len()).max().unwrap_or(0);
         self.assemblies.iter().map(move |assembly| (assembly.id.clone(), most(assembly) as u64))
     }
 }
 
-/// `NULL` stands for the chain without a name.
+/// `NULL` is the chain without a name.
 fn chain(name: &str) -> Vec<u8> {
     if name == "NULL" { b" ".to_vec() } else { name.as_bytes().to_vec() }
 }

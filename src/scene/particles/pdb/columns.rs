@@ -1,4 +1,4 @@
-//! The columns of a PDB record, and what stands in them.
+//! The columns of a PDB record.
 
 use crate::error::{Error, Result};
 use crate::quote::quote;
@@ -6,8 +6,8 @@ use crate::scene::lines::Lines;
 use std::io::BufRead;
 use std::ops::Range;
 
-/// What a line is.
-pub(super) enum Record {
+/// The kind of a line.
+pub(super) enum PdbRecord {
     Atom,
     Model,
     /// The end of a model, or of the file.
@@ -19,7 +19,7 @@ pub(super) enum Record {
 pub(super) const SERIAL: Range<usize> = 6..11;
 pub(super) const NAME: Range<usize> = 12..16;
 pub(super) const LOCATION: Range<usize> = 16..17;
-/// One column more than the format gives it, which CHARMM and NAMD use: `TIP3`, `POPC`.
+/// One column more than in the format, as used by CHARMM and NAMD: `TIP3`, `POPC`.
 pub(super) const RESIDUE_NAME: Range<usize> = 17..21;
 pub(super) const CHAIN: Range<usize> = 21..22;
 pub(super) const RESIDUE: Range<usize> = 22..26;
@@ -30,17 +30,17 @@ pub(super) const COORDINATE: usize = 8;
 pub(super) const OCCUPANCY: Range<usize> = 54..60;
 pub(super) const BFACTOR: Range<usize> = 60..66;
 pub(super) const SYMBOL: Range<usize> = 76..78;
-/// Of PDBQT: the partial charge and AutoDock's type.
+/// In PDBQT: the partial charge and AutoDock's type.
 pub(super) const CHARGE: Range<usize> = 70..76;
 pub(super) const TYPE: Range<usize> = 77..79;
 
-pub(super) fn record(line: &[u8]) -> Record {
+pub(super) fn record(line: &[u8]) -> PdbRecord {
     match line {
-        [b'A', b'T', b'O', b'M', ..] | [b'H', b'E', b'T', b'A', b'T', b'M', ..] => Record::Atom,
-        [b'M', b'O', b'D', b'E', b'L', b' ', ..] | b"MODEL" => Record::Model,
-        [b'E', b'N', b'D', b'M', b'D', b'L', ..] => Record::End,
-        [b'E', b'N', b'D', rest @ ..] if rest.trim_ascii().is_empty() => Record::End,
-        _ => Record::Other,
+        [b'A', b'T', b'O', b'M', ..] | [b'H', b'E', b'T', b'A', b'T', b'M', ..] => PdbRecord::Atom,
+        [b'M', b'O', b'D', b'E', b'L', b' ', ..] | b"MODEL" => PdbRecord::Model,
+        [b'E', b'N', b'D', b'M', b'D', b'L', ..] => PdbRecord::End,
+        [b'E', b'N', b'D', rest @ ..] if rest.trim_ascii().is_empty() => PdbRecord::End,
+        _ => PdbRecord::Other,
     }
 }
 
@@ -64,15 +64,15 @@ pub(super) fn coordinate<R: BufRead>(lines: &Lines<R>, columns: Range<usize>, ax
         let at = (columns.start + blanks % found.len().max(1)).min(lines.text().len());
         let problem = match found.trim_ascii() {
             [] => format!("columns {} to {} are empty", columns.start + 1, columns.end),
-            word => format!("{} is no finite number", quote(word)),
+            word => format!("expected a finite number, found {}", quote(word)),
         };
         let mend = format!("write {axis} in columns {} to {}, such as -12.345", columns.start + 1, columns.end);
         Error::scene(lines.place(at).named(axis), problem, mend)
     })
 }
 
-/// A whole number, in hybrid-36 where decimal digits did not suffice: `A0000` follows 99999, and `a0000` `ZZZZZ`
-/// (Grosse-Kunstleve, cci.lbl.gov/hybrid_36). NaN for anything else.
+/// A whole number, in hybrid-36 where the columns are too narrow for decimal digits: `A0000` follows 99999, and `a0000`
+/// `ZZZZZ` (Grosse-Kunstleve, cci.lbl.gov/hybrid_36). NaN for anything else.
 pub(super) fn hybrid36(field: &[u8]) -> f64 {
     let digits = text(field);
     if let Ok(number) = digits.parse::<i64>() {

@@ -1,19 +1,19 @@
-//! What PDBQT and PQR files have in place of the last columns of PDB.
+//! The last columns of PDBQT and PQR files, which differ from those of PDB.
 //!
-//! PDBQT (autodock.scripps.edu/faqs-help/faq/what-is-the-format-of-a-pdbqt-file): a partial charge in columns 71 to 76 and
-//! AutoDock's type of atom in 78 and 79. PQR (pdb2pqr.readthedocs.io/en/latest/formats/pqr.html): words between blanks, of which
-//! the place's three are followed by charge and radius.
+//! PDBQT (autodock.scripps.edu/faqs-help/faq/what-is-the-format-of-a-pdbqt-file): a partial charge in columns 71 to 76
+//! and an AutoDock atom type in 78 and 79. PQR (pdb2pqr.readthedocs.io/en/latest/formats/pqr.html): words separated by
+//! blanks; charge and radius follow the three coordinates.
 
 use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, field};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::scene::lines::{Lines, Word, Words};
-use crate::scene::particles::infer::Named;
-use crate::scene::particles::molecule::{Kind, Model, Names};
+use crate::scene::particles::infer::AtomNames;
+use crate::scene::particles::molecule::{AtomProperty, Model, Names};
 use std::io::BufRead;
 
-/// The symbol of the element that a type of AutoDock stands for: aromatic carbon, donors and acceptors of hydrogen bonds, carbon
-/// of a ring that is closed while docking, water that is docked with a ligand. Other types are symbols.
+/// The element symbol of an AutoDock type: aromatic carbon, donors and acceptors of hydrogen bonds, carbon of a ring
+/// that is closed while docking, water that is docked with a ligand. Other types are element symbols.
 pub(super) fn symbol(kind: &[u8]) -> &[u8] {
     match kind.trim_ascii() {
         b"A" | b"J" | b"Q" | [b'C', b'G'] => b"C",
@@ -25,10 +25,10 @@ pub(super) fn symbol(kind: &[u8]) -> &[u8] {
     }
 }
 
-/// Takes the atom of the current line of a PQR file.
+/// Parses the atom of the current line of a PQR file.
 pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, model: &mut Model) -> Result<()> {
     let line = lines.text().as_bytes();
-    // A serial number of many digits follows the record's name at once.
+    // A serial number of many digits directly follows the record's name.
     let words: Vec<Word<'_, R>> = Words::of(lines).skip_while(|word| ["ATOM", "HETATM"].contains(&word.text)).collect();
     let is_real = |word: &Word<'_, R>| word.text.contains('.') && word.text.parse::<f64>().is_ok();
     let first = words.iter().position(is_real).unwrap_or(words.len());
@@ -38,12 +38,12 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, mode
         for (axis, word) in numbers.iter().enumerate() {
             position[axis] = word.finite(["x", "y", "z"][axis])?;
         }
-        // Serial number, name, residue, perhaps a chain, number.
+        // Serial number, name, residue, optional chain, number.
         let text = |n: usize| words[n].text.as_bytes();
         let from = words[first - 1].at + words[first - 1].text.len();
         let site = &line[words[2].at..from];
         let chain = if first > 4 { text(3) } else { b"" };
-        (&words[first + 3..], Named { symbol: b"", name: text(1), residue: text(2), site }, chain)
+        (&words[first + 3..], AtomNames { symbol: b"", name: text(1), residue: text(2), site }, chain)
     } else {
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let at = X + k * COORDINATE;
@@ -53,34 +53,38 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, mode
         let residue = field(line, RESIDUE_NAME).trim_ascii();
         let site = field(line, RESIDUE_ID);
         let name = field(line, NAME).trim_ascii();
-        (&words[behind..], Named { symbol: b"", name, residue, site }, site.get(..1).unwrap_or_default().trim_ascii())
+        (
+            &words[behind..],
+            AtomNames { symbol: b"", name, residue, site },
+            site.get(..1).unwrap_or_default().trim_ascii(),
+        )
     };
     let [charge, radius, element @ ..] = rest else {
-        let problem = "no charge and radius stand behind the place";
+        let problem = "expected charge and radius after the coordinates";
         let place = lines.place(lines.text().len()).named("radius");
-        return Err(Error::scene(place, problem, "give two numbers, or read it with --format pdb"));
+        return Err(Error::scene(place, problem, "add two numbers, or use --format pdb"));
     };
     let (charge, length) = (charge.finite("charge")?, radius.finite("radius")?);
     if length < 0.0 {
         let problem = format!("{} is negative", quote(radius.text));
-        return Err(Error::scene(lines.place(radius.at).named("radius"), problem, "give 0 or more"));
+        return Err(Error::scene(lines.place(radius.at).named("radius"), problem, "use 0 or more"));
     }
-    // Some programs write the element last.
+    // Some programs append the element.
     let symbol = element.last().map_or("", |word| word.text).as_bytes();
-    let atom = Named { symbol: if symbol.len() <= 2 { symbol } else { b"" }, ..atom };
+    let atom = AtomNames { symbol: if symbol.len() <= 2 { symbol } else { b"" }, ..atom };
     let chain = chains.map_or(Ok(0), |chains| chains.number(chain))?;
     let serial = words.first().and_then(|word| word.text.trim_start_matches(char::is_alphabetic).parse().ok());
     // An insertion code may follow the residue's number.
     let site = std::str::from_utf8(atom.site).unwrap_or_default().trim_end_matches(|c: char| !c.is_ascii_digit());
     let number = site.rsplit(|c: char| !(c.is_ascii_digit() || c == '-')).next().and_then(|digits| digits.parse().ok());
     model.push(&atom, position, chain, |kind| match kind {
-        Kind::Charge => charge,
-        Kind::Chain => f64::from(chain),
-        Kind::Serial => serial.unwrap_or(f64::NAN),
-        Kind::Residue => number.unwrap_or(f64::NAN),
+        AtomProperty::Charge => charge,
+        AtomProperty::Chain => f64::from(chain),
+        AtomProperty::Serial => serial.unwrap_or(f64::NAN),
+        AtomProperty::Residue => number.unwrap_or(f64::NAN),
         _ => 0.0,
     })?;
-    // Force fields give hydrogens of water no size.
+    // Force fields give the hydrogens of water no size.
     model.radius(if length > 0.0 { length } else { f64::NAN });
     Ok(())
 }

@@ -8,7 +8,7 @@ fn options(columns: &[&str]) -> ReadOptions {
 }
 
 fn read(text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(Source::of_text(text), options);
+    let mut pdb = Pdb::new(SceneSource::of_text(text), options);
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 
@@ -49,7 +49,7 @@ fn columns_hold_what_the_format_says() {
         frame.skipped.assumed,
         [
             "the file gives no element for 1 of 2 atoms; inferred: 1 as single ions",
-            "1 of 2 atoms are alternate locations and all are shown; --altloc highest or A keeps one",
+            "1 of 2 atoms are alternate locations and all are shown; use --altloc highest or A to show one",
         ]
     );
     assert!(!frame.has.contains(&"copy".to_owned()) && frame.has.contains(&"bfactor".to_owned()));
@@ -109,7 +109,7 @@ fn alternate_locations_are_chosen() {
     assert_eq!(xs(&with("B")), [1.0, 4.0, 5.0]);
     let none = with("Z");
     assert_eq!(xs(&none), [1.0]);
-    assert!(none.skipped.assumed[0].contains("none of them is called `Z`"), "{:?}", none.skipped);
+    assert!(none.skipped.assumed[0].contains("none of them has the identifier `Z`"), "{:?}", none.skipped);
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn models_are_frames() {
     assert_eq!((one.len(), xs(&one[0]), one[0].skipped.assumed.len()), (1, vec![2.0], 0));
     let error = refused(&text, &ReadOptions { model: Some(3), ..all.clone() });
     assert!(error.contains("no model 3") && error.contains("4, 5, 9"), "{error}");
-    let mut pdb = Pdb::new(Source::of_text(&text), &all);
+    let mut pdb = Pdb::new(SceneSource::of_text(&text), &all);
     assert!(pdb.skip().expect("skipped") && pdb.skip().expect("skipped"));
     assert_eq!(xs(&pdb.next().expect("read").expect("the third")), [3.0]);
     assert!(!pdb.skip().expect("the end"));
@@ -176,13 +176,13 @@ fn assemblies_are_built() {
     assert!(error.contains("no assembly `3`") && error.contains("the file has 1, 2"), "{error}");
     let unit = read(&text, &options(&[])).expect("as they stand").remove(0);
     assert_eq!(unit.positions.len(), 4);
-    assert!(unit.skipped.assumed[0].contains("2 copies; --assembly 1"), "{:?}", unit.skipped);
+    assert!(unit.skipped.assumed[0].contains("2 copies; use --assembly 1"), "{:?}", unit.skipped);
     for (old, new, problem) in [
-        ("BIOMT2   2", "BIOMT3   2", "text:9:14: REMARK 350: BIOMT3 of operator `2` stands where BIOMT2"),
-        ("-1.000000  0.000000  0.000000      100.00000", "-1.0 0 0", "no four numbers"),
+        ("BIOMT2   2", "BIOMT3   2", "text:9:14: REMARK 350: found BIOMT3 of operator `2`, expected BIOMT2"),
+        ("-1.000000  0.000000  0.000000      100.00000", "-1.0 0 0", "expected four numbers"),
         ("100.00000", "inf", "text:8:"),
         ("APPLY THE FOLLOWING TO CHAINS: A,", "", "text:7:14"),
-        ("REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\nATOM", "ATOM", "2 of its three rows"),
+        ("REMARK 350   BIOMT3   1  0.000000  0.000000  1.000000        0.00000\nATOM", "ATOM", "2 of three rows"),
     ] {
         let bad = text.replacen(old, new, 1).replace("REMARK 350                    AND CHAINS: B\n", "REMARK 350\n");
         let error = refused(&bad, &with("1"));
@@ -195,8 +195,8 @@ fn assemblies_are_built() {
 fn errors_are_reported_with_line_and_column() {
     let good = atom(" C", "", "A", 1.0, 1.0, "C");
     for (line, place) in [
-        (good.replacen("   1.000", "   one  ", 1), ":2:34: x: `one`"),
-        (good.replacen("   0.000", "     NaN", 1), ":2:44: y: `NaN`"),
+        (good.replacen("   1.000", "   one  ", 1), ":2:34: x: expected a finite number, found `one`"),
+        (good.replacen("   0.000", "     NaN", 1), ":2:44: y: expected a finite number, found `NaN`"),
         (good[..40].to_owned(), ":2:39: y"),
         (good[..46].to_owned(), ":2:47: z: columns 47 to 54 are empty"),
         ("ATOM\n".to_owned(), ":2:5: x"),
@@ -214,7 +214,7 @@ fn bytes_that_are_not_utf_8_are_accepted() {
     let mut bytes = format!("{REMARK}{good}{good}END\n").into_bytes();
     let first = b"AUTHOR    J.M\xfcLLER\n".to_vec();
     let with = |bytes: Vec<u8>, options: &ReadOptions| {
-        let mut pdb = Pdb::new(Source::of_bytes(&bytes), options);
+        let mut pdb = Pdb::new(SceneSource::of_bytes(&bytes), options);
         pdb.next()
     };
     let plain = with([first, bytes.clone()].concat(), &options(&[])).expect("read").expect("a model");
@@ -238,7 +238,7 @@ fn bytes_that_are_not_utf_8_are_accepted() {
 }
 
 fn read_as(format: Format, text: &str, options: &ReadOptions) -> Result<Vec<Particles>> {
-    let mut pdb = Pdb::new(Source { format, ..Source::of_text(text) }, options);
+    let mut pdb = Pdb::new(SceneSource { format, ..SceneSource::of_text(text) }, options);
     std::iter::from_fn(|| pdb.next().transpose()).collect()
 }
 
@@ -283,12 +283,15 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
     assert_eq!(column("serial"), [1.0, 2.0, 99999.0, 100000.0]);
     assert_eq!((column("residue"), column("chain")), (&[1.0, 1.0, -7.0, 9.0][..], &[0.0, 1.0, 2.0, 0.0][..]));
     for (line, told) in [
-        ("ATOM      1  N    MET     1     -11.921   26.307   10.410\n", "text:1:58: radius: no charge and radius"),
+        (
+            "ATOM      1  N    MET     1     -11.921   26.307   10.410\n",
+            "text:1:58: radius: expected charge and radius",
+        ),
         (
             "ATOM      1  N    MET     1     -11.921   26.307   10.410 1.0 -2.0\n",
             "text:1:63: radius: `-2.0` is negative",
         ),
-        ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "no finite number"),
+        ("ATOM      1  N    MET     1     -11.921   26.307   nan    1.0 2.0\n", "expected a finite number"),
         ("ATOM\n", "x: columns 31 to 38 are empty"),
     ] {
         let error = read_as(Format::Pqr, line, &options(&[])).map(drop).expect_err(line).to_string();

@@ -52,7 +52,7 @@ fn filled(symmetry: &Symmetry, cell: &Cell, positions: &[[f64; 3]]) -> Result<Pa
 }
 
 /// P 63/m m c, number 194, from International Tables A: six-fold axis, mirrors, inversion; generated here from three of
-/// them, so that the test does not repeat a list of the program's.
+/// them, so that the test does not repeat a list of the program.
 fn hexagonal() -> Vec<String> {
     let generators = ["x-y,x,z+1/2", "-y,-x,z", "-x,-y,-z"].map(|text| parse(text).expect("a generator"));
     let mut group = vec![IDENTITY];
@@ -91,7 +91,7 @@ fn a_close_packed_cell_has_its_two_atoms_however_thirds_are_rounded() {
         let between = [0, 1, 2].map(|k| found.positions[0][k] - found.positions[1][k]);
         assert!((between[2].abs() - 5.2108 / 2.0).abs() < 1e-12, "{between:?}");
     }
-    // An atom on no special position is there once for each operator, and the rest of the file's columns with it.
+    // An atom on a general position has one image per operator, with its columns.
     let found = filled(&symmetry(&words, ""), &magnesium, &[[0.1, 0.35, 0.12], [0.0; 3]]).expect("filled");
     assert_eq!(found.positions.len(), 24 + 2);
     assert_eq!((&found.elements[..3], found.columns[1].values[1]), (&[1, 2, 1][..], 2.0), "operator by operator");
@@ -107,7 +107,7 @@ fn a_face_centred_cube_has_four_atoms_and_an_octant_eight() {
     let found = filled(&symmetry(&operators, "F"), &cube, &[[0.0; 3]]).expect("filled");
     assert_eq!(found.positions, [[0.0; 3], [0.0, 2.0, 2.0], [2.0, 0.0, 2.0], [2.0, 2.0, 0.0]]);
     assert!(
-        found.skipped.assumed[0].starts_with("6 operators of F make 4 atoms in the cell of the 1 "),
+        found.skipped.assumed[0].starts_with("6 operators of F make 4 atoms in the cell from the 1 "),
         "{:?}",
         found.skipped
     );
@@ -115,7 +115,7 @@ fn a_face_centred_cube_has_four_atoms_and_an_octant_eight() {
     let found = filled(&symmetry(&operators, "F"), &cube, &[[-1e-17, 1.0, 2.0 - 1e-16]]).expect("filled");
     assert_eq!(found.positions.len(), 4);
     assert!(found.positions.iter().flatten().all(|x| (0.0..4.0).contains(x)), "{:?}", found.positions);
-    // Two places 0.4 apart are two atoms, also across a face of the cell.
+    // Two positions 0.4 apart are two atoms, also across a face of the cell.
     let near =
         |x: f64| filled(&symmetry(&["x,y,z", "-x,y,z"], "P"), &cube, &[[x, 0.0, 0.0]]).expect("filled").positions.len();
     assert_eq!([near(0.05), near(0.045), near(-0.045), near(0.5 + 0.045), near(0.455)], [2, 1, 1, 1, 1]);
@@ -127,7 +127,7 @@ fn sites_of_several_elements_are_counted() {
     let sites = [[0.5; 3], [0.25; 3], [0.5; 3], [1.5, -0.5, 0.5]];
     let found = filled(&symmetry(&["x,y,z", "-x,-y,-z"], "P -1"), &cube, &sites).expect("filled");
     assert_eq!((found.positions.len(), &found.elements[..]), (5, &[1, 2, 3, 4, 2][..]));
-    assert!(found.skipped.assumed[0].starts_with("2 atoms have the place of another"), "{:?}", found.skipped);
+    assert!(found.skipped.assumed[0].starts_with("2 atoms have the position of another"), "{:?}", found.skipped);
 }
 
 #[test]
@@ -138,8 +138,8 @@ fn without_operators_atoms_are_as_listed() {
         (&["x,y,z"][..], "P 1", None),
         (&[], "P 1", None),
         (&["x,y,z"], "F m -3 m", None),
-        (&[], "", Some("the file names no symmetry")),
-        (&[], "F m -3 m", Some("the file has space group Fm-3m and lists no operators")),
+        (&[], "", Some("the file has no symmetry")),
+        (&[], "F m -3 m", Some("the file has space group Fm-3m but lists no operators")),
     ] {
         let found = filled(&symmetry(operators, name), &cube, &place).expect("as listed");
         assert_eq!(found.positions, [[-1.0, 6.0, 2.0]], "{name}");
@@ -158,14 +158,14 @@ fn without_operators_atoms_are_as_listed() {
 fn an_invalid_symmetry_operation_is_refused() {
     let cube = Cell { origin: [0.0; 3], edges: [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0]] };
     for (operators, told) in [
-        (vec!["x,y,z", "x,y"], "`x,y` is no operator of symmetry"),
-        (vec!["2x,y,z"], "`2x,y,z` is no operator"),
-        (vec!["x,y,z"; MOST + 1], "more than 192 operators"),
+        (vec!["x,y,z", "x,y"], "`x,y` is not a symmetry operator"),
+        (vec!["2x,y,z"], "`2x,y,z` is not a symmetry operator"),
+        (vec!["x,y,z"; MOST + 1], "more than 192 symmetry operators"),
     ] {
         let error = filled(&symmetry(&operators, ""), &cube, &[[0.0; 3]]).map(drop).expect_err(told).to_string();
         assert!(error.contains(told), "{error}");
     }
-    // Twice the same is once.
+    // Duplicate operators have no effect.
     assert_eq!(filled(&symmetry(&["-x,-y,-z"; 3], ""), &cube, &[[0.1; 3]]).expect("filled").positions.len(), 2);
 }
 

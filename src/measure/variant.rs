@@ -1,4 +1,4 @@
-//! What is measured: every form of the quadratic alone, the certified way and the exact one.
+//! The methods of a measurement: each form of the quadratic alone, certified, and exact.
 
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -6,19 +6,19 @@ use crate::intersect::Method;
 use crate::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::str::FromStr;
 
-/// A way to an answer.
+/// A method of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contender {
-    /// One form of the quadratic and nothing else.
+pub enum Variant {
+    /// One intersection method, uncertified.
     Alone(Method),
-    /// f32 with a proof, and better arithmetic for the rest.
+    /// f32 with a proof, and exact arithmetic for unsure pixels.
     Certified,
     /// Every pixel in exact arithmetic, on the host.
     Exact,
 }
 
-impl Contender {
-    /// All there are: [`Method::ALL`], certified, exact.
+impl Variant {
+    /// All methods: [`Method::ALL`], certified, exact.
     #[must_use]
     pub fn all() -> Vec<Self> {
         Method::ALL.iter().copied().map(Self::Alone).chain([Self::Certified, Self::Exact]).collect()
@@ -34,8 +34,8 @@ impl Contender {
         }
     }
 
-    /// Settings to render so for the buffers `aovs`. A form alone asks all spheres where `search` leaves it open, so
-    /// that its errors are its own.
+    /// The settings that render the buffers `aovs` this way. An uncertified method tests all spheres unless `search`
+    /// says otherwise, so that its errors are its own.
     pub(crate) fn settings(self, backend: Backend, tolerance: Tolerance, search: Search, aovs: &[Aov]) -> Settings {
         let (method, accuracy) = match self {
             Self::Alone(method) => (Some(method), Accuracy::Fast),
@@ -48,7 +48,7 @@ impl Contender {
     }
 }
 
-impl FromStr for Contender {
+impl FromStr for Variant {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self, Error> {
         crate::error::by_name("method", name, &Self::all(), Self::name)

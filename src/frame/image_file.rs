@@ -1,8 +1,8 @@
-//! What a file holds: samples of buffers as it stores them, and where they come from. Writers take rows of samples and
-//! readers give them, so that no file is ever in memory as a whole; a file is a function of its head and its rows, so tiles
-//! that are put together row by row give the full frame's file.
+//! The content of an image file: samples of buffers as the format stores them, and their provenance. Writers read rows
+//! of samples from [`Rows`] and readers provide them, so no file is in memory as a whole. A file is a function of its
+//! head and its rows, so merging tiles row by row gives the file of the full frame.
 
-use super::format::Format;
+use super::format::FileFormat;
 use super::provenance::Provenance;
 use super::{Aov, exr, npy, npz, pfm, png};
 use crate::error::{Error, Place, Result};
@@ -17,23 +17,23 @@ use std::path::Path;
 /// The type of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum SampleType {
     /// A level of 0 to 255, or a byte.
     U8,
     /// A level of 0 to 65535.
     U16,
-    /// A count.
+    /// A 32-bit unsigned integer.
     U32,
-    /// An index.
+    /// A 32-bit integer.
     I32,
-    /// A number.
+    /// A 32-bit float.
     F32,
-    /// A number.
+    /// A 64-bit float.
     F64,
 }
 
-impl Kind {
-    /// Bytes of a sample.
+impl SampleType {
+    /// Bytes per sample.
     pub fn size(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -46,38 +46,38 @@ impl Kind {
 
 /// How a file stores a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Form {
-    /// Which one. Colour of four channels has alpha as its last.
+pub struct LayerFormat {
+    /// The buffer. Colour with four channels has alpha as the last.
     pub aov: Aov,
     /// The type of its samples.
-    pub kind: Kind,
-    /// Samples of a pixel.
+    pub kind: SampleType,
+    /// Samples per pixel.
     pub channels: usize,
 }
 
-impl Form {
-    /// Bytes of a pixel.
+impl LayerFormat {
+    /// Bytes per pixel.
     pub fn pixel(&self) -> usize {
         self.kind.size() * self.channels
     }
 }
 
-/// All that a file says besides its samples.
+/// Everything in a file except its samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
     /// Its buffers, in the order of [`Aov::ALL`].
-    pub forms: Vec<Form>,
-    /// Where they come from.
+    pub forms: Vec<LayerFormat>,
+    /// Their provenance.
     pub provenance: Provenance,
-    /// Which part of the full frame.
+    /// The window in the full frame.
     pub window: Window,
     /// W and H of the full frame.
     pub full: [u32; 2],
 }
 
 impl Head {
-    /// Of a file in `format` with this provenance; `None` if that is not what one says.
-    pub(super) fn new(format: Format, provenance: Provenance) -> Option<Self> {
+    /// The head of a file in `format` with this provenance; `None` if the provenance is not that of such a file.
+    pub(super) fn new(format: FileFormat, provenance: Provenance) -> Option<Self> {
         let (window, full, buffers) = (provenance.window()?, provenance.full()?, provenance.buffers()?);
         let forms = format.forms(&buffers, provenance.bits())?;
         Some(Self { forms, provenance, window, full })
@@ -88,12 +88,12 @@ impl Head {
         [self.window.width() as usize, self.window.height() as usize]
     }
 
-    /// Bytes of a row of one buffer.
+    /// Bytes per row of one buffer.
     pub(super) fn row(&self, layer: usize) -> usize {
         self.size()[0] * self.forms[layer].pixel()
     }
 
-    /// Bytes of a row of all buffers.
+    /// Bytes per row of all buffers.
     fn rows(&self) -> usize {
         (0..self.forms.len()).map(|layer| self.row(layer)).sum()
     }
@@ -103,102 +103,106 @@ impl Head {
         self.rows() as u64 * self.size()[1] as u64
     }
 
-    /// The only buffer, for formats that hold one.
+    /// The only buffer, for formats that hold a single one.
     ///
     /// # Errors
-    /// `InvalidInput` where there are none or several.
-    pub(super) fn form(&self) -> io::Result<Form> {
+    /// `InvalidInput` where there is none or more than one.
+    pub(super) fn form(&self) -> io::Result<LayerFormat> {
         match self.forms[..] {
             [form] => Ok(form),
-            _ => Err(invalid(format!("{} buffers do not go into a file for one", self.forms.len()))),
+            _ => Err(invalid(format!("{} buffers do not fit into a format for one", self.forms.len()))),
         }
     }
 
-    /// All rows, so many at a time that their samples are some megabytes.
+    /// All rows in bands of several megabytes.
     pub(super) fn bands(&self) -> impl DoubleEndedIterator<Item = Range<usize>> + use<> {
         let (rows, height) = (self.band_rows(), self.size()[1]);
         (0..height.div_ceil(rows)).map(move |n| n * rows..(n * rows + rows).min(height))
     }
 
-    /// A multiple of what EXR compresses together.
+    /// A multiple of the rows that EXR compresses together.
     pub(super) fn band_rows(&self) -> usize {
         const BYTES: usize = 4 << 20;
         (BYTES / self.rows().max(1)).max(1).next_multiple_of(exr::ROWS)
     }
 
-    /// Bytes that reading or writing the file in `format` needs at once, at most.
-    pub fn memory(&self, format: Format) -> u64 {
+    /// The most bytes that reading or writing the file in `format` needs at once.
+    pub fn memory(&self, format: FileFormat) -> u64 {
         let row = self.rows() as u64;
-        // The samples of a band as they come, as they are wanted, and what is made of them.
+        // A band's samples as read, as converted, and as encoded.
         let band = 4 * row * self.band_rows() as u64;
-        band + if format == Format::Exr { exr::memory(row) } else { 0 }
+        band + if format == FileFormat::Exr { exr::memory(row) } else { 0 }
     }
 }
 
 /// Samples, row by row from the top, channels innermost, in little-endian bytes.
 pub trait Rows: Send {
-    /// Those of one buffer of the head. Files that are compressed as a whole give rows in order only.
+    /// The rows of one buffer of the head. Files that are compressed as a whole give rows in order only.
     ///
     /// # Errors
-    /// What reading the file runs into, [`Error::Scene`] for one that is malformed.
+    /// The errors of reading the file, [`Error::Scene`] for a malformed one.
     fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>>;
 }
 
-/// Rows for a writer, whose errors are the system's: [`super::atomic`] takes ours out of them again.
+/// Rows for a writer, with errors wrapped as the system's; [`super::atomic`] unwraps them.
 pub(super) fn pulled(rows: &mut dyn Rows, layer: usize, range: Range<usize>) -> io::Result<Cow<'_, [u8]>> {
     rows.rows(layer, range).map_err(io::Error::other)
 }
 
-/// Where bytes come from.
-pub(super) trait Input: BufRead + Seek + Send {}
+/// A byte source.
+pub(super) trait SeekRead: BufRead + Seek + Send {}
 
-impl<T: BufRead + Seek + Send> Input for T {}
+impl<T: BufRead + Seek + Send> SeekRead for T {}
 
-/// Where a file is written to.
+/// A byte destination.
 pub trait Sink: Write + Seek {}
 
 impl<T: Write + Seek> Sink for T {}
 
-/// A file that was opened.
+/// An opened file.
 pub(super) struct Opened<'a> {
-    pub(super) format: Format,
+    pub(super) format: FileFormat,
     pub(super) head: Head,
     pub(super) rows: Box<dyn Rows + 'a>,
 }
 
 impl<'a> Opened<'a> {
-    /// The file at `path`.
+    /// Opens the file at `path`.
     ///
     /// # Errors
-    /// See [`Sheet::read`].
+    /// See [`ImageFile::read`].
     pub(super) fn file(path: &Path, name: &str) -> Result<Self> {
         let file = File::open(path).map_err(|error| Error::read(path, error))?;
         Self::new(Box::new(BufReader::with_capacity(1 << 16, file)), name)
     }
 
-    /// What `input` holds; `name` is what errors call it.
+    /// Reads the head from `input`; errors refer to it by `name`.
     ///
     /// # Errors
-    /// See [`Sheet::read`].
-    pub(super) fn new(mut input: Box<dyn Input + 'a>, name: &str) -> Result<Self> {
-        type Open = for<'b> fn(Box<dyn Input + 'b>, &str) -> Result<Option<(Head, Box<dyn Rows + 'b>)>>;
-        let formats: [(&[u8], Format, Open); 6] = [
-            (png::MAGIC, Format::Png, png::open),
-            (exr::MAGIC, Format::Exr, exr::open),
-            (npy::MAGIC, Format::Npy, npy::open),
-            (npz::MAGIC, Format::Npz, npz::open),
-            (b"PF\n", Format::Pfm, pfm::open),
-            (b"Pf\n", Format::Pfm, pfm::open),
+    /// See [`ImageFile::read`].
+    pub(super) fn new(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Self> {
+        type OpenFile = for<'b> fn(Box<dyn SeekRead + 'b>, &str) -> Result<Option<(Head, Box<dyn Rows + 'b>)>>;
+        let formats: [(&[u8], FileFormat, OpenFile); 6] = [
+            (png::MAGIC, FileFormat::Png, png::open),
+            (exr::MAGIC, FileFormat::Exr, exr::open),
+            (npy::MAGIC, FileFormat::Npy, npy::open),
+            (npz::MAGIC, FileFormat::Npz, npz::open),
+            (b"PF\n", FileFormat::Pfm, pfm::open),
+            (b"Pf\n", FileFormat::Pfm, pfm::open),
         ];
         let start = input.fill_buf().map_err(|error| Error::read(name, error))?;
         let Some((_, format, open)) = formats.into_iter().find(|(magic, ..)| start.starts_with(magic)) else {
             let problem =
-                format!("no {} that tells where it comes from", Format::endings(|format| format != Format::Raw));
-            return Err(Error::scene(Place::file(name), problem, "give files that halfline render wrote"));
+                format!("not a {} file with provenance", FileFormat::endings(|format| format != FileFormat::Raw));
+            return Err(Error::scene(Place::file(name), problem, "use files that halfline render wrote"));
         };
         let (head, rows) = open(input, name)?.ok_or_else(|| {
-            let problem = "the file does not tell what part of which rendering it is";
-            Error::scene(Place::file(name), problem, "give files as halfline render wrote them, not changed by others")
+            let problem = "the file has no provenance";
+            Error::scene(
+                Place::file(name),
+                problem,
+                "use files as halfline render wrote them, not edited by other programs",
+            )
         })?;
         Ok(Self { format, head, rows })
     }
@@ -207,11 +211,11 @@ impl<'a> Opened<'a> {
 /// One buffer as a file stores it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layer<'a> {
-    /// Which one. Colour of four channels has alpha as its last.
+    /// The buffer. Colour with four channels has alpha as the last.
     pub aov: Aov,
     /// The type of its samples.
-    pub kind: Kind,
-    /// Samples of a pixel.
+    pub kind: SampleType,
+    /// Samples per pixel.
     pub channels: usize,
     /// The samples in little-endian bytes, row by row from the top, channels innermost.
     pub bytes: Cow<'a, [u8]>,
@@ -219,40 +223,40 @@ pub struct Layer<'a> {
 
 /// The content of one file, in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Sheet<'a> {
+pub struct ImageFile<'a> {
     /// The buffers, in the order of [`Aov::ALL`].
     pub layers: Vec<Layer<'a>>,
-    /// Where they come from.
+    /// Their provenance.
     pub provenance: Provenance,
-    /// Which part of the full frame.
+    /// The window in the full frame.
     pub window: Window,
     /// W and H of the full frame.
     pub full: [u32; 2],
 }
 
-impl Sheet<'static> {
-    /// Reads the whole of a file that halfline wrote, and tells its format by content.
+impl ImageFile<'static> {
+    /// Reads a complete file that halfline wrote; the format is detected from the content.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit the memory,
-    /// [`Error::Scene`] at the file for one that is malformed, cut short, changed, or does not say where it comes from.
-    pub fn read(path: &Path) -> Result<(Format, Self)> {
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit into memory,
+    /// [`Error::Scene`] at the file for one that is malformed, truncated, changed, or has no provenance.
+    pub fn read(path: &Path) -> Result<(FileFormat, Self)> {
         let name = path.display().to_string();
         Self::of(Opened::file(path, &name)?, &name)
     }
 
-    /// The same of a file's bytes; `name` is what errors call it.
+    /// Reads a file from memory; errors refer to it by `name`.
     ///
     /// # Errors
-    /// As [`Sheet::read`].
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<(Format, Self)> {
+    /// As [`ImageFile::read`].
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<(FileFormat, Self)> {
         Self::of(Opened::new(Box::new(Cursor::new(bytes)), name)?, name)
     }
 
-    fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<(Format, Self)> {
+    fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<(FileFormat, Self)> {
         check(head.bytes(), || format!("the samples of {name}"))?;
         let mut layers: Vec<Layer<'static>> = Vec::new();
-        for Form { aov, kind, channels } in head.forms.iter().copied() {
+        for LayerFormat { aov, kind, channels } in head.forms.iter().copied() {
             layers.push(Layer { aov, kind, channels, bytes: Cow::Owned(Vec::new()) });
         }
         let mut digest = super::digest::Digest::new(layers.len());
@@ -272,27 +276,27 @@ impl Sheet<'static> {
 /// Writes the file of `head` and `rows`.
 ///
 /// # Errors
-/// `out`'s own, those of `rows`, and `InvalidInput` for buffers that the format does not hold.
-pub(super) fn write(format: Format, head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+/// The errors of `out` and `rows`, and `InvalidInput` for buffers that the format cannot hold.
+pub(super) fn write(format: FileFormat, head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
     match format {
-        Format::Png => png::write_sheet(head, rows, out),
-        Format::Exr => exr::write(head, rows, out),
-        Format::Npy => npy::write_sheet(head, rows, out),
-        Format::Npz => npz::write(head, rows, out),
-        Format::Pfm => pfm::write(head, rows, out),
-        Format::Raw => {
+        FileFormat::Png => png::write_sheet(head, rows, out),
+        FileFormat::Exr => exr::write(head, rows, out),
+        FileFormat::Npy => npy::write_sheet(head, rows, out),
+        FileFormat::Npz => npz::write(head, rows, out),
+        FileFormat::Pfm => pfm::write(head, rows, out),
+        FileFormat::Raw => {
             head.form()?;
             head.bands().try_for_each(|band| out.write_all(&pulled(rows, 0, band)?))
         }
     }
 }
 
-/// What does not go into a format.
+/// The error for buffers that a format cannot hold.
 pub(super) fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, why)
 }
 
-/// A file of that format which cannot be read.
+/// The error for a file of `format` that cannot be read.
 pub(super) fn malformed(name: &str, format: &str, why: impl std::fmt::Display) -> Error {
-    Error::scene(Place::file(name), format!("not a whole {format}: {why}"), "render it again")
+    Error::scene(Place::file(name), format!("the {format} file is damaged or incomplete: {why}"), "render it again")
 }

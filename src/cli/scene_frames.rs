@@ -1,4 +1,5 @@
-//! The scenes of one command: one, the frames of a sequence, or the turns of a spin, each as the options change it.
+//! The scenes of one command: a single one, the frames of a sequence, or the turns of `--spin`, each with the options
+//! applied.
 
 use super::scene_args::SceneArgs;
 use super::watch;
@@ -6,88 +7,88 @@ use glam::{DQuat, DVec3};
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::scene::style::Legend;
-use halfline::scene::{Scene, Sequence, Shot};
+use halfline::scene::{Scene, SceneFrame, Sequence};
 use std::path::{Path, PathBuf};
 
-/// Scenes in turn.
-pub(super) struct Shots<'a> {
-    asked: &'a SceneArgs,
+/// Iterates over the scenes.
+pub(super) struct SceneFrames<'a> {
+    args: &'a SceneArgs,
     sequence: Sequence,
-    /// How many came out.
+    /// The number of scenes so far.
     count: u32,
-    /// A scene that is shown from all sides.
-    standing: Option<Shot>,
+    /// The scene that `--spin` shows from all sides.
+    standing: Option<SceneFrame>,
 }
 
-/// A scene ready to be rendered, and its number for the files' names.
+/// A scene that is ready to render, and its number for file names.
 pub(super) struct Numbered {
-    /// The frame's number, or the turn's, from 1.
+    /// The number of the frame or the turn, from 1.
     pub(super) number: u64,
     pub(super) scene: Scene,
     pub(super) legend: Option<Legend>,
 }
 
-impl<'a> Shots<'a> {
+impl<'a> SceneFrames<'a> {
     /// Opens the scene file.
-    pub(super) fn open(asked: &'a SceneArgs) -> Result<Self> {
-        let sequence = Sequence::open(&asked.scene, &asked.read.options())?;
-        Ok(Self { asked, sequence, count: 0, standing: None })
+    pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
+        let sequence = Sequence::open(&args.scene, &args.read.options())?;
+        Ok(Self { args, sequence, count: 0, standing: None })
     }
 
     /// Every file that is read.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
-        let scene = [self.asked.scene.clone()].into_iter();
+        let scene = [self.args.scene.clone()].into_iter();
         scene.chain(self.sequence.files().iter().cloned()).collect()
     }
 
     /// The next scene; `None` after the last.
-    pub(super) fn next_shot(&mut self) -> Result<Option<Numbered>> {
-        let (camera, count) = (&self.asked.camera, self.count);
+    pub(super) fn next_frame(&mut self) -> Result<Option<Numbered>> {
+        let (camera, count) = (&self.args.camera, self.count);
         self.count += 1;
-        let spins = camera.spin.filter(|_| self.asked.read.frames().is_none());
-        let shot = match spins {
+        let spins = camera.spin.filter(|_| self.args.read.frames().is_none());
+        let frame = match spins {
             Some(turns) if count >= turns.get() => return Ok(None),
             Some(_) => {
                 if self.standing.is_none() {
                     self.standing = self.sequence.next_scene()?;
                 }
-                let standing = self.standing.as_ref().map(Shot::copy).transpose()?;
-                standing.map(|shot| Shot { number: u64::from(count) + 1, ..shot })
+                let standing = self.standing.as_ref().map(SceneFrame::copy).transpose()?;
+                standing.map(|frame| SceneFrame { number: u64::from(count) + 1, ..frame })
             }
             None => self.sequence.next_scene()?,
         };
-        let Some(mut shot) = shot else {
+        let Some(mut frame) = frame else {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
-        let scene = &mut shot.scene;
+        let scene = &mut frame.scene;
         let read = scene.spheres.len();
-        self.asked.read.arrangement().apply(&mut scene.spheres, shot.cell.as_ref(), &watch())?;
+        self.args.read.arrangement().apply(&mut scene.spheres, frame.cell.as_ref(), &watch())?;
         if read > 0 && scene.spheres.is_empty() {
-            scene.skipped.assumed.push(format!("--clip leaves out every one of the {read} spheres that the file has"));
+            scene.skipped.assumed.push(format!("--clip removes all {read} spheres of the file"));
         }
-        if let Some((width, height)) = self.asked.size {
+        if let Some((width, height)) = self.args.image.size {
             (scene.image.width, scene.image.height) = (width, height);
         }
         camera.apply(scene);
-        if !shot.has_camera && !camera.has_up() {
+        if !frame.has_camera && !camera.has_up() {
             scene.camera.up = upright(&scene.camera);
         }
-        self.asked.files.apply(scene);
-        if !shot.has_camera && camera.eye.is_some() && !camera.looks() {
+        self.args.files.apply(scene);
+        if !frame.has_camera && camera.eye.is_some() && !camera.looks() {
             scene.camera.look = Look::At(scene.spheres.middle());
         }
-        if let Some(framing) = camera.framing(shot.has_camera)? {
+        if let Some(framing) = camera.framing(frame.has_camera)? {
             scene.fit(&framing)?;
         }
         if let Some(turns) = camera.spin {
-            // By the number, not by what was rendered before: a frame alone is the frame among the others.
-            spin(scene, (shot.number - 1) as f64 / f64::from(turns.get()));
+            // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
+            spin(scene, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
-        Ok(Some(Numbered { number: shot.number, scene: shot.scene, legend: shot.legend }))
+        Ok(Some(Numbered { number: frame.number, scene: frame.scene, legend: frame.legend }))
     }
 }
 
-/// What is up for a camera that was given a view and no up: its own, or z where it looks along that.
+/// The up direction of a camera that was given a view but no up: its own, or z where it looks along its own.
 fn upright(camera: &Camera) -> DVec3 {
     match camera.look {
         Look::View(view) if view.cross(camera.up).length() <= 1e-6 * view.length() => DVec3::Z,
@@ -95,7 +96,7 @@ fn upright(camera: &Camera) -> DVec3 {
     }
 }
 
-/// Carries the camera around the axis through the middle of all spheres along up, by a share of a full turn.
+/// Rotates the camera about the up axis through the middle of all spheres, by a share of a full turn.
 fn spin(scene: &mut Scene, share: f64) {
     let middle = scene.spheres.middle();
     let camera = &mut scene.camera;
@@ -112,15 +113,15 @@ fn spin(scene: &mut Scene, share: f64) {
     camera.eye = middle + turn * (camera.eye - middle);
 }
 
-/// `path` with the number in place of `%d`, or of `%04d` with as many digits at least; the name as it is where there is
-/// none.
+/// `path` with the number in place of `%d`, or of `%04d` with at least that many digits; unchanged where there is no
+/// such place.
 pub(super) fn numbered(path: &Path, number: u64) -> PathBuf {
     let Some((place, width)) = path.to_str().and_then(pattern) else { return path.to_path_buf() };
     let text = path.to_string_lossy();
     PathBuf::from(format!("{}{number:0width$}{}", &text[..place.0], &text[place.1..]))
 }
 
-/// The number that makes `file` of `path`, if there is one.
+/// The number that turns `path` into `file`, if there is one.
 pub(super) fn number_in(path: &Path, file: &Path) -> Option<u64> {
     let ((start, end), _) = path.to_str().and_then(pattern)?;
     let text = path.to_str()?;
@@ -128,7 +129,7 @@ pub(super) fn number_in(path: &Path, file: &Path) -> Option<u64> {
     digits.parse().ok().filter(|number| numbered(path, *number) == file)
 }
 
-/// Where the number goes, and its digits.
+/// The position of the pattern and its digits.
 fn pattern(text: &str) -> Option<((usize, usize), usize)> {
     text.match_indices('%').find_map(|(at, _)| {
         let digits = text[at + 1..].find(|c: char| !c.is_ascii_digit())?;
@@ -138,15 +139,15 @@ fn pattern(text: &str) -> Option<((usize, usize), usize)> {
     })
 }
 
-/// Refuses a name without a place for the number, where several pictures would bear it.
+/// Returns an error for a name without a place for the number when there are several pictures.
 pub(super) fn check_pattern(path: &Path) -> Result<()> {
     if path.to_str().and_then(pattern).is_some() || path == Path::new("-") {
         return Ok(());
     }
     let name = path.display();
     let (stem, ending) = (path.file_stem().unwrap_or_default(), path.extension().unwrap_or_default());
-    let mend = format!("put the number's place into the name: {}.%04d.{}", stem.display(), ending.display());
-    Err(Error::settings(format!("several pictures cannot all be {name}"), mend))
+    let mend = format!("use a name with a place for the number: {}.%04d.{}", stem.display(), ending.display());
+    Err(Error::settings(format!("several pictures cannot have the same name {name}"), mend))
 }
 
 #[cfg(test)]
