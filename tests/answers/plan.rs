@@ -60,9 +60,10 @@ fn a_tolerance_takes_the_cheapest_method_that_keeps_it() {
 #[test]
 fn without_a_tolerance_the_buffers_decide() {
     let scene = scene();
-    for (aovs, method, word) in
-        [(&[Aov::Color][..], "stable", "no buffer that holds answers"), (&[Aov::Color, Aov::Distance], "certified", "distance")]
-    {
+    for (aovs, method, word) in [
+        (&[Aov::Color][..], "stable", "no buffer that holds answers"),
+        (&[Aov::Color, Aov::Distance], "certified", "distance"),
+    ] {
         let plan = planned(&scene, &settings(Backend::Cpu, None, aovs));
         assert_eq!(plan.method, method);
         assert!(plan.reason.contains(word), "{}", plan.reason);

@@ -90,11 +90,7 @@ fn every_name_of_the_file_is_an_option_of_render() {
     assert!(names.len() >= 20, "{names:?}");
     let help = dir.good("render --help").text().split_whitespace().collect::<Vec<_>>().join(" ");
     for name in names {
-        assert!(
-            help.contains(&format!("--{name} "))
-                || help.contains(&format!("--{name}[")),
-            "{name}"
-        );
+        assert!(help.contains(&format!("--{name} ")) || help.contains(&format!("--{name}[")), "{name}");
         let variable = format!("[env: HALFLINE_{}]", name.to_uppercase().replace('-', "_"));
         assert!(help.contains(&variable), "{variable}");
     }

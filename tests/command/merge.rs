@@ -113,7 +113,11 @@ fn tile(k: u32) -> Window {
 
 #[test]
 fn missing_parts_are_named_as_rectangles() {
-    tiles(&[2]).refused("full.png", 3, &["5 tiles", &format!("no tile covers {} of 30 x 20 pixels (100 pixels)", tile(2))]);
+    tiles(&[2]).refused(
+        "full.png",
+        3,
+        &["5 tiles", &format!("no tile covers {} of 30 x 20 pixels (100 pixels)", tile(2))],
+    );
     let beside = Window { x1: tile(2).x1, ..tile(1) };
     tiles(&[1, 2]).refused("full.png", 3, &[&format!("no tile covers {beside} of"), "200 pixels"]);
     tiles(&[1, 6]).refused("full.png", 3, &[&format!("{} and {}", tile(1), tile(6)), "--crop"]);

@@ -5,8 +5,8 @@ use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::skip::skip;
 use halfline::frame::file::Target;
-use halfline::frame::format::{Bits, FileFormat, NoReturn, FormatOptions};
-use halfline::frame::image_file::{SampleType, Layer, ImageFile};
+use halfline::frame::format::{Bits, FileFormat, FormatOptions, NoReturn};
+use halfline::frame::image_file::{ImageFile, Layer, SampleType};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::measure::Array;
 use halfline::settings::Settings;
@@ -91,7 +91,9 @@ fn expected(frame: &Frame, aov: Aov, format: FileFormat, style: &FormatOptions) 
         (FileFormat::Png, Aov::Alpha) => map(&|x| (levels * x).round()),
         (FileFormat::Png, Aov::Normal) => map(&|x| (levels * (x + 1.0) / 2.0).round()),
         (FileFormat::Png, Aov::Mask) => map(&|x| 255.0 * x),
-        (FileFormat::Png, _) => map(&|x| if x.is_finite() { (x / style.unit).round().clamp(1.0, 65535.0) } else { 0.0 }),
+        (FileFormat::Png, _) => {
+            map(&|x| if x.is_finite() { (x / style.unit).round().clamp(1.0, 65535.0) } else { 0.0 })
+        }
         (_, Aov::Distance | Aov::Depth) => map(&length),
         (FileFormat::Exr, Aov::Id) => map(&|x| if x < 0.0 { 4_294_967_295.0 } else { x }),
         _ => map(&single),
@@ -150,7 +152,9 @@ fn one_file_holds_all_buffers() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(3, [17, 9]);
     let part = cut(&whole, random_window(&mut Rng::new(4), [17, 9]));
-    for (frame, format) in [(&whole, FileFormat::Exr), (&part, FileFormat::Exr), (&whole, FileFormat::Npz), (&part, FileFormat::Npz)] {
+    for (frame, format) in
+        [(&whole, FileFormat::Exr), (&part, FileFormat::Exr), (&whole, FileFormat::Npz), (&part, FileFormat::Npz)]
+    {
         let path = folder.path().join(format!("all{}", format.ending()));
         let target = Target::new(&Aov::ALL, &path, FormatOptions::default()).expect("a target");
         let (bytes, image_file) = written(frame, &target);
@@ -256,7 +260,8 @@ fn bytes_behind_the_provenance_are_refused() {
 fn raw_is_the_numbers_alone() {
     let folder = tempfile::tempdir().expect("a folder");
     let whole = frame(6, [5, 3]);
-    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.raw"), FormatOptions::default()).expect("a target");
+    let target =
+        Target::new(&[Aov::Depth], &folder.path().join("depth.raw"), FormatOptions::default()).expect("a target");
     let settings = Settings::default();
     target.write(&whole, &origin(&whole, &settings, "scene")).expect("written");
     let bytes = std::fs::read(target.path()).expect("there");

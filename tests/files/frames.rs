@@ -339,7 +339,8 @@ fn a_target_refuses_buffers_that_it_cannot_hold() {
     let standard = Target::new(&[Aov::Depth], Path::new("-"), FormatOptions::default()).expect("standard output");
     assert!(standard.is_standard());
     let folder = tempfile::tempdir().expect("a folder");
-    let target = Target::new(&[Aov::Depth], &folder.path().join("depth.npy"), FormatOptions::default()).expect("a target");
+    let target =
+        Target::new(&[Aov::Depth], &folder.path().join("depth.npy"), FormatOptions::default()).expect("a target");
     let mut short = buffers().swap_remove(2);
     short.shape[0] += 1;
     for wrong in [&buffers()[1], &short] {
