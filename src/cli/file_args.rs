@@ -110,7 +110,7 @@ impl FileArgs {
             let together = output.filter(|path| FileFormat::of(path).is_some_and(FileFormat::holds_many));
             let path = path.as_deref().or(together).ok_or_else(|| {
                 let names = aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(",");
-                let mend = format!("use --aov {names}=FILE, or an .exr or .npz file for -o, which can hold them all");
+                let mend = "use NAME=FILE, or an .exr or .npz file for -o, which can hold several buffers";
                 Error::settings(format!("--aov {names} has no file"), mend)
             })?;
             named.push((aovs.clone(), path));

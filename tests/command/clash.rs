@@ -44,9 +44,9 @@ fn refused(dir: &TestDir, words: &str, expected: &[&str]) {
 #[test]
 fn an_input_is_not_overwritten() {
     let dir = dir();
-    let read = "is read and would be overwritten";
+    let read = "is an input and would be overwritten";
     refused(&dir, "render n.npy --backend cpu -o n.npy", &["n.npy", read]);
-    refused(&dir, "render n.npy --backend cpu -o ./folder/../n.npy", &["which is read"]);
+    refused(&dir, "render n.npy --backend cpu -o ./folder/../n.npy", &["is the input"]);
     refused(&dir, "render n.npy --backend cpu -o a.png --aov depth=n.npy", &["n.npy", read]);
     refused(&dir, "render s.toml --backend cpu -o a.png --aov depth=folder/spheres.npy", &["folder/spheres.npy", read]);
     dir.put("q.svg", dir.get("q.csv"));
@@ -76,8 +76,8 @@ fn an_input_is_not_overwritten_through_a_link() {
     std::os::unix::fs::symlink("soft.npy", dir.path("softer.npy")).expect("linked");
     std::fs::hard_link(dir.path("n.npy"), dir.path("hard.npy")).expect("linked");
     for name in ["soft.npy", "softer.npy", "hard.npy"] {
-        refused(&dir, &format!("render n.npy --backend cpu -o {name}"), &[name, "n.npy, which is read"]);
-        refused(&dir, &format!("render {name} --backend cpu -o n.npy"), &["which is read"]);
+        refused(&dir, &format!("render n.npy --backend cpu -o {name}"), &[name, "is the input n.npy"]);
+        refused(&dir, &format!("render {name} --backend cpu -o n.npy"), &["is the input"]);
     }
     // Standard output that the shell appends to the input.
     let append = format!("{} render n.npy --backend cpu -o - >> n.npy", env!("CARGO_BIN_EXE_halfline"));

@@ -356,7 +356,7 @@ fn a_buffer_that_one_file_lacks_is_named() {
     assert_eq!(frames.compare(&["a.exr", "b.npz", "--tolerance", "1e-6", "--aov", "depth"]).0, 0);
     assert_eq!(frames.compare(&["d.npy", "b.npz"]).0, 1, "the file with more has what the other lacks");
     for (arguments, word) in [
-        (&["a.exr", "b.npz", "--aov", "bound"][..], "a.exr has no buffer `bound`; it has color, depth, id"),
+        (&["a.exr", "b.npz", "--aov", "bound"][..], "a.exr has no buffer `bound`; the file has color, depth, id"),
         (&["a.exr", "a.exr", "-o", "diff.png"], "choose one with --aov: color, depth, id"),
     ] {
         let (code, _, err) = frames.compare(arguments);

@@ -108,7 +108,7 @@ fn an_invalid_scene_is_exit_code_3() {
     change("up = [0.0, 1.0, 0.0]", "up = [0.0, 0.0, 2.0]");
     dir.refused(3, &bad, &["bad.toml:4", "camera.up", "parallel"]);
     change("[camera]", "[[camera");
-    dir.refused(3, &bad, &["bad.toml:1", "mend"]);
+    dir.refused(3, &bad, &["bad.toml:1", "correct"]);
     dir.put("bad.toml", b"\x00\xff\xfe\x80garbage");
     dir.refused(3, &bad, &["bad.toml:1"]);
     dir.put("bad.toml", "");
