@@ -1,8 +1,9 @@
-//! The certified kernel's CPU twin and what the host prepares for both: docs/certificate.md derives every bound.
+//! The CPU twin of the certified kernel, and the records that the host computes for both. docs/certificate.md derives
+//! every bound.
 //!
-//! The kernel answers a pixel in f32 and proves the answer, or says that it cannot. Directions are (x, y, -1): slopes
-//! instead of u, v, d, so that t is the planar depth. Spheres wholly in front of the eye plane (nearly all) are given by
-//! their projected centre, the others by centre and power.
+//! The kernel computes a pixel in f32 and either certifies the answer or marks it as undecided. Ray directions are (x,
+//! y, -1), slopes instead of u, v, d, so t is the planar depth. A sphere entirely in front of the eye plane (nearly all
+//! are) is represented by its projected centre, any other by its centre and power.
 
 pub(crate) mod binned;
 pub(crate) mod constants;
@@ -27,7 +28,7 @@ use projected::{Projected, projected_answer, projected_low};
 use std::ops::Range;
 use tiles::Lists;
 
-/// The kernel's second uniform; certify/projection.wgsl declares it.
+/// The kernel's second uniform buffer, declared in certify/projection.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct ProjectionRecord {
@@ -50,7 +51,7 @@ pub(crate) struct ProjectionRecord {
     pub(crate) size: f32,
 }
 
-/// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel.
+/// The quantities of one ray: slopes, |d|^2 and its reciprocal, the pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slopes<R> {
     pub(crate) x: R,
@@ -63,24 +64,24 @@ pub(crate) struct Slopes<R> {
     pub(crate) fixed_column: i32,
 }
 
-/// The constants of the bounds, in units of the last place (docs/certificate.md). A test takes them away one by one.
+/// The constants of the bounds, in units of the last place (docs/certificate.md). A test removes each in turn.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terms {
-    /// |d|^2 rho^2 of a projected sphere: alone, and for each unit of |d|^2 - 1.
+    /// |d|^2 rho^2 of a projected sphere: constant part, and part per unit of |d|^2 - 1.
     pub(crate) rho2: [f32; 2],
-    /// The offset's square, likewise.
+    /// The square of the offset, likewise.
     pub(crate) offset2: [f32; 2],
-    /// The depth of a projected sphere: whole, for each unit of |d|^2 - 1, slope along the offset, root, centre.
+    /// The depth of a projected sphere: total, total per unit of |d|^2 - 1, slope along the offset, root, centre.
     pub(crate) depth: [f32; 5],
-    /// p.d of a general sphere: where it starts, and how it goes on.
+    /// p.d of a general sphere: the start value, and the increment.
     pub(crate) along: [f32; 2],
-    /// b^2, and |a c| for each unit of |d|^2 and alone.
+    /// b^2; |a c| per unit of |d|^2 and constant.
     pub(crate) power: [f32; 3],
-    /// a r^2 for each unit of |d|^2 and alone, g.g, and a component of g.
+    /// a r^2 per unit of |d|^2 and constant; g.g; a component of g.
     pub(crate) cross: [f32; 4],
-    /// Quotient, and sum for each unit of |d|^2 and alone.
+    /// The quotient; the sum per unit of |d|^2 and constant.
     pub(crate) root: [f32; 3],
-    /// What the host rounds: projected centres, in the unit of their own last place.
+    /// Rounding on the host: projected centres, in units of their own last place.
     pub(crate) host: f32,
 }
 
@@ -96,24 +97,25 @@ pub(crate) const TERMS: Terms = Terms {
     host: 1.0,
 };
 
-/// A winner's answer. The depth is the centre's depth (0 for a general sphere) plus offset; it lies between low and high.
+/// The answer for a winner. The depth is the centre's depth (0 for a general sphere) plus the offset; it lies between
+/// low and high.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Answer<R> {
-    /// Hit, root, depth and normal are within their promise; order is not judged here.
+    /// Hit, root, depth and normal are within the promised tolerance. Excludes the order of the hits.
     pub(crate) sure: bool,
-    /// The hit alone is certain.
+    /// The hit is certain; nothing else need be.
     pub(crate) hits: bool,
     pub(crate) id: u32,
     pub(crate) offset: R,
     pub(crate) low: R,
     pub(crate) high: R,
-    /// How far the depth given out may be from the true one.
+    /// Bound of the error of the returned depth.
     pub(crate) depth_interval: R,
     pub(crate) normal: [R; 3],
 }
 
 impl<R: Number> Answer<R> {
-    /// What is written where nobody can be hit.
+    /// The answer of a pixel that no sphere covers.
     pub(crate) const MISS: Self = Self {
         sure: true,
         hits: true,
@@ -126,10 +128,10 @@ impl<R: Number> Answer<R> {
     };
 }
 
-/// Marks a slot in the list of general spheres.
+/// Marks a slot that refers to the list of general spheres.
 pub(crate) const GENERAL: u32 = 0x8000_0000;
 
-/// The scene as the certified kernel sees it, in the arithmetic of a twin.
+/// The scene as the certified kernel reads it, in the number type of a twin.
 pub(crate) struct Certify<'a, R> {
     pub(crate) view: &'a ViewRecord,
     pub(crate) projection: &'a ProjectionRecord,
@@ -159,17 +161,17 @@ impl<R: Number> Certify<'_, R> {
         Slopes { x, y, a, inverse: R::ONE / a, row, column, fixed_row, fixed_column }
     }
 
-    /// The lower bounds of depth of a run of list entries, with their slots.
+    /// The lower bounds of depth for a range of list entries, with their slots.
     fn lows(&self, s: &Slopes<R>, entries: Range<usize>) -> impl Iterator<Item = (R, u32)> {
         entries.map(|n| (projected_low(s, self.projection, &self.projected(n)), n as u32))
     }
 
-    /// The same of the general spheres.
+    /// The same for the general spheres.
     pub(crate) fn general_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
         self.generals.iter().zip(0..).map(|(general, slot)| (general_low(s, general, self.terms), GENERAL | slot))
     }
 
-    /// Every candidate's lower bound of depth, with its slot; certain misses are left out.
+    /// The lower bound of depth of every candidate with its slot; certain misses are omitted.
     pub(crate) fn candidates(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
         let projected = self.lows(s, self.entries(s));
         self.general_lows(s).chain(projected).filter(|(low, _)| *low < R::MISS)
@@ -186,8 +188,9 @@ impl<R: Number> Certify<'_, R> {
         Projected::new(&self.lists.projected[entry], &self.lists.details[entry])
     }
 
-    /// Hit, root and normal are certain, nobody else, from the second smallest lower bound on, can be as near, and the
-    /// depth is as sharp as promised. A depth that may have lost bits below the normal numbers never is.
+    /// Whether the answer is certified: hit, root and normal are certain, no other candidate can be as near (by the
+    /// second smallest lower bound), and the depth is within tolerance. A depth that may have lost bits to underflow is
+    /// never certified.
     pub(crate) fn certain(&self, answer: &Answer<R>, second: R) -> bool {
         let depth = R::from_f32(self.projection.depth) + answer.low;
         let sharp =
@@ -195,7 +198,7 @@ impl<R: Number> Certify<'_, R> {
         answer.sure && answer.high < second && sharp
     }
 
-    /// What the sphere in a slot answers, with its bounds.
+    /// The answer of the sphere in a slot, with its bounds.
     pub(crate) fn answer(&self, s: &Slopes<R>, slot: u32) -> Answer<R> {
         let place = (slot & !GENERAL) as usize;
         if slot & GENERAL != 0 {
@@ -204,7 +207,7 @@ impl<R: Number> Certify<'_, R> {
         projected_answer(s, self.projection, &self.projected(place), self.terms)
     }
 
-    /// The id in a slot.
+    /// The id of the sphere in a slot.
     pub(crate) fn id(&self, slot: u32) -> u32 {
         let place = (slot & !GENERAL) as usize;
         if slot & GENERAL != 0 { self.generals[place].id } else { self.lists.details[place].id }

@@ -1,24 +1,24 @@
-//! What a kernel is: all that its shader is composed from and its CPU twin is chosen by.
+//! The configuration of a kernel: it determines the parts of its shader and its CPU twin.
 
 use crate::intersect::Method;
 use crate::shade::Shade;
 use crate::view::Records;
 
-/// Where a kernel's rays come from.
+/// The source of a kernel's rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Rays {
+pub(crate) enum RaySource {
     /// One viewing ray per pixel.
     Camera,
-    /// Given rays that leave from one point, which is then the origin.
+    /// Given rays with one common origin, which becomes the origin of the frame.
     SharedOrigin,
-    /// Given rays from many points; their origins come in high and low parts.
+    /// Given rays with separate origins, in high and low parts.
     Spread,
 }
 
-/// How invocations share the spheres they load.
+/// How the invocations of a subgroup share loaded spheres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Sharing {
-    /// Every invocation loads for itself. Hardware combines loads of a shared address.
+    /// Every invocation loads for itself; the hardware combines loads of the same address.
     None,
     /// Broadcast within subgroups of 4.
     Subgroup4,
@@ -33,31 +33,31 @@ impl Sharing {
     pub(crate) const ALL: [Self; 4] = [Self::None, Self::Subgroup4, Self::Subgroup8, Self::Shuffle];
 }
 
-/// All that a kernel is compiled from.
+/// The parameters that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Kernel {
     pub(crate) method: Method,
-    pub(crate) rays: Rays,
+    pub(crate) rays: RaySource,
     pub(crate) sharing: Sharing,
-    /// Colour is written, shaded so.
+    /// Writes colours with this shading.
     pub(crate) shade: Option<Shade>,
-    /// Spheres have colours of their own.
+    /// The spheres have individual colours.
     pub(crate) colors: bool,
-    /// t is written.
+    /// Writes t.
     pub(crate) t: bool,
-    /// Normals are written.
+    /// Writes normals.
     pub(crate) normal: bool,
-    /// With a certificate instead of `method`.
+    /// Certifies its answers; `method` is unused.
     pub(crate) certify: bool,
-    /// Some spheres are not wholly in front of the eye plane: only a stage tells.
+    /// Some spheres are not entirely in front of the eye plane. Known only after binning.
     pub(crate) generals: bool,
-    /// `method` tests the candidates of a tile, not every sphere. A certified kernel always does.
+    /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for a certified kernel.
     pub(crate) tiles: bool,
-    /// The width of the depth's interval is written.
+    /// Writes the width of the depth interval.
     pub(crate) depth_interval: bool,
-    /// Given rays walk a tree instead of testing every sphere.
+    /// Given rays traverse a tree instead of testing every sphere.
     pub(crate) tree: bool,
-    /// Viewing rays go through samples of their pixels instead of the centres.
+    /// Viewing rays pass through samples of the pixels instead of the pixel centres.
     pub(crate) samples: bool,
 }
 
@@ -66,7 +66,7 @@ impl Kernel {
     pub(crate) fn bare(method: Method) -> Self {
         Self {
             method,
-            rays: Rays::Camera,
+            rays: RaySource::Camera,
             sharing: Sharing::None,
             shade: None,
             colors: false,
@@ -81,7 +81,8 @@ impl Kernel {
         }
     }
 
-    /// Whether subgroups are used; lists are shared by subgroups that divide a chunk of them, or not at all.
+    /// Whether the kernel uses subgroup operations. The subgroup size has to divide the chunk of a list; else it does
+    /// not share.
     pub(crate) fn shares(&self) -> bool {
         match self.sharing {
             Sharing::None => false,
@@ -90,27 +91,27 @@ impl Kernel {
         }
     }
 
-    /// The same, for a scene with spheres that are not wholly in front of the eye plane, or without any.
+    /// The same kernel for a scene with or without spheres that are not entirely in front of the eye plane.
     pub(crate) fn with_generals(self, generals: bool) -> Self {
         Self { generals, ..self }
     }
 
-    /// Whether normals are made: to be written, or to shade by.
+    /// Whether normals are computed, as an output or for shading.
     pub(crate) fn has_normals(&self) -> bool {
         self.normal || self.shade.is_some_and(|shade| shade != Shade::Flat)
     }
 
-    /// Whether it computes in more than f32: it reads the low parts of all inputs and gives t in two parts.
+    /// Whether the kernel computes in more than f32: it reads the low parts of all inputs and writes t in two parts.
     pub(crate) fn is_wide(&self) -> bool {
         !self.certify && self.method.is_wide()
     }
 
-    /// Whether it reads what rounding took from the spheres.
+    /// Whether the kernel reads the rounding residuals of the spheres.
     pub(crate) fn reads_residuals(&self) -> bool {
-        self.rays == Rays::Spread || self.is_wide()
+        self.rays == RaySource::Spread || self.is_wide()
     }
 
-    /// The records of the spheres that it reads, beside those of candidate lists.
+    /// The sphere records that the kernel reads, besides those of candidate lists.
     pub(crate) fn records(&self) -> Records {
         match self.certify || self.tiles {
             true => Records::None,
@@ -133,23 +134,23 @@ macro_rules! output {
     };
 }
 
-/// A buffer that kernels write for every pixel, or given ray.
+/// A buffer that kernels write, with one entry per pixel or given ray.
 pub(crate) struct KernelOutput {
     /// Its binding's name in WGSL.
     pub(crate) name: &'static str,
-    /// The buffer that the host reads it from, where it cannot read the binding's own.
+    /// The buffer from which the host reads it where the binding's own buffer cannot be mapped.
     pub(crate) staging: &'static str,
-    /// The WGSL type of its numbers, 4 bytes each.
+    /// The WGSL type of its values, 4 bytes each.
     pub(crate) number: &'static str,
-    /// Numbers per pixel.
+    /// Values per pixel.
     pub(crate) channels: usize,
-    /// A pixel's value in WGSL, of `ray` and `hit`: a scalar, or a vector of the channels.
+    /// The WGSL expression of a pixel's value in terms of `ray` and `hit`: a scalar, or a vector of `channels` values.
     pub(crate) value: &'static str,
     /// Whether a kernel writes it.
     is_written: fn(&Kernel) -> bool,
 }
 
-/// Every such buffer. What a kernel does not write is neither declared nor computed: `gpu/compose.rs` emits the stores.
+/// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
 pub(crate) const OUTPUTS: [KernelOutput; 6] = [
     output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
     output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
@@ -160,7 +161,7 @@ pub(crate) const OUTPUTS: [KernelOutput; 6] = [
 ];
 
 impl KernelOutput {
-    /// Those that `kernel` writes.
+    /// The outputs that `kernel` writes.
     pub(crate) fn of(kernel: &Kernel) -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().filter(move |output| (output.is_written)(kernel))
     }

@@ -1,4 +1,4 @@
-//! The closest hit among all spheres, or among those of a tree: the twin of search/.
+//! The closest hit among all spheres or among those of a tree: the twin of search/.
 
 use crate::intersect::Intersect;
 use crate::number::Number;
@@ -6,8 +6,7 @@ use crate::ray::{Hit, Ray};
 use crate::tree::{NOWHERE, STACK, Slabs, Tree, leaf};
 use crate::view::Sphere;
 
-/// Keeps the closer hit. Spheres come in the order of their ids and the comparison is strict, so an equal t stays with
-/// the lower id.
+/// Keeps the closer hit. Spheres are visited in id order and the comparison is strict, so the lower id wins a tie.
 fn closer_hit<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
     let t = V::intersect(ray, s);
     if t < R::MISS {
@@ -24,7 +23,7 @@ pub(crate) fn nearest<V: Intersect, R: Number>(ray: &Ray<R>, spheres: &[Sphere<R
     (0..).zip(spheres).fold(Hit::NONE, |hit, (id, s)| closer_hit::<V, R>(hit, ray, s, id))
 }
 
-/// The same for spheres that are moved for each ray.
+/// The same for spheres that are translated for each ray.
 pub(crate) fn nearest_of<V: Intersect, R: Number>(
     ray: &Ray<R>,
     count: usize,
@@ -33,7 +32,7 @@ pub(crate) fn nearest_of<V: Intersect, R: Number>(
     (0..count).fold(Hit::NONE, |hit, id| closer_hit::<V, R>(hit, ray, &sphere(id), id as u32))
 }
 
-/// Keeps the closer hit, and of an equal t the lower id: the spheres of lists and trees come in any order.
+/// Keeps the closer hit, and for equal t the lower id: lists and trees are visited in any order.
 pub(crate) fn closer_hit_any_order<V: Intersect, R: Number>(
     hit: Hit<R>,
     ray: &Ray<R>,
@@ -50,15 +49,16 @@ pub(crate) fn closer_hit_any_order<V: Intersect, R: Number>(
     hit
 }
 
-/// The closest hit among the spheres of `tree`: the nearer box first, and none behind the hit that is already there. A
-/// box as near as the hit is still opened, for the lower id may be in it. The twin of search/tree.wgsl.
+/// The closest hit among the spheres of `tree`. The nearer child is visited first, and boxes behind the current hit are
+/// skipped. A box at the same distance as the hit is visited, since it may hold a lower id. The twin of
+/// search/tree.wgsl.
 pub(crate) fn nearest_in<V: Intersect, R: Number>(
     ray: &Ray<R>,
     slabs: &Slabs,
     tree: &Tree,
     sphere: impl Fn(usize) -> Sphere<R>,
 ) -> Hit<R> {
-    // Rounded where R holds more; the boxes' padding is larger than that.
+    // Rounded to f32 if R is wider; the padding of the boxes is larger than this error.
     let reach = |hit: &Hit<R>| hit.t.to_hi_lo().0;
     let mut waiting = [(0.0, 0); STACK as usize];
     let mut depth = 0;

@@ -8,28 +8,28 @@ use crate::ray::{NONE, Ray};
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 
-/// The buffers that a kernel writes, row by row; those that are not requested are empty.
+/// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Raw {
-    /// Index of the sphere, [`NONE`] on a miss.
+    /// Index of the sphere; [`NONE`] for a miss.
     pub(crate) id: Vec<u32>,
-    /// t in the frame's unit; of a certified kernel, the depth relative to the centre's.
+    /// t in the frame's unit. For a certified kernel: the depth relative to the depth of the sphere's centre.
     pub(crate) t: Vec<f32>,
-    /// What t lacks, where the kernel computes in more than f32; else empty.
+    /// The low part of t if the kernel computes in more than f32; empty otherwise.
     pub(crate) t_low: Vec<f32>,
-    /// World normals, three numbers each.
+    /// World normals, three values each.
     pub(crate) normal: Vec<f32>,
     /// Linear RGB.
     pub(crate) color: Vec<f32>,
-    /// How far the depth may be from the true one, in the frame's unit.
+    /// Bound of the depth's error, in the frame's unit.
     pub(crate) depth_interval: Vec<f32>,
 }
 
 impl Raw {
-    /// Room for `pixels` answers of `kernel`.
+    /// Allocates the buffers for `pixels` answers of `kernel`.
     ///
     /// # Errors
-    /// [`Error::Limits`] when the memory cannot be had.
+    /// [`Error::Limits`] if the allocation fails.
     pub(crate) fn new(kernel: &Kernel, pixels: usize, pool: &Pool) -> Result<Self> {
         Ok(Self {
             id: pool.values(pixels)?,
@@ -41,7 +41,7 @@ impl Raw {
         })
     }
 
-    /// Copies what the device wrote into the buffer of that binding.
+    /// Copies the bytes read from the device into the buffer of the binding `name`.
     pub(crate) fn store(&mut self, name: &str, first: usize, pixels: usize, bytes: &[u8]) {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
@@ -55,7 +55,8 @@ impl Raw {
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
     }
 
-    /// The buffers cut after `first` pixels and then after every `pixels`; buffers that are not requested stay empty.
+    /// Splits the buffers after the first `first` pixels, and then every `pixels`. Buffers that were not requested stay
+    /// empty.
     pub(crate) fn cut(&mut self, first: usize, pixels: usize) -> impl Iterator<Item = Piece<'_>> {
         let mut ts = pieces(&mut self.t, first, pixels);
         let mut lows = pieces(&mut self.t_low, first, pixels);
@@ -72,7 +73,7 @@ impl Raw {
         })
     }
 
-    /// Ids and normals of what was settled.
+    /// Stores the ids and normals of settled pixels.
     pub(crate) fn settle(&mut self, settled: &[Settled]) {
         for s in settled {
             let pixel = s.pixel as usize;
@@ -83,7 +84,7 @@ impl Raw {
         }
     }
 
-    /// Returns its memory to the pool, for the next frame.
+    /// Returns its memory to the pool for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.id);
         [self.t, self.t_low, self.normal, self.color, self.depth_interval]
@@ -91,20 +92,20 @@ impl Raw {
             .for_each(|unused| pool.put_back(unused));
     }
 
-    /// t of a hit, the sum of its parts; 0 where it is not requested.
+    /// t of a hit as the sum of its two parts; 0 if not requested.
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
     }
 }
 
-/// The first `first` values, and then `count` at a time. An empty buffer has one piece, and that is empty.
+/// The first `first` values, then chunks of `count`. An empty buffer gives one empty piece.
 fn pieces<T>(buffer: &mut [T], first: usize, count: usize) -> impl Iterator<Item = &mut [T]> {
     let (head, rest) = buffer.split_at_mut(first.min(buffer.len()));
     std::iter::once(head).chain(rest.chunks_mut(count))
 }
 
-/// Some consecutive pixels of a [`Raw`].
+/// A run of consecutive pixels of a [`Raw`].
 pub(crate) struct Piece<'a> {
     pub(crate) id: &'a mut [u32],
     pub(crate) t: &'a mut [f32],
@@ -115,8 +116,8 @@ pub(crate) struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Normal and colour of a pixel by its number here, where they are requested: shade/world.wgsl and shade/color.wgsl.
-    /// `normal` is that of the canonical camera at a hit.
+    /// The normal and colour of the pixel with this index in the piece, where requested: the twin of shade/world.wgsl
+    /// and shade/color.wgsl. `normal` is the canonical camera's normal at the hit.
     pub(crate) fn shade<R: Number>(
         &mut self,
         pixel: usize,

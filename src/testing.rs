@@ -8,7 +8,7 @@ mod skip;
 pub(crate) use skip::skip;
 
 /// The adapter that the tests are pinned to. `None`, and the test is skipped, where HALFLINE_NO_GPU is set.
-pub(crate) fn adapter_or_skip() -> Option<device::Found> {
+pub(crate) fn adapter_or_skip() -> Option<device::FoundAdapter> {
     if std::env::var_os("HALFLINE_NO_GPU").is_some() {
         skip("HALFLINE_NO_GPU is set");
         return None;

@@ -8,7 +8,7 @@ use crate::dd;
 use crate::error::{Error, Place, Result};
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
-use crate::kernel::{Kernel, Rays};
+use crate::kernel::{Kernel, RaySource};
 use crate::nearest::{nearest_in, nearest_of};
 use crate::number::Number;
 use crate::plan::Plan;
@@ -75,7 +75,7 @@ impl Renderer {
         let mut shape = None;
         for mut group in groups(directions.len(), origin) {
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
-            if group.kind == Rays::Spread || plan.kernel.is_wide() {
+            if group.kind == RaySource::Spread || plan.kernel.is_wide() {
                 view.keep_residuals(&spheres.centers, &spheres.radii);
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
@@ -151,7 +151,7 @@ fn check(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]]) -> Re
 
 /// Rays that are traced together.
 struct Group {
-    kind: Rays,
+    kind: RaySource,
     eye: DVec3,
     rays: Vec<u32>,
 }
@@ -165,7 +165,7 @@ fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
     }
     if by_origin.len() == 1 || by_origin.len() * GROUP <= count {
         let group = |(bits, rays): ([u64; 3], _)| Group {
-            kind: Rays::SharedOrigin,
+            kind: RaySource::SharedOrigin,
             eye: DVec3::from_array(bits.map(f64::from_bits)),
             rays,
         };
@@ -178,7 +178,7 @@ fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
         (low.min(o), high.max(o))
     });
     let eye = low * 0.5 + high * 0.5;
-    (count > 0).then(|| Group { kind: Rays::Spread, eye, rays: (0..count as u32).collect() }).into_iter().collect()
+    (count > 0).then(|| Group { kind: RaySource::Spread, eye, rays: (0..count as u32).collect() }).into_iter().collect()
 }
 
 /// The exponent that brings a direction's largest component into [1, 2).
@@ -238,7 +238,7 @@ impl Visit for Traced<'_> {
         let Self { kernel, view, rays, tree, raw } = self;
         let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
         let sphere_of = |ray: &RayRecord, id: usize| match kernel.rays {
-            Rays::Spread => moved(&view.spheres[id], &view.residuals[id], ray),
+            RaySource::Spread => moved(&view.spheres[id], &view.residuals[id], ray),
             _ => spheres[id],
         };
         let direction = |r: &RayRecord| {

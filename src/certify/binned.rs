@@ -1,5 +1,5 @@
-//! What the host prepares for the certified kernel: spheres in one of two forms, each with the bounds of what f32 and
-//! the host's own rounding can do to it. docs/certificate.md derives the bounds.
+//! Host preparation for the certified kernel: each sphere in one of two forms, with bounds of the rounding errors in
+//! f32 and on the host. docs/certificate.md derives the bounds.
 
 use super::general::GeneralRecord;
 use super::projection::cover::Cover;
@@ -15,18 +15,18 @@ use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-/// The scene as the certified kernel sees it.
+/// The scene as the certified kernel reads it.
 #[derive(Debug, Clone)]
 pub(crate) struct BinnedScene {
     pub(crate) projection: ProjectionRecord,
     pub(crate) lists: Lists,
     pub(crate) generals: Vec<GeneralRecord>,
-    /// Projected spheres that some ray may meet.
+    /// Projected spheres that some ray may hit.
     pub(crate) seen: u64,
 }
 
 impl BinnedScene {
-    /// Leaves its memory to the next frame.
+    /// Returns its memory to the pool for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.lists.projected);
         pool.put_back(self.lists.details);
@@ -34,7 +34,7 @@ impl BinnedScene {
     }
 }
 
-/// What a certified hit's depth is counted from.
+/// The reference depths of certified hits.
 pub(crate) struct Depths<'a> {
     rotation: Rotation,
     unit: i32,
@@ -43,7 +43,7 @@ pub(crate) struct Depths<'a> {
 }
 
 impl<'a> Depths<'a> {
-    /// Of the spheres of `scene`, some of them staged as general ones.
+    /// The reference depths for the spheres of `scene`, some of them binned as general ones.
     pub(crate) fn new(scene: &'a Scene, view: &View, binned: Option<&'a BinnedScene>) -> Self {
         let generals = binned.map_or(&[][..], |binned| &binned.generals);
         Self {
@@ -54,8 +54,8 @@ impl<'a> Depths<'a> {
         }
     }
 
-    /// Depth of a projected sphere's centre in the scene's unit, as it was staged; 0 for a general sphere. A hit's depth is
-    /// this plus its offset.
+    /// Depth of a projected sphere's centre in the scene's unit, as it was binned; 0 for a general sphere. The depth of
+    /// a hit is this value plus its offset.
     pub(crate) fn of(&self, id: u32) -> f64 {
         if self.generals.binary_search_by_key(&id, |general| general.id).is_ok() {
             return 0.0;
@@ -65,23 +65,23 @@ impl<'a> Depths<'a> {
     }
 }
 
-/// Spheres that one job bins.
+/// Spheres per binning job.
 const TOGETHER: usize = 1 << 14;
 
-/// Where all spheres belong.
+/// The bins of all spheres.
 struct SphereBins {
-    /// Of every sphere, by its id.
+    /// The bin of every sphere, by id.
     bins: Vec<Bin>,
     generals: Vec<GeneralRecord>,
     /// Least and largest depth of the projected spheres.
     range: Option<[f64; 2]>,
-    /// How many there are.
+    /// Number of projected spheres.
     seen: u64,
 }
 
 impl BinnedScene {
-    /// Prepares `scene`; `None` when its lens is too wide or too narrow for f32, and everything must be judged exactly.
-    /// Tiles share the lists of candidates from `level` on ([`Lists::new`]).
+    /// Prepares `scene`. `None` if the field of view is too wide or too narrow for f32, so that every pixel must be
+    /// decided exactly. Tiles share candidate lists from `level` on ([`Lists::new`]).
     pub(crate) fn new(
         scene: &Scene,
         view: &View,
@@ -111,17 +111,17 @@ impl BinnedScene {
     }
 }
 
-/// A depth to keep the others relative to: where all spheres are far and close together, so that their order survives.
+/// The reference depth. If all spheres are distant and close together, depths relative to it keep their order in f32.
 fn reference(sphere_bins: &SphereBins) -> f32 {
     match sphere_bins.range {
-        // The nearest surface is no nearer than a quarter of the nearest centre's depth.
+        // The nearest surface is at least a quarter of the nearest centre's depth away.
         Some([least, most]) if sphere_bins.generals.is_empty() && least > 4.0 * (most - least) => least as f32,
         _ => 0.0,
     }
 }
 
 impl ProjectionBounds {
-    /// Bins all spheres; depths of projected spheres are kept relative to `reference`.
+    /// Bins all spheres, with depths of projected spheres relative to `reference`.
     fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         let mut bins = pool.take(scene.spheres.len());
@@ -141,7 +141,7 @@ impl ProjectionBounds {
     }
 }
 
-/// Spheres that one job bins.
+/// The spheres of one binning job.
 struct Batch<'a> {
     first: usize,
     projection: &'a ProjectionBounds,
@@ -151,15 +151,15 @@ struct Batch<'a> {
     bins: &'a mut [Bin],
 }
 
-/// What it finds besides.
+/// Additional results of a job.
 #[derive(Default)]
-struct Found {
+struct BatchSummary {
     generals: Vec<GeneralRecord>,
     range: Option<[f64; 2]>,
     seen: u64,
 }
 
-impl Found {
+impl BatchSummary {
     fn see(&mut self, depth: f64) {
         let [least, most] = self.range.unwrap_or([depth; 2]);
         self.range = Some([least.min(depth), most.max(depth)]);
@@ -168,14 +168,14 @@ impl Found {
 }
 
 impl NullaryFnOnce for Batch<'_> {
-    type Output = Found;
+    type Output = BatchSummary;
 
     #[inline(always)]
-    fn call(self) -> Found {
-        let mut found = Found::default();
+    fn call(self) -> BatchSummary {
+        let mut found = BatchSummary::default();
         for first in (0..self.bins.len()).step_by(LANES) {
             let there = LANES.min(self.bins.len() - first);
-            // The last ones are repeated, and then left alone.
+            // The last spheres are repeated to fill the vector; the copies are discarded.
             let at = |l: usize| first + l.min(there - 1);
             let (centers, radii) =
                 (std::array::from_fn(|l| self.centers[at(l)]), std::array::from_fn(|l| self.radii[at(l)]));
@@ -203,7 +203,7 @@ impl NullaryFnOnce for Batch<'_> {
     }
 }
 
-/// Makes the records of lists.
+/// Creates the records of lists.
 struct Scenery<'a> {
     projection: &'a ProjectionBounds,
     scene: &'a Scene,
@@ -211,7 +211,7 @@ struct Scenery<'a> {
     reference: f64,
 }
 
-/// Those of one list.
+/// The records of one list.
 struct Filler<'a> {
     scenery: &'a Scenery<'a>,
     cover: Option<Cover>,
@@ -228,7 +228,7 @@ impl Placing for Scenery<'_> {
     }
 }
 
-/// Spheres whose records are made together.
+/// Spheres whose records are computed together.
 struct Together<'a> {
     projection: &'a ProjectionBounds,
     centers: [[f64; 3]; LANES],

@@ -1,4 +1,4 @@
-//! Any sphere that is not wholly in front, with a bound for each ray: the twin of certify/general.wgsl.
+//! A sphere that is not entirely in front of the eye plane, with a bound per ray: the twin of certify/general.wgsl.
 
 use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
 use super::{Answer, Slopes, Terms};
@@ -6,7 +6,7 @@ use crate::number::Number;
 use crate::ray::{cross3, minus, negated, positive, times, unit3};
 use bytemuck::{Pod, Zeroable};
 
-/// certify/general.wgsl declares it.
+/// The record as declared in certify/general.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct GeneralRecord {
@@ -25,7 +25,7 @@ pub(crate) struct GeneralRecord {
     pub(crate) unused: [f32; 2],
 }
 
-/// The record in the arithmetic of a twin.
+/// The record in the number type of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct General<R> {
     pub(super) center_radius: [R; 4],
@@ -100,7 +100,7 @@ pub(super) fn general_weigh<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Te
     Weighed { b, b_error, disc, error: error * c(INFLATE) + s.a * c(VANISH), g, g_error: sum }
 }
 
-/// Root, sum, |d|^2, its reciprocal and the product.
+/// Root, sum, |d|^2, its reciprocal, and the product.
 #[inline(always)]
 fn sum_error<R: Number>(s: &Slopes<R>, terms: &Terms) -> R {
     R::from_f32(UNIT) * (R::from_f32(terms.root[2]) + R::from_f32(terms.root[1]) * s.a)
@@ -111,7 +111,7 @@ fn quotient_error<R: Number>(terms: &Terms) -> R {
     R::from_f32(UNIT) * R::from_f32(terms.root[0])
 }
 
-/// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+/// A lower bound of the depth of the hit in the unit of the record, or MISS for a certain miss.
 #[inline(always)]
 pub(super) fn general_below<R: Number>(s: &Slopes<R>, n: &General<R>, w: &Weighed<R>, terms: &Terms) -> R {
     let zero = R::ZERO;
@@ -152,7 +152,7 @@ pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &T
     let most = positive(w.disc + w.error).sqrt();
     let least = positive(w.disc - w.error).sqrt();
     let ahead = w.b > w.b_error;
-    // & and not &&: nothing to skip, and compilers make vectors of it.
+    // & instead of &&: there is nothing to skip, and compilers can vectorize it.
     let mut hits = (w.disc > w.error) & ((n.power < R::ZERO) | ahead);
     let (depth, high);
     let mut rounding = sum_error(s, terms);
@@ -176,7 +176,7 @@ pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &T
     let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.center_radius[3]);
     let below = general_below(s, n, &w, terms);
     let low = below * n.scale;
-    // What is smaller may have been flushed, on one side and not on the other.
+    // Smaller values may be flushed to zero on one side only.
     hits &= low > c(VANISH);
     let depth_interval = (high - below + rounding * high) * c(INFLATE) * n.scale;
     Answer {

@@ -1,4 +1,5 @@
-//! A sphere wholly in front of the eye plane, by its projected centre: the twin of certify/projected.wgsl.
+//! A sphere entirely in front of the eye plane, represented by its projected centre: the twin of
+//! certify/projected.wgsl.
 
 use super::constants::{DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
 use super::{Answer, ProjectionRecord, Slopes, Terms};
@@ -6,7 +7,7 @@ use crate::number::Number;
 use crate::ray::{positive, unit3};
 use bytemuck::{Pod, Zeroable};
 
-/// What every test reads; certify/projection.wgsl declares it.
+/// The data that every test reads, declared in certify/projection.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct ProjectedRecord {
@@ -16,7 +17,7 @@ pub(crate) struct ProjectedRecord {
     pub(crate) low: f32,
 }
 
-/// What only the winner needs; certify/projection.wgsl declares it.
+/// The data that only the winner needs, declared in certify/projection.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct ProjectedDetailRecord {
@@ -25,7 +26,7 @@ pub(crate) struct ProjectedDetailRecord {
     pub(crate) id: u32,
 }
 
-/// Both records in the arithmetic of a twin.
+/// Both records in the number type of a twin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Projected<R> {
     pub(super) x: i32,
@@ -52,7 +53,7 @@ impl<R: Number> Projected<R> {
     }
 }
 
-/// a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
+/// a rho^2 - |o|^2 - (slopes x o)^2: positive if the ray at offset o from the projected centre hits.
 #[inline(always)]
 pub(super) fn projected_discriminant<R: Number>(s: &Slopes<R>, rho: R, o: [R; 2]) -> R {
     let across = s.x * o[1] - s.y * o[0];
@@ -69,14 +70,14 @@ pub(crate) fn projected_low<R: Number>(s: &Slopes<R>, projection: &ProjectionRec
     ];
     let disc = projected_discriminant(s, f.rho, o);
     let error = c(projection.error0) + f.rho * (c(projection.error1) + f.rho * c(projection.error2));
-    // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
+    // Slope along the offset plus root, in the order in which Mesa's compiler evaluates a sum that is used once.
     let total = s.x * o[0] + (s.y * o[1] + positive(disc + error).sqrt());
     let size = f.low * c(projection.unit) + c(projection.size);
     let low = f.low - total * (size * s.inverse);
     if disc < -error { R::MISS } else { low }
 }
 
-/// Offset, its square, slopes' square; the discriminant, and the bound of its error.
+/// The offset, its square, the square of the slopes, the discriminant, and the bound of its error.
 pub(super) struct Weighed<R> {
     pub(super) o: [R; 2],
     pub(super) o2: R,
@@ -85,7 +86,7 @@ pub(super) struct Weighed<R> {
     pub(super) error: R,
 }
 
-/// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
+/// The same sphere with its full record, and a bound for this ray: docs/certificate.md, section 2.
 #[inline(always)]
 pub(super) fn projected_weigh<R: Number>(
     s: &Slopes<R>,
@@ -108,7 +109,7 @@ pub(super) fn projected_weigh<R: Number>(
     Weighed { o: [dx, dy], o2, slant2, disc, error }
 }
 
-/// The winner's answer and its bounds.
+/// The answer for the winner, with its bounds.
 #[inline(always)]
 pub(crate) fn projected_answer<R: Number>(
     s: &Slopes<R>,
@@ -137,7 +138,8 @@ pub(crate) fn projected_answer<R: Number>(
     let k = (along + root) * s.inverse;
     let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
     let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse + c(UNIT) * c(TURN) * (total + o2.sqrt()) + e;
-    // A root that is not surely ahead is not surely the hit. & and not &&: nothing to skip, and compilers make vectors of it.
+    // A root that is not certainly in front of the eye is not certainly the hit. & instead of &&: there is nothing to
+    // skip, and compilers can vectorize it.
     let hits = hits & (c(projection.depth) + low > c(VANISH));
     let sure = hits & (off < c(NORMAL) * f.rho);
     let depth_interval = (high - low + blur) * c(INFLATE);

@@ -1,5 +1,5 @@
-//! The host's part of the certificate: the camera in f64 and the constants of its bounds. project.rs has the spheres in
-//! front, this file the others, cover.rs what hides what. docs/certificate.md derives it all.
+//! The host's part of the certificate: the camera in f64 and the constants of its bounds. project.rs handles the
+//! spheres in front of the eye plane, this file all others, cover.rs occlusion. docs/certificate.md derives the bounds.
 
 pub(super) mod cover;
 pub(super) mod project;
@@ -14,70 +14,72 @@ use crate::view::{FromEye, View};
 use glam::DVec3;
 use project::Landed;
 
-/// The unit roundoff of WGSL: 2^-23, since it may round either way.
+/// The unit roundoff of WGSL: 2^-23, since rounding may go in either direction.
 const U: f64 = 1.0 / (1u64 << 23) as f64;
-/// The host's: half an ulp of f64.
+/// The unit roundoff of the host: half an ulp of f64.
 const U64: f64 = 1.0 / (1u64 << 53) as f64;
-/// Error of c - e rotated in f64, per component, relative to |c - e|_1: subtraction, basis, product, two sums.
+/// Error of c - e after rotation in f64, per component, relative to |c - e|_1: subtraction, basis, product, two sums.
 const ROTATED: f64 = 5.0 * U64;
-/// Largest |d|^2 that the constants of a projected sphere's bound were derived for (176 degrees).
+/// Largest |d|^2 for which the constants of a projected sphere's bound are derived (176 degrees).
 const WIDEST: f64 = 1024.0;
-/// Largest |d|^2 whose squares a general sphere's bound can hold; a wider lens is judged exactly.
+/// Largest |d|^2 whose squares fit a general sphere's bound; wider fields of view are decided exactly.
 const UNBOUNDED: f64 = (1u64 << 40) as f64;
-/// Least slope that is squared without loss.
+/// Smallest slope whose square does not underflow.
 const NARROWEST: f64 = 1.0 / (1u128 << 100) as f64;
-/// Farthest pixel that a winner's projected centre or a general sphere's start may have: differences stay exact in f32.
+/// Largest pixel distance of a winner's projected centre or a general sphere's start: differences stay exact in f32.
 const FARTHEST: f64 = (1 << 22) as f64;
-/// Bits of the fixed-point projected centres, sign excluded; a difference to a pixel needs one more.
+/// Bits of the fixed-point projected centres without the sign; a difference to a pixel needs one more.
 const FIXED_BITS: u32 = 29;
-/// Finest unit of theirs, 2^-25 pixels: half of it is room for the host's error, 2^-27 pixels and a little.
+/// Smallest fixed-point unit, 2^-25 pixels: half of it exceeds the host's error of little more than 2^-27 pixels.
 const FINEST: u32 = 25;
-/// Largest slope of a projected sphere's depth over its centre's: farther in, it counts as near.
+/// Largest slope of a projected sphere's depth relative to its centre's; a steeper sphere is treated as near.
 const STEEPEST: f64 = 0.75;
-/// Least power of the eye, in a general sphere's own unit, that f32 multiplies and divides without loss: 2^-100.
+/// Smallest power of the eye, in a general sphere's own unit, that f32 multiplies and divides without underflow:
+/// 2^-100.
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
-/// Error of p.d beside which nothing is certain; its square is still in range.
+/// An error of p.d that makes every answer uncertain, with a square in range.
 const UNKNOWN: f32 = (1u64 << 60) as f32;
-/// Relative to its depth, how far behind a winner's lower bound the next list entries must begin to be left out: the
-/// promised tolerance, or what keeps its proof possible at little cost.
+/// The distance behind a winner's lower bound, relative to its depth, beyond which list entries are skipped: the
+/// promised tolerance, or a value that keeps the proof possible at little cost.
 const CULL_MARGIN: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
-/// The bounds' own roundings, here and in the kernel.
+/// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
-/// Projected radii, and depths of their unit, that f32 squares without loss: 2^-60 to 2^60.
+/// Range of projected radii, and of depths in their unit, that f32 squares without underflow or overflow: 2^-60 to
+/// 2^60.
 const RANGE: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
-/// Columns go with u, rows against v.
+/// Columns run along u, rows against v.
 const SIGNS: [f64; 2] = [1.0, -1.0];
-/// Pixels of error in a projected centre that f64 may leave; and that double-double may start from, 2^40 of these.
+/// Pixels of error that f64 may leave in a projected centre, and from which double-double may start: 2^40 times that.
 const LONG: f64 = 1.0 / (1u64 << 27) as f64;
 const LONGEST: f64 = (1 << 13) as f64;
-/// 1.5 * 2^52: a sum with it is rounded to a whole number, which is in its last bits.
+/// 1.5 * 2^52: adding it rounds to an integer, which the last bits of the sum hold.
 const ROUND: f64 = 6_755_399_441_055_744.0;
-/// What f32 rounds subnormals by, and more.
+/// An upper bound of the rounding of f32 subnormals.
 const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
-/// What a sphere's place in the image is widened by, in pixels and relative to its radius: far more than the host's f64
-/// is off by (2^-27 pixels, 2^-43), far less than makes a list longer.
+/// The margin of a sphere's extent in the image, in pixels and relative to its radius: far larger than the error of the
+/// host's f64 (2^-27 pixels, 2^-43), and too small to lengthen lists.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
-/// From the world into the camera, in f64 and in the frame's unit.
+/// The transformation from world to camera space, in f64 and in the frame's unit.
 ///
-/// The unit is multiplied into the axes: so sums and products are of numbers within 2^122 of 1, whatever the scene's own
-/// unit, and what they round is relative to them. (Axes so small that they lose bits below the normal numbers lose 2^-75 of
-/// the largest, where their own rounding is 2^-53.)
+/// The axes include the unit as a factor. So sums and products are of numbers within 2^122 of 1 for any unit of the
+/// scene, and their rounding is relative to them. (Axes that underflow lose 2^-75 of the largest axis, less than their
+/// own rounding of 2^-53.)
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rotation {
     eye: DVec3,
-    /// Right, up, ahead.
+    /// Right, up and forward.
     axes: [DVec3; 3],
 }
 
 impl Rotation {
-    /// For a frame whose unit is 2^`frame`.
+    /// The transformation for a frame with the unit 2^`frame`.
     pub(super) fn new(basis: &Basis, frame: i32) -> Self {
         let scaled = |axis: DVec3| DVec3::from_array(axis.to_array().map(|x| dd::ldexp(x, -frame)));
         Self { eye: basis.e, axes: [basis.u, basis.v, -basis.w].map(scaled) }
     }
 
-    /// c - e in world space; and right, up and ahead in the frame's unit.
+    /// c - e in world space, and its right, up and forward components in the frame's unit.
     #[inline(always)]
     pub(super) fn of(&self, center: [f64; 3]) -> (DVec3, [f64; 3]) {
         let p = DVec3::from_array(center) - self.eye;
@@ -85,22 +87,22 @@ impl Rotation {
     }
 }
 
-/// A sphere, staged.
+/// A sphere after binning.
 pub(super) enum Staged {
-    /// Behind the eye plane, wholly outside the image or between its pixels: no viewing ray meets it.
+    /// Behind the eye plane, entirely outside the image, or between its pixels: no viewing ray hits it.
     Unseen,
     Projected(Landed),
     General(GeneralRecord),
 }
 
-/// How steep the rays of the image are: bounds of |(x, y)|, |d| and |d|^2.
+/// Bounds of the slopes of all rays of the image: |(x, y)|, |d| and |d|^2.
 struct Steepness {
     slant: f64,
     length: f64,
     square: f64,
 }
 
-/// The camera in f64, and the constants of the bounds that are the same for all projected spheres.
+/// The camera in f64, and the constants of the bounds that all projected spheres share.
 pub(super) struct ProjectionBounds {
     basis: Basis,
     rotation: Rotation,
@@ -109,40 +111,40 @@ pub(super) struct ProjectionBounds {
     /// Right, up and forward in double-double.
     axes: [Dd3; 3],
     size: [f64; 2],
-    /// Whether all rays are parallel: slopes are then lengths in the frame's unit, and rays have none.
+    /// Whether all rays are parallel. Slopes are then lengths in the frame's unit, and the rays themselves have none.
     parallel: bool,
     pub(super) slope: [f64; 2],
     step: [f64; 2],
     /// Slope per unit of rho: a power of two.
     unit: f64,
-    /// Length of the unit of rho in the frame's unit: for each unit of depth, and alone.
+    /// Length of the unit of rho in the frame's unit: per unit of depth, and constant.
     scale: [f64; 2],
     /// A pixel is 2^shift units of the fixed-point centres.
     shift: u32,
     /// Largest |d|^2 of the image.
     pub(super) widest: f64,
     all: Steepness,
-    /// 1 / (2 slope): pixels for each unit of slope.
+    /// 1 / (2 slope): pixels per unit of slope.
     per_slope: [f64; 2],
     /// Largest slopes of the image.
     edge: [f64; 2],
-    /// Pixels beyond which a projected centre has no fixed-point form, or differences to it are no longer exact.
+    /// Pixel distance beyond which a projected centre has no fixed-point form, or differences to it are inexact.
     farthest: f64,
-    /// 1 / unit; 1 / step and a little more.
+    /// 1 / unit; 1 / step, rounded up.
     per_unit: f64,
     per_step: [f64; 2],
     /// 2^shift, and 2^-frame.
     fixed: f64,
     to_frame: f64,
-    /// Pixels of the view's frame along a side of one of the image's; tiles for each of the former.
+    /// Pixels of the view's frame per side of an image pixel; tiles per pixel of the view's frame.
     per_pixel: f64,
     per_tile: f64,
-    /// Error of a fixed-point centre and of a winner's, unit of rho.
+    /// Error of a fixed-point centre, and of a winner's, in the unit of rho.
     coarse: f64,
     fine: f64,
-    /// Bound of the discriminant's error by powers of rho.
+    /// Bound of the discriminant's error, by powers of rho.
     errors: [f64; 3],
-    /// The roundings of a candidate's depth: of the total, the slope along the offset, the root and the centre.
+    /// Rounding of a candidate's depth: total, slope along the offset, root and centre.
     roundings: [f64; 4],
     /// Exponent of the frame's unit.
     frame: i32,
@@ -160,7 +162,7 @@ impl ProjectionBounds {
         let slope = [0, 1].map(|k| extent[k] / (2.0 * size[k]));
         let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
         let step = slope.map(|s| 2.0 * s / unit);
-        // Centres up to four images away from the image.
+        // Centres within four image sizes of the image.
         let reach = 4 * view.record.width.max(view.record.height).next_power_of_two();
         let shift = (FIXED_BITS - reach.ilog2()).min(FINEST);
         let edge = if parallel { [0.0; 2] } else { [slope[0] * size[0], slope[1] * size[1]] };
@@ -171,11 +173,12 @@ impl ProjectionBounds {
         let to_frame = dd::ldexp(1.0, -view.unit);
         let host = f64::from(terms.host);
         let diagonal = step[0].hypot(step[1]) * host * (1.0 + 2f64.powi(-20));
-        // Rounding to fixed point and what is left of the host's error: half a unit each.
+        // Rounding to fixed point, and the remaining error of the host: half a unit each.
         let coarse = diagonal * 2f64.powi(-(shift as i32));
-        // The rest's rounding, 2^-25 since it may be a little more than half, and the host's error, 2^-27 and 2^-28.
+        // The rounding of the remainder, 2^-25 since it may slightly exceed half a unit, and the host's errors, 2^-27
+        // and 2^-28.
         let fine = diagonal * 2.75 * 2f64.powi(-26);
-        // Section 2 of docs/certificate.md: R = a1 rho + a2 e, and the roundings within it.
+        // Section 2 of docs/certificate.md: R = a1 rho + a2 e, and its own rounding.
         let [rho2, offset2] =
             [terms.rho2, terms.offset2].map(|[alone, each]| f64::from(alone) + f64::from(each) * (m - 1.0));
         let (a1, a2) = ((2.0 * m).sqrt(), 16.0 * m);
@@ -234,7 +237,7 @@ impl ProjectionBounds {
             error2: not_below(self.errors[2]),
             edge: not_below(self.fine),
             depth: reference,
-            // The width and the comparison are rounded themselves.
+            // The width and the comparison are rounded too.
             tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
             generals: 0,
             cull_margin: tolerance.clamp(CULL_MARGIN[0], CULL_MARGIN[1]) as f32,
@@ -242,7 +245,7 @@ impl ProjectionBounds {
         }
     }
 
-    /// Whether f32 can hold the rays and what a general sphere's bound squares.
+    /// Whether f32 can represent the rays and the squares in a general sphere's bound.
     pub(super) fn is_bounded(&self) -> bool {
         match self.parallel {
             true => (RANGE[0]..RANGE[1]).contains(&self.scale[1]),
@@ -250,7 +253,7 @@ impl ProjectionBounds {
         }
     }
 
-    /// What a sphere is to the viewing rays, whatever it is; depths are kept relative to `reference`.
+    /// Classifies a sphere for the viewing rays, with depths relative to `reference`.
     pub(super) fn stage(&self, id: u32, center: [f64; 3], radius: f64, reference: f64) -> Staged {
         match self.project(center, radius, reference) {
             Ok(None) => Staged::Unseen,
@@ -266,13 +269,13 @@ impl ProjectionBounds {
     pub(super) fn general(&self, id: u32, center: [f64; 3], radius: f64) -> GeneralRecord {
         let FromEye { k, offset, radius: r, power } = FromEye::new(self.basis.e, center, radius);
         let power = power.value();
-        // Too small for products in f32, yet not zero: the record says nothing but "perhaps, from depth 0 on".
+        // Too small for products in f32, yet not zero: the record means "possibly a hit, at any depth from 0".
         let unknown = power != 0.0 && power.abs() < SMALLEST;
         let power = if unknown { 0.0 } else { power };
         let away = DVec3::from_array(offset.map(|x| x.hi));
-        // The camera looks down -z.
+        // The camera looks along -z.
         let p = [self.basis.u, self.basis.v, self.basis.w].map(|axis| away.dot(axis));
-        // p.d at a pixel is start + by_column columns + by_row rows from the pixel nearest to where it vanishes.
+        // p.d at a pixel is start + by_column columns + by_row rows, counted from the pixel nearest to its zero.
         let by = [2.0 * self.slope[0] * p[0], -2.0 * self.slope[1] * p[1]];
         let middle = self.size.map(|n| (n - 1.0) / 2.0);
         let back = p[2] / (by[0] * by[0] + by[1] * by[1]).max(f64::MIN_POSITIVE);
@@ -291,14 +294,14 @@ impl ProjectionBounds {
             start: start as f32,
             by_column: by[0] as f32,
             by_row: by[1] as f32,
-            // 2^-48 of p in every component, and the roundings of start.
+            // 2^-48 of p in every component, and the rounding of start.
             blur: if unknown { UNKNOWN } else { not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])) },
             unused: [0.0; 2],
         }
     }
 }
 
-/// A record that says "perhaps, from depth 0 on" to every ray.
+/// A record that means "possibly a hit, at any depth from 0" for every ray.
 const UNKNOWN_SPHERE: GeneralRecord = GeneralRecord {
     center_radius: [0.0, 0.0, 0.0, 1.0],
     power: 0.0,
@@ -314,7 +317,7 @@ const UNKNOWN_SPHERE: GeneralRecord = GeneralRecord {
     unused: [0.0; 2],
 };
 
-/// The least f32 that is not below x.
+/// The smallest f32 that is at least x.
 fn not_below(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }

@@ -1,8 +1,9 @@
-//! Which projected spheres the rays of a tile may meet: binned by what they surely cover, nearest first.
+//! The projected spheres that the rays of a tile may hit, binned by their extent and sorted by depth.
 //!
-//! No tree: count, add up, scatter, sort each list from its front on, and end it where all that follows is surely hidden.
-//! A list serves one tile of 8 x 8 pixels, or a square of tiles where large spheres would make lists of single tiles too
-//! long; one list for all is the search `all`.
+//! No tree is built: spheres are counted per cell, scattered by prefix sums, and each list is sorted incrementally from
+//! the front and cut where all remaining spheres are certainly occluded. A list serves one tile of 8 x 8 pixels, or a
+//! square of tiles if large spheres would make the lists of single tiles too long. With one list for the whole image,
+//! every sphere is tested.
 
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::memory::Pool;
@@ -13,38 +14,39 @@ use rayon::prelude::*;
 use std::alloc::{Layout, handle_alloc_error};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Entries that may be spent beyond eight for each sphere before tiles share their lists: 64 MiB.
+/// Entries beyond eight per sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;
 
-/// Entries that are sorted at first, and below which nobody looks for what is hidden: eight chunks cost a tile less.
+/// Entries that are sorted first. Shorter lists skip the occlusion test, which would cost more than eight chunks per
+/// tile.
 const FOREMOST: usize = 64;
 
-/// What fills a list up: far outside the image, with no radius.
+/// The padding of a list: far outside the image, with radius 0.
 pub(crate) const NOTHING: ProjectedRecord = ProjectedRecord { x: 1 << 30, y: 1 << 30, rho: 0.0, low: 0.0 };
 pub(crate) const NO_DETAIL: ProjectedDetailRecord =
     ProjectedDetailRecord { subpixel_offset: [0.0; 2], center: 0.0, id: NONE };
 
-/// What becomes of a projected sphere in a list.
+/// The representation of a projected sphere in a list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placed {
     pub(crate) record: ProjectedRecord,
     pub(crate) detail: ProjectedDetailRecord,
 }
 
-/// Where a sphere belongs.
+/// The bin of a sphere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bin {
-    /// No ray is given a lower bound of depth below this.
+    /// Lower bound of the depth for every ray.
     pub(crate) chunk_min_depth: f32,
-    /// First and last column and row of the tiles in which a pixel's ray may hit.
+    /// First and last column and row of the tiles whose pixels may hit it.
     pub(crate) tiles: [[u32; 2]; 2],
 }
 
 impl Bin {
-    /// Of a sphere that is in no list.
+    /// The bin of a sphere that is in no list.
     pub(crate) const NOWHERE: Self = Self { chunk_min_depth: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
 
-    /// Lists that it is in, if squares of 2^level tiles share one.
+    /// Number of lists that contain it, if squares of 2^level tiles share one.
     fn entries(&self, level: u32) -> u64 {
         let [columns, rows] =
             self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
@@ -52,23 +54,24 @@ impl Bin {
     }
 }
 
-/// Who makes the records of a list, from its front on.
+/// Creates the records of a list from front to back.
 pub(crate) trait Placing: Sync {
-    /// The entries of one list, in turn.
+    /// The entries of one list, in order.
     type Filling<'a>: Filling
     where
         Self: 'a;
 
-    /// Begins the list of one tile, in this column and row of tiles, or of several (`None`).
+    /// Begins the list of the tile at this column and row of tiles, or of several tiles (`None`).
     fn begin(&self, tile: Option<[u32; 2]>) -> Self::Filling<'_>;
 }
 
-/// A list that is being made.
+/// A list under construction.
 pub(crate) trait Filling {
-    /// The records of the spheres that come next, at most [`CHUNK`].
+    /// The records of the next spheres, at most [`CHUNK`].
     fn place(&mut self, ids: &[u32], to: &mut [Placed]);
 
-    /// The depth behind which all is surely hidden, as far as is known: no sphere with a higher minimum is met first.
+    /// The depth beyond which every sphere is certainly occluded, if known: no sphere with a higher minimum is hit
+    /// first.
     fn limit(&self) -> Option<f64>;
 }
 
@@ -76,20 +79,20 @@ pub(crate) trait Filling {
 #[derive(Debug, Clone)]
 pub(crate) struct Lists {
     grid: Grid,
-    /// One past the last entry of every cell of the grid; the next cell's begin there.
+    /// The end of every cell's entries, which is the start of the next cell's.
     ends: Vec<u32>,
-    /// What every candidate is asked.
+    /// The records that every candidate test reads.
     pub(crate) projected: Vec<ProjectedRecord>,
-    /// What only a winner is asked.
+    /// The records that only a winner needs.
     pub(crate) details: Vec<ProjectedDetailRecord>,
-    /// Of every [`CHUNK`] entries: nobody in it, or behind it in its list, has a lower bound of depth below this.
+    /// Per [`CHUNK`] entries: the lower bound of the depths in this chunk and all later ones of its list.
     pub(crate) chunk_min_depths: Vec<f32>,
 }
 
 impl Lists {
-    /// Bins spheres, whose ids are their places in `bins`. Squares of 2^`level` tiles, or larger ones, share a list: that
-    /// is decided for the whole image, and lists are made where one of `tiles`, first and last column and row, needs them.
-    /// So each is the list that it is in the whole image.
+    /// Bins spheres, whose ids are their indices in `bins`. Squares of 2^`level` tiles, or larger ones, share a list.
+    /// The size is chosen for the whole image, and lists are created only for cells that overlap `tiles` (first and
+    /// last column and row). So each list equals that of the whole image.
     pub(crate) fn new(bins: &[Bin], tiles: [[u32; 2]; 2], level: u32, placing: &impl Placing, pool: &Pool) -> Self {
         let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
         let entries = |level: u32| bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>();
@@ -102,27 +105,27 @@ impl Lists {
         lists
     }
 
-    /// The entries of the tile that holds the pixel of `row` and `column`: the first, and the one past the last.
+    /// The range of entries for the tile that contains the pixel at `row` and `column`.
     pub(crate) fn range(&self, row: u32, column: u32) -> [u32; 2] {
         let cell = self.grid.cell(column / TILE, row / TILE);
         let first = cell.checked_sub(1).map_or(0, |before| self.ends[before]);
         [first, self.ends[cell]]
     }
 
-    /// The same for every tile of the window, row by row, that `count` rows of pixels touch from row `first` on.
+    /// The same for every tile of the window, row by row, that `count` rows of pixels from `first` on overlap.
     pub(crate) fn rows(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
         let [left, right] = self.grid.tiles;
         let rows = first / TILE..(first + count).div_ceil(TILE);
         rows.flat_map(move |row| (left..=right).map(move |tile| self.range(row * TILE, tile * TILE)))
     }
 
-    /// Squares of 2^level tiles share a list.
+    /// Level: squares of 2^level tiles share a list.
     #[cfg(test)]
     pub(crate) fn level(&self) -> u32 {
         self.grid.level
     }
 
-    /// Makes the lists of every row of cells, and puts them one after the other.
+    /// Creates the lists of every row of cells and concatenates them.
     fn gather(grid: Grid, keys: &[AtomicU64], starts: &[u32], placing: &impl Placing, pool: &Pool) -> Self {
         let columns = grid.columns as usize;
         let row = |i: usize| {
@@ -168,7 +171,7 @@ impl Lists {
     }
 }
 
-/// The lists of a row of cells, counted from its own beginning.
+/// The lists of a row of cells, with indices relative to its start.
 struct Row {
     ends: Vec<u32>,
     projected: Vec<ProjectedRecord>,
@@ -192,13 +195,13 @@ impl Row {
         pool.put_back(self.chunk_min_depths);
     }
 
-    /// Adds the list of these keys: in their order, as far as it is needed, padded.
+    /// Appends the list of these keys: in order, as far as needed, padded.
     fn fill(&mut self, keys: &mut [u64], filling: &mut impl Filling) {
         let nothing = Placed { record: NOTHING, detail: NO_DETAIL };
         let mut rest = keys;
         let mut batch = FOREMOST;
         while !rest.is_empty() {
-            // Most of a long list may be hidden: only what comes next is sorted.
+            // Most of a long list may be occluded, so only the next part is sorted.
             let size = batch.min(rest.len());
             if size < rest.len() {
                 rest.select_nth_unstable(size - 1);
@@ -226,7 +229,7 @@ impl Row {
     }
 }
 
-/// An empty vector with room for `n`.
+/// An empty vector with capacity for `n` values.
 fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
     let mut vector = pool.take(n);
     vector.clear();
@@ -234,11 +237,11 @@ fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
     vector
 }
 
-/// `n` values, all of which are to be written.
+/// `n` values, all of which the caller writes.
 fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
     let mut vector = pool.take(n);
     if vector.is_empty() {
-        // As any other vector does that finds no room; `zeroed_vec` panics.
+        // Reports a failed allocation as any vector here does; `zeroed_vec` would panic.
         let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
         return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
     }
@@ -246,7 +249,7 @@ fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) 
     vector
 }
 
-/// Squares of 2^level tiles a side that share a list: cells, as far as the window touches them.
+/// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
     level: u32,
@@ -254,31 +257,31 @@ struct Grid {
     tiles: [u32; 2],
     /// First column and row of cells.
     first: [u32; 2],
-    /// Cells in a row and in a column.
+    /// Number of columns and rows of cells.
     columns: u32,
     rows: u32,
 }
 
 impl Grid {
-    /// For the window of these tiles, first and last column and row.
+    /// The grid for the window of these tiles, given by first and last column and row.
     fn new(level: u32, tiles: [[u32; 2]; 2]) -> Self {
         let cells = tiles.map(|range| range.map(|tile| tile >> level));
         let [columns, rows] = cells.map(|[first, last]| last - first + 1);
         Self { level, tiles: tiles[0], first: cells.map(|[first, _]| first), columns, rows }
     }
 
-    /// Number of the cell of the tile in this column and row of tiles.
+    /// Index of the cell of the tile at this column and row of tiles.
     fn cell(&self, column: u32, row: u32) -> usize {
         let [left, top] = self.first;
         (((row >> self.level) - top) * self.columns + ((column >> self.level) - left)) as usize
     }
 
-    /// Column and row in the image of the cell in this column and row of cells.
+    /// Column and row in the image of the cell at this column and row of the grid.
     fn tile(&self, column: usize, row: usize) -> [u32; 2] {
         [self.first[0] + column as u32, self.first[1] + row as u32]
     }
 
-    /// Every cell that `bin` covers, as far as there is one.
+    /// Every cell of the grid that `bin` overlaps.
     #[inline(always)]
     fn each_cell(&self, bin: &Bin, mut each: impl FnMut(usize)) {
         let [[left, right], [top, bottom]] = bin.tiles.map(|range| range.map(|tile| tile >> self.level));
@@ -292,9 +295,9 @@ impl Grid {
         }
     }
 
-    /// Keys of the spheres, least depth first and then id, cell by cell; and where each cell's begin, with the end of all.
+    /// Keys of the spheres per cell, sorted by depth and then id; the start of each cell's keys, and the end of all.
     fn scatter(&self, bins: &[Bin], pool: &Pool) -> (Vec<AtomicU64>, Vec<u32>) {
-        // Each group counts for itself, so that each knows its own places in every cell.
+        // Each group has counters of its own, from which its positions in every cell follow.
         let group = bins.len().div_ceil(2 * rayon::current_num_threads()).max(1);
         let cells = (self.columns * self.rows) as usize;
         let count = |bins: &[Bin]| {
@@ -327,13 +330,13 @@ impl Grid {
     }
 }
 
-/// The bits of x, ordered like the numbers.
+/// The bits of x as an integer with the same order.
 fn ordered(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
-/// And back.
+/// The inverse.
 fn number(ordered: u32) -> f32 {
     f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }

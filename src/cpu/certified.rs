@@ -1,5 +1,6 @@
-//! The certified frame on the CPU path: eight pixels of a row at a time, written so that the compiler may take them
-//! together, in the widest vectors this processor has. Vectors round like the device's scalars: same operations, same bits.
+//! The certified frame on the CPU path. Eight pixels of a row are computed together, in loops that the compiler can
+//! vectorize for the widest vectors of the processor. Vector and scalar operations round alike, so the bits equal the
+//! device's.
 
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::BEYOND;
@@ -17,10 +18,10 @@ use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Pixels that are answered together: a row of a tile.
+/// Pixels that are computed together: one row of a tile.
 const LANES: usize = TILE as usize;
 
-/// Fills `raw` with certified answers, ids with [`UNSURE`] where there is no proof. `go_on` is asked before every row.
+/// Fills `raw` with certified answers; pixels without a proof get [`UNSURE`] as id. `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -35,7 +36,7 @@ pub(crate) fn certified(
     }
 }
 
-/// The same for pixel centres or for samples: of the latter, a strip's rays are in as many rows and columns.
+/// The same for pixel centres or for samples. With samples, the rays of a strip lie in several rows and columns.
 fn certified_by<const SAMPLED: bool>(
     kernel: &Kernel,
     view: &View,
@@ -53,7 +54,7 @@ fn certified_by<const SAMPLED: bool>(
     let rows = rows.into_par_iter().enumerate().filter(|_| go_on());
     let answer = |(i, mut row): (usize, Piece<'_>)| {
         let i = record.first_row + i as u32;
-        // A strip is a row of a tile of the full frame, whatever the window shows of it.
+        // A strip is a row of a tile of the full frame, whichever part of it the window shows.
         let [[left, right], _] = record.tiles();
         for tile in left..=right {
             let place = [i, tile * TILE];
@@ -64,7 +65,7 @@ fn certified_by<const SAMPLED: bool>(
     rows.for_each(answer);
 }
 
-/// Eight pixels of a row, from row and column `place` on. Those past the window's edges are answered and left alone.
+/// Eight pixels of a row, starting at `place` (row and column). Those beyond the window are computed but not written.
 struct Strip<'a, const SAMPLED: bool> {
     certify: &'a Certify<'a, f32>,
     place: [u32; 2],
@@ -84,20 +85,20 @@ impl<const SAMPLED: bool> NullaryFnOnce for Strip<'_, SAMPLED> {
     }
 }
 
-/// The rays of a strip, number by number.
+/// The rays of a strip, one array per component.
 struct Lanes<const SAMPLED: bool> {
-    /// What all of them have in common, pixel centres their row.
+    /// The components that all rays share; for pixel centres, those of the row.
     first: Slopes<f32>,
     x: [f32; LANES],
     a: [f32; LANES],
     inverse: [f32; LANES],
-    /// What samples do not have in common.
+    /// The components that differ between samples.
     y: [f32; LANES],
     row: [i32; LANES],
     column: [i32; LANES],
 }
 
-/// The two smallest lower bounds of each, and whose the smallest is.
+/// The two smallest lower bounds of depth per lane, and the entry with the smallest.
 #[derive(Clone, Copy)]
 struct NearestTwos {
     low: [f32; LANES],
@@ -162,7 +163,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
             if behind {
                 break;
             }
-            // A copy, so that it may live in registers.
+            // A local copy, which the compiler can keep in registers.
             let mut now = k;
             for (slot, projected) in (first + CHUNK * n..).zip(chunk) {
                 if *projected == NOTHING {
@@ -178,7 +179,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
         k
     }
 
-    /// The winners' answers.
+    /// The certified answers of the winners.
     #[inline(always)]
     fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> [Answer<f32>; LANES] {
         let mut answers = [Answer::MISS; LANES];
@@ -193,7 +194,8 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
         answers
     }
 
-    /// The answers of those whose winner is this general sphere: all are computed, since most often they share one.
+    /// Answers of the lanes whose winner is this general sphere. All lanes are computed, since usually all share the
+    /// winner.
     #[inline(always)]
     fn certify_general(
         &self,
@@ -249,7 +251,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
     }
 }
 
-/// Answers number by number: that is what compilers make vectors of.
+/// Answers as one array per component, a layout that compilers vectorize.
 #[derive(Default)]
 struct Answers {
     flags: [[u32; LANES]; 2],
@@ -281,8 +283,8 @@ impl Answers {
 impl NearestTwos {
     #[inline(always)]
     fn keep(&mut self, l: usize, low: f32, slot: u32) {
-        // By masks, and everything is written every time: what compilers make of a comparison may be a masked store, and
-        // that stalls the loads after it.
+        // Selects by masks and writes unconditionally: compilers may turn a comparison into a masked store, which
+        // delays the loads that follow it.
         let before = self.low[l];
         let nearer = mask(low < before);
         self.low[l] = pick(nearer, low, before);
@@ -297,13 +299,13 @@ fn mask(yes: bool) -> u32 {
     u32::from(yes).wrapping_neg()
 }
 
-/// The first where the mask is set, else the second.
+/// `yes` where the mask is set, else `no`.
 #[inline(always)]
 fn pick(mask: u32, yes: f32, no: f32) -> f32 {
     f32::from_bits(no.to_bits() ^ ((no.to_bits() ^ yes.to_bits()) & mask))
 }
 
-/// What main/certified.wgsl writes of a strip in `row`, a row of the window.
+/// Writes a strip to `row`, a row of the window: the twin of main/certified.wgsl.
 fn write(
     row: &mut Piece<'_>,
     [i, first]: [u32; 2],
@@ -345,7 +347,7 @@ mod tests {
     use crate::settings::Settings;
     use crate::window::Window;
 
-    /// The adversary looks at single rays; what it finds holds for strips because they are the same, bit for bit.
+    /// The adversary checks single rays. This test extends its results to strips: both give the same bits.
     #[test]
     fn a_strip_answers_as_single_rays() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");

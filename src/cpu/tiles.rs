@@ -1,5 +1,5 @@
-//! Forms by tiles on the CPU path: the twin of search/tile.wgsl. The spheres of a tile are moved into the camera as far as
-//! one of its rays asks for them, once for all 64.
+//! Intersection forms with candidate lists on the CPU path: the twin of search/tile.wgsl. A sphere of a tile is
+//! translated into the camera's frame when the first ray of the tile needs it, once for all 64 rays.
 
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
@@ -14,7 +14,8 @@ use crate::view::Sphere;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Fills `raw` by `kernel`'s method. `go_on` is asked before every row of tiles; rows after a `false` are left alone.
+/// Fills `raw` by `kernel`'s method. `go_on` is called before every row of tiles; after `false` the remaining rows are
+/// left unchanged.
 pub(crate) fn by_tiles(
     kernel: &Kernel,
     tile_candidates: &TileCandidates<'_>,
@@ -88,12 +89,12 @@ struct Tile<'a, R> {
     tile_candidates: &'a TileCandidates<'a>,
     generals: &'a [Candidate<R>],
     entries: Range<usize>,
-    /// Those of its list that some ray asked for.
+    /// The translated spheres, a prefix of the tile's list.
     made: Vec<Candidate<R>>,
 }
 
 impl<R: Number> Tile<'_, R> {
-    /// Begins the tile that holds the pixel of `row` and `column`.
+    /// Moves to the tile that contains the pixel at `row` and `column`.
     fn enter(&mut self, row: u32, column: u32) {
         let [first, end] = self.tile_candidates.binned.lists.range(row, column).map(|n| n as usize);
         if self.entries != (first..end) {
@@ -102,7 +103,7 @@ impl<R: Number> Tile<'_, R> {
         }
     }
 
-    /// The twin of search/tile.wgsl: the closest hit, and of what.
+    /// The closest hit and its sphere: the twin of search/tile.wgsl.
     fn nearest<V: Intersect>(&mut self, ray: &Ray<R>) -> (Hit<R>, Option<Sphere<R>>) {
         let mut found = (Hit::NONE, None);
         closest_of::<V, R>(&mut found, ray, self.generals);
@@ -114,7 +115,7 @@ impl<R: Number> Tile<'_, R> {
             let from = first - start;
             if from == self.made.len() {
                 let chunk = self.tile_candidates.ids(first..first + CHUNK);
-                // What fills the list up is left out at its end.
+                // Skips the padding at the end of the list.
                 self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.tile_candidates, id)));
             }
             let to = self.made.len().min(from + CHUNK);
@@ -124,7 +125,7 @@ impl<R: Number> Tile<'_, R> {
     }
 }
 
-/// Keeps the closest hit; of equal ones the lower id, for lists have an order of their own.
+/// Keeps the closest hit, and the lower id for equal t, because lists are not in id order.
 fn closest_of<V: Intersect, R: Number>(
     found: &mut (Hit<R>, Option<Sphere<R>>),
     ray: &Ray<R>,
@@ -150,7 +151,7 @@ mod tests {
     use crate::settings::Settings;
     use crate::view::View;
 
-    /// What tests/answers/tiles.rs promises would not hold if a list lacked one sphere.
+    /// Checks that tests/answers/tiles.rs detects a list that lacks one sphere.
     #[test]
     fn a_sphere_missing_from_a_list_is_found() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
@@ -180,7 +181,7 @@ mod tests {
         let pixel = before.iter().position(|id| *id != NONE && !is_general(*id)).expect("a sphere in a list");
         let [first, end] = binned.lists.range(pixel as u32 / 131, pixel as u32 % 131).map(|n| n as usize);
         let entry = (first..end).find(|n| binned.lists.details[*n].id == before[pixel]).expect("it is in the list");
-        // Every ray tests the general ones: the list holds one of them instead.
+        // Replaces an entry of the list by a general sphere, which every ray tests anyway.
         binned.lists.details[entry].id = binned.generals[0].id;
         let after = ids(&binned);
         assert!(after != before && after[pixel] != before[pixel]);

@@ -1,25 +1,25 @@
-//! The device's own clock: how long kernels ran, without upload, readback and waiting.
+//! Timestamp queries: the time kernels take on the device, without upload, readback and waiting.
 
 use super::device::Open;
 
 /// Two timestamps of 64 bits.
 const BYTES: u64 = 16;
 
-/// Two timestamps around a pass and the way they take to the host.
+/// Two timestamps around a pass, and the buffers that transfer them to the host.
 pub(super) struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    /// Nanoseconds in a tick.
+    /// Nanoseconds per tick.
     period: f64,
-    /// Of the passes since it was last asked, milliseconds.
+    /// Milliseconds of all passes since the last call of `take`.
     total: f64,
-    /// Of the last one, if it could be read.
+    /// Milliseconds of the last pass, if its timestamps could be read.
     last: Option<f64>,
 }
 
 impl Clock {
-    /// `None` where the device offers none.
+    /// `None` if the device has no timestamp queries.
     pub(super) fn new(open: &Open) -> Option<Self> {
         let Open { device, queue, .. } = open;
         let buffer = |usage| {
@@ -39,7 +39,7 @@ impl Clock {
         })
     }
 
-    /// Where a pass notes when it begins and ends.
+    /// Where a pass writes its timestamps.
     pub(super) fn writes(&self) -> wgpu::ComputePassTimestampWrites<'_> {
         wgpu::ComputePassTimestampWrites {
             query_set: &self.queries,
@@ -48,18 +48,18 @@ impl Clock {
         }
     }
 
-    /// Brings both to where the host can read them.
+    /// Copies both timestamps to a buffer that the host can map.
     pub(super) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, BYTES);
     }
 
-    /// Asks for them, to be there after the next wait.
+    /// Requests the mapping, which completes with the next wait.
     pub(super) fn ask(&self) {
         self.staging.map_async(wgpu::MapMode::Read, .., |_| {});
     }
 
-    /// Adds the pass, after that wait. A clock that cannot be read is no reason to fail a frame.
+    /// Adds the time of the pass; call it after that wait. An unreadable timestamp does not fail the frame.
     pub(super) fn add(&mut self) {
         self.last = None;
         if let Ok(mapped) = self.staging.get_mapped_range(..)
@@ -67,18 +67,18 @@ impl Clock {
         {
             let passed = end.saturating_sub(begin) as f64 * self.period * 1e-6;
             self.total += passed;
-            // A clock that stands still tells nothing.
+            // Equal timestamps carry no information.
             self.last = (passed > 0.0).then_some(passed);
         }
         self.staging.unmap();
     }
 
-    /// Milliseconds of the last pass, if they are known.
+    /// Milliseconds of the last pass, if known.
     pub(super) fn last(&self) -> Option<f64> {
         self.last
     }
 
-    /// Milliseconds since it was last asked.
+    /// Milliseconds since the last call.
     pub(super) fn take(&mut self) -> f64 {
         std::mem::take(&mut self.total)
     }

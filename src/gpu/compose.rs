@@ -1,10 +1,10 @@
-//! WGSL from whole files, and from a few parts that are emitted from tables: the numbers of the bindings, what a kernel
-//! writes, and the lines of a subgroup's broadcasts. A line map tells an error's file and line. A missing or doubled part is an
-//! error of naga's.
+//! Composes WGSL from whole files and from parts generated from tables: binding numbers, outputs and subgroup
+//! broadcasts. A line map translates the line of an error to a file and line. naga reports a missing or doubled part as
+//! an error.
 
 use crate::gpu::layout::buffers;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, KernelOutput, Rays, Sharing};
+use crate::kernel::{Kernel, KernelOutput, RaySource, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 use crate::tile::CHUNK;
@@ -13,12 +13,12 @@ use std::borrow::Cow;
 /// A part of a shader.
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
-    /// Its file under shaders/, or what it is if it is emitted.
+    /// The file under shaders/, or a description if the part is generated.
     pub(crate) name: &'static str,
     pub(crate) text: Cow<'static, str>,
 }
 
-/// How the names of emitted parts begin.
+/// Prefix of the names of generated parts.
 const EMITTED: &str = "emitted: ";
 
 macro_rules! files {
@@ -27,7 +27,7 @@ macro_rules! files {
     };
 }
 
-/// Every file of shaders/, built into the program.
+/// Every file of shaders/, embedded in the program.
 const FILES: [(&str, &str); 48] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
@@ -45,7 +45,7 @@ const FILES: [(&str, &str); 48] = files![
     "selftest/solve.wgsl" "selftest/f64.wgsl"
 ];
 
-/// The parts of these files. A test looks for every name that is written in this crate.
+/// The parts for these files. A test checks that every file named in this crate exists.
 pub(crate) fn files<const N: usize>(names: [&'static str; N]) -> impl Iterator<Item = Part> {
     let text = |name| FILES.iter().find(|(file, _)| *file == name).map_or("", |(_, text)| *text);
     names.into_iter().map(move |name| Part { name, text: text(name).into() })
@@ -54,9 +54,9 @@ pub(crate) fn files<const N: usize>(names: [&'static str; N]) -> impl Iterator<I
 /// A composed shader.
 #[derive(Debug)]
 pub(crate) struct Source {
-    /// All parts, one after the other.
+    /// All parts, concatenated.
     pub(crate) text: String,
-    /// Where each part begins: its first line, from 1, and its name.
+    /// The first line of each part, counted from 1, and its name.
     starts: Vec<(usize, &'static str)>,
 }
 
@@ -72,18 +72,18 @@ impl Source {
         source
     }
 
-    /// Each part's name and how many lines it has.
+    /// The name of each part and its number of lines.
     fn parts(&self) -> Vec<(&'static str, usize)> {
         let ends = self.starts.iter().skip(1).map(|(first, _)| *first).chain([self.text.lines().count() + 1]);
         self.starts.iter().zip(ends).map(|((first, name), end)| (*name, end - first)).collect()
     }
 
-    /// The files among them.
+    /// The files among the parts.
     pub(crate) fn files(&self) -> Vec<(&'static str, usize)> {
         self.parts().into_iter().filter(|(name, _)| !name.starts_with(EMITTED)).collect()
     }
 
-    /// The whole, with the name of its file above each part; still WGSL.
+    /// The complete text with the name of its file above each part; still valid WGSL.
     pub(crate) fn with_banners(&self) -> String {
         let mut lines = self.text.lines();
         let mut text = String::new();
@@ -95,13 +95,13 @@ impl Source {
         text
     }
 
-    /// `shaders/FILE:LINE` of a line of the whole, both from 1.
+    /// `shaders/FILE:LINE` of a line of the complete text, both counted from 1.
     pub(crate) fn place(&self, line: usize) -> String {
         let (first, name) = self.starts.iter().rfind(|(first, _)| *first <= line).copied().unwrap_or((1, "?"));
         format!("{}:{}", shown(name), line - first + 1)
     }
 
-    /// A naga error in terms of the files.
+    /// A naga error with the location in its file.
     pub(crate) fn explain(&self, location: Option<naga::SourceLocation>, message: &str) -> String {
         match location {
             Some(at) => format!("{}:{}: {message}", self.place(at.line_number as usize), at.line_position),
@@ -110,7 +110,7 @@ impl Source {
     }
 }
 
-/// A part's name, as it is told.
+/// A part's name as shown in messages.
 fn shown(name: &str) -> String {
     if name.starts_with(EMITTED) { name.to_owned() } else { format!("shaders/{name}") }
 }
@@ -130,11 +130,11 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     };
     parts.extend(files(["view.wgsl", "math.wgsl", number, "ray.wgsl"]));
     match kernel.rays {
-        Rays::Camera => {
+        RaySource::Camera => {
             let position = if kernel.samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
             parts.extend(files(["main/window.wgsl", position]));
         }
-        Rays::SharedOrigin | Rays::Spread => parts.extend(files(["main/given_rays.wgsl"])),
+        RaySource::SharedOrigin | RaySource::Spread => parts.extend(files(["main/given_rays.wgsl"])),
     }
     if kernel.certify || kernel.tiles {
         parts.extend(files(["search/tile_lists.wgsl"]));
@@ -150,7 +150,7 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     parts
 }
 
-/// The closest hit by one form of the quadratic: among all spheres, those of a tile's list, or those of a tree.
+/// The search for the closest hit by one form of the quadratic: among all spheres, a tile's list, or a tree.
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     let form = match kernel.method {
         Method::Textbook => "form/textbook.wgsl",
@@ -163,19 +163,19 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
         parts.extend(files(["form/roots.wgsl"]));
     }
     let records = if kernel.reads_residuals() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
-    let origin = if kernel.rays == Rays::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
+    let origin = if kernel.rays == RaySource::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
     let nearest = match (kernel.tree, kernel.tiles) {
         (true, _) => "search/tree.wgsl",
         (false, true) => "search/tile.wgsl",
         (false, false) => "search/all.wgsl",
     };
     parts.extend(files([form, "search/closer_hit.wgsl", records, origin, nearest]));
-    if kernel.rays == Rays::Camera {
+    if kernel.rays == RaySource::Camera {
         parts.extend(files(["main/viewing_rays.wgsl"]));
     }
 }
 
-/// The closest hit with its proof.
+/// The search for the closest hit with its certificate.
 fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend(files([
         "certify/constants.wgsl",
@@ -194,7 +194,7 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
         return parts.extend(files(["share/no_subgroup.wgsl"]));
     }
     parts.extend(files(["share/subgroup.wgsl"]));
-    // The members of a Record: nearest_two.wgsl, records_residuals.wgsl, records.wgsl.
+    // The members of Record in nearest_two.wgsl, records_residuals.wgsl and records.wgsl.
     let members: &[&str] = match kernel.certify {
         true => &["bits"],
         false if kernel.reads_residuals() => {
@@ -203,15 +203,15 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
         false => &["center_radius", "power", "scale", "id"],
     };
     parts.push(match kernel.sharing {
-        // Broadcasts are faster than the loop, and eight times the text to compile: arithmetic beyond f32 does not repay
-        // that (docs/performance.md).
+        // Broadcasts are faster than the loop, but compile eight times as much text. For arithmetic beyond f32 that
+        // does not pay off (docs/performance.md).
         Sharing::Subgroup4 if !kernel.is_wide() => broadcast(4, members),
         Sharing::Subgroup8 if !kernel.is_wide() => broadcast(8, members),
         _ => shuffle(members),
     });
 }
 
-/// World normals and colours, where they are made.
+/// World normals and colours, if computed.
 fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
     if kernel.has_normals() {
         parts.extend(files(["shade/world.wgsl"]));
@@ -230,13 +230,13 @@ fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
     }
 }
 
-/// The number of every binding: its place in [`buffers`].
+/// The binding number of every buffer: its index in [`buffers`].
 pub(crate) fn binding_numbers() -> Part {
     let number = |(number, name): (usize, &str)| format!("const BIND_{}: u32 = {number}u;\n", name.to_uppercase());
     emitted("emitted: binding numbers", buffers().enumerate().map(number).collect())
 }
 
-/// The buffers that a kernel writes, and `write_outputs`, which stores a pixel's values there.
+/// The output buffers of a kernel, and `write_outputs`, which stores a pixel's values in them.
 fn outputs(kernel: &Kernel) -> Part {
     let (mut buffers, mut stores) = (String::new(), String::new());
     for KernelOutput { name, number, value, channels, .. } in KernelOutput::of(kernel) {
@@ -255,15 +255,15 @@ fn outputs(kernel: &Kernel) -> Part {
     emitted("emitted: outputs", text)
 }
 
-/// The colour of a scene whose spheres have none: none is uploaded.
+/// `sphere_color` for a scene without colours, for which no colours are uploaded.
 fn default_color() -> Part {
     let [red, green, blue] = DEFAULT_COLOR;
     let color = format!("vec3<f32>({red:?}, {green:?}, {blue:?})");
     emitted("emitted: default colour", format!("fn sphere_color(id: u32) -> vec3<f32> {{\n    return {color};\n}}\n"))
 }
 
-/// `test_chunk` for subgroups of so many lanes: each loads one record, and all share it. A broadcast takes constant lanes
-/// only, so they are written out.
+/// `test_chunk` for subgroups of `lanes` invocations: each loads one record and broadcasts it. subgroupBroadcast takes
+/// only constant lanes, so the loop is unrolled.
 fn broadcast(lanes: usize, members: &[&str]) -> Part {
     let mut tests = String::new();
     for n in 0..CHUNK {
@@ -278,7 +278,7 @@ fn broadcast(lanes: usize, members: &[&str]) -> Part {
     emitted("emitted: broadcasts", test_chunk(&tests))
 }
 
-/// The same for subgroups of any size.
+/// `test_chunk` for subgroups of any size.
 fn shuffle(members: &[&str]) -> Part {
     let of_lane = |member: &&str| format!("subgroupShuffle(mine.{member}, k)");
     let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");

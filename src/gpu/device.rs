@@ -1,14 +1,14 @@
-//! Adapters: finding, naming, choosing and opening them.
+//! Adapters: listing, selecting and opening them.
 
 use crate::error::{Error, Result};
 use crate::kernel::Sharing;
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
 
-/// What is said of an adapter. The index is its place in the list and what `--adapter` takes.
+/// The description of an adapter. `--adapter` takes its index.
 #[derive(Debug, Clone, Serialize)]
 pub struct AdapterSummary {
-    /// Place in the list, from 0.
+    /// Index in the list, from 0.
     pub index: usize,
     /// The driver's name for the device.
     pub name: String,
@@ -16,22 +16,22 @@ pub struct AdapterSummary {
     pub kind: &'static str,
     /// `vulkan`, `metal` or `dx12`.
     pub backend: String,
-    /// Driver and its version.
+    /// The driver and its version.
     pub driver: String,
     /// Smallest and largest number of lanes of a subgroup; `None` without subgroups.
     pub subgroup: Option<[u32; 2]>,
-    /// Whether shaders may use f64.
+    /// Whether shaders can use f64.
     pub f64: bool,
-    /// Largest storage buffer a shader can bind, bytes.
+    /// The largest storage buffer a shader can bind, in bytes.
     pub max_binding: u64,
-    /// Largest buffer, bytes.
+    /// The largest buffer, in bytes.
     pub max_buffer: u64,
 }
 
 impl AdapterSummary {
-    /// How invocations of this adapter share the spheres they load. Software adapters load a shared address lane by lane, so
-    /// there one load per subgroup pays; a broadcast from a constant lane is cheaper than a shuffle, but needs to know the
-    /// subgroup's size.
+    /// How invocations on this adapter share loaded spheres. Software adapters load a shared address once per lane, so
+    /// one load per subgroup is faster there. A broadcast from a constant lane is cheaper than a shuffle but requires a
+    /// known subgroup size.
     pub(crate) fn sharing(&self) -> Sharing {
         match self.subgroup {
             _ if self.kind != "software" => Sharing::None,
@@ -42,37 +42,37 @@ impl AdapterSummary {
         }
     }
 
-    /// What a caller's own device tells of itself.
+    /// The description of a device that the caller opened.
     pub(crate) fn of_device(device: &wgpu::Device) -> Self {
         summary(0, device.adapter_info(), device.features(), &device.limits())
     }
 }
 
-/// An adapter and what is said of it.
-pub(crate) struct Found {
+/// An adapter and its description.
+pub(crate) struct FoundAdapter {
     pub(crate) adapter: wgpu::Adapter,
     pub(crate) summary: AdapterSummary,
 }
 
-/// Every adapter of the backends that WGPU_BACKEND admits, hardware before software.
-pub(crate) fn find() -> Result<Vec<Found>> {
+/// Every adapter of the backends that WGPU_BACKEND selects, hardware before software.
+pub(crate) fn find() -> Result<Vec<FoundAdapter>> {
     let wanted = wgpu::Backends::from_env();
     if wanted.is_some_and(|b| b.is_empty()) {
         let asked = std::env::var("WGPU_BACKEND").unwrap_or_default();
-        let problem = format!("WGPU_BACKEND={asked} names no backend");
+        let problem = format!("WGPU_BACKEND={asked} is not a backend");
         return Err(Error::Adapter { problem, mend: "name vulkan, metal or dx12, or leave it unset".into() });
     }
     let backends = wanted.unwrap_or(wgpu::Backends::PRIMARY);
     let descriptor = wgpu::InstanceDescriptor {
         backends,
-        // Not the build's default: a debug build must not look for validation layers on a user's machine.
+        // The flags of a debug build would search for validation layers on the user's machine.
         flags: wgpu::InstanceFlags::empty().with_env(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     };
     let instance = wgpu::Instance::new(descriptor);
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
-    let found = |(index, adapter): (usize, wgpu::Adapter)| Found {
+    let found = |(index, adapter): (usize, wgpu::Adapter)| FoundAdapter {
         summary: summary(index, adapter.get_info(), adapter.features(), &adapter.limits()),
         adapter,
     };
@@ -82,7 +82,7 @@ pub(crate) fn find() -> Result<Vec<Found>> {
 /// Every adapter, in the order of their indices.
 ///
 /// # Errors
-/// [`Error::Adapter`] when WGPU_BACKEND names no backend.
+/// [`Error::Adapter`] if WGPU_BACKEND names an unknown backend.
 pub fn adapters() -> Result<Vec<AdapterSummary>> {
     Ok(find()?.into_iter().map(|found| found.summary).collect())
 }
@@ -120,13 +120,13 @@ fn summary(index: usize, info: wgpu::AdapterInfo, features: wgpu::Features, limi
     }
 }
 
-/// Chooses among what was found: by index, by a part of the name in any case, or the first.
-/// `None` when nothing was asked for and nothing is there.
-pub(crate) fn choose(mut found: Vec<Found>, asked: Option<&str>) -> Result<Option<Found>> {
+/// Selects an adapter by index, by part of its name (ignoring case), or the first. `None` if no adapter was requested
+/// and none exists.
+pub(crate) fn choose(mut found: Vec<FoundAdapter>, asked: Option<&str>) -> Result<Option<FoundAdapter>> {
     let Some(asked) = asked else {
         return Ok(if found.is_empty() { None } else { Some(found.swap_remove(0)) });
     };
-    let by_name = |f: &Found| f.summary.name.to_lowercase().contains(&asked.to_lowercase());
+    let by_name = |f: &FoundAdapter| f.summary.name.to_lowercase().contains(&asked.to_lowercase());
     let place = match asked.parse::<usize>() {
         Ok(index) => (index < found.len()).then_some(index),
         Err(_) => found.iter().position(by_name),
@@ -139,13 +139,16 @@ pub(crate) fn choose(mut found: Vec<Found>, asked: Option<&str>) -> Result<Optio
         [] => format!("no adapter matches '{asked}': none was found"),
         list => format!("no adapter matches '{asked}'; found {}", list.join(", ")),
     };
-    Err(Error::Adapter { problem, mend: "name one of these by index or part of its name (halfline adapters)".into() })
+    Err(Error::Adapter {
+        problem,
+        mend: "give the index or part of the name of a listed adapter (see: halfline adapters)".into(),
+    })
 }
 
-/// The first adapter that opens. Why the others before it do not is added to `passed_over`.
+/// The first adapter that opens. The errors of those before it are added to `passed_over`.
 pub(crate) fn open_first(
-    found: Vec<Found>,
-    open: impl Fn(&Found) -> Result<Open>,
+    found: Vec<FoundAdapter>,
+    open: impl Fn(&FoundAdapter) -> Result<Open>,
     passed_over: &mut Vec<String>,
 ) -> Option<(Open, AdapterSummary)> {
     found.into_iter().find_map(|found| match open(&found) {
@@ -161,7 +164,7 @@ pub(crate) fn open_first(
     })
 }
 
-/// What to say when a GPU is demanded and there is none.
+/// The error when a GPU is required and there is none.
 pub(crate) fn none_found() -> Error {
     Error::Adapter {
         problem: "no Vulkan, Metal or DX12 adapter was found".into(),
@@ -173,29 +176,30 @@ pub(crate) fn none_found() -> Error {
 }
 
 impl Open {
-    /// Whether the buffers that kernels write can be read without a copy, and shall be.
+    /// Whether the output buffers can be read in place without a copy, and doing so is faster.
     pub(crate) fn is_direct(&self, summary: &AdapterSummary) -> bool {
         shares_memory(summary) && self.device.features().contains(DIRECT)
     }
 }
 
-/// A device with what its losing leaves behind.
+/// An open device, and the record of its loss.
 pub(crate) struct Open {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) lost: Arc<Mutex<Option<String>>>,
 }
 
-/// Lets the host read a kernel's own buffers where they lie.
+/// Lets the host map the output buffers of a kernel.
 const DIRECT: wgpu::Features = wgpu::Features::MAPPABLE_PRIMARY_BUFFERS;
 
-/// Whether the device's memory is the host's: elsewhere a kernel would write slowly what the host can read in place.
+/// Whether device and host share memory. If not, kernels would write slowly to memory that the host can map.
 fn shares_memory(summary: &AdapterSummary) -> bool {
     ["software", "integrated"].contains(&summary.kind)
 }
 
-/// Opens a device with all the adapter's limits and the features the kernels know how to use, and a clock for them.
-pub(crate) fn open(found: &Found) -> Result<Open> {
+/// Opens a device with all limits of the adapter and the features that kernels can use, and creates a clock if there is
+/// one.
+pub(crate) fn open(found: &FoundAdapter) -> Result<Open> {
     let wanted = wgpu::Features::SUBGROUP | wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
     let wanted = wanted | if shares_memory(&found.summary) { DIRECT } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
@@ -206,7 +210,7 @@ pub(crate) fn open(found: &Found) -> Result<Open> {
     };
     let (device, queue) =
         pollster::block_on(found.adapter.request_device(&descriptor)).map_err(|e| Error::Adapter {
-            problem: format!("{} does not open: {e}", found.summary.name),
+            problem: format!("{} cannot be opened: {e}", found.summary.name),
             mend: "choose another --adapter, or --backend cpu".into(),
         })?;
     let lost = Arc::new(Mutex::new(None));

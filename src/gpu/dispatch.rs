@@ -1,4 +1,4 @@
-//! One frame on the device: upload, dispatch band by band, read back.
+//! Rendering one frame on the device: upload, dispatch by bands, readback.
 
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
@@ -8,7 +8,7 @@ use crate::gpu::layout::{Binding, bindings, validate};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
-use crate::kernel::{Kernel, KernelOutput, Rays};
+use crate::kernel::{Kernel, KernelOutput, RaySource};
 use crate::raw::Raw;
 use crate::report::Timings;
 use crate::tile::TILE;
@@ -19,10 +19,10 @@ use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::time::Instant;
 
-/// Invocations in a workgroup, rays in a group; the same test.
+/// Invocations per workgroup, rays per group: a test checks that they are equal.
 pub(crate) const GROUP: u32 = 64;
 
-/// An opened device, its pipelines and its buffers, kept from frame to frame.
+/// An open device with its pipelines and buffers, kept between frames.
 pub(crate) struct Gpu {
     pub(crate) summary: AdapterSummary,
     pub(super) open: device::Open,
@@ -30,9 +30,9 @@ pub(crate) struct Gpu {
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
     clock: Option<Clock>,
-    /// What kernels write is read where it lies.
+    /// Output buffers are read in place.
     direct: bool,
-    /// Of kernels that have not run yet.
+    /// The budget for kernels that have not run yet.
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
 }
@@ -43,21 +43,21 @@ struct Pipeline {
     budget: SubmissionBudget,
 }
 
-/// What the kernels read besides the view, by the name of the binding.
+/// The inputs of kernels besides the view, by binding name.
 pub(crate) struct Input<'a> {
     pub(crate) view: &'a View,
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     /// Records of given rays; empty for viewing rays.
     pub(crate) rays: &'a [crate::ray::RayRecord],
-    /// What the tiles' rays are asked instead of the view's spheres.
+    /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
-    /// What given rays walk.
+    /// The tree that given rays traverse.
     pub(crate) tree: Option<&'a Tree>,
 }
 
 impl Input<'_> {
-    /// The view, and how many spheres every ray is asked.
+    /// The view record, with the number of spheres that every ray tests.
     fn record(&self) -> ViewRecord {
         let record = self.view.record;
         match &self.candidates {
@@ -69,7 +69,7 @@ impl Input<'_> {
     }
 }
 
-/// What a run leaves behind.
+/// The results of a run.
 pub(crate) struct Output<'a> {
     pub(crate) raw: &'a mut Raw,
     pub(crate) timings: &'a mut Timings,
@@ -94,7 +94,8 @@ impl Gpu {
         }
     }
 
-    /// Fills `output` by `kernel`. `go_on` is told before every band how many pixels are done, and ends the work by a `false`.
+    /// Fills `output` by `kernel`. `go_on` is called before every band with the number of completed pixels; `false`
+    /// stops.
     pub(crate) fn run(
         &mut self,
         kernel: &Kernel,
@@ -105,17 +106,17 @@ impl Gpu {
         self.guarded(|gpu| gpu.run_unguarded(kernel, input, output, go_on))
     }
 
-    /// Whether kernels are timed.
+    /// Whether kernel times are measured.
     pub(crate) fn has_clock(&self) -> bool {
         self.clock.is_some()
     }
 
-    /// How long kernels ran since this was last asked, milliseconds by the device's clock, if it has one.
+    /// Kernel time since the last call, in milliseconds by the device's clock, if it has one.
     pub(crate) fn kernel_ms(&mut self) -> Option<f64> {
         self.clock.as_mut().map(Clock::take)
     }
 
-    /// Does `work` and turns what the device complains of meanwhile into errors of ours.
+    /// Runs `work` and converts errors that the device reports meanwhile.
     pub(super) fn guarded<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T>) -> Result<T> {
         let device = self.open.device.clone();
         let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation]
@@ -132,11 +133,11 @@ impl Gpu {
             None => outcome,
             Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::Limits {
                 problem: format!("{} is out of memory", self.summary.name),
-                mend: "render fewer spheres or a smaller --size".into(),
+                mend: "render fewer spheres, or use a smaller --size".into(),
             }),
             Some(error) => Err(Error::Adapter {
-                problem: format!("{} refused the work: {error}", self.summary.name),
-                mend: "choose another --adapter or --backend cpu, and report it".into(),
+                problem: format!("{} failed: {error}", self.summary.name),
+                mend: "use another --adapter or --backend cpu, and report this as a bug".into(),
             }),
         }
     }
@@ -164,7 +165,7 @@ impl Gpu {
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
             timings.time("trace", || self.dispatch(kernel, &record, &band))?;
-            // The wall clock counts uploads that the submission waited for, and the first time the driver's compiler.
+            // Wall time includes the uploads before the submission, and for the first band the driver's compile time.
             let clocked = self.clock.as_ref().and_then(Clock::last).map(|ms| ms * 1e-3);
             let seconds = clocked.unwrap_or_else(|| start.elapsed().as_secs_f64());
             tracing::debug!(band.first, band.count, tests, seconds, "submitted");
@@ -176,14 +177,14 @@ impl Gpu {
         Ok(())
     }
 
-    /// Refuses, before any work, what the adapter cannot hold.
+    /// Checks the adapter's limits before any work.
     fn check_limits(&self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
         let (record, reach) = (&input.view.record, BindingLimits::from(&self.limits));
         let (largest, fit) = (reach.binding, reach.spheres(kernel, input));
         if u64::from(record.spheres) > fit {
             return Err(Error::Limits {
                 problem: format!(
-                    "{} spheres are more than {} can hold for this image, which binds {largest} bytes",
+                    "{} spheres exceed what {} can bind for this image ({largest} bytes per binding)",
                     record.spheres, self.summary.name
                 ),
                 mend: format!("render at most {fit} spheres, or use --backend cpu"),
@@ -191,10 +192,10 @@ impl Gpu {
         }
         let widest = (self.limits.max_compute_workgroups_per_dimension * TILE)
             .min((largest / (3 * 4 * u64::from(TILE))).min(u64::from(u32::MAX)) as u32);
-        if kernel.rays == Rays::Camera && record.columns > widest {
+        if kernel.rays == RaySource::Camera && record.columns > widest {
             return Err(Error::Limits {
                 problem: format!(
-                    "{} columns are more than {} can write in one dispatch",
+                    "{} columns exceed what {} can write in one dispatch",
                     record.columns, self.summary.name
                 ),
                 mend: format!("render at most {widest} columns, or use --backend cpu"),
@@ -234,7 +235,7 @@ impl Gpu {
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
         let (record, pixels, groups) = match kernel.rays {
-            Rays::Camera => {
+            RaySource::Camera => {
                 let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
                 let [columns, rows] = record.tiles().map(|[first, last]| last - first + 1);
                 (record, record.pixels() as u64, (columns, rows))
@@ -256,7 +257,7 @@ impl Gpu {
         self.submit(kernel, pixels, groups)
     }
 
-    /// One dispatch, and copies of what it wrote to where they can be read.
+    /// One dispatch, with copies of the outputs to buffers that can be mapped.
     pub(super) fn submit(&mut self, kernel: &Kernel, pixels: u64, groups: (u32, u32)) -> Result<()> {
         let pipeline = &self.pipelines[kernel];
         let entries: Vec<_> = pipeline
@@ -298,7 +299,7 @@ impl Gpu {
     }
 
     fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
-        let row = if kernel.rays == Rays::Camera { record.columns as usize } else { 1 };
+        let row = if kernel.rays == RaySource::Camera { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
         let from = |output: &KernelOutput| if self.direct { output.name } else { output.staging };
         let read: Vec<_> = KernelOutput::of(kernel).collect();
@@ -322,22 +323,25 @@ impl Gpu {
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
 
-    /// The part of a buffer that belongs to this dispatch: buffers are kept, so they may be larger.
+    /// The part of a buffer that this dispatch uses. Buffers are kept between frames, so they may be larger.
     fn bound(&self, name: &'static str, kernel: &Kernel, pixels: u64) -> wgpu::BindingResource<'_> {
         let buffer = &self.buffers[name];
         let size = KernelOutput::of(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
     }
 
-    /// Refuses a buffer that the adapter cannot bind.
+    /// Checks that the adapter can bind a buffer of this size.
     pub(super) fn check_size(&self, name: &str, bytes: u64) -> Result<()> {
         let largest = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
         if bytes <= largest {
             return Ok(());
         }
         Err(Error::Limits {
-            problem: format!("{bytes} bytes of {name} are more than {} binds ({largest})", self.summary.name),
-            mend: "render fewer at a time, or use --backend cpu".into(),
+            problem: format!(
+                "{bytes} bytes of {name} exceed the largest binding of {} ({largest} bytes)",
+                self.summary.name
+            ),
+            mend: "render fewer spheres or rays at a time, or use --backend cpu".into(),
         })
     }
 
@@ -345,11 +349,12 @@ impl Gpu {
         self.fill_parts(name, &[bytes])
     }
 
-    /// Parts one after the other; each a multiple of four bytes.
+    /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
         let uniform = ["view", "projection"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-        // A binding may not be empty; the kernels count, so what is not written is never looked at.
+        // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
+        // read.
         let size = parts.iter().map(|part| part.len() as u64).sum::<u64>().max(SMALLEST);
         self.check_size(name, size)?;
         self.reserve(name, size, usage | wgpu::BufferUsages::COPY_DST);
@@ -369,15 +374,15 @@ impl Gpu {
     }
 }
 
-/// Bytes of the smallest buffer: room for one record of any kind.
+/// Size of the smallest buffer in bytes: enough for one record of any kind.
 const SMALLEST: u64 = 64;
 
-/// The first bytes of a buffer that was mapped for reading.
+/// The first `size` bytes of a buffer that was mapped for reading.
 fn mapped(buffer: &wgpu::Buffer, size: u64) -> Result<wgpu::BufferView> {
     buffer.get_mapped_range(0..size).map_err(|e| Error::DeviceLost(format!("a buffer cannot be read back: {e}")))
 }
 
-/// What a buffer is for that the host reads.
+/// The usage of buffers that the host reads.
 pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
 #[cfg(test)]
@@ -393,7 +398,7 @@ mod tests {
     use crate::tile_candidates::TileCandidates;
     use std::path::Path;
 
-    /// Whichever way invocations share the spheres they load, the answers are the same bits.
+    /// All ways of sharing loaded spheres give the same bits.
     #[test]
     fn every_way_of_sharing_gives_the_same_frame() {
         let Some(found) = crate::testing::adapter_or_skip() else { return };
@@ -402,7 +407,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
         let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
         (scene.image.width, scene.image.height) = (131, 74);
-        // The low parts are there for those that read them.
+        // Includes the low parts for the kernels that read them.
         let mut view = View::new(&scene).expect("a view");
         view.keep_residuals(&scene.spheres.centers, &scene.spheres.radii);
         let binned = BinnedScene::new(&scene, &view, 1e-6, &crate::certify::TERMS, 0, &Pool::default())
@@ -426,7 +431,7 @@ mod tests {
             let certified = Kernel { certify: true, generals: true, depth_interval: true, ..kernel };
             let tiles = |kernel| Kernel { tiles: true, ..kernel };
             let mut raws = Vec::new();
-            // A second normal in better arithmetic takes SwiftShader ten seconds to compile.
+            // SwiftShader takes ten seconds to compile a second normal in wider arithmetic.
             let wide = |method| Kernel { method, shade: Some(Shade::Flat), ..kernel };
             let f64 = gpu.summary.f64.then(|| wide(Method::Native64));
             let all = [kernel, certified, wide(Method::DoubleFloat)].into_iter().chain(f64);

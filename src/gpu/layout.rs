@@ -1,4 +1,4 @@
-//! What naga reads out of a shader: the one declaration of every binding.
+//! The bindings that naga finds in a shader; the shaders are their only declaration.
 
 use crate::error::{Error, Result};
 use crate::gpu::compose::Source;
@@ -15,7 +15,7 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// The buffers that kernels read, by their names in WGSL; the last two are the self-test's.
+/// The input buffers of kernels, by their WGSL names; the last two belong to the self-test.
 const INPUTS: [&str; 13] = [
     "view",
     "spheres",
@@ -32,16 +32,16 @@ const INPUTS: [&str; 13] = [
     "answers",
 ];
 
-/// Every buffer that any shader binds, by its name in WGSL. Its number is its place here.
+/// Every buffer that a shader binds, by its WGSL name. The binding number is the index in this list.
 pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
     INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
 }
 
-/// Parses and validates a composed shader with the capabilities the device will have.
+/// Parses and validates a composed shader with the capabilities of the device.
 pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
     let broken = |message: String| Error::Adapter {
-        problem: format!("a shader of this build is broken: {message}"),
-        mend: "report it".into(),
+        problem: format!("a built-in shader does not compile: {message}"),
+        mend: "report this as a bug".into(),
     };
     let module = naga::front::wgsl::parse_str(&source.text)
         .map_err(|e| broken(source.explain(e.location(&source.text), e.message())))?;
@@ -52,7 +52,7 @@ pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(n
     Ok((module, info))
 }
 
-/// The bindings the entry point uses.
+/// The bindings that the entry point uses.
 pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) -> Vec<Binding> {
     let used = info.get_entry_point(0);
     let named = |(handle, global): (naga::Handle<naga::GlobalVariable>, &naga::GlobalVariable)| {
@@ -63,7 +63,7 @@ pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) ->
     module.global_variables.iter().filter_map(named).collect()
 }
 
-/// What the device will have when it runs `kernel`: validated with nothing more.
+/// The capabilities that `kernel` requires; it is validated with no others.
 pub(crate) fn capabilities(kernel: &Kernel) -> Capabilities {
     let wide = kernel.is_wide() && kernel.method == Method::Native64;
     let wide = if wide { Capabilities::FLOAT64 } else { Capabilities::empty() };
@@ -79,7 +79,7 @@ mod tests {
     use crate::gpu::compose::{Part, compose, files, parts};
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
-    use crate::kernel::{Rays, Sharing};
+    use crate::kernel::{RaySource, Sharing};
     use crate::ray::NONE;
     use crate::ray::RayRecord;
     use crate::shade::Shade;
@@ -89,12 +89,13 @@ mod tests {
     use std::collections::BTreeSet;
     use std::mem::offset_of;
 
-    /// Every kernel that any plan can ask for.
+    /// Every kernel that a plan can select.
     fn kernels() -> Vec<Kernel> {
         let both = [false, true];
         let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
-        let camera = Sharing::ALL.map(|sharing| (Rays::Camera, sharing, false));
-        let given = [Rays::SharedOrigin, Rays::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
+        let camera = Sharing::ALL.map(|sharing| (RaySource::Camera, sharing, false));
+        let given =
+            [RaySource::SharedOrigin, RaySource::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
         let mut kernels = Vec::new();
         let plain =
             both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, false)));
@@ -119,12 +120,12 @@ mod tests {
                             tree,
                             samples: false,
                         };
-                        kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == Rays::Camera));
+                        kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == RaySource::Camera));
                     }
                 }
             }
         }
-        let samples = |k: &&Kernel| k.rays == Rays::Camera && !k.t && !k.normal;
+        let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
         kernels
@@ -151,7 +152,7 @@ mod tests {
         for kernel in kernels() {
             let (module, info) = module(&kernel);
             let bound: BTreeSet<_> = bindings(&module, &info).into_iter().map(|b| b.name).collect();
-            let given = kernel.rays != Rays::Camera;
+            let given = kernel.rays != RaySource::Camera;
             let (certify, tiles) = (kernel.certify, kernel.tiles);
             let wanted: BTreeSet<_> = [
                 (true, "view"),
@@ -169,7 +170,7 @@ mod tests {
                 (given, "rays"),
                 (kernel.tree, "nodes"),
                 (kernel.tree, "order"),
-                (kernel.rays == Rays::Spread || kernel.is_wide(), "residuals"),
+                (kernel.rays == RaySource::Spread || kernel.is_wide(), "residuals"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
@@ -197,8 +198,9 @@ mod tests {
 
     #[test]
     fn structs_have_one_layout_on_both_sides() {
-        let any = Kernel { rays: Rays::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
-        let (certified, _) = module(&Kernel { rays: Rays::Camera, certify: true, generals: true, tree: false, ..any });
+        let any = Kernel { rays: RaySource::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
+        let (certified, _) =
+            module(&Kernel { rays: RaySource::Camera, certify: true, generals: true, tree: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -230,7 +232,7 @@ mod tests {
         assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));
     }
 
-    /// The constants of the proof have one value on both sides, and no other constant is in their file.
+    /// The constants of the proof are equal on both sides, and their file contains no others.
     #[test]
     fn the_constants_of_the_proof_are_those_of_the_twin() {
         let (module, _) = module(&Kernel { certify: true, generals: true, ..Kernel::bare(Method::Stable) });
@@ -242,7 +244,7 @@ mod tests {
         assert_eq!(count, crate::certify::constants::ALL.len());
     }
 
-    /// What is not named is 0, 1, or the 2 of a square of a sum: every other number of the proof is a constant.
+    /// Every number in the proof is a named constant, except 0, 1 and the 2 of a squared sum.
     #[test]
     fn no_number_of_the_proof_is_without_a_name() {
         let all = kernels();
@@ -258,7 +260,7 @@ mod tests {
         assert!(seen.len() > 5, "{seen:?}");
     }
 
-    /// Every file is part of some kernel or of the self-test, and every name is that of a file.
+    /// Every file is part of a kernel or of the self-test, and every name refers to a file.
     #[test]
     fn every_file_is_used() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
@@ -284,7 +286,7 @@ mod tests {
             let (module, _) = module(&kernel);
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
             assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
-            if kernel.rays == Rays::Camera {
+            if kernel.rays == RaySource::Camera {
                 assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
         }
@@ -302,7 +304,7 @@ mod tests {
         assert!(error.contains("shaders/main/viewing_rays.wgsl:2:1"), "{error}");
     }
 
-    /// Name and offset of each member, and the size, of a struct in WGSL.
+    /// The name and offset of each member, and the size, of a WGSL struct.
     fn members<'a>(module: &'a naga::Module, name: &str) -> (Vec<(&'a str, usize)>, usize) {
         let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
         match &found.expect("the struct is declared").1.inner {

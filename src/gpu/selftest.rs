@@ -1,6 +1,6 @@
-//! What an adapter's arithmetic is, measured. WGSL promises little (no rounding direction, reassociation and fusion
-//! allowed, subnormals flushed at will) and drivers use the freedom, so nothing that needs more than the promise runs
-//! before this test of the very adapter, driver and shader text has passed.
+//! Measures the arithmetic of an adapter. WGSL guarantees little: rounding direction is unspecified, reassociation and
+//! fusion are allowed, subnormals may be flushed, and drivers make use of this. A method that needs more than the
+//! guarantee runs only after this test has passed for the same adapter, driver and shader text.
 
 mod cache;
 mod cases;
@@ -22,15 +22,15 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// One thing that was tried on the adapter.
+/// One check of the adapter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
-    /// What was tried.
+    /// The operation that was checked.
     pub name: String,
-    /// Whether every case came out as it should. Not every check must pass: a plain TwoSum is expected to fail where
-    /// compilers reassociate, which they may.
+    /// Whether every case gave the expected result. Some checks may fail: a plain TwoSum fails where the compiler
+    /// reassociates, which WGSL allows.
     pub passed: bool,
-    /// The numbers: cases, how many were wrong, largest errors.
+    /// The figures: cases, wrong results, largest errors.
     pub detail: BTreeMap<String, f64>,
 }
 
@@ -42,28 +42,28 @@ pub enum Rounding {
     NearestEven,
     /// Toward zero.
     TowardZero,
-    /// Neither, or now one and now the other.
+    /// Neither, or not consistently.
     Other,
 }
 
-/// Whether an arithmetic beyond f32 may be used, and if not, why.
+/// Whether an arithmetic wider than f32 can be used.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Usable {
-    /// How it is done where it can be used; `None` where it cannot.
+    /// The implementation, if it can be used.
     pub by: Option<String>,
-    /// Why it cannot be used.
+    /// The reason, if it cannot.
     pub reason: Option<String>,
-    /// Largest error seen: f64 in ulps away from IEEE 754, double-float in units of 2^-48 of the result.
+    /// Largest observed error: for f64 in ulps from IEEE 754, for double-float in units of 2^-48 of the result.
     pub worst: f64,
 }
 
-/// What an adapter's arithmetic was measured to be.
+/// The measured arithmetic of an adapter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// f32 as WGSL promises it and the certificate needs it: + - * within one rounding either way, no distribution of
-    /// products over differences, division within 2.5 ulp, square root within 4.6 u (u = 2^-23).
+    /// Whether f32 satisfies what WGSL guarantees and the certificate requires: + - * rounded in either direction, no
+    /// distribution of products over differences, division within 2.5 ulp, square root within 4.6 u (u = 2^-23).
     pub f32: bool,
-    /// The production kernels gave the bits of their CPU twins.
+    /// Whether the production kernels give the bits of their CPU twins.
     pub strict_twin: bool,
     /// How sums round.
     pub rounding: Rounding,
@@ -73,20 +73,20 @@ pub struct Verdict {
     pub sqrt_ulp: f64,
     /// Largest error of f32 inverseSqrt, ulp.
     pub inverse_sqrt_ulp: f64,
-    /// Whether arithmetic takes subnormals for zero or makes zeros of them.
+    /// Whether arithmetic reads subnormals as zero or writes zero instead of them.
     pub flushes_subnormals: bool,
-    /// Sums of two f32.
+    /// Double-float: unevaluated sums of two f32.
     pub double_float: Usable,
     /// f64 in shaders.
     pub f64: Usable,
-    /// Everything that was tried.
+    /// Every check.
     pub checks: Vec<Check>,
-    /// How long the test took on the adapter and the host, milliseconds.
+    /// Duration of the test on the adapter and the host, in milliseconds.
     pub milliseconds: f64,
 }
 
 impl Verdict {
-    /// It in words, a few lines.
+    /// A summary of a few lines.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let f32 = if self.f32 { "as WGSL promises" } else { "NOT AS WGSL PROMISES" };
@@ -113,27 +113,27 @@ impl Verdict {
     }
 }
 
-/// Division's largest error that WGSL allows, ulp.
+/// The largest error of division that WGSL allows, in ulps.
 const DIV_ULP: f64 = 2.5;
 
-/// sqrt's: 1/inverseSqrt, 2 and 2.5 ulp, and their product.
+/// The largest error of sqrt: 1/inverseSqrt, 2 and 2.5 ulp, and their product.
 const SQRT_ULP: f64 = 4.6;
 
-/// What the judges read from a trial's cases and answers.
-type Judge = fn(&[u32], &[u32]) -> Vec<Check>;
+/// Evaluates the cases and answers of a trial.
+type Evaluate = fn(&[u32], &[u32]) -> Vec<Check>;
 
-/// One shader of the test, its cases and who judges the answers.
+/// One shader of the test, its cases and the function that evaluates its answers.
 pub(super) struct Trial {
     name: &'static str,
     pub(super) parts: Vec<Part>,
     capabilities: Capabilities,
-    /// 32-bit words per case and per answer; the shader declares them in numbers of its own size.
+    /// 32-bit words per case and per answer; the shader declares them in its own number type.
     words: [usize; 2],
     cases: Vec<u32>,
-    judge: Judge,
+    judge: Evaluate,
 }
 
-/// The trials that an adapter with or without f64 can run.
+/// The trials for an adapter with or without f64.
 pub(super) fn trials(f64: bool) -> Vec<Trial> {
     let trial = |name, own: Vec<Part>, words, cases, judge| Trial {
         name,
@@ -160,10 +160,10 @@ pub(super) fn trials(f64: bool) -> Vec<Trial> {
 }
 
 impl Gpu {
-    /// What this adapter's arithmetic was measured to be: now, earlier by this process, or in the user's cache.
+    /// The verdict on this adapter's arithmetic: measured now, earlier in this process, or read from the user's cache.
     ///
     /// # Errors
-    /// What the device refuses; a failed expectation is no error but part of the verdict.
+    /// Errors of the device. A failed check is not an error but part of the verdict.
     pub(crate) fn verdict(&mut self) -> Result<&Verdict> {
         if self.verdict.is_none() {
             let key = self.key();
@@ -175,10 +175,11 @@ impl Gpu {
         self.verdict.as_ref().ok_or_else(nothing_measured)
     }
 
-    /// Whether `method` may run here: one that needs more than WGSL promises runs where it was measured to be right.
+    /// Checks that `method` can be used here. A method that needs more than WGSL guarantees requires a passed
+    /// self-test.
     ///
     /// # Errors
-    /// [`Error::Accuracy`] with the reason where it may not, and what the measurement runs into.
+    /// [`Error::Accuracy`] with the reason if it cannot, and the errors of the self-test.
     pub(crate) fn check_method(&mut self, method: Method) -> Result<()> {
         let reason = match method {
             Method::Native64 if !self.has_f64() => no_f64().reason,
@@ -195,14 +196,14 @@ impl Gpu {
         }
     }
 
-    /// Measures, whatever is known, and remembers.
+    /// Measures again, ignoring the cache, and stores the verdict.
     pub(crate) fn retest(&mut self) -> Result<&Verdict> {
         let verdict = self.measure()?;
         cache::write(cache::folder(), &self.summary, &self.key(), &verdict);
         Ok(self.verdict.insert(verdict))
     }
 
-    /// As if the self-test of f32 had failed.
+    /// Makes the verdict that of a failed f32 self-test.
     #[cfg(test)]
     pub(crate) fn distrust(&mut self) {
         if let Some(verdict) = &mut self.verdict {
@@ -225,7 +226,7 @@ impl Gpu {
         self.open.device.features().contains(wgpu::Features::SHADER_F64)
     }
 
-    /// All that the verdict depends on.
+    /// Everything that the verdict depends on.
     fn key(&self) -> String {
         let mut text = blake3::Hasher::new();
         for trial in trials(true) {
@@ -248,7 +249,7 @@ impl Gpu {
         )
     }
 
-    /// Runs a trial's shader over its cases.
+    /// Runs a trial's shader on its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
         let source = Source::new(trial.parts.iter().cloned());
         validate(&source, trial.capabilities)?;
@@ -310,18 +311,18 @@ impl Gpu {
 }
 
 fn nothing_measured() -> Error {
-    Error::Adapter { problem: "the self-test measured nothing".into(), mend: "report it".into() }
+    Error::Adapter { problem: "the self-test measured nothing".into(), mend: "report this as a bug".into() }
 }
 
 fn no_f64() -> Usable {
     Usable { by: None, reason: Some("its shaders have no f64".into()), worst: 0.0 }
 }
 
-/// The verdict that the checks add up to.
+/// The verdict from all checks.
 fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
     let find = |name: &str| checks.iter().find(|check| check.name == name);
     let passed = |name: &str| find(name).is_some_and(|check| check.passed);
-    // A number that was not measured must not look good.
+    // A number that was not measured counts as the worst value.
     let number = |name: &str, of: &str| find(name).and_then(|c| c.detail.get(of)).copied().unwrap_or(f64::MAX);
     let (div_ulp, sqrt_ulp) = (number("f32 division", "ulp"), number("f32 sqrt", "ulp"));
     let failed = |names: &[&str]| {
@@ -356,14 +357,14 @@ fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
     }
 }
 
-/// Measures every adapter, or takes the verdict from the user's cache unless `again`; in the order of
-/// [`adapters`](crate::adapters). An adapter that does not open, or loses the device, has its own error.
+/// Measures every adapter, or reads the verdict from the user's cache unless `again`, in the order of
+/// [`adapters`](crate::adapters). An adapter that cannot be opened, or loses the device, has an error of its own.
 ///
 /// # Errors
-/// [`Error::Adapter`] when WGPU_BACKEND names no backend.
+/// [`Error::Adapter`] if WGPU_BACKEND names an unknown backend.
 pub fn verdicts(again: bool) -> Result<Vec<Result<Verdict>>> {
     use crate::gpu::device;
-    let measure = |found: device::Found| {
+    let measure = |found: device::FoundAdapter| {
         let mut gpu = Gpu::new(device::open(&found)?, found.summary);
         if again { gpu.retest().cloned() } else { gpu.verdict().cloned() }
     };

@@ -1,32 +1,31 @@
-//! How much the device is given at once: a submission is bounded in time, because systems end what takes long.
+//! The budget of a submission: its duration is bounded, because operating systems reset a device that does not respond.
 
-/// No submission shall take longer than this, seconds. Windows resets a device that does not answer for 2 s (TDR), Linux
-/// drivers for some 2 to 10 s, and until then nothing else is drawn; a band may be a few times as heavy as the one before.
+/// Upper bound of a submission's duration in seconds. Windows resets a device after 2 s without a response (TDR), Linux
+/// drivers after some 2 to 10 s, and the display is not updated meanwhile. A band may cost a few times its estimate.
 const BOUND: f64 = 0.5;
 
-/// What a band is cut for where more than one is needed, seconds.
+/// Target duration of a band, if more than one is needed, in seconds.
 const AIM: f64 = BOUND / 2.0;
 
-/// Ray-sphere tests, at the price of `stable`, that a kernel is given before its speed is known: half a second of software
-/// on two cores, and milliseconds of hardware.
+/// Ray-sphere tests, at the cost of `stable`, in the first submission, when the kernel's speed is still unknown. They
+/// take half a second in software on two cores, and milliseconds on hardware.
 const FIRST: f64 = (1u64 << 29) as f64;
 
-/// A band is at most so many times as heavy as one that was seen to end in time.
+/// Upper bound of a band's cost relative to one that completed in time.
 const GROWTH: f64 = 16.0;
 
-/// What a pixel costs besides the spheres it asks, in tests: its ray, its answers, its colour. On lavapipe a certified
-/// frame of 1024 x 1024 whose tiles list eight spheres takes 60 ms.
+/// The cost of a pixel besides its ray-sphere tests, in tests: its ray, outputs and colour. On lavapipe a certified
+/// frame of 1024 x 1024 with eight spheres per tile takes 60 ms.
 pub(super) const PIXEL: f64 = 64.0;
 
-/// How fast a kernel is on this device, as far as it has been seen. It bounds how much is submitted, and nothing else: the
-/// answers do not depend on it.
+/// The measured speed of a kernel on this device. It limits the size of submissions and does not affect the answers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SubmissionBudget {
-    /// Of the last band.
+    /// The speed of the last band.
     seconds_per_test: Option<f64>,
-    /// What may be submitted whatever the speed.
+    /// The cost that may be submitted at any speed.
     trusted: f64,
-    /// [`BOUND`], but for tests.
+    /// [`BOUND`]; tests use others.
     bound: f64,
 }
 
@@ -37,20 +36,20 @@ impl Default for SubmissionBudget {
 }
 
 impl SubmissionBudget {
-    /// A budget at which only the smallest band is submitted at once.
+    /// A budget that admits only the smallest band.
     #[cfg(test)]
     pub(crate) fn minimal() -> Self {
         Self { seconds_per_test: Some(1.0), trusted: 0.0, bound: 0.0 }
     }
 
-    /// Tests that the next band may have, of `left`.
+    /// The tests that the next band may cost, out of `left`.
     pub(super) fn next(&self, left: f64) -> f64 {
         let Some(seconds) = self.seconds_per_test else { return self.trusted };
         let aim = if left * seconds <= self.bound { left } else { AIM.min(self.bound) / seconds };
         aim.min(self.trusted)
     }
 
-    /// A band of so many tests took so long: by the device's clock, or by the host's where there is none.
+    /// Records that a band of `tests` took `seconds`, by the device's clock if there is one, else by the host's.
     pub(super) fn took(&mut self, tests: f64, seconds: f64) {
         self.seconds_per_test = Some(seconds / tests.max(1.0));
         if seconds <= self.bound {
@@ -63,7 +62,7 @@ impl SubmissionBudget {
 mod tests {
     use super::*;
 
-    /// Submits `tests` to a device that does `speed` of them a second; how long each submission took.
+    /// Submits `tests` to a device that performs `speed` of them per second; the durations of the submissions.
     fn submit(budget: &mut SubmissionBudget, tests: f64, speed: f64) -> Vec<f64> {
         let mut times = Vec::new();
         let mut left = tests;

@@ -146,7 +146,7 @@ fn an_adapter_that_does_not_open_is_skipped() {
     let Some(_) = adapter_or_skip() else { return };
     let found = || device::find().expect("adapters");
     let count = found().len();
-    let shut = |found: &device::Found| -> Result<device::Open, Error> {
+    let shut = |found: &device::FoundAdapter| -> Result<device::Open, Error> {
         let problem = format!("{} does not open: it is a test", found.summary.name);
         Err(Error::Adapter { problem, mend: String::new() })
     };
@@ -158,7 +158,7 @@ fn an_adapter_that_does_not_open_is_skipped() {
     );
     let first = Cell::new(true);
     let all = found().into_iter().chain(found()).collect();
-    let open = |found: &device::Found| if first.replace(false) { shut(found) } else { device::open(found) };
+    let open = |found: &device::FoundAdapter| if first.replace(false) { shut(found) } else { device::open(found) };
     passed_over.clear();
     assert!(device::open_first(all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
 }

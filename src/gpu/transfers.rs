@@ -1,25 +1,25 @@
-//! What goes to the device, what it writes, and in how many pieces: told by `halfline plan`, done by dispatch.rs.
+//! Uploads, readbacks and the division into bands: `halfline plan` prints them, dispatch.rs performs them.
 
 use super::dispatch::{GROUP, Input};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::error::Result;
-use crate::kernel::{Kernel, Rays};
+use crate::kernel::{Kernel, RaySource};
 use crate::tile::{CHUNK, TILE};
 use crate::tile_candidates::CandidateList;
 use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
 use std::ops::Range;
 
-/// What a ray that walks a tree is taken to ask: far more than where spheres are apart, far less than where all overlap.
+/// Assumed tests per ray that traverses a tree: far more than for disjoint spheres, far fewer than if all overlap.
 const TREE_TESTS: f64 = (1 << 12) as f64;
 
-/// What an adapter can take at once.
+/// The limits of an adapter's bindings and dispatches.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BindingLimits {
-    /// Bytes in one binding.
+    /// Largest binding in bytes.
     pub(crate) binding: u64,
-    /// Workgroups along one dimension of a dispatch.
+    /// Largest number of workgroups along one dimension of a dispatch.
     pub(crate) groups: u32,
 }
 
@@ -33,11 +33,12 @@ impl From<&wgpu::Limits> for BindingLimits {
 }
 
 impl BindingLimits {
-    /// How many spheres it can hold for this frame. All of a form's lie in one binding, and so do colours; of a certified
-    /// kernel's, those in the fullest row of tiles, so the number is what spheres spread like these would have room for.
+    /// The largest number of spheres for this frame. The records of a form, and the colours, must fit one binding. For
+    /// a certified kernel the lists of the fullest row of tiles must fit, so the number assumes spheres distributed
+    /// like these.
     pub(crate) fn spheres(&self, kernel: &Kernel, input: &Input<'_>) -> u64 {
         let of_colors = if kernel.colors { self.binding / size_of::<[f32; 3]>() as u64 } else { u64::MAX };
-        // Frames keep ids as i32.
+        // Frames store ids as i32.
         let most = of_colors.min(i32::MAX as u64);
         let Some(candidates) = &input.candidates else {
             return most.min(self.binding / size_of::<SphereRecord>() as u64);
@@ -57,24 +58,24 @@ pub(crate) struct Band {
 }
 
 impl Band {
-    /// Pixels of the window, or rays, that come before it.
+    /// Pixels of the window, or rays, before this band.
     pub(crate) fn before(&self, kernel: &Kernel, record: &ViewRecord) -> u64 {
         match kernel.rays {
-            Rays::Camera => u64::from(record.columns) * u64::from(self.first - record.first_row),
+            RaySource::Camera => u64::from(record.columns) * u64::from(self.first - record.first_row),
             _ => u64::from(self.first),
         }
     }
 }
 
-/// The rays in pieces that fit the adapter's bindings and its patience. The least piece is a row of tiles, or a group of
-/// given rays: one that takes too long by itself is submitted all the same.
+/// The division of the rays into bands that fit the adapter's bindings and the submission budget. The smallest band is
+/// a row of tiles or a group of given rays; it is submitted even if it exceeds the budget.
 pub(crate) struct Bands<'a> {
     kernel: &'a Kernel,
     input: &'a Input<'a>,
     limits: BindingLimits,
-    /// The first row or ray of all; bands begin at multiples of the least piece, so the first may be a part of one.
+    /// The first row or ray of all. Bands begin at multiples of the smallest band, so the first one may be shorter.
     start: u32,
-    /// The first one that is in no band yet, and the one past the last.
+    /// The first row or ray that is in no band yet, and the one past the last.
     first: u32,
     end: u32,
 }
@@ -83,7 +84,7 @@ impl<'a> Bands<'a> {
     pub(crate) fn new(kernel: &'a Kernel, input: &'a Input<'a>, limits: BindingLimits) -> Self {
         let record = &input.view.record;
         let (start, end) = match kernel.rays {
-            Rays::Camera => (record.first_row, record.first_row + record.rows),
+            RaySource::Camera => (record.first_row, record.first_row + record.rows),
             _ => (0, input.rays.len() as u32),
         };
         let mut bands = Self { kernel, input, limits, start, first: start, end };
@@ -91,7 +92,7 @@ impl<'a> Bands<'a> {
         bands
     }
 
-    /// The next one, as heavy as `budget` allows.
+    /// The next band, as large as `budget` allows.
     pub(crate) fn next(&mut self, budget: &SubmissionBudget) -> Option<Band> {
         let (first, left) = (self.first, self.end - self.first);
         if left == 0 {
@@ -112,15 +113,15 @@ impl<'a> Bands<'a> {
         Some(Band { first: first + cut, count: count - cut })
     }
 
-    /// Rows or rays that are never parted, and their pixels.
+    /// Rows or rays in the smallest band, and their pixels.
     fn unit(&self) -> (u32, u64) {
         match self.kernel.rays {
-            Rays::Camera => (TILE, u64::from(self.input.view.record.columns) * u64::from(TILE)),
+            RaySource::Camera => (TILE, u64::from(self.input.view.record.columns) * u64::from(TILE)),
             _ => (GROUP, u64::from(GROUP)),
         }
     }
 
-    /// How many of `most`, a unit or more, stay within `tests`.
+    /// How many of `most` rows or rays cost no more than `tests`, at least the smallest band.
     fn within(&self, first: u32, most: u32, tests: f64) -> u32 {
         let (unit, _) = self.unit();
         let (mut few, mut many) = (1, most.div_ceil(unit));
@@ -135,14 +136,14 @@ impl<'a> Bands<'a> {
         most.min(few * unit)
     }
 
-    /// What a band may cost at most, in ray-sphere tests of `stable`.
+    /// Upper bound of a band's cost, in ray-sphere tests of `stable`.
     pub(crate) fn tests(&self, band: &Band) -> f64 {
         let record = &self.input.view.record;
-        let width = if self.kernel.rays == Rays::Camera { record.columns } else { 1 };
+        let width = if self.kernel.rays == RaySource::Camera { record.columns } else { 1 };
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
         let all = match &self.input.candidates {
-            // A ray asks its tile's list and every general sphere.
+            // A ray tests its tile's list and every general sphere.
             Some(candidates) => {
                 let binned = candidates.binned();
                 let tile_candidates: u64 =
@@ -156,7 +157,7 @@ impl<'a> Bands<'a> {
     }
 }
 
-/// Rows from `first` on, no more than `most`, whose lists fit a binding; at least one row of tiles.
+/// Rows from `first` on, at most `most`, whose lists fit a binding; at least one row of tiles.
 fn rows_that_fit(candidates: &CandidateList<'_>, first: u32, most: u32, binding: u64) -> u32 {
     let mut rows = most;
     while rows > TILE && largest(candidates, &Band { first, count: rows }) > binding {
@@ -165,16 +166,16 @@ fn rows_that_fit(candidates: &CandidateList<'_>, first: u32, most: u32, binding:
     rows
 }
 
-/// Bytes of the largest binding that holds lists of a band.
+/// Size in bytes of the largest binding for the lists of a band.
 fn largest(candidates: &CandidateList<'_>, band: &Band) -> u64 {
     Entries::of(candidates, band).sizes(candidates).into_iter().map(|(_, bytes)| bytes).max().unwrap_or(0)
 }
 
 /// The list entries of a band.
 pub(crate) struct Entries {
-    /// Of every tile, counted from the band's first.
+    /// The list of every tile, relative to the band's first entry.
     tiles: Vec<[u32; 2]>,
-    /// Among all of the frame.
+    /// The range in the lists of the whole frame.
     all: Range<usize>,
 }
 
@@ -190,7 +191,7 @@ impl Entries {
         Self { tiles, all: first as usize..end as usize }
     }
 
-    /// What the rays of the band may meet, and its bytes, by the names of the bindings.
+    /// The sizes in bytes of a band's lists and records, by binding name.
     pub(crate) fn sizes(&self, candidates: &CandidateList<'_>) -> Vec<(&'static str, u64)> {
         let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
         let all = match candidates {
@@ -212,7 +213,7 @@ impl Entries {
         all.into_iter().map(|(name, bytes)| (name, bytes as u64)).collect()
     }
 
-    /// The bytes themselves, part by part; `upload` hears each binding.
+    /// The data of a band's bindings; `upload` is called for each binding with its parts.
     pub(crate) fn upload(
         mut self,
         candidates: &CandidateList<'_>,
@@ -229,7 +230,7 @@ impl Entries {
                 upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(chunk_min_depths)])
             }
             CandidateList::Uncertified(tile_candidates) => {
-                // The general spheres lie before the lists.
+                // The general spheres precede the lists.
                 let generals = tile_candidates.generals() as u32;
                 self.tiles.iter_mut().flatten().for_each(|n| *n += generals);
                 let limits = tile_candidates.limits(all.clone());
@@ -248,7 +249,7 @@ impl Entries {
     }
 }
 
-/// What a kernel reads besides the view and the lists of a band, by the name of its binding.
+/// The inputs of a kernel besides the view and the lists of a band, by binding name.
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
     match input.candidates {
@@ -259,7 +260,7 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     if let (true, Some(colors)) = (kernel.colors, input.colors) {
         all.push(("colors", bytemuck::cast_slice(colors)));
     }
-    if kernel.rays != Rays::Camera {
+    if kernel.rays != RaySource::Camera {
         all.push(("rays", bytemuck::cast_slice(input.rays)));
     }
     if let (true, Some(tree)) = (kernel.tree, input.tree) {

@@ -1,6 +1,6 @@
-//! The perpendicular form in sums of two f32, about 48 bits: [`Stable`]'s text in another number, which is the twin of
-//! number/double_float.wgsl, operation for operation. Rust promises
-//! that every f32 operation rounds once, so nothing here needs the shader's barrier.
+//! The perpendicular form in unevaluated sums of two f32, about 48 bits: the code of [`Stable`] with another number
+//! type, which is the twin of number/double_float.wgsl, operation for operation. Every f32 operation in Rust rounds
+//! once, so the shader's barrier is not needed here.
 //!
 //! Sources: Knuth (TwoSum), Dekker 1971 (FastTwoSum, split and product); Joldes, Muller, Popescu, *Tight and rigorous
 //! error bounds for basic building blocks of double-word arithmetic*, ACM TOMS 44 (2017), algorithms 6 (add, relative
@@ -34,7 +34,7 @@ impl Intersect for DoubleFloat {
 pub(crate) struct Pair {
     /// The nearest f32.
     pub(crate) hi: f32,
-    /// What it lacks.
+    /// The rounding error of `hi`.
     pub(crate) lo: f32,
 }
 
@@ -136,12 +136,12 @@ impl Number for Pair {
         (self.hi, self.lo)
     }
 
-    /// Part by part: a split of the power could overflow.
+    /// Scales each part, because splitting the power could overflow.
     fn scaled(self, power: Self) -> Self {
         Self { hi: self.hi * power.hi, lo: self.lo * power.hi }
     }
 
-    /// Square root; 0 of what is not positive.
+    /// Square root; 0 for arguments that are not positive.
     fn sqrt(self) -> Self {
         if self.hi <= 0.0 {
             return Self::ZERO;

@@ -1,5 +1,5 @@
-//! The geometric intuition: t_m, the ray's closest approach to the centre; l_m, its distance there; delta t, half the
-//! chord. d of unit length, and t/|d| for the ray as it came.
+//! The geometric form: t_m, the ray's closest approach to the centre; l_m, its distance there; delta t, half the chord.
+//! Computed for d of unit length; the result t/|d| belongs to the given ray.
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};

@@ -1,4 +1,4 @@
-//! The perpendicular form in f64, native on both sides: [`Stable`]'s text in another number.
+//! The perpendicular form in f64, native on both sides: the code of [`Stable`] with another number type.
 
 use super::Intersect;
 use super::stable::Stable;

@@ -15,7 +15,7 @@ pub(super) fn closest<R: Number>(near: R, far: R) -> R {
     R::MISS
 }
 
-/// The unit normal from the hit point minus the centre, turned against the ray.
+/// The unit normal, computed as hit point minus centre, facing the ray's origin.
 pub(super) fn normal_from_point<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {
     let n = unit3(minus(times(t, ray.d), center(s)));
     if dot3(n, ray.d) > R::ZERO { negated(n) } else { n }

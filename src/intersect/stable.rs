@@ -1,6 +1,7 @@
-//! The perpendicular form. With p from the ray's origin to the centre, g = p x d and Lagrange's identity
-//! (p.d)^2 = |p|^2 |d|^2 - |g|^2 the discriminant is a r^2 - g.g: no difference of two large squares. The power of the
-//! origin, c = |p|^2 - r^2, comes from the host; the root whose sum does not cancel is taken first, the other is c/q.
+//! The perpendicular form. With p from the ray's origin to the centre, g = p x d and Lagrange's identity (p.d)^2 =
+//! |p|^2 |d|^2 - |g|^2, the discriminant is a r^2 - g.g, which avoids the difference of two large squares. The power of
+//! the origin, c = |p|^2 - r^2, comes from the host. One root is computed from the sum q that does not
+//! cancel, as q/a; the other is c/q.
 //!
 //! Sources: Hearn and Baker's discriminant as in Haines, Guenther, Akenine-Moeller, *Precision improvements for
 //! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
@@ -41,8 +42,8 @@ impl Intersect for Stable {
         R::MISS
     }
 
-    /// From the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, upper sign outside. Nothing
-    /// cancels, however far the sphere; t is not used.
+    /// From the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, with the upper sign outside.
+    /// There is no cancellation at any distance; t is not used.
     fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, _t: R) -> [R; 3] {
         let g = cross3(center(s), ray.d);
         let root = positive(discriminant(ray, s, g)).sqrt();

@@ -1,4 +1,5 @@
-//! The quadratic for d of unit length: t = -d.p +- sqrt((d.p)^2 - p.p + r^2), and t/|d| for the ray as it came.
+//! The quadratic for d of unit length: t = -d.p +- sqrt((d.p)^2 - p.p + r^2). The result t/|d| belongs to the given
+//! ray.
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};

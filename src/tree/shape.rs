@@ -1,4 +1,4 @@
-//! The tree without its boxes: what is near what, from the spheres where the world has them.
+//! The topology of the tree without its boxes, built from the spheres in world space.
 
 use super::{FIRST, IS_LEAF, LEAF, NOWHERE, STACK};
 use crate::dd;
@@ -8,31 +8,31 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-/// Nodes as pairs of links, and the order of the leaves' spheres. No deeper than [`STACK`].
+/// Nodes as pairs of links, and the order of the leaves' spheres. At most [`STACK`] deep.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Shape {
-    /// The root comes first, children after their parents.
+    /// The root first, and children after their parents.
     pub(crate) links: Vec<[u32; 2]>,
     /// Ids of the spheres, leaf by leaf.
     pub(crate) order: Vec<u32>,
 }
 
-/// How far along the curve through all spheres a cluster looks for its neighbour.
+/// How far along the space-filling curve a cluster searches for its nearest neighbour.
 const NEIGHBOURS: PlocSearchDistance = PlocSearchDistance::Low;
 
-/// Rounds in which it looks one step only, where clusters are many and any neighbour is good.
+/// Initial rounds that search only one step, while there are many clusters and any neighbour is good enough.
 const HASTY: usize = 2;
 
-/// Spheres about one point beyond which clusters are not sought: of so many equal ones each round joins two or three.
+/// If more spheres than this share a centre, clustering is skipped: each round would join only two or three of them.
 const HEAP: usize = 1 << 12;
 
-/// Where a link is kept: which node, which of its two.
-type Place = (usize, usize);
+/// The position of a link: the node and which of its two.
+type LinkPosition = (usize, usize);
 
 impl Shape {
-    /// Clusters what is near (PLOC, Meister and Bittner 2018, by obvhs). A tree that is too deep for [`STACK`], or has
-    /// more than a node for two spheres, gives way to one that halves its order again and again: log2 of their number
-    /// deep. `None` without spheres, or with more than links can name.
+    /// Clusters nearby spheres (PLOC, Meister and Bittner 2018, by obvhs). If the tree is deeper than [`STACK`] or has
+    /// more than one node per two spheres, it is replaced by repeated halving of its order, of depth log2 of the count.
+    /// `None` without spheres, or with more than links can address.
     pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
         let count = radii.len();
         if count == 0 || count > FIRST as usize {
@@ -51,13 +51,13 @@ impl Shape {
         Some(Self::of_clusters(&bvh.nodes).fitting())
     }
 
-    /// Itself, or where it is too deep or too large its spheres halved.
+    /// The tree itself, or its halved order if it is too deep or too large.
     pub(super) fn fitting(self) -> Self {
         let fits = self.depth() <= STACK as usize && 2 * self.links.len() <= self.order.len();
         if fits { self } else { Self::halved(&self.order) }
     }
 
-    /// Nodes on the longest way down: what may have to wait.
+    /// Nodes on the longest path, which bounds the traversal stack.
     pub(super) fn depth(&self) -> usize {
         let mut depths = vec![1; self.links.len()];
         for (n, links) in self.links.iter().enumerate() {
@@ -68,13 +68,13 @@ impl Shape {
         depths.into_iter().max().unwrap_or(0)
     }
 
-    /// From obvhs's nodes; subtrees of few spheres become leaves.
+    /// Converts obvhs's nodes; subtrees of few spheres become leaves.
     fn of_clusters(nodes: &[Bvh2Node]) -> Self {
         let children = |n: u32| {
             let first = nodes[n as usize].first_index;
             (!nodes[n as usize].is_leaf()).then_some([first, first + 1])
         };
-        // Parents before children, without recursion: nothing bounds the depth yet.
+        // Parents before children, without recursion, since the depth is not bounded yet.
         let mut preorder = Vec::with_capacity(nodes.len());
         let mut stack = vec![0];
         while let Some(n) = stack.pop() {
@@ -88,7 +88,7 @@ impl Shape {
             }
         }
         let mut shape = Self { links: Vec::new(), order: Vec::new() };
-        let mut stack: Vec<(u32, Option<Place>)> = vec![(0, None)];
+        let mut stack: Vec<(u32, Option<LinkPosition>)> = vec![(0, None)];
         while let Some((n, place)) = stack.pop() {
             if let Some([a, b]) = children(n).filter(|_| spheres[n as usize] > LEAF as u32) {
                 let node = shape.node(place);
@@ -108,12 +108,12 @@ impl Shape {
         shape
     }
 
-    /// Halves of halves of `order`.
+    /// Builds a tree by repeated halving of `order`.
     pub(super) fn halved(order: &[u32]) -> Self {
         let mut shape = Self { links: Vec::new(), order: Vec::new() };
-        let mut stack: Vec<(&[u32], Option<Place>)> = vec![(order, None)];
+        let mut stack: Vec<(&[u32], Option<LinkPosition>)> = vec![(order, None)];
         while let Some((ids, place)) = stack.pop() {
-            // The root is a node even where one leaf would do.
+            // The root is a node even if one leaf would suffice.
             if ids.len() > LEAF || place.is_none() {
                 let (a, b) = ids.split_at(ids.len().div_ceil(2));
                 let node = shape.node(place);
@@ -125,26 +125,27 @@ impl Shape {
         shape
     }
 
-    fn node(&mut self, place: Option<Place>) -> usize {
+    fn node(&mut self, place: Option<LinkPosition>) -> usize {
         let node = self.links.len();
         self.links.push([NOWHERE; 2]);
         self.set(place, node as u32);
         node
     }
 
-    fn leaf(&mut self, place: Option<Place>, ids: &[u32]) {
+    fn leaf(&mut self, place: Option<LinkPosition>, ids: &[u32]) {
         self.set(place, IS_LEAF | (ids.len() as u32) << 27 | self.order.len() as u32);
         self.order.extend(ids);
     }
 
-    fn set(&mut self, place: Option<Place>, link: u32) {
+    fn set(&mut self, place: Option<LinkPosition>, link: u32) {
         if let Some((node, side)) = place {
             self.links[node][side] = link;
         }
     }
 }
 
-/// The spheres' boxes about their middle, in f32: where they are not exact, the tree is not as good, and no less right.
+/// The boxes of the spheres relative to their centre, in f32. Rounding may make the tree less efficient but not
+/// incorrect.
 fn boxes(centers: &[[f64; 3]], radii: &[f64]) -> Vec<Aabb> {
     let point = |c: &[f64; 3]| DVec3::from_array(*c);
     let span = centers.par_iter().map(|c| (point(c), point(c)));
@@ -161,7 +162,7 @@ fn boxes(centers: &[[f64; 3]], radii: &[f64]) -> Vec<Aabb> {
     centers.par_iter().zip(radii).map(one).collect()
 }
 
-/// How many boxes at most are about the very same point.
+/// The largest number of boxes with the same centre.
 fn largest_heap(boxes: &[Aabb]) -> usize {
     let middle = |a: &Aabb| (a.min + a.max).to_array().map(f32::to_bits);
     let mut points: Vec<[u32; 3]> = boxes.par_iter().map(middle).collect();
@@ -169,7 +170,7 @@ fn largest_heap(boxes: &[Aabb]) -> usize {
     points.chunk_by(|a, b| a == b).map(<[_]>::len).max().unwrap_or(0)
 }
 
-/// Sorts `ids` so that halves of halves of them lie on either side of a plane across their longest extent.
+/// Sorts `ids` so that repeated halving separates them at planes across their longest extent.
 fn sort_by_medians(centers: &[[f64; 3]], ids: &mut [u32]) {
     if ids.len() <= LEAF {
         return;

@@ -1,7 +1,7 @@
 //! The padding of the boxes is needed: a tree with less of it, or traversed wrongly, loses hits. By the twin on the CPU; tests/answers/tree.rs holds trees against all spheres on adapters.
 
 use super::*;
-use crate::kernel::{Kernel, Rays};
+use crate::kernel::{Kernel, RaySource};
 use crate::measure::suite::Random;
 use crate::memory::Pool;
 use crate::plan::Plan;
@@ -20,7 +20,7 @@ struct Case {
 }
 
 impl Case {
-    fn new(method: Method, spheres: Spheres, kind: Rays, rays: &[([f64; 3], [f64; 3])]) -> Self {
+    fn new(method: Method, spheres: Spheres, kind: RaySource, rays: &[([f64; 3], [f64; 3])]) -> Self {
         let mut view = View::along_axes(DVec3::ZERO, &spheres.centers, &spheres.radii).expect("a view");
         view.keep_residuals(&spheres.centers, &spheres.radii);
         let rays = rays.iter().map(|(o, d)| ray_record(&view, *o, *d)).collect();
@@ -52,7 +52,7 @@ impl Case {
 
 /// Rays in planes that touch spheres of radius 1 about `far`, or almost touch them, and so their boxes: only the padding
 /// makes the rays hit. From the origin, or from points in those planes.
-fn grazing(method: Method, far: f64, kind: Rays) -> Case {
+fn grazing(method: Method, far: f64, kind: RaySource) -> Case {
     let random = &mut Random(21);
     let mut spheres = Spheres::default();
     let mut rays = Vec::new();
@@ -68,7 +68,11 @@ fn grazing(method: Method, far: f64, kind: Rays) -> Case {
         let c = with(about, -rim);
         spheres.push(c.to_array(), 1.0, None);
         for k in 0..10 {
-            let o = if kind == Rays::Spread { with(DVec3::from_array(random.cube()) * 10.0, 0.0) } else { DVec3::ZERO };
+            let o = if kind == RaySource::Spread {
+                with(DVec3::from_array(random.cube()) * 10.0, 0.0)
+            } else {
+                DVec3::ZERO
+            };
             let tilt = 4e-7 * far * f64::from(k - 5) / 5.0;
             rays.push((o.to_array(), with(c - o, tilt).to_array()));
         }
@@ -76,7 +80,7 @@ fn grazing(method: Method, far: f64, kind: Rays) -> Case {
     Case::new(method, spheres, kind, &rays)
 }
 
-const BOTH: [Rays; 2] = [Rays::SharedOrigin, Rays::Spread];
+const BOTH: [RaySource; 2] = [RaySource::SharedOrigin, RaySource::Spread];
 
 #[test]
 fn padded_boxes_contain_every_hit_of_every_method() {
@@ -112,7 +116,7 @@ fn less_padding_loses_hits() {
 /// Negative control: a tree without one sphere, or with swapped boxes.
 #[test]
 fn a_broken_tree_is_found() {
-    let case = grazing(Method::Stable, 3.0, Rays::Spread);
+    let case = grazing(Method::Stable, 3.0, RaySource::Spread);
     let whole = case.tree(Slack::of(Method::Stable));
     let mut without = whole.clone();
     without.order[17] = without.order[18];

@@ -1,29 +1,30 @@
-//! Which pixels of a tile are surely covered, from front to back: what begins behind all of them is met by no ray first.
+//! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
 use super::ProjectionBounds;
 use super::project::floor;
 use crate::certify::tiles::Placed;
 use crate::tile::TILE;
 
-/// What is taken off a disc, in pixels and relative to its radius: with a unit of the fixed point, far more than its record
-/// is off by (2^-24 of a radius, half that unit), far less than keeps a pixel open.
+/// The margin that a disc is shrunk by, in pixels and relative to its radius. With one unit of the fixed point it far
+/// exceeds the error of the record (2^-24 of a radius, half that unit), and is too small to leave a pixel uncovered.
 const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 
-/// What a record's depth may be off by: the rounding of its relative part to f32, and the host's 2^-43 of the whole.
+/// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 
 /// The pixels of one tile.
 pub(in crate::certify) struct Cover {
-    /// First column and row.
+    /// The first column and row.
     corner: [f64; 2],
-    /// A bit for every pixel that no sphere surely covers yet, row by row.
+    /// A bit per pixel that no sphere certainly covers yet, row by row.
     pub(in crate::certify) open: u64,
-    /// No closed pixel's nearest hit is deeper: relative to the reference, as the minima of chunks are.
+    /// Upper bound of the nearest hit's depth over the covered pixels, relative to the reference like the minima of
+    /// chunks.
     pub(in crate::certify) deepest: f64,
 }
 
 impl Cover {
-    /// The tile in this column and row of tiles, of an image of `size` pixels.
+    /// The tile at this column and row of tiles, in an image of `size` pixels.
     pub(in crate::certify) fn new(tile: [u32; 2], size: [u32; 2]) -> Self {
         let corner = tile.map(|n| n * TILE);
         let [columns, rows] = [0, 1].map(|k| (size[k] - corner[k]).min(TILE));
@@ -32,21 +33,21 @@ impl Cover {
         Self { corner: corner.map(f64::from), open, deepest: f64::NEG_INFINITY }
     }
 
-    /// The depth that the nearest hit of no pixel exceeds, once there is one.
+    /// An upper bound of the nearest hit's depth for all pixels, once every pixel is covered.
     pub(in crate::certify) fn limit(&self) -> Option<f64> {
         (self.open == 0).then_some(self.deepest)
     }
 
-    /// Closes the pixels that a projected sphere surely covers: |o| < rho suffices for a hit, since then
-    /// a rho^2 - |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
+    /// Marks the pixels that a projected sphere certainly covers: |o| < rho suffices for a hit, since then a rho^2 -
+    /// |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
     pub(in crate::certify) fn add(&mut self, projection: &ProjectionBounds, reference: f64, sphere: &Placed) {
         let (record, detail) = (&sphere.record, &sphere.detail);
         let rho = f64::from(record.rho);
         let widest = projection.step[0].max(projection.step[1]);
-        // Of a pixel that is sampled, the disc shall cover every sample: none is farther from the centre than this.
+        // The disc has to cover every sample of a pixel: none is farther from the centre than this.
         let aside = 0.5 * (projection.per_pixel - 1.0) * projection.step[0].hypot(projection.step[1]);
         let inner = rho - (rho * SHRINK[1] + widest * (SHRINK[0] + 1.0 / projection.fixed) + aside);
-        // A sphere before parallel rays that may lie across the plane of the eye is given no depth, and hides nothing.
+        // Under parallel projection, a sphere that may intersect the eye plane has no depth and occludes nothing.
         let center = f64::from(detail.center);
         let depth = center + reference;
         if inner <= 0.0 || depth <= 0.0 {

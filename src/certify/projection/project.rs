@@ -1,5 +1,5 @@
-//! Spheres in front of the eye plane: projected centre, bounds and tiles, eight at a time and written so that compilers make
-//! vectors of it. What is not plainly in front is left to [`Lens::stage`].
+//! Spheres in front of the eye plane: projected centre, bounds and tiles, computed eight at a time in loops that
+//! compilers vectorize. Spheres that are not clearly in front are handled by [`Lens::stage`].
 
 use super::{
     INFLATE, LONG, LONGEST, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64, WIDEN, WIDEST,
@@ -8,51 +8,54 @@ use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{Bin, Placed};
 use crate::dd::{self, Dd, Dd3};
 
-/// What f64 may leave in the depth of a projected sphere before parallel rays, of itself: half of what the kernel supposes.
+/// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
+/// bound.
 const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 
-/// The depth, relative to the reference, of a centre before parallel rays whose hits are never certain: behind all others.
+/// The depth, relative to the reference, of a centre under parallel projection whose hits are never certified: behind
+/// all others.
 const NEVER: f64 = -((1u128 << 126) as f64);
 
 /// Spheres that are computed together.
 pub(in crate::certify) const LANES: usize = 8;
 
-/// A sphere before it is placed in the image.
+/// A sphere before its projection into the image.
 struct Aim {
-    /// Wholly behind the eye plane.
+    /// Entirely behind the eye plane.
     behind: bool,
-    /// Wholly in front of it, and every number in the range of the bounds.
+    /// Entirely in front of it, with every number in the range of the bounds.
     projected: bool,
-    /// Depth of its centre in the frame's unit, and the host's error of it.
+    /// Depth of the centre in the frame's unit, and the host's error of it.
     depth: f64,
     depth_error: f64,
-    /// Its near root is the hit wherever it is hit, and f64 knows its depth as well as the kernel supposes.
+    /// The near root is always the hit, and the depth in f64 is as accurate as the kernel assumes.
     plain: bool,
-    /// Projected radius; root of twice the bound of its discriminant's error; beyond this offset it is surely missed.
+    /// Projected radius; square root of twice the bound of the discriminant's error; offset beyond which a miss is
+    /// certain.
     rho: f64,
     blurred: f64,
     reach: f64,
-    /// Largest slopes of the rays that may meet it.
+    /// Largest slopes of the rays that may hit it.
     steepest: [f64; 2],
-    /// Projected centre in pixels, and how many of them f64 may be off.
+    /// Projected centre in pixels, and the bound of its f64 error in pixels.
     place: [f64; 2],
     blur: f64,
 }
 
 /// A projected sphere in the image.
 pub(in crate::certify) struct Landed {
-    /// Some pixel's ray may meet it.
+    /// Some pixel's ray may hit it.
     seen: bool,
-    /// Its projected centre is too far outside for the fixed-point form.
+    /// The projected centre is too far outside the image for the fixed-point form.
     outside: bool,
     pub(in crate::certify) depth: f64,
     pub(in crate::certify) placed: Placed,
     pub(in crate::certify) bin: Bin,
 }
 
-/// Eight spheres, number by number.
+/// Eight spheres, one array per component.
 pub(in crate::certify) struct Eight {
-    /// Not 0 where the sphere is in front and seen; where it is neither that nor unseen.
+    /// Nonzero if the sphere is in front and seen; nonzero if it is neither that nor unseen.
     pub(in crate::certify) projected: [u32; LANES],
     pub(in crate::certify) other: [u32; LANES],
     pub(in crate::certify) depth: [f64; LANES],
@@ -79,7 +82,7 @@ impl Eight {
 }
 
 impl ProjectionBounds {
-    /// Eight spheres; depths are kept relative to `reference`.
+    /// Eight spheres, with depths relative to `reference`.
     #[inline(always)]
     pub(in crate::certify) fn eight(&self, centers: &[[f64; 3]; LANES], radii: &[f64; LANES], reference: f64) -> Eight {
         let mut e = Eight {
@@ -110,7 +113,8 @@ impl ProjectionBounds {
         e
     }
 
-    /// One sphere: where it lands, `None` where nobody meets it; an error if it has no place among the projected spheres.
+    /// The projection of one sphere; `None` if no ray can hit it; an error if it cannot be represented as a projected
+    /// sphere.
     pub(super) fn project(&self, center: [f64; 3], radius: f64, reference: f64) -> Result<Option<Landed>, ()> {
         let aim = self.aim(center, radius);
         if aim.behind {
@@ -121,7 +125,7 @@ impl ProjectionBounds {
         }
         let (mut place, mut low) = (aim.place, [0.0; 2]);
         if aim.blur > LONG {
-            // A long lens: once more in double-double, which leaves less than 2^-40 of it.
+            // For a narrow field of view, recomputes in double-double, whose error is below 2^-40 of that of f64.
             if aim.blur > LONGEST {
                 return Err(());
             }
@@ -141,7 +145,7 @@ impl ProjectionBounds {
         }
     }
 
-    /// Into the camera in f64 and the frame's unit, and what that leaves.
+    /// The centre in camera space, in f64 and the frame's unit, and its error bound.
     #[inline(always)]
     fn aim(&self, center: [f64; 3], radius: f64) -> Aim {
         let (away, [x, y, z]) = self.rotation.of(center);
@@ -154,14 +158,14 @@ impl ProjectionBounds {
             & (self.widest <= WIDEST);
         let inverse = if self.parallel { 1.0 } else { 1.0 / z };
         let rho = radius * inverse * self.per_unit;
-        #[expect(clippy::manual_range_contains, reason = "both are asked, so that there is no branch")]
+        #[expect(clippy::manual_range_contains, reason = "both are evaluated, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
-        // The discriminant's bound, as a root.
+        // The square root of the bound of the discriminant's error.
         let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
         let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred)[0] * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
         let far = error * inverse;
-        // Of a quotient, what its divisor is off by too.
+        // The error of a quotient includes that of its divisor.
         let tilt = if self.parallel { 0.0 } else { 1.0 };
         let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
         let reach = self.reach(rho);
@@ -175,24 +179,24 @@ impl ProjectionBounds {
             rho,
             blurred,
             reach,
-            // Slopes of the rays that may meet it: those of its centre, and as far beyond as it reaches.
+            // Slopes of the rays that may hit it: the slopes of its centre plus its extent.
             steepest: [0, 1].map(|k| smaller(q[k].abs() + reach * self.unit, self.edge[k])),
-            // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope: rows count down. 2^-29 pixels are lost here, 2^22 from
-            // the image at most.
+            // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope, with rows counted downwards. The rounding error is at
+            // most 2^-29 pixels, for centres up to 2^22 pixels from the image.
             place: [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]),
             blur: larger(blur[0], blur[1]),
         }
     }
 
-    /// The sphere at `place`, to which `low` must be added.
+    /// The sphere at `place`; `low` is added to it.
     #[inline(always)]
     fn land(&self, aim: &Aim, place: [f64; 2], low: [f64; 2], reference: f64) -> Landed {
         let mut seen = true;
         let mut outside = false;
         let (mut fixed, mut subpixel_offset, mut tiles) = ([0; 2], [0.0; 2], [[0; 2]; 2]);
         for k in 0..2 {
-            // Where a ray hits, |o|^2 + (slopes x o)^2 <= a rho^2, so that o_k^2 <= (1 + slope_k^2) rho^2; and
-            // sqrt(1 + x) <= 1 + x / 2.
+            // A ray that hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x)
+            // <= 1 + x / 2.
             let half = aim.rho * (1.0 + 0.5 * aim.steepest[k] * aim.steepest[k]) * self.per_step[k] + WIDEN[0];
             let first = -floor(-larger(place[k] - half, 0.0));
             let last = floor(smaller(place[k] + half, self.size[k] - 1.0));
@@ -201,14 +205,14 @@ impl ProjectionBounds {
             fixed[k] = whole(place[k] * self.fixed);
             let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
             subpixel_offset[k] = (SIGNS[k] * ((place[k] - f64::from(pixel)) + low[k])) as f32;
-            // Half a pixel more: a quotient is far from whole numbers then, whatever it is rounded by.
+            // Adding half a pixel keeps the quotient far from integers, so its rounding does not matter.
             tiles[k] = [first, last].map(|pixel| whole(floor((pixel + 0.5) * self.per_tile)) as u32);
         }
         let center = aim.depth - reference;
         let more = if aim.plain { center } else { NEVER };
         let low = below(center - self.depth_error(aim, center));
-        // The kernel's lower bound is low minus T size / a. Where it is no miss m^2/s^2 + D <= a rho^2 + 2 E, so that
-        // T/a = (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy and Schwarz, for every ray of the image.
+        // The kernel's lower bound is low minus T size / a. Unless it is a miss, m^2/s^2 + D <= a rho^2 + 2 E, so T/a =
+        // (m + sqrt D)/a <= rho + sqrt(2 E) by Cauchy-Schwarz for every ray of the image.
         let size = self.length(f64::from(low) + reference);
         let most = INFLATE * (aim.rho + aim.blurred) * size;
         let chunk_min_depth = f64::from(low) - most - 2.0 * U * (f64::from(low).abs() + most);
@@ -230,20 +234,20 @@ impl ProjectionBounds {
         depth * self.scale[0] + self.scale[1]
     }
 
-    /// Beyond this offset from the projected centre a miss is certain, whatever rounds.
+    /// The offset from the projected centre beyond which a miss is certain with any rounding.
     #[inline(always)]
     fn reach(&self, rho: f64) -> f64 {
         std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
     }
 
-    /// |slope along the offset| + root of a candidate, at most; and the root alone.
+    /// Upper bounds of |slope along the offset| + root of a candidate, and of the root alone.
     #[inline(always)]
     fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
         let root = self.all.length * rho + blurred;
         [self.all.slant * self.reach(rho) + root, root]
     }
 
-    /// Bound of all errors of a candidate's depth, frame's unit.
+    /// Bound of all errors of a candidate's depth, in the frame's unit.
     #[inline(always)]
     fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
         let [total, root] = self.total(aim.rho, aim.blurred);
@@ -252,12 +256,12 @@ impl ProjectionBounds {
         let roundings = of_total * total + along * slant * aim.reach + of_root * root;
         let size = self.length(aim.depth);
         let error = size * (U * roundings + slant * self.coarse) + U * of_center * center.abs() + aim.depth_error;
-        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this very error.
+        // The kernel takes the size from the lower bound of the depth, which makes it smaller by this error.
         INFLATE * error / (1.0 - total * self.scale[0])
     }
 }
 
-/// As they are in vectors: no second look at what is no number.
+/// Comparisons as in vector instructions, without special treatment of NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -268,20 +272,21 @@ fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The largest whole number that is not above x, for |x| < 2^51. Processors without an instruction for it call a function.
+/// The largest integer not above x, for |x| < 2^51. Without an instruction for it, `floor` would be a function call.
 #[inline(always)]
 pub(super) fn floor(x: f64) -> f64 {
     let near = (x + ROUND) - ROUND;
     if near > x { near - 1.0 } else { near }
 }
 
-/// x rounded to a whole number, for |x| < 2^31.
+/// x rounded to an integer, for |x| < 2^31.
 #[inline(always)]
 fn whole(x: f64) -> i32 {
     (x + ROUND).to_bits() as i32
 }
 
-/// An f32 that is not above x, nor far below: half an ulp is rounded, one is taken off first.
+/// An f32 that is at most x, and close to it: one ulp is subtracted before the rounding, which adds at most half an
+/// ulp.
 #[inline(always)]
 fn below(x: f64) -> f32 {
     (x - (x.abs() * U + SUBNORMAL)) as f32

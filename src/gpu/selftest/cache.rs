@@ -1,5 +1,5 @@
-//! Verdicts remembered from one run to the next: one small file per adapter in the user's cache folder. What cannot be
-//! read or written, is broken or belongs to another driver, program or shader is as if it were not there.
+//! The cache of verdicts: one small file per adapter in the user's cache folder. A file that is unreadable, malformed
+//! or for another driver, program or shader is ignored.
 
 use super::Verdict;
 use crate::gpu::device::AdapterSummary;
@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// What the file holds.
+/// The contents of a file.
 #[derive(Serialize, Deserialize)]
 struct Entry {
-    /// All that the verdict depends on, in words.
+    /// Everything that the verdict depends on, as text.
     key: String,
     verdict: Verdict,
 }
 
-/// The user's cache folder of this program.
+/// This program's folder in the user's cache folder.
 pub(super) fn folder() -> Option<PathBuf> {
     let set = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let cache = match cfg!(windows) {
@@ -25,7 +25,7 @@ pub(super) fn folder() -> Option<PathBuf> {
     Some(cache?.join("halfline"))
 }
 
-/// Named by the adapter, so that a new driver takes the old one's place.
+/// The file is named after the adapter, so a new driver's verdict replaces the old one.
 fn name(adapter: &AdapterSummary) -> String {
     let hash = blake3::hash(format!("{}, {}", adapter.name, adapter.backend).as_bytes()).to_hex();
     format!("selftest-{}.json", &hash.as_str()[..16])
@@ -42,12 +42,12 @@ pub(super) fn write(folder: Option<PathBuf>, adapter: &AdapterSummary, key: &str
     let kept = folder.ok_or("no cache folder".to_owned()).and_then(|folder| {
         let text = serde_json::to_vec(&entry).map_err(|e| e.to_string())?;
         std::fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
-        // A reader sees the old file or the new one, never half of one.
+        // Replaces the file atomically, so readers never see a partial file.
         let mut file = tempfile::NamedTempFile::new_in(&folder).map_err(|e| e.to_string())?;
         file.write_all(&text).map_err(|e| e.to_string())?;
         file.persist(folder.join(name(adapter))).map(drop).map_err(|e| e.to_string())
     });
     if let Err(reason) = kept {
-        tracing::debug!("the self-test's verdict is not kept: {reason}");
+        tracing::debug!("cannot cache the verdict of the self-test: {reason}");
     }
 }

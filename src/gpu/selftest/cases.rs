@@ -1,9 +1,9 @@
-//! What the adapter is asked: random cases with fixed seeds, then directed ones.
+//! The cases of the self-test: random ones with fixed seeds, then directed ones.
 
 /// Random cases of a trial.
 pub(super) const COUNT: usize = 1 << 16;
 
-/// Cases whose sign is decided.
+/// Cases for which the sign of the discriminant is checked.
 const SOLVES: usize = 1 << 10;
 
 /// xorshift64* (Vigna 2016).
@@ -17,12 +17,12 @@ impl Random {
         self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
     }
 
-    /// One of least..=most.
+    /// An integer in least..=most.
     fn within(&mut self, least: i32, most: i32) -> i32 {
         least + ((self.bits() >> 33) % (most - least + 1) as u64) as i32
     }
 
-    /// Any sign and significand, that exponent.
+    /// A float with random sign and significand, and this exponent.
     fn float(&mut self, exponent: i32) -> f32 {
         let bits = (self.bits() >> 32) as u32;
         f32::from_bits((bits & 0x807f_ffff) | (((exponent + 127) as u32) << 23))
@@ -37,8 +37,8 @@ fn words(numbers: impl IntoIterator<Item = f32>) -> Vec<u32> {
     numbers.into_iter().map(f32::to_bits).collect()
 }
 
-/// a, b with exponent gaps 0 to 30, either the larger, and with a = -b(1 + 2^-23); RN(a b); x, y, z for (x - y) z with
-/// x and y near 10^6 and near each other. All products and their errors stay above 2^-120.
+/// a and b with exponent gaps from 0 to 30, either the larger, and with a = -b(1 + 2^-23); RN(a b); x, y, z for (x - y)
+/// z with x and y near 10^6 and near each other. All products and their errors stay above 2^-120.
 pub(super) fn transforms() -> Vec<u32> {
     let mut random = Random(0x5eed_0001);
     words((0..COUNT).flat_map(|n| {
@@ -55,7 +55,7 @@ pub(super) fn transforms() -> Vec<u32> {
     }))
 }
 
-/// Sums whose rounding tells the direction, and the results to nearest even and toward zero; negated, the same.
+/// Sums that reveal the rounding direction, with the results to nearest even and toward zero; then the same negated.
 pub(super) const ROUNDING: [[f32; 4]; 4] = {
     let half = f32::EPSILON / 2.0;
     [
@@ -71,8 +71,8 @@ pub(super) const fn two_to(k: i32) -> f32 {
     if k >= -126 { f32::from_bits(((k + 127) as u32) << 23) } else { f32::from_bits(1 << (k + 149)) }
 }
 
-/// Pairs with subnormals: word of the answer (0 sum, 1 difference, 2 product, 6 store, 7 bitcast) and what it should
-/// be.
+/// Pairs with subnormals, the word of the answer (0 sum, 1 difference, 2 product, 6 store, 7 bitcast) and its expected
+/// value.
 pub(super) const SUBNORMAL: [(&str, [f32; 2], usize, f32); 6] = [
     ("into sum", [two_to(-127), two_to(-126)], 0, 1.5 * two_to(-126)),
     ("out of difference", [1.5 * two_to(-126), two_to(-126)], 1, two_to(-127)),
@@ -82,7 +82,7 @@ pub(super) const SUBNORMAL: [(&str, [f32; 2], usize, f32); 6] = [
     ("bitcast", [two_to(-140), 1.0], 7, two_to(-140)),
 ];
 
-/// Pairs that are or make infinities and no numbers, and the word that must say so (8 a, 9 a/b, 10 a b).
+/// Pairs that are or give infinities or NaN, and the word of the answer that must show it (8 a, 9 a/b, 10 a b).
 pub(super) const SPECIAL: [([f32; 2], usize); 6] = [
     ([f32::NAN, 1.0], 8),
     ([f32::INFINITY, 1.0], 8),
@@ -92,7 +92,7 @@ pub(super) const SPECIAL: [([f32; 2], usize); 6] = [
     ([f32::MAX, f32::MAX], 10),
 ];
 
-/// Pairs over the range of the kernels, 2^-40 to 2^40, then [`ROUNDING`] twice, [`SUBNORMAL`] and [`SPECIAL`].
+/// Pairs in the range of the kernels, 2^-40 to 2^40, then [`ROUNDING`] twice, [`SUBNORMAL`] and [`SPECIAL`].
 pub(super) fn operations() -> Vec<u32> {
     let mut random = Random(0x5eed_0002);
     let pairs = (0..COUNT).map(|n| {
@@ -113,7 +113,7 @@ pub(super) fn pairs() -> Vec<u32> {
     let mut pair = || {
         let e = random.within(-10, 10);
         let hi = random.float(e);
-        // Below half an ulp, 2^(e - 24), so that hi is what the sum rounds to.
+        // lo is below half an ulp of hi, 2^(e - 24), so that hi is the rounded sum.
         let gap = random.within(25, 31);
         [hi, random.float(e - gap)]
     };
@@ -129,7 +129,7 @@ pub(super) fn pairs() -> Vec<u32> {
     }))
 }
 
-/// p, d, r of integers with r^2 as near |p x d|^2/|d|^2 as an integer comes: about one ulp of f32.
+/// p, d, r of integers with r^2 as close to |p x d|^2/|d|^2 as integers allow: about one ulp of f32.
 pub(super) fn solve() -> Vec<u32> {
     let mut random = Random(0x5eed_0004);
     words((0..SOLVES).flat_map(|_| {
@@ -137,7 +137,7 @@ pub(super) fn solve() -> Vec<u32> {
         let d: [i64; 3] = std::array::from_fn(|_| i64::from(random.within(-(1 << 10), 1 << 10)));
         let (aa, gg) = quadratic(p, d);
         let r = (gg as f64 / aa.max(1) as f64).sqrt().round();
-        // The sphere lies ahead.
+        // The sphere is in front of the ray's origin.
         let d = if ahead(p, d) < 0 { d.map(|x| -x) } else { d };
         let c = (power(p, r as i64)) as f64;
         let [high, low] = [c as f32, (c - f64::from(c as f32)) as f32];

@@ -1,5 +1,5 @@
-//! What the answers are worth. Everything is decided on the host in arithmetic that loses nothing: sums and products
-//! of f32 in double-double, integers in i128. A wrong answer is counted, never a panic.
+//! Evaluates the answers of the self-test on the host without rounding errors: sums and products of f32 in
+//! double-double, integers in i128. A wrong answer is counted and never causes a panic.
 
 use super::Check;
 use super::cases::{COUNT, ROUNDING, SPECIAL, SUBNORMAL, ahead, power, quadratic};
@@ -8,7 +8,7 @@ use crate::dd::Dd;
 use crate::intersect::double_float::Pair;
 use crate::number::Number;
 
-/// The checks that double-float stands on.
+/// The checks that double-float requires.
 pub(super) const DOUBLE_FLOAT: [&str; 10] = [
     "TwoSum, barrier",
     "FastTwoSum, barrier",
@@ -22,22 +22,22 @@ pub(super) const DOUBLE_FLOAT: [&str; 10] = [
     "f32 load, store, bitcast",
 ];
 
-/// The checks that f64 stands on.
+/// The checks that f64 requires.
 pub(super) const F64: [&str; 5] = ["f64 sum", "f64 difference", "f64 product", "f64 division", "f64 sqrt"];
 
 fn check<const N: usize>(name: &str, passed: bool, detail: [(&str, f64); N]) -> Check {
-    // JSON has neither infinities nor NaN.
+    // JSON has no infinities and no NaN.
     let finite = |x: f64| if x.is_finite() { x } else { f64::MAX };
     let detail = detail.into_iter().map(|(name, x)| (name.to_owned(), finite(x))).collect();
     Check { name: name.to_owned(), passed, detail }
 }
 
-/// The largest of a number over all checks.
+/// The largest value of one figure over all checks.
 pub(super) fn worst(checks: &[Check], number: &str) -> f64 {
     checks.iter().filter_map(|c| c.detail.get(number)).copied().fold(0.0, f64::max)
 }
 
-/// Each case's words as numbers, with its answer's.
+/// The words of each case as numbers, with those of its answer.
 fn rows<'a>(
     cases: &'a [u32],
     answers: &'a [u32],
@@ -49,12 +49,12 @@ fn rows<'a>(
         .zip(answers.chunks_exact(words_out).map(bytemuck::cast_slice))
 }
 
-/// a - b, exactly where a double-double holds it.
+/// a - b, exact if a double-double can represent it.
 fn difference(a: Dd, b: f32) -> f64 {
     (a - Dd::from(f64::from(b))).value()
 }
 
-/// Whether `x` is `exact` or one of its two neighbours: what WGSL calls correctly rounded.
+/// Whether `x` is `exact` or one of its two neighbours, which WGSL calls correctly rounded.
 fn faithful(x: f32, exact: Dd) -> bool {
     let off = difference(exact, x);
     x.is_finite()
@@ -74,7 +74,7 @@ fn ulps(x: f32, exact: f64) -> f64 {
 }
 
 pub(super) fn transforms(cases: &[u32], answers: &[u32]) -> Vec<Check> {
-    // hi, to nearest, and what hi + lo must be.
+    // hi rounded to nearest, and the required hi + lo.
     type Exact = fn(&[f32]) -> (f32, Dd);
     let rows = rows(cases, answers, [6, 27]);
     let sum: Exact = |c| (c[0] + c[1], Dd::sum(c[0].into(), c[1].into()));
@@ -142,7 +142,7 @@ pub(super) fn operations(cases: &[u32], answers: &[u32]) -> Vec<Check> {
         rounds("f32 product", 2, |a, b| Dd::from(a * b)),
         errs("f32 division", 3, DIV_ULP, |a, b| a / b),
         errs("f32 sqrt", 4, SQRT_ULP, |a, _| a.abs().sqrt()),
-        // WGSL's own bound.
+        // The bound that WGSL states.
         errs("f32 inverseSqrt", 5, 2.0, |a, _| 1.0 / a.abs().sqrt()),
     ];
     let moved = random.iter().filter(|(c, x)| x[6] != c[0] || x[7] != c[0]).count();
@@ -163,7 +163,7 @@ pub(super) fn operations(cases: &[u32], answers: &[u32]) -> Vec<Check> {
     checks
 }
 
-/// Which way sums round: mode 0 to nearest even, 1 toward zero, 2 neither.
+/// The rounding direction of sums: 0 to nearest even, 1 toward zero, 2 neither.
 fn rounding(directed: &[(&[f32], &[f32])]) -> Check {
     let n = ROUNDING.len();
     let all_are = |k: usize| {
@@ -178,7 +178,7 @@ fn rounding(directed: &[(&[f32], &[f32])]) -> Check {
 /// u^2 of two f32 that round to nearest, u = 2^-24.
 const U2: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// WGSL lets every operation round either way, which doubles u.
+/// WGSL lets every operation round in either direction, which doubles u.
 const FAITHFUL: f64 = 4.0;
 
 /// Error bounds of the composed operations in u^2 (intersect/double_float.rs), rounded up for the terms in u^3.
@@ -189,7 +189,7 @@ const ROOT: f64 = 3.2 * FAITHFUL;
 
 pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
     type Twin = fn(Pair, Pair, Pair) -> Pair;
-    // The exact result, and the bound of its error in u^2.
+    // The exact result, and the bound of the error in u^2.
     type Exact = fn(Dd, Dd, Dd) -> (Dd, f64);
     let operations: [(&str, Twin, Exact); 4] = [
         ("double-float add", |a, b, _| a + b, |a, b, _| (a + b, ADD * (a + b).value().abs())),
@@ -216,19 +216,20 @@ pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             let off = (double(Pair { hi, lo }) - exact).value().abs() / U2;
             wrong += f64::from(off.is_nan() || off > bound);
             bits += f64::from(twin.hi.to_bits() != hi.to_bits() || twin.lo.to_bits() != lo.to_bits());
-            // A mul before an add may cancel: errors are measured against their bounds, not the result.
+            // A product followed by a sum may cancel, so errors are relative to their bound, not to the result.
             most = most.max(off / bound.max(f64::MIN_POSITIVE));
         }
-        let detail = [("wrong", wrong), ("other bits than the twin", bits), ("u2", most * [ADD, MUL, DIV, ROOT][k])];
+        let detail =
+            [("wrong", wrong), ("bits that differ from the twin", bits), ("u2", most * [ADD, MUL, DIV, ROOT][k])];
         checks.push(check(name, wrong == 0.0, detail));
     }
     checks
 }
 
-/// A discriminant of double-float is trusted down to this part of its two terms; about 30 roundings of u^2, doubled u.
+/// The error of a double-float discriminant relative to its two terms: about 30 roundings of u^2, with u doubled.
 const TRUSTED: f64 = 32.0 * FAITHFUL * U2;
 
-/// The intersection: hit or miss by the exact sign of the discriminant; t within what that trust leaves it.
+/// The intersection: hit or miss by the exact sign of the discriminant; t within the error that TRUSTED allows.
 pub(super) fn solve(cases: &[u32], answers: &[u32]) -> Vec<Check> {
     let (mut decided, mut wrong, mut single, mut worst) = (0.0, 0.0, 0.0, 0.0f64);
     for (case, answer) in rows(cases, answers, [9, 2]) {
@@ -248,24 +249,24 @@ pub(super) fn solve(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             let q = ahead(p, d) as f64 + (exact as f64).sqrt();
             let t = power(p, r) as f64 / q;
             let off = (f64::from(answer[0]) + f64::from(answer[1]) - t).abs() / t.abs();
-            // What an error TRUSTED of the discriminant's terms does to the root, and what roundings do to the rest.
+            // The effect on the root of an error TRUSTED in the discriminant's terms, and the remaining roundings.
             let allowed = TRUSTED * (first + gg) as f64 / ((exact as f64).sqrt() * q) + TRUSTED;
             wrong += f64::from(off.is_nan() || off > allowed);
             worst = worst.max(off);
         }
     }
-    // Most cases are out of f32's reach, or this would decide nothing.
+    // Most cases must be beyond the precision of f32; otherwise the check shows nothing.
     let passed = wrong == 0.0 && decided >= 900.0 && single >= 500.0;
     let detail = [("decided", decided), ("wrong", wrong), ("within one ulp of f32", single), ("error of t", worst)];
     vec![check("double-float solve", passed, detail)]
 }
 
-/// f64 is trusted as f32 is: sums and products within one rounding either way, which is one ulp from nearest; the same
-/// allowance for division and root.
+/// Bounds for f64 like those for f32: sums and products rounded in either direction, which is one ulp from nearest, and
+/// the same allowance for division and square root.
 const WIDE: [f64; 5] = [1.0, 1.0, 1.0, DIV_ULP + 0.5, SQRT_ULP + 0.5];
 
 pub(super) fn wide(cases: &[u32], answers: &[u32]) -> Vec<Check> {
-    // Words of two are read by value: their address need not suit an f64.
+    // Reads pairs of words by value, since their address may not be aligned for f64.
     let number = |w: &[u32]| f64::from_bits(u64::from(w[0]) | u64::from(w[1]) << 32);
     let ieee: [fn(f64, f64) -> f64; 5] =
         [|a, b| a + b, |a, b| a - b, |a, b| a * b, |a, b| a / b, |a, _| a.abs().sqrt()];
@@ -275,7 +276,7 @@ pub(super) fn wide(cases: &[u32], answers: &[u32]) -> Vec<Check> {
         for (case, answer) in cases.chunks_exact(4).zip(answers.chunks_exact(10)) {
             let wanted = ieee[k](number(case), number(&case[2..]));
             let got = number(&answer[2 * k..]);
-            // Ordered as numbers are: neighbours differ by one.
+            // Ordered as the numbers are, so that neighbours differ by one.
             let order = |x: f64| (x.to_bits() as i64) ^ ((((x.to_bits() as i64) >> 63) as u64) >> 1) as i64;
             let off = if got.is_finite() { order(got).abs_diff(order(wanted)) as f64 } else { f64::INFINITY };
             bits += f64::from(off != 0.0);

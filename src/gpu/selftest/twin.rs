@@ -1,5 +1,5 @@
-//! The kernels that plans choose by themselves, fast and certified, against their CPU twins, bit for bit, on a cloud of
-//! spheres.
+//! Compares the kernels that plans select by default, fast and certified, with their CPU twins bit for bit, on a cloud
+//! of spheres.
 
 use super::Check;
 use crate::camera::Camera;
@@ -25,7 +25,7 @@ pub(super) const NAME: &str = "kernels as their twins";
 /// Pixels along a side.
 const SIDE: u32 = 64;
 
-/// 97 spheres about the eye's way; no multiple of any subgroup.
+/// 97 spheres in front of the eye; not a multiple of any subgroup size.
 fn scene() -> Scene {
     let mut spheres = Spheres::default();
     // A Weyl sequence: fractions of multiples of irrationals fill the cube evenly (Roberts 2018, the plastic number).
@@ -40,7 +40,7 @@ fn scene() -> Scene {
 }
 
 impl Gpu {
-    /// The kernels that are compared. The lecture's forms use no other operations, and compiling is what takes time.
+    /// The kernels that are compared. The lecture's forms use no other operations, and compilation dominates the time.
     pub(super) fn twin_kernels(&self) -> Vec<Kernel> {
         let kernel = |certify: bool, tiles: bool| Kernel {
             sharing: self.summary.sharing(),
@@ -69,7 +69,7 @@ impl Gpu {
                     Some(CandidateList::Uncertified(TileCandidates::new(&view, &scene.spheres, binned, false, &pool)))
                 }
                 Some(binned) if kernel.certify => Some(CandidateList::Certified(binned)),
-                // This scene can be binned; without one there is nothing to compare.
+                // This scene can always be binned; without lists there is nothing to compare.
                 None if kernel.tiles || kernel.certify => continue,
                 _ => None,
             };

@@ -26,7 +26,7 @@ pub(super) struct Npz {
 
 /// The arrays read so far, in any order.
 #[derive(Default)]
-struct Found {
+struct Arrays {
     positions: Option<Vec<f64>>,
     axes: [Option<Vec<f64>>; 3],
     radii: Option<Vec<f64>>,
@@ -50,7 +50,7 @@ impl Npz {
     fn read(&self, source: SceneSource) -> Result<Particles> {
         let counts = source.reader.counts();
         let mut archive = Archive { reader: source.reader, path: source.path };
-        let mut found = Found::default();
+        let mut found = Arrays::default();
         while let Some(member) = archive.member()? {
             archive.open(&member, |path, reader| {
                 let mut npy = Npy { path, reader, bytes: 0, counts: Arc::clone(&counts) };
@@ -62,7 +62,7 @@ impl Npz {
     }
 }
 
-impl Found {
+impl Arrays {
     fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<'_, R>, wanted: &[String]) -> Result<()> {
         let name = name.to_lowercase();
         let shape = header.shape.clone();
