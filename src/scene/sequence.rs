@@ -9,6 +9,7 @@ use super::{Cell, ImagePlane, ReadOptions, Scene, native, nff};
 use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
+use crate::quote::count;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -150,7 +151,7 @@ impl Sequence {
         let place = Place::file(self.path.display().to_string());
         let problem = match self.passed {
             0 | 1 => "the file has no frame".to_owned(),
-            n => format!("none of the selected frames is among the {} of the file", n - 1),
+            n => format!("the file has {}, none of them selected", count(n - 1, "frame")),
         };
         Error::scene(place, problem, "use other --frames, or another --model")
     }

@@ -169,9 +169,9 @@ fn an_uncertified_method_searches_tiles_unless_there_are_few_spheres() {
     few.spheres.radii.truncate(5);
     for (scene, option, search, why) in [
         (&few, Search::Auto, "all", "so few"),
-        (&few, Search::Tiles, "tiles", "asked for"),
+        (&few, Search::Tiles, "tiles", "requested"),
         (&weekend(), Search::Auto, "tiles", "short lists"),
-        (&weekend(), Search::All, "all", "asked for"),
+        (&weekend(), Search::All, "all", "requested"),
     ] {
         let plan = planned(scene, &form(option));
         assert_eq!((plan.search, plan.staged.is_some()), (search, search == "tiles"));
@@ -276,7 +276,7 @@ fn the_printed_shader_is_complete() {
     }
     let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
     let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
-    assert!(error.contains("no kernel"), "{error}");
+    assert!(error.contains("without a kernel"), "{error}");
     let weekend = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/weekend.toml");
     let printed = TestDir::new(&[]).run_with(&["plan", weekend, "--aov", "depth=z.npy", "--wgsl"], &NO_ADAPTER);
     assert_eq!(printed.code, 0, "{}", printed.err);

@@ -116,7 +116,7 @@ fn an_invalid_scene_is_exit_code_3() {
     dir.refused(
         3,
         &["render", "scene.toml", "-o", "out.png", "--up", "0,0,-5"],
-        &["camera.up", "parallel", "elsewhere"],
+        &["camera.up", "parallel", "another direction"],
     );
     dir.refused(3, &["render", "scene.toml", "-o", "out.png", "--at", "0,0,0"], &["camera"]);
 

@@ -151,8 +151,8 @@ fn a_sequence_needs_numbered_names_and_existing_frames() {
         dir.refused_render(2, &format!("{many} -o a.png"), &["a.png", "a.%04d.png"]);
         dir.refused_render(2, &format!("{many} -o a%d.png --aov id=id.npy"), &["id.npy", "id.%04d.npy"]);
     }
-    dir.refused_render(3, "frames.xyz --frames 7 -o a.png", &["the 3 of the file", "--frames"]);
-    dir.refused_render(3, "native.toml --frames 3 -o a.png", &["the 1 that the file has"]);
+    dir.refused_render(3, "frames.xyz --frames 7 -o a.png", &["the file has 3 frames", "--frames"]);
+    dir.refused_render(3, "native.toml --frames 3 -o a.png", &["the file has 1 frame, none of them selected"]);
     for bad in ["0", "3-2", "x", "1:0"] {
         dir.refused_render(2, &format!("frames.xyz --frames {bad} -o a.png"), &["--frames", bad]);
     }

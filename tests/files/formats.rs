@@ -280,7 +280,10 @@ fn depth_beyond_the_range_of_png_has_a_warning_with_a_unit_that_fits() {
         Target::new(&[aov], Path::new(name), style).expect("a target").warnings(&whole)
     };
     let warning = warnings(Aov::Depth, "d.png", 0.001).concat();
-    assert!(warning.starts_with(&format!("{beyond} values of depth")) && warning.contains("--unit 1.2"), "{warning}");
+    assert!(
+        warning.starts_with(&format!("{beyond} values of depth")) && warning.contains("--unit 0.00122"),
+        "{warning}"
+    );
     assert_eq!(warnings(Aov::Depth, "d.png", 0.01), [""; 0]);
     assert_eq!(warnings(Aov::Depth, "d.npy", 0.001), [""; 0]);
     assert_eq!(warnings(Aov::Color, "c.png", 0.001), [""; 0]);
@@ -342,7 +345,8 @@ fn a_file_of_another_program_has_no_provenance() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("other.png");
     image::RgbImage::new(4, 4).save(&path).expect("written");
-    for (path, words) in [(path, "no provenance"), (folder.path().join("text"), "no .png, .exr, .npy, .npz or .pfm")] {
+    for (path, words) in [(path, "no provenance"), (folder.path().join("text"), "not a .png, .exr, .npy, .npz or .pfm")]
+    {
         if !path.exists() {
             std::fs::write(&path, "P6 1 1 255").expect("written");
         }

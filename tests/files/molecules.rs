@@ -164,7 +164,7 @@ fn assemblies_are_those_that_gemmi_makes() {
             assert!(words.iter().all(|word| error.contains(word)), "{name}: {error}");
         };
         refused(ReadOptions { assembly: Some(missing), ..ReadOptions::default() }, &["the file has 1"]);
-        refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "it has 1"]);
+        refused(ReadOptions { model: Some(2), ..ReadOptions::default() }, &["no model 2", "the file has 1"]);
         let copies = ASSEMBLIES.iter().find(|assembly| assembly.file == name).map_or(1, |assembly| assembly.copies);
         let offer = format!("{copies} copies; use --assembly 1");
         let warnings = unit.skipped.warnings();
