@@ -1,7 +1,7 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
 use crate::certify::binned::Depths;
-use crate::dd;
+use crate::double_double as dd;
 use crate::error::Result;
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};

@@ -16,7 +16,7 @@
 //! origin = e + u u + v v            direction = -w
 //! ```
 
-use crate::dd::{Dd, Dd3};
+use crate::double_double::{Dd, Dd3};
 use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};
 use crate::quote::number;

@@ -3,7 +3,7 @@
 //! No common denominator is needed: a product adds exponents, a sum shifts the operand with the larger one. Quotients
 //! and roots are truncated to a stated number of bits.
 
-use crate::dd::{self, Dd};
+use crate::double_double::{self as dd, Dd};
 use dashu_int::ops::{BitTest, SquareRoot};
 use dashu_int::{IBig, Sign, UBig};
 use std::cmp::Ordering;

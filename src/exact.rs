@@ -16,7 +16,7 @@ mod filter;
 #[cfg(test)]
 mod tests;
 
-use crate::dd::Dd;
+use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::scene::{Scene, Spheres, check_sphere};

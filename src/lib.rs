@@ -45,7 +45,8 @@ mod budget;
 pub mod camera;
 mod certify;
 mod cpu;
-mod dd;
+mod double_double;
+
 mod dyadic;
 pub mod error;
 pub mod exact;

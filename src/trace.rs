@@ -4,7 +4,7 @@
 //! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
 //! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
 
-use crate::dd;
+use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};

@@ -10,7 +10,7 @@ mod moved;
 pub(crate) use moved::FromEye;
 
 use crate::camera::{Basis, Viewport};
-use crate::dd;
+use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::number::Number;
 use crate::raster::Raster;

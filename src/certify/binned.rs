@@ -7,7 +7,7 @@ use super::projection::project::{Eight, LANES};
 use super::projection::{ProjectionBounds, Rotation, Staged};
 use super::tiles::{Bin, Filling, Lists, Placed, Placing};
 use super::{ProjectionRecord, Terms};
-use crate::dd;
+use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::scene::Scene;

@@ -7,7 +7,7 @@ pub(super) mod project;
 use super::general::GeneralRecord;
 use super::{ProjectionRecord, Terms};
 use crate::camera::{Basis, Camera, Viewport};
-use crate::dd::{self, Dd3};
+use crate::double_double::{self as dd, Dd3};
 use crate::error::Result;
 use crate::tile::TILE;
 use crate::view::{FromEye, View};

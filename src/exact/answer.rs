@@ -4,7 +4,7 @@ use super::decide::{ExactFrame, Meeting, Root};
 use super::field::FieldElement;
 use super::filter::{AxesDd, Body, FilterHit, TINY};
 use super::{RayForms, Truth};
-use crate::dd::{self, Dd};
+use crate::double_double::{self as dd, Dd};
 use crate::dyadic::{Dyadic, Dyadic3};
 
 /// The error of the hit point that [`Truth`] guarantees, before rounding: relative to the smaller of distance and

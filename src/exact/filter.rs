@@ -2,7 +2,7 @@
 //!
 //! Every sphere is moved into the frame (p = c - e along right, up, forward) and scaled by a power of two 2^-k that
 //! brings the larger of |p|_inf and r into [1, 2); the lens is scaled likewise. With N = |dir||p| and the relative
-//! errors of [`crate::dd`] (at most 2^-100 per operation), for `dir` within 2^-99 of itself:
+//! errors of [`crate::double_double`] (at most 2^-100 per operation), for `dir` within 2^-99 of itself:
 //!
 //! * p is within 2^-97 |p|: a rotation is three products and two sums with an axis good to 2^-104, in each of three
 //!   components (sqrt(3) (2^-99.9 + 2^-99) |p|).
@@ -25,7 +25,7 @@
 use super::decide::{ExactFrame, Root, odds, power, root};
 use super::field::FieldBasis;
 use crate::camera::Viewport;
-use crate::dd::{self, Dd, Dd3};
+use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
 use std::cmp::Ordering;
 

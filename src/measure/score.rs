@@ -269,7 +269,7 @@ fn answer(judge: &Judge, i: u32, j: u32) -> Option<ExactAnswer> {
 fn hit(truth: &ExactAnswer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     let relative = off(distance, truth.distance);
     // t* / 2^e is its significand, of which f32 has 23 bits after the point.
-    let ulps = relative * (truth.t / 2f64.powi(crate::dd::exponent(truth.t))) * f64::from(1u32 << 23);
+    let ulps = relative * (truth.t / 2f64.powi(crate::double_double::exponent(truth.t))) * f64::from(1u32 << 23);
     // Where f32 cannot distinguish the roots, the right one may round towards the other.
     let aside = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
     let wrong = !distance.is_finite() || aside;

@@ -1,7 +1,7 @@
 //! The topology of the tree without its boxes, built from the spheres in world space.
 
 use super::{FIRST, IS_LEAF, LEAF, NOWHERE, STACK};
-use crate::dd;
+use crate::double_double as dd;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;

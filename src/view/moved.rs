@@ -2,7 +2,7 @@
 
 use super::{SphereRecord, SphereResiduals};
 use crate::camera::Basis;
-use crate::dd::{self, Dd, Dd3};
+use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact;
 use glam::DVec3;
 

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{Bin, Placed};
-use crate::dd::{self, Dd, Dd3};
+use crate::double_double::{self as dd, Dd, Dd3};
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
 /// bound.

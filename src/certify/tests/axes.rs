@@ -2,7 +2,7 @@
 //! [`Camera::axes`].
 
 use crate::camera::{Camera, Look};
-use crate::dd::{Dd, Dd3};
+use crate::double_double::{Dd, Dd3};
 use dashu_int::IBig;
 use dashu_int::ops::SquareRoot;
 use std::cell::Cell;

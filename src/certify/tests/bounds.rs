@@ -9,7 +9,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::general::{self, General};
 use crate::certify::projected::{self, Projected};
 use crate::certify::{Certify, TERMS, Terms};
-use crate::dd::{self, Dd};
+use crate::double_double::{self as dd, Dd};
 use crate::scene::Scene;
 use crate::testing::Rng;
 use crate::view::View;

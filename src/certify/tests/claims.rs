@@ -4,7 +4,7 @@ use super::wild::Value;
 use crate::certify::binned::{BinnedScene, Depths};
 use crate::certify::general::General;
 use crate::certify::{Certify, Terms};
-use crate::dd::{self, Dd, Dd3};
+use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact::{Judge, Truth};
 use crate::memory::Pool;
 use crate::ray::NONE;

@@ -52,7 +52,7 @@ fn covered_pixels_are_hit() {
         let viewport = scene.camera.viewport(width, height).expect("a viewport");
         let lens = ProjectionBounds::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
         let judge = Judge::new(&scene).expect("a judge");
-        let unit = crate::dd::ldexp(1.0, view.unit);
+        let unit = crate::double_double::ldexp(1.0, view.unit);
         for id in 0..scene.spheres.len() {
             let staged = lens.stage(id as u32, scene.spheres.centers[id], scene.spheres.radii[id], 0.0);
             let Staged::Projected(landed) = staged else { continue };

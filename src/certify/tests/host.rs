@@ -7,7 +7,7 @@ use crate::certify::TERMS;
 use crate::certify::constants::HOST;
 use crate::certify::general::GeneralRecord;
 use crate::certify::projection::{ProjectionBounds, Staged};
-use crate::dd::{self, Dd, Dd3};
+use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact;
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::testing::Rng;

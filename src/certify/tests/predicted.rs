@@ -2,7 +2,7 @@
 
 use super::wild::{Mode, Wild, under};
 use crate::camera::{Camera, Lens, Look};
-use crate::dd;
+use crate::double_double as dd;
 use crate::exact::Judge;
 use crate::intersect::{Intersect, Method, Visit};
 use crate::predict::Prediction;

@@ -1,6 +1,6 @@
 //! f32 as WGSL allows it at its worst, with an adversary that chooses every rounding.
 
-use crate::dd::{self, Dd};
+use crate::double_double::{self as dd, Dd};
 use crate::number::Number;
 use crate::testing::Rng;
 use std::cell::RefCell;

@@ -5,7 +5,7 @@ mod perspective;
 
 use super::claims::Exact;
 use crate::camera::{Camera, Lens, Look};
-use crate::dd;
+use crate::double_double as dd;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::testing::Rng;
 use glam::DVec3;

@@ -123,7 +123,7 @@ pub(super) fn pairs() -> Vec<u32> {
             0 => [-(a[0] * b[0]), a[0] * b[0] * pair()[1]],
             _ => pair(),
         };
-        let sum = crate::dd::Dd::sum(f64::from(c[0]), f64::from(c[1])).value();
+        let sum = crate::double_double::Dd::sum(f64::from(c[0]), f64::from(c[1])).value();
         let c = [sum as f32, (sum - f64::from(sum as f32)) as f32];
         [a, b, c].concat()
     }))
