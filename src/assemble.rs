@@ -7,10 +7,10 @@ use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
 use crate::raw::Raw;
-use crate::ray::NONE;
 use crate::samples::Means;
 use crate::settle::Settled;
 use crate::view::View;
+use crate::view::ray::NONE;
 use rayon::prelude::*;
 
 /// The answers of a finished frame: the kernel's, and the settled pixels over them.

@@ -15,8 +15,8 @@ mod tests;
 pub(crate) mod tiles;
 
 use crate::number::Number;
-use crate::ray::NONE;
 use crate::view::ViewRecord;
+use crate::view::ray::NONE;
 use binned::BinnedScene;
 use bytemuck::{Pod, Zeroable};
 use constants::{

@@ -8,9 +8,9 @@ use crate::kernel::Kernel;
 use crate::nearest::nearest;
 use crate::number::Number;
 use crate::raw::Raw;
-use crate::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::report::CPU_DRIVER;
 use crate::shade::Surface;
+use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::view::{Sphere, View};
 use rayon::prelude::*;
 

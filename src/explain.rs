@@ -15,7 +15,6 @@ use crate::kernel::{Kernel, KernelOutput, Sharing};
 use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::predict::Prediction;
-use crate::raster::Raster;
 use crate::render::{Executor, FrameRays, Renderer};
 use crate::report::Timings;
 use crate::scene::Scene;
@@ -23,6 +22,7 @@ use crate::settings::{Accuracy, Backend, Settings};
 use crate::setup::FrameSetup;
 use crate::shade::Shade;
 use crate::view::ViewRecord;
+use crate::view::raster::Raster;
 use serde::Serialize;
 
 /// What a scene requires; the command line prints it.

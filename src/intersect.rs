@@ -11,8 +11,8 @@ mod unit;
 
 use crate::error::Error;
 use crate::number::Number;
-use crate::ray::Ray;
 use crate::view::Sphere;
+use crate::view::ray::Ray;
 use std::str::FromStr;
 
 /// A form of the ray-sphere intersection: the CPU twin of a file of shaders/form/.

@@ -64,9 +64,7 @@ pub mod plan;
 pub mod predict;
 pub mod progress;
 pub mod quote;
-mod raster;
 mod raw;
-pub mod ray;
 pub mod render;
 pub mod report;
 mod samples;
@@ -97,6 +95,7 @@ pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
 pub use trace::trace;
+pub use view::ray;
 /// The wgpu that [`Renderer::with_device`] takes its device from.
 pub use wgpu;
 pub use window::Window;

@@ -2,9 +2,9 @@
 
 use crate::intersect::Intersect;
 use crate::number::Number;
-use crate::ray::{Hit, Ray};
 use crate::tree::{NOWHERE, STACK, Slabs, Tree, leaf};
 use crate::view::Sphere;
+use crate::view::ray::{Hit, Ray};
 
 /// Keeps the closer hit. Spheres are visited in id order and the comparison is strict, so the lower id wins a tie.
 fn closer_hit<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {

@@ -4,9 +4,9 @@ use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::number::Number;
-use crate::ray::{NONE, Ray};
 use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
+use crate::view::ray::{NONE, Ray};
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]

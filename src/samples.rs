@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::raw::Raw;
-use crate::ray::NONE;
+use crate::view::ray::NONE;
 use rayon::prelude::*;
 
 /// The means over all samples of each pixel.

@@ -6,10 +6,10 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
 use crate::exact::{Judge, Truth};
-use crate::ray::{UNSURE, positive};
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
 use crate::view::View;
+use crate::view::ray::{UNSURE, positive};
 use glam::DVec3;
 use rayon::prelude::*;
 

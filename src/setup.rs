@@ -6,12 +6,12 @@ use crate::error::Result;
 use crate::memory::Pool;
 use crate::plan::Plan;
 use crate::predict::Prediction;
-use crate::raster::Raster;
 use crate::report::Timings;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
+use crate::view::raster::Raster;
 
 /// A plan with the data that it needs.
 pub(crate) struct FrameSetup {

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::intersect::Intersect;
 use crate::number::Number;
-use crate::ray::{Hit, Ray, dot3, positive, unit3};
 use crate::scene::DEFAULT_COLOR;
+use crate::view::ray::{Hit, Ray, dot3, positive, unit3};
 use crate::view::{Sphere, ViewRecord};
 use std::str::FromStr;
 

@@ -5,9 +5,9 @@
 use crate::certify::binned::BinnedScene;
 use crate::memory::Pool;
 use crate::number::Number;
-use crate::ray::NONE;
 use crate::scene::Spheres;
 use crate::tile::CHUNK;
+use crate::view::ray::NONE;
 use crate::view::{Sphere, SphereRecord, SphereResiduals, View};
 use bytemuck::Pod;
 use rayon::prelude::*;

@@ -10,7 +10,7 @@ mod shape;
 mod tests;
 
 use crate::intersect::{Form, Method};
-use crate::ray::RayRecord;
+use crate::view::ray::RayRecord;
 use crate::view::{SphereRecord, View};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;

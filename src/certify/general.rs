@@ -3,7 +3,7 @@
 use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
 use super::{Answer, Slopes, Terms};
 use crate::number::Number;
-use crate::ray::{cross3, minus, negated, positive, times, unit3};
+use crate::view::ray::{cross3, minus, negated, positive, times, unit3};
 use bytemuck::{Pod, Zeroable};
 
 /// The record as declared in certify/general.wgsl.

@@ -4,7 +4,7 @@
 use super::constants::{DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
 use super::{Answer, ProjectionRecord, Slopes, Terms};
 use crate::number::Number;
-use crate::ray::{positive, unit3};
+use crate::view::ray::{positive, unit3};
 use bytemuck::{Pod, Zeroable};
 
 /// The data that every test reads, declared in certify/projection.wgsl.

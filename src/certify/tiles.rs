@@ -7,8 +7,8 @@
 
 use super::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::memory::Pool;
-use crate::ray::NONE;
 use crate::tile::{CHUNK, TILE, WHOLE};
+use crate::view::ray::NONE;
 use bytemuck::allocation::try_zeroed_vec;
 use rayon::prelude::*;
 use std::alloc::{Layout, handle_alloc_error};

@@ -10,10 +10,10 @@ use crate::certify::tiles::{NO_DETAIL, NOTHING};
 use crate::certify::{Answer, Certify, GENERAL, Slopes};
 use crate::kernel::Kernel;
 use crate::raw::{Piece, Raw};
-use crate::ray::{NONE, Ray, UNSURE};
 use crate::shade::{Shade, Surface};
 use crate::tile::{CHUNK, TILE};
 use crate::view::View;
+use crate::view::ray::{NONE, Ray, UNSURE};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -342,9 +342,9 @@ fn write(
 mod tests {
     use super::*;
     use crate::certify::TERMS;
-    use crate::raster::Raster;
     use crate::scene::{ReadOptions, Scene};
     use crate::settings::Settings;
+    use crate::view::raster::Raster;
     use crate::window::Window;
 
     /// The adversary checks single rays. This test extends its results to strips: both give the same bits.

@@ -49,7 +49,7 @@ pub(crate) struct Input<'a> {
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
     /// Records of given rays; empty for viewing rays.
-    pub(crate) rays: &'a [crate::ray::RayRecord],
+    pub(crate) rays: &'a [crate::view::ray::RayRecord],
     /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
     /// The tree that given rays traverse.
@@ -459,10 +459,10 @@ mod tests {
             answers.push((sharing, raws));
         }
         assert!(
-            answers[0].1.iter().all(|raw| raw.id.iter().filter(|id| **id != crate::ray::NONE).count() > 1000),
+            answers[0].1.iter().all(|raw| raw.id.iter().filter(|id| **id != crate::view::ray::NONE).count() > 1000),
             "the scene shows something"
         );
-        assert!(answers[0].1[1].id.contains(&crate::ray::UNSURE), "something is left to settle");
+        assert!(answers[0].1[1].id.contains(&crate::view::ray::UNSURE), "something is left to settle");
         for (sharing, raws) in &answers[1..] {
             assert!(raws == &answers[0].1, "{sharing:?} differs");
         }

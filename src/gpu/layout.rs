@@ -80,11 +80,11 @@ mod tests {
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
     use crate::kernel::{RaySource, Sharing};
-    use crate::ray::NONE;
-    use crate::ray::RayRecord;
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
     use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
+    use crate::view::ray::NONE;
+    use crate::view::ray::RayRecord;
     use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;
@@ -216,7 +216,7 @@ mod tests {
         assert_eq!(constant(&certified, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&module, "CHUNK"), CHUNK as f64);
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
-        assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::ray::UNSURE));
+        assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
             zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed);
         same!(module "SphereRecord", SphereRecord, center_radius power scale id);

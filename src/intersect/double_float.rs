@@ -11,8 +11,8 @@
 use super::Intersect;
 use super::stable::Stable;
 use crate::number::Number;
-use crate::ray::Ray;
 use crate::view::Sphere;
+use crate::view::ray::Ray;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 pub(crate) struct DoubleFloat;

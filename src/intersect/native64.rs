@@ -3,8 +3,8 @@
 use super::Intersect;
 use super::stable::Stable;
 use crate::number::Number;
-use crate::ray::Ray;
 use crate::view::Sphere;
+use crate::view::ray::Ray;
 
 pub(crate) struct Native64;
 

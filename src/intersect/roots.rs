@@ -1,8 +1,8 @@
 //! Shared by the lecture's three forms: the twin of form/roots.wgsl.
 
 use crate::number::Number;
-use crate::ray::{Ray, center, dot3, minus, negated, times, unit3};
 use crate::view::Sphere;
+use crate::view::ray::{Ray, center, dot3, minus, negated, times, unit3};
 
 /// The smaller of two ordered roots that lies on the ray.
 pub(super) fn closest<R: Number>(near: R, far: R) -> R {

@@ -8,8 +8,8 @@
 
 use super::Intersect;
 use crate::number::Number;
-use crate::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
 use crate::view::Sphere;
+use crate::view::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
 
 pub(crate) struct Stable;
 

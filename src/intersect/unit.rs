@@ -4,8 +4,8 @@
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
 use crate::number::Number;
-use crate::ray::{Ray, center, dot3, negated, radius};
 use crate::view::Sphere;
+use crate::view::ray::{Ray, center, dot3, negated, radius};
 
 pub(crate) struct Unit;
 

@@ -5,7 +5,6 @@ use super::Renderer;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::plan::Plan;
-use crate::raster::Raster;
 use crate::raw::Raw;
 use crate::report::Timings;
 use crate::samples::{Means, Sums};
@@ -13,6 +12,7 @@ use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::settle;
 use crate::setup::FrameSetup;
+use crate::view::raster::Raster;
 use std::sync::Arc;
 
 impl Renderer {

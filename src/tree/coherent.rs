@@ -1,7 +1,7 @@
 //! Sorts rays so that neighbours are similar: rays that run side by side on a device then visit the same boxes. The
 //! answers do not depend on the order.
 
-use crate::ray::RayRecord;
+use crate::view::ray::RayRecord;
 use rayon::prelude::*;
 
 /// The indices of `rays` in such an order: along the Morton (Lebesgue) curve through origins and directions, 10 bits

@@ -45,7 +45,7 @@ impl Case {
     /// The number of rays for which `tree` and a search of all spheres differ.
     fn differing(&self, tree: &Tree) -> usize {
         let (a, b) = (self.answers(Some(tree)), self.answers(None));
-        assert!(b.id.iter().any(|id| *id != crate::ray::NONE), "something is hit");
+        assert!(b.id.iter().any(|id| *id != crate::view::ray::NONE), "something is hit");
         (0..self.rays.len()).filter(|&n| (a.id[n], a.t[n].to_bits()) != (b.id[n], b.t[n].to_bits())).count()
     }
 }

@@ -1,6 +1,6 @@
 //! One sphere moved into the canonical camera.
 
-use super::{SphereRecord, SphereResiduals};
+use super::records::{SphereRecord, SphereResiduals};
 use crate::camera::Basis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact;

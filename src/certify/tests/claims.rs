@@ -7,10 +7,10 @@ use crate::certify::{Certify, Terms};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact::{Judge, Truth};
 use crate::memory::Pool;
-use crate::ray::NONE;
 use crate::scene::Scene;
 use crate::tile::TILE;
 use crate::view::View;
+use crate::view::ray::NONE;
 
 /// The tolerance, and the conditions of `certain`, which may be switched off.
 #[derive(Debug, Clone, Copy, PartialEq)]

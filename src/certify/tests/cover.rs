@@ -7,11 +7,11 @@ use crate::certify::projection::cover::Cover;
 use crate::certify::projection::{ProjectionBounds, Staged};
 use crate::exact::Judge;
 use crate::memory::Pool;
-use crate::ray::NONE;
 use crate::scene::Scene;
 use crate::testing::Rng;
 use crate::tile::TILE;
 use crate::view::View;
+use crate::view::ray::NONE;
 use crate::{Camera, ImagePlane, Spheres};
 use glam::DVec3;
 

@@ -17,8 +17,8 @@ use crate::certify::general::{self, General};
 use crate::certify::projected::{self, Projected};
 use crate::certify::{Certify, ProjectionRecord, Slopes, TERMS, Terms};
 use crate::number::Number;
-use crate::ray::{cross3, minus, negated, times};
 use crate::testing::Rng;
+use crate::view::ray::{cross3, minus, negated, times};
 use rayon::prelude::*;
 
 /// The quantity that is checked.

@@ -6,9 +6,9 @@ use crate::double_double as dd;
 use crate::exact::Judge;
 use crate::intersect::{Intersect, Method, Visit};
 use crate::predict::Prediction;
-use crate::ray::viewing_ray;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::testing::Rng;
+use crate::view::ray::viewing_ray;
 use crate::view::{Sphere, View};
 use glam::DVec3;
 

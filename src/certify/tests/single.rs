@@ -3,8 +3,8 @@
 use crate::certify::constants::BEYOND;
 use crate::certify::{Answer, Certify, Slopes};
 use crate::number::Number;
-use crate::ray::NONE;
 use crate::tile::CHUNK;
+use crate::view::ray::NONE;
 
 /// The two smallest lower bounds of depth, and the sphere of the smallest.
 #[derive(Debug, Clone, Copy)]

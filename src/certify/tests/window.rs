@@ -4,9 +4,9 @@ use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::raster::Raster;
 use crate::tile::TILE;
 use crate::view::View;
+use crate::view::raster::Raster;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
 

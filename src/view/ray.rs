@@ -1,7 +1,7 @@
 //! Viewing rays and hits: the twin of ray.wgsl.
 
+use super::records::{Sphere, ViewRecord};
 use crate::number::Number;
-use crate::view::{Sphere, ViewRecord};
 use bytemuck::{Pod, Zeroable};
 
 /// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts.

@@ -1,0 +1,191 @@
+//! The records that the kernels read: the view, and the spheres moved into the canonical camera.
+
+use crate::number::Number;
+use crate::tile::TILE;
+use bytemuck::{Pod, Zeroable};
+
+/// The uniform of every kernel; declared in view.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct ViewRecord {
+    /// Basis u in world space; the fourth number is unused.
+    pub right: [f32; 4],
+    /// Basis v.
+    pub up: [f32; 4],
+    /// Basis w.
+    pub back: [f32; 4],
+    /// Linear RGB of a miss; the fourth number is unused.
+    pub background: [f32; 4],
+    /// W of the full frame; with several samples per pixel, of the finer frame whose pixels are the samples.
+    pub width: u32,
+    /// H likewise.
+    pub height: u32,
+    /// First row, in the full frame, of the window or of the band that a dispatch renders.
+    pub first_row: u32,
+    /// Rows in the window or the band.
+    pub rows: u32,
+    /// vw/(2W), scaled.
+    pub half_du: f32,
+    /// vh/(2H), scaled.
+    pub half_dv: f32,
+    /// d, scaled.
+    pub d: f32,
+    /// The number of spheres that every ray tests.
+    pub spheres: u32,
+    /// 0, but unknown to the compiler (number/double_float.wgsl).
+    pub zero: u32,
+    /// Rounding error of half_du.
+    pub half_du_low: f32,
+    /// Rounding error of half_dv.
+    pub half_dv_low: f32,
+    /// Rounding error of d.
+    pub d_low: f32,
+    /// First column of the window in the full frame.
+    pub first_column: u32,
+    /// Columns in the window.
+    pub columns: u32,
+    /// Strata along a side of a pixel, one sample each; 1 for pixel centres.
+    pub strata: u32,
+    /// Pixels of the finer frame along a side of a stratum, a power of two.
+    pub jitter: u32,
+    /// The index of the sample.
+    pub sample: u32,
+    /// Seed of the sample positions.
+    pub seed: u32,
+    /// WGSL rounds the size up to the alignment of the vectors.
+    pub unused: [u32; 2],
+}
+
+impl ViewRecord {
+    /// Pixels of the window.
+    pub(crate) fn pixels(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Row and column in the full frame of a pixel of the window, by its index in the buffers.
+    pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
+        [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
+    }
+
+    /// First and last column and row of the tiles that the window touches.
+    pub(crate) fn tiles(&self) -> [[u32; 2]; 2] {
+        let of = |first: u32, count: u32| [first / TILE, (first + count - 1) / TILE];
+        [of(self.first_column, self.columns), of(self.first_row, self.rows)]
+    }
+
+    /// K, the pixels of the finer frame along a side of a pixel; 1 for pixel centres.
+    #[inline(always)]
+    pub(crate) fn fine(&self) -> u32 {
+        self.strata * self.jitter
+    }
+
+    /// Row and column in the finer frame of a pixel's ray; the pixel's own for pixel centres. The twin of main/sample.wgsl.
+    #[inline(always)]
+    pub(crate) fn sample_position(&self, row: u32, column: u32) -> [u32; 2] {
+        if self.fine() == 1 {
+            return [row, column];
+        }
+        let [across, down, ..] = pcg4d([column, row, self.sample, self.seed]);
+        let within = |pixel: u32, stratum: u32, hash: u32| {
+            (pixel * self.strata + stratum) * self.jitter + (hash >> 16 & (self.jitter - 1))
+        };
+        let (i, j) = (self.sample / self.strata, self.sample % self.strata);
+        [within(row, i, down), within(column, j, across)]
+    }
+}
+
+/// The hash pcg4d of Jarzynski and Olano, "Hash Functions for GPU Rendering", Journal of Computer Graphics Techniques
+/// 9(3), 2020: it maps four numbers to four.
+fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+    let mix = |[x, y, z, w]: [u32; 4]| {
+        let x = x.wrapping_add(y.wrapping_mul(w));
+        let y = y.wrapping_add(z.wrapping_mul(x));
+        let z = z.wrapping_add(x.wrapping_mul(y));
+        let w = w.wrapping_add(y.wrapping_mul(z));
+        [x, y, z, w]
+    };
+    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    mix(mix(v).map(|x| x ^ x >> 16))
+}
+
+/// A sphere as the kernels read it; declared in search/closer_hit.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct SphereRecord {
+    /// Centre minus eye in the canonical camera, and radius; times 2^-k.
+    pub center_radius: [f32; 4],
+    /// Power of the eye, |c - e|^2 - r^2; times 2^-2k. Its sign is exact.
+    pub power: f32,
+    /// t of this record times scale is t in the frame's unit.
+    pub scale: f32,
+    /// Index in the scene's order.
+    pub id: u32,
+    /// WGSL rounds the size up to the alignment of center_radius.
+    pub unused: u32,
+}
+
+/// Rounding errors of a [`SphereRecord`]; declared in search/closer_hit.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub struct SphereResiduals {
+    /// Of centre and radius.
+    pub center_radius: [f32; 4],
+    /// Of the power.
+    pub power: f32,
+    /// WGSL rounds the size up to the alignment of center_radius.
+    pub unused: [f32; 3],
+}
+
+/// [`SphereRecord`] in the arithmetic of a twin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere<R> {
+    /// Centre and radius.
+    pub center_radius: [R; 4],
+    /// Power of the eye.
+    pub power: R,
+    /// Factor from the record's t to the frame's.
+    pub scale: R,
+}
+
+impl<R: Number> From<&SphereRecord> for Sphere<R> {
+    fn from(s: &SphereRecord) -> Self {
+        Self {
+            center_radius: s.center_radius.map(R::from_f32),
+            power: R::from_f32(s.power),
+            scale: R::from_f32(s.scale),
+        }
+    }
+}
+
+impl<R: Number> Sphere<R> {
+    /// A record with its rounding errors, as far as the arithmetic holds them.
+    pub(crate) fn with_residuals(s: &SphereRecord, low: &SphereResiduals) -> Self {
+        Self {
+            center_radius: std::array::from_fn(|k| R::from_hi_lo(s.center_radius[k], low.center_radius[k])),
+            power: R::from_hi_lo(s.power, low.power),
+            scale: R::from_f32(s.scale),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_stratum_has_one_sample_in_every_window() {
+        let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
+        let mut counts = [0u32; 16];
+        for sample in 0..9 {
+            for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {
+                let [i, j] = ViewRecord { sample, ..record }.sample_position(row, column);
+                assert_eq!([i / 48, j / 48], [row, column], "within its pixel");
+                assert_eq!([i % 48 / 16, j % 48 / 16], [sample / 3, sample % 3], "within its stratum");
+                counts[(i % 16) as usize] += 1;
+                counts[(j % 16) as usize] += 1;
+            }
+        }
+        // 180000 in 16 bins: 11250 each, with a standard deviation of 103; the limit is five of them.
+        assert!(counts.iter().all(|n| n.abs_diff(11_250) < 515), "{counts:?}");
+    }
+}
