@@ -5,10 +5,10 @@ mod tiles;
 
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
-use crate::nearest::nearest;
 use crate::number::Number;
 use crate::raw::Raw;
 use crate::report::CPU_DRIVER;
+use crate::search::nearest::nearest;
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::view::{Sphere, View};

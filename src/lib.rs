@@ -57,7 +57,6 @@ pub mod intersect;
 mod kernel;
 pub mod measure;
 mod memory;
-mod nearest;
 mod npy;
 pub mod number;
 pub mod plan;
@@ -69,6 +68,7 @@ pub mod render;
 pub mod report;
 mod samples;
 pub mod scene;
+mod search;
 pub mod settings;
 mod settle;
 mod setup;
@@ -76,10 +76,8 @@ pub mod shade;
 #[cfg(test)]
 mod testing;
 mod tile;
-mod tile_candidates;
 pub mod trace;
 mod trailer;
-mod tree;
 pub mod view;
 pub mod window;
 

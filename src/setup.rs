@@ -8,8 +8,8 @@ use crate::plan::Plan;
 use crate::predict::Prediction;
 use crate::report::Timings;
 use crate::scene::Scene;
+use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::{Accuracy, Search, Settings};
-use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 use crate::view::raster::Raster;
 

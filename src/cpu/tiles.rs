@@ -3,12 +3,12 @@
 
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
-use crate::nearest::closer_hit_any_order;
 use crate::number::Number;
 use crate::raw::Raw;
+use crate::search::nearest::closer_hit_any_order;
+use crate::search::tile_candidates::TileCandidates;
 use crate::shade::Surface;
 use crate::tile::{CHUNK, TILE};
-use crate::tile_candidates::TileCandidates;
 use crate::view::Sphere;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
 use rayon::prelude::*;

@@ -11,9 +11,9 @@ use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
 use crate::raw::Raw;
 use crate::report::Timings;
+use crate::search::tile_candidates::CandidateList;
+use crate::search::tree::Tree;
 use crate::tile::TILE;
-use crate::tile_candidates::CandidateList;
-use crate::tree::Tree;
 use crate::view::{View, ViewRecord};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -394,8 +394,8 @@ mod tests {
     use crate::kernel::Sharing;
     use crate::memory::Pool;
     use crate::scene::{ReadOptions, Scene};
+    use crate::search::tile_candidates::TileCandidates;
     use crate::shade::Shade;
-    use crate::tile_candidates::TileCandidates;
     use std::path::Path;
 
     /// All ways of sharing loaded spheres give the same bits.

@@ -80,9 +80,9 @@ mod tests {
     use crate::gpu::dispatch::GROUP;
     use crate::intersect::Method;
     use crate::kernel::{RaySource, Sharing};
+    use crate::search::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
-    use crate::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::view::ray::NONE;
     use crate::view::ray::RayRecord;
     use crate::view::{SphereRecord, SphereResiduals, ViewRecord};

@@ -12,9 +12,9 @@ use crate::memory::Pool;
 use crate::raw::Raw;
 use crate::report::Timings;
 use crate::scene::{ReadOptions, Scene};
+use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::shade::Shade;
 use crate::testing::adapter_or_skip;
-use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 use std::cell::Cell;
 

@@ -6,8 +6,8 @@ use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::error::Result;
 use crate::kernel::{Kernel, RaySource};
+use crate::search::tile_candidates::CandidateList;
 use crate::tile::{CHUNK, TILE};
-use crate::tile_candidates::CandidateList;
 use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
 use std::ops::Range;
 

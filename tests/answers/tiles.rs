@@ -15,7 +15,7 @@ use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
-/// The largest relative error of t that the rule covers, as src/tile_candidates.rs says.
+/// The largest relative error of t that the rule covers, as src/search/tile_candidates.rs says.
 const MARGIN: f64 = 1.0 / 1024.0;
 
 const AOVS: [Aov; 4] = [Aov::Color, Aov::Distance, Aov::Normal, Aov::Id];

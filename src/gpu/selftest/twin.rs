@@ -15,8 +15,8 @@ use crate::memory::Pool;
 use crate::raw::Raw;
 use crate::report::Timings;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
+use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;
-use crate::tile_candidates::{CandidateList, TileCandidates};
 use crate::view::View;
 
 /// The check's name.

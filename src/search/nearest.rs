@@ -1,8 +1,8 @@
 //! The closest hit among all spheres or among those of a tree: the twin of search/.
 
+use super::tree::{NOWHERE, STACK, Slabs, Tree, leaf};
 use crate::intersect::Intersect;
 use crate::number::Number;
-use crate::tree::{NOWHERE, STACK, Slabs, Tree, leaf};
 use crate::view::Sphere;
 use crate::view::ray::{Hit, Ray};
 
