@@ -1,5 +1,6 @@
 //! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
+use crate::answers::settle::Settled;
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
@@ -8,7 +9,6 @@ use crate::memory::SPHERE;
 use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
-use crate::settle::Settled;
 use crate::view::{SphereRecord, SphereResiduals};
 use crate::window::Window;
 

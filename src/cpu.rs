@@ -3,10 +3,10 @@
 mod certified;
 mod tiles;
 
+use crate::answers::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::Number;
-use crate::raw::Raw;
 use crate::report::CPU_DRIVER;
 use crate::search::nearest::nearest;
 use crate::shade::Surface;

@@ -40,7 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod assemble;
+mod answers;
 mod budget;
 pub mod camera;
 mod certify;
@@ -63,14 +63,11 @@ pub mod plan;
 pub mod predict;
 pub mod progress;
 pub mod quote;
-mod raw;
 pub mod render;
 pub mod report;
-mod samples;
 pub mod scene;
 mod search;
 pub mod settings;
-mod settle;
 mod setup;
 pub mod shade;
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Renders one frame: scene, view, nearest hits, settling, shading, buffers.
 
-use crate::assemble::Answers;
+use crate::answers::assemble::Answers;
+use crate::answers::raw::Raw;
+use crate::answers::settle::{self, Settled};
 use crate::budget::Need;
 use crate::camera::Look;
 use crate::certify::binned::Depths;
@@ -18,12 +20,10 @@ use crate::memory::{self, Pool};
 use crate::plan::Plan;
 use crate::progress::{Step, Watch};
 use crate::quote::number;
-use crate::raw::Raw;
 use crate::report::{Report, Timings, milliseconds};
 use crate::scene::{Scene, point};
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::{Accuracy, Backend, Settings};
-use crate::settle::{self, Settled};
 use crate::setup::FrameSetup;
 use crate::view::raster::Raster;
 use crate::window::Window;

@@ -4,6 +4,7 @@
 //! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
 //! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
 
+use crate::answers::raw::Raw;
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::gpu::dispatch::{Input, Output};
@@ -11,7 +12,6 @@ use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource};
 use crate::number::Number;
 use crate::plan::Plan;
-use crate::raw::Raw;
 use crate::render::{Executor, Renderer};
 use crate::report::Timings;
 use crate::scene::{Spheres, check_sphere};

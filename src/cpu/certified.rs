@@ -2,6 +2,7 @@
 //! vectorize for the widest vectors of the processor. Vector and scalar operations round alike, so the bits equal the
 //! device's.
 
+use crate::answers::raw::{Piece, Raw};
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::BEYOND;
 use crate::certify::general::{general_answer, general_low};
@@ -9,7 +10,6 @@ use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecor
 use crate::certify::tiles::{NO_DETAIL, NOTHING};
 use crate::certify::{Answer, Certify, GENERAL, Slopes};
 use crate::kernel::Kernel;
-use crate::raw::{Piece, Raw};
 use crate::shade::{Shade, Surface};
 use crate::tile::{CHUNK, TILE};
 use crate::view::View;

@@ -1,10 +1,10 @@
 //! Intersection forms with candidate lists on the CPU path: the twin of search/tile.wgsl. A sphere of a tile is
 //! translated into the camera's frame when the first ray of the tile needs it, once for all 64 rays.
 
+use crate::answers::raw::Raw;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::Number;
-use crate::raw::Raw;
 use crate::search::nearest::closer_hit_any_order;
 use crate::search::tile_candidates::TileCandidates;
 use crate::shade::Surface;

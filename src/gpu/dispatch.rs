@@ -1,5 +1,6 @@
 //! Rendering one frame on the device: upload, dispatch by bands, readback.
 
+use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
 use crate::gpu::clock::Clock;
 use crate::gpu::compose::compose;
@@ -9,7 +10,6 @@ use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
-use crate::raw::Raw;
 use crate::report::Timings;
 use crate::search::tile_candidates::CandidateList;
 use crate::search::tree::Tree;

@@ -1,6 +1,7 @@
 //! A frame that is split into bands, by time or by the size of a binding, has the same bits.
 
 use super::submission_budget::SubmissionBudget;
+use crate::answers::raw::Raw;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Error;
@@ -9,7 +10,6 @@ use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::raw::Raw;
 use crate::report::Timings;
 use crate::scene::{ReadOptions, Scene};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};

@@ -2,15 +2,15 @@
 //! and settled like pixels.
 
 use super::Renderer;
+use crate::answers::raw::Raw;
+use crate::answers::samples::{Means, Sums};
+use crate::answers::settle;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::plan::Plan;
-use crate::raw::Raw;
 use crate::report::Timings;
-use crate::samples::{Means, Sums};
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::settle;
 use crate::setup::FrameSetup;
 use crate::view::raster::Raster;
 use std::sync::Arc;

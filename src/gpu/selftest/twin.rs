@@ -2,6 +2,7 @@
 //! of spheres.
 
 use super::Check;
+use crate::answers::raw::Raw;
 use crate::camera::Camera;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
@@ -12,7 +13,6 @@ use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
-use crate::raw::Raw;
 use crate::report::Timings;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};

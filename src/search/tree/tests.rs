@@ -1,11 +1,11 @@
 //! The padding of the boxes is needed: a tree with less of it, or traversed wrongly, loses hits. By the twin on the CPU; tests/answers/tree.rs holds trees against all spheres on adapters.
 
 use super::*;
+use crate::answers::raw::Raw;
 use crate::kernel::{Kernel, RaySource};
 use crate::measure::suite::Random;
 use crate::memory::Pool;
 use crate::plan::Plan;
-use crate::raw::Raw;
 use crate::scene::Spheres;
 use crate::settings::Settings;
 use crate::trace::{farthest, on_cpu, ray_record};

@@ -1,8 +1,8 @@
 //! Means over the samples of each pixel.
 
+use super::raw::Raw;
 use crate::error::Result;
 use crate::memory::Pool;
-use crate::raw::Raw;
 use crate::view::ray::NONE;
 use rayon::prelude::*;
 

@@ -1,10 +1,10 @@
 //! The buffers that a kernel writes.
 
+use super::settle::Settled;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::number::Number;
-use crate::settle::Settled;
 use crate::shade::{Shade, Surface};
 use crate::view::ray::{NONE, Ray};
 

@@ -1,14 +1,14 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
+use super::raw::Raw;
+use super::samples::Means;
+use super::settle::Settled;
 use crate::certify::binned::Depths;
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::exact::Truth;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::Pool;
-use crate::raw::Raw;
-use crate::samples::Means;
-use crate::settle::Settled;
 use crate::view::View;
 use crate::view::ray::NONE;
 use rayon::prelude::*;

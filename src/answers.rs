@@ -1,0 +1,7 @@
+//! From the buffers that a kernel writes to the buffers of a frame: unsure pixels are settled exactly, samples are
+//! averaged, and the values get their units.
+
+pub(crate) mod assemble;
+pub(crate) mod raw;
+pub(crate) mod samples;
+pub(crate) mod settle;
