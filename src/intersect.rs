@@ -4,6 +4,7 @@
 pub(crate) mod double_float;
 mod geometric;
 mod native64;
+pub mod predict;
 mod roots;
 mod stable;
 mod textbook;

@@ -1,6 +1,6 @@
 //! The report of a rendering: adapter, method, times, counts, warnings.
 
-use crate::predict::Prediction;
+use crate::intersect::predict::Prediction;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;

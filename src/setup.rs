@@ -3,9 +3,9 @@
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Result;
+use crate::intersect::predict::Prediction;
 use crate::memory::Pool;
 use crate::plan::Plan;
-use crate::predict::Prediction;
 use crate::report::Timings;
 use crate::scene::Scene;
 use crate::search::tile_candidates::{CandidateList, TileCandidates};

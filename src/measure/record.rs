@@ -1,7 +1,7 @@
 //! The record of a measurement, with units and raw samples. Tables, plots and reports are made from it alone.
 
 use crate::error::{Error, Place, Result};
-use crate::predict::Prediction;
+use crate::intersect::predict::Prediction;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

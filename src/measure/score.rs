@@ -29,7 +29,7 @@ use super::record::{Errors, Map, Spread, finite};
 use crate::error::{Error, Result};
 use crate::exact::{Judge, Root};
 use crate::frame::{Aov, Frame};
-use crate::predict::Prediction;
+use crate::intersect::predict::Prediction;
 use crate::progress::{Step, Watch};
 use crate::scene::Scene;
 use clearance::Sight;

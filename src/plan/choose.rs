@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
-use crate::predict::Prediction;
+use crate::intersect::predict::Prediction;
 use crate::quote::number;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};

@@ -11,8 +11,8 @@
 //! lecture's forms of order k^2 u, because they subtract squares of the distance. Near the outline D is small and t has
 //! the square root of its error, so distances are worst there.
 
+use super::{Form, Method};
 use crate::error::{Error, Result};
-use crate::intersect::{Form, Method};
 use crate::quote::number;
 use crate::scene::{Scene, Spheres};
 use crate::view::{SphereRecord, View};
@@ -27,7 +27,7 @@ const HOST: f64 = 1.0 / (1u64 << 24) as f64;
 const PAIR: f64 = HOST * HOST;
 /// The unit roundoff of f64 on a device, rounding either way.
 const U64: f64 = 1.0 / (1u64 << 52) as f64;
-/// c - e rotated by the host in f64, as a vector: 5 * 2^-53 |c - e|_1 a component (certify/lens.rs), twice sqrt(3).
+/// c - e rotated by the host in f64, as a vector: 5 * 2^-53 |c - e|_1 a component (certify/projection.rs), twice sqrt(3).
 const ROTATED: f64 = 15.0 / (1u64 << 53) as f64;
 /// The power of the eye from double-double, in a unit in which max(|p|, r) is at least 1 and the terms below 16.
 const POWER: f64 = HOST * HOST * HOST / (1u64 << 20) as f64;
