@@ -61,7 +61,7 @@ pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>(
 pub struct Judge {
     bench: Bench,
     lens: ExactLens,
-    viewport: crate::camera::Viewport,
+    viewport: crate::scene::camera::Viewport,
     size: [u32; 2],
 }
 

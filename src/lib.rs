@@ -42,7 +42,6 @@
 
 mod answers;
 mod budget;
-pub mod camera;
 mod certify;
 mod cpu;
 mod double_double;
@@ -77,7 +76,6 @@ mod trailer;
 pub mod view;
 pub mod window;
 
-pub use camera::{Camera, Lens, Look};
 pub use error::{Error, Result};
 pub use frame::{Aov, Frame};
 pub use gpu::device::{AdapterSummary, adapters};
@@ -85,6 +83,7 @@ pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verd
 pub use intersect::{Method, predict};
 pub use progress::{Cancel, Progress, Step, Watch};
 pub use render::{Renderer, render};
+pub use scene::camera::{self, Camera, Lens, Look};
 pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;

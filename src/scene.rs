@@ -2,6 +2,7 @@
 //! readers below make scenes.
 
 pub mod arrange;
+pub mod camera;
 mod csv;
 mod fit;
 mod foreign;
@@ -15,11 +16,11 @@ mod sequence;
 mod source;
 pub mod style;
 
-use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
 use crate::progress::Watch;
 use crate::quote::count;
+use crate::scene::camera::Camera;
 use glam::DVec3;
 use std::path::Path;
 

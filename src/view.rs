@@ -13,11 +13,11 @@ mod records;
 pub(crate) use moved::FromEye;
 pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
 
-use crate::camera::{Basis, Viewport};
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::number::Number;
 use crate::scene::Scene;
+use crate::scene::camera::{Basis, Viewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;

@@ -70,10 +70,10 @@ fn every_claim_names_code_and_a_test_that_exist() {
 fn a_row_without_code_or_test_is_found() {
     let row = |code: &str, test: &str| faults(&format!("| 1 | a claim | `{code}` | `{test}` |\n")).0.len();
     let test = "tests/claims.rs#a_row_without_code_or_test_is_found";
-    assert_eq!(row("src/camera.rs#axes", test), 0);
-    assert_eq!(row("src/camera.rs#axe", test), 1);
+    assert_eq!(row("src/scene/camera.rs#axes", test), 0);
+    assert_eq!(row("src/scene/camera.rs#axe", test), 1);
     assert_eq!(row("src/cameras.rs#axes", test), 1);
-    assert_eq!(row("src/camera.rs#axes", "tests/claims.rs#row"), 1);
-    assert_eq!(row("src/camera.rs#axes", "tests/gappa/nothing.g"), 1);
+    assert_eq!(row("src/scene/camera.rs#axes", "tests/claims.rs#row"), 1);
+    assert_eq!(row("src/scene/camera.rs#axes", "tests/gappa/nothing.g"), 1);
     assert_eq!(row("nothing", test), 1);
 }

@@ -6,9 +6,9 @@ pub(super) mod project;
 
 use super::general::GeneralRecord;
 use super::{ProjectionRecord, Terms};
-use crate::camera::{Basis, Camera, Viewport};
 use crate::double_double::{self as dd, Dd3};
 use crate::error::Result;
+use crate::scene::camera::{Basis, Camera, Viewport};
 use crate::tile::TILE;
 use crate::view::{FromEye, View};
 use glam::DVec3;

@@ -23,8 +23,8 @@
 //! is not a binary number any more, but still an element of the field.
 
 use super::field::{Field, FieldBasis, FieldElement};
-use crate::camera::{Camera, Look, Viewport};
 use crate::dyadic::{self, Dyadic, Dyadic3};
+use crate::scene::camera::{Camera, Look, Viewport};
 use std::cmp::Ordering;
 
 /// One of the two intersections of a line with a sphere.

@@ -24,9 +24,9 @@
 
 use super::decide::{ExactFrame, Root, odds, power, root};
 use super::field::FieldBasis;
-use crate::camera::Viewport;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
+use crate::scene::camera::Viewport;
 use std::cmp::Ordering;
 
 /// See the module's head.

@@ -3,7 +3,7 @@
 mod parallel;
 
 use super::*;
-use crate::camera::{Camera, Look};
+use crate::scene::camera::{Camera, Look};
 use crate::scene::{ImagePlane, Skipped};
 use crate::testing::Rng;
 
@@ -39,7 +39,7 @@ fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {
         eye: eye.into(),
         look: Look::View([1.0, 1.0, 0.0].into()),
         up: [0.0, 0.0, 1.0].into(),
-        lens: crate::camera::Lens::Viewport { vw: 3.0, vh: 1.0, distance: 2.0 },
+        lens: crate::scene::camera::Lens::Viewport { vw: 3.0, vh: 1.0, distance: 2.0 },
     };
     judge(camera, [3, 1], balls)
 }
@@ -82,7 +82,7 @@ fn random_scene(rng: &mut Rng, scale: f64) -> Scene {
         eye: eye.into(),
         look: Look::At(vector(rng, scale).into()),
         up: vector(rng, 1.0).into(),
-        lens: crate::camera::Lens::Vfov { degrees: 20.0 + 60.0 * signed(rng).abs(), distance: 1.5 },
+        lens: crate::scene::camera::Lens::Vfov { degrees: 20.0 + 60.0 * signed(rng).abs(), distance: 1.5 },
     };
     let mut balls = Vec::new();
     for _ in 0..12 {
@@ -181,7 +181,7 @@ fn the_filter_says_what_exact_signs_say() {
             let mut scene = random_scene(&mut rng, scale);
             if n % 2 == 1 {
                 let height = scale * 10f64.powf(3.0 * signed(&mut rng));
-                scene.camera.lens = crate::camera::Lens::Orthographic { height };
+                scene.camera.lens = crate::scene::camera::Lens::Orthographic { height };
             }
             let judge = Judge::new(&scene).expect("a scene");
             for (i, j) in pixels(&scene) {
@@ -254,7 +254,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
 #[test]
 fn underflow_leaves_the_decision_to_exact_arithmetic() {
     // The squares of the central ray, (0, 0, -2^-520), are subnormal beside a viewport of 1.
-    let lens = crate::camera::Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2f64.powi(-520) };
+    let lens = crate::scene::camera::Lens::Viewport { vw: 1.0, vh: 1.0, distance: 2f64.powi(-520) };
     let mut rng = Rng(6);
     for n in 0..200 {
         let [x, y, _] = vector(&mut rng, 1.0);
@@ -269,7 +269,7 @@ fn powers_of_two_scale_the_answer_exactly() {
     let mut rng = Rng(2);
     let scene = random_scene(&mut rng, 1.0);
     scaled_by_powers_of_two(&scene);
-    let lens = crate::camera::Lens::Orthographic { height: 1.7 };
+    let lens = crate::scene::camera::Lens::Orthographic { height: 1.7 };
     scaled_by_powers_of_two(&Scene { camera: Camera { lens, ..scene.camera }, ..scene });
 }
 
@@ -278,7 +278,7 @@ fn scaled_by_powers_of_two(scene: &Scene) {
     for k in [-300, -33, 7, 400] {
         let factor = 2f64.powi(k);
         let mut scaled = scene.clone();
-        if let crate::camera::Lens::Orthographic { height } = &mut scaled.camera.lens {
+        if let crate::scene::camera::Lens::Orthographic { height } = &mut scaled.camera.lens {
             *height *= factor;
         }
         scaled.camera.eye *= factor;

@@ -1,7 +1,7 @@
 //! Framing: the nearest camera from which all spheres are completely visible.
 
+use super::camera::{Lens, Look};
 use super::{Scene, Spheres};
-use crate::camera::{Lens, Look};
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
 use rayon::prelude::*;

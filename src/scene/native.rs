@@ -3,10 +3,10 @@
 
 mod room;
 
+use super::camera::{Camera, Lens, Look};
 use super::input::Input;
 use super::lines::not_utf8;
 use super::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere, csv, ending, npy, relocate};
-use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;

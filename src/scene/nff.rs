@@ -4,10 +4,10 @@
 //!
 //! Every statement begins on a new line; its numbers may continue on the following lines.
 
+use super::camera::{Camera, Lens, Look};
 use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::{ImagePlane, ReadOptions, Scene, Skipped, Spheres, check_color, check_size, check_sphere, relocate};
-use crate::camera::{Camera, Lens, Look};
 use crate::error::{Error, Place, Result};
 use crate::quote::{count, quote};
 use glam::DVec3;

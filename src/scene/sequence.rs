@@ -1,12 +1,12 @@
 //! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
 
+use super::camera::Camera;
 use super::fit::Framing;
 use super::input::Input;
 use super::particles::{self, ParticleFrames};
 use super::source::{Format, SceneSource};
 use super::style::Legend;
 use super::{Cell, ImagePlane, ReadOptions, Scene, native, nff};
-use crate::camera::Camera;
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::count;

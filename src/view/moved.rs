@@ -1,9 +1,9 @@
 //! One sphere moved into the canonical camera.
 
 use super::records::{SphereRecord, SphereResiduals};
-use crate::camera::Basis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact;
+use crate::scene::camera::Basis;
 use glam::DVec3;
 
 /// A sphere relative to the eye, times the power of two 2^-k that brings the largest of |c - e|'s components and r into

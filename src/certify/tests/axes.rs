@@ -1,8 +1,8 @@
 //! A camera's axes for the exact values of these tests, in integers on one fixed grid: independent of the code under test,
 //! [`Camera::axes`].
 
-use crate::camera::{Camera, Look};
 use crate::double_double::{Dd, Dd3};
+use crate::scene::camera::{Camera, Look};
 use dashu_int::IBig;
 use dashu_int::ops::SquareRoot;
 use std::cell::Cell;

@@ -4,13 +4,13 @@
 use super::claims::Exact;
 use super::wild::{Mode, Value, Wild, climb, under};
 use super::worlds::Site;
-use crate::camera::{Camera, Lens, Look};
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::{self, General};
 use crate::certify::projected::{self, Projected};
 use crate::certify::{Certify, TERMS, Terms};
 use crate::double_double::{self as dd, Dd};
 use crate::scene::Scene;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::testing::Rng;
 use crate::view::View;
 use glam::DVec3;

@@ -3,8 +3,8 @@
 use super::claims::{Case, Checks};
 use super::sound::hold;
 use super::worlds::Site;
-use crate::camera::{Camera, Lens, Look};
 use crate::certify::TERMS;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::testing::Rng;
 use glam::DVec3;
 

@@ -1,6 +1,5 @@
 //! Occlusion culling: pixels that count as covered are hit, no deeper than their limit.
 
-use crate::camera::Lens::{Orthographic, Viewport};
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::certify::projection::cover::Cover;
@@ -8,6 +7,7 @@ use crate::certify::projection::{ProjectionBounds, Staged};
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::scene::Scene;
+use crate::scene::camera::Lens::{Orthographic, Viewport};
 use crate::testing::Rng;
 use crate::tile::TILE;
 use crate::view::View;

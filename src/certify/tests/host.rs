@@ -2,13 +2,13 @@
 //! exact values are double-double, scaled by a power of two before any product, along axes that are computed independently.
 
 use super::axes::axes;
-use crate::camera::{Camera, Lens as Lenses, Look};
 use crate::certify::TERMS;
 use crate::certify::constants::HOST;
 use crate::certify::general::GeneralRecord;
 use crate::certify::projection::{ProjectionBounds, Staged};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact;
+use crate::scene::camera::{Camera, Lens as Lenses, Look};
 use crate::scene::{ImagePlane, Scene, Spheres};
 use crate::testing::Rng;
 use crate::view::View;

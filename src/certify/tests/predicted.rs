@@ -1,11 +1,11 @@
 //! Predictions under the adversary: no rounding that WGSL allows makes a method worse than src/intersect/predict.rs predicts.
 
 use super::wild::{Mode, Wild, under};
-use crate::camera::{Camera, Lens, Look};
 use crate::double_double as dd;
 use crate::exact::Judge;
 use crate::intersect::predict::Prediction;
 use crate::intersect::{Intersect, Method, Visit};
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::testing::Rng;
 use crate::view::ray::viewing_ray;

@@ -4,8 +4,8 @@ mod parallel;
 mod perspective;
 
 use super::claims::Exact;
-use crate::camera::{Camera, Lens, Look};
 use crate::double_double as dd;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::testing::Rng;
 use glam::DVec3;

@@ -1,7 +1,7 @@
 //! Parallel rays against answers known by construction and against given rays.
 
 use super::*;
-use crate::camera::Lens;
+use crate::scene::camera::Lens;
 
 /// Looks along (3, 4, 0) with z up, so that alpha = beta = 5, and right is (4, -3, 0)/5. Nine pixels with a pitch of 1.
 fn slanted(eye: [f64; 3], balls: &[Ball]) -> Judge {

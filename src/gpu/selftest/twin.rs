@@ -3,7 +3,6 @@
 
 use super::Check;
 use crate::answers::raw::Raw;
-use crate::camera::Camera;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::cpu;
@@ -14,6 +13,7 @@ use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::report::Timings;
+use crate::scene::camera::Camera;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::Tolerance;

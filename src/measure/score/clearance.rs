@@ -1,9 +1,9 @@
 //! The distance between a ray and a sphere's centre, in double-double: at 1e12 radii f64 cannot decide hit or miss.
 
-use crate::camera::Viewport;
 use crate::double_double::{self as dd, Dd, Dd3, dot};
 use crate::error::Result;
 use crate::scene::Scene;
+use crate::scene::camera::Viewport;
 use crate::view::FromEye;
 
 /// A camera with its basis in double-double.

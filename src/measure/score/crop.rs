@@ -15,7 +15,7 @@ impl Score {
     /// verdict on it.
     ///
     /// # Errors
-    /// Those of [`crate::camera::Camera::basis`].
+    /// Those of [`crate::scene::camera::Camera::basis`].
     pub fn crop(&self, scene: &Scene, frame: &Frame) -> Result<Crop> {
         let [width, height] = self.size;
         let size = self.size.map(|side| side.min(SIDE));

@@ -1,6 +1,6 @@
 use super::*;
-use crate::camera::{Camera, Lens};
 use crate::frame::{Buffer, Data};
+use crate::scene::camera::{Camera, Lens};
 use crate::scene::{ImagePlane, Spheres};
 use crate::settings::{Accuracy, Backend, Settings};
 

@@ -13,8 +13,8 @@ mod touching;
 mod wild;
 
 use super::Random;
-use crate::camera::{Camera, Lens, Look};
 use crate::error::Result;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use glam::DVec3;
 use std::path::Path;

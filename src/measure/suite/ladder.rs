@@ -1,8 +1,8 @@
 //! A wall of spheres from near to far, to measure the effect of distance alone on each method.
 
 use super::Random;
-use crate::camera::{Camera, Lens, Look};
 use crate::error::Result;
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
 use glam::DVec3;
 

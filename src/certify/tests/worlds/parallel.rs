@@ -1,7 +1,7 @@
 //! Families of parallel rays.
 
 use super::{FAMILIES, Site, World, scaled, size};
-use crate::camera::{Camera, Lens};
+use crate::scene::camera::{Camera, Lens};
 use crate::testing::Rng;
 
 /// Parallel rays of a view about as high as that, from somewhere within `unit`.

@@ -2,7 +2,7 @@
 
 use super::super::claims::Exact;
 use super::{FAMILIES, Site, World, aimed, scaled, shaped, size};
-use crate::camera::{Camera, Lens, Look};
+use crate::scene::camera::{Camera, Lens, Look};
 use crate::testing::Rng;
 use glam::DVec3;
 

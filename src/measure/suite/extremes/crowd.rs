@@ -1,9 +1,9 @@
 //! Many spheres: overlapping, coincident, around the eye; and scenes from third parties.
 
 use super::{aslant, cloud, filled_by, one, picture};
-use crate::camera::{Lens, Look};
 use crate::error::{Error, Place, Result};
 use crate::measure::suite::Random;
+use crate::scene::camera::{Lens, Look};
 use crate::scene::{ReadOptions, Scene, Spheres};
 use glam::DVec3;
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Far from the scene, or far from the origin.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::camera::{Lens, Look};
 use crate::error::Result;
 use crate::measure::suite::Random;
 use crate::scene::Scene;
+use crate::scene::camera::{Lens, Look};
 use glam::DVec3;
 
 /// Distances in radii, from almost touching.

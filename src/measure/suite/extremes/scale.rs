@@ -1,9 +1,9 @@
 //! Very small, very large, very wide and very narrow scenes.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::camera::{Lens, Look};
 use crate::error::Result;
 use crate::measure::suite::Random;
+use crate::scene::camera::{Lens, Look};
 use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! Nearly or exactly touching: grazing rays, eyes on surfaces, observers on planets.
 
 use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
-use crate::camera::{Lens, Look};
 use crate::error::Result;
 use crate::exact::Judge;
 use crate::measure::suite::Random;
+use crate::scene::camera::{Lens, Look};
 use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 

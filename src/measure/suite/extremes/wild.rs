@@ -1,9 +1,9 @@
 //! Random scenes: every number is drawn over its whole range, to find combinations that no other case covers.
 
 use super::picture;
-use crate::camera::{Lens, Look};
 use crate::error::Result;
 use crate::measure::suite::Random;
+use crate::scene::camera::{Lens, Look};
 use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 

@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn axes_are_those_of_two_thousand_digits() {
-        let known: Vec<Known> = serde_json::from_str(include_str!("../tests/truth/axes.json")).expect("the fixture");
+        let known: Vec<Known> = serde_json::from_str(include_str!("../../tests/truth/axes.json")).expect("the fixture");
         assert!(known.len() > 150, "{} cameras", known.len());
         let number = |bits: &String| f64::from_bits(u64::from_str_radix(bits, 16).expect("hexadecimal digits"));
         let vector = |bits: &[String; 3]| DVec3::from_array(bits.each_ref().map(number));
