@@ -5,8 +5,9 @@
 //! cargo run --release --example elements -- FILE...
 //! ```
 
-use halfline::scene::Style;
-use halfline::scene::style::{Coloring, elements::element};
+use halfline::read::Style;
+use halfline::read::style::Coloring;
+use halfline::read::style::elements::element;
 use halfline::{ReadOptions, Scene};
 use serde_json::json;
 use std::collections::HashMap;
@@ -15,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The elements are identified by their colours, which must differ; unknown elements are deep pink.
     let linear = |n: u8| {
         let color = element(n).map_or(0xff1493, |element| element.color);
-        halfline::scene::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))
+        halfline::read::style::color(&format!("#{color:06x}")).map(|rgb| rgb.map(f32::to_bits))
     };
     let mut symbols = HashMap::new();
     for n in (0..=109).rev() {

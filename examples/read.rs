@@ -8,7 +8,7 @@
 //! ```
 
 use flate2::{Compression, write::GzEncoder};
-use halfline::scene::{ReadOptions, Sequence};
+use halfline::read::{ReadOptions, Sequence};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};

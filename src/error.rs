@@ -179,3 +179,14 @@ pub(crate) fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T)
         Error::settings(format!("there is no {kind} '{name}'"), format!("choose from {}", names.join(", ")))
     })
 }
+
+/// Moves an error of a check that knows only the field to that field's place in the file.
+pub(crate) fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
+    match error {
+        Error::Scene { place: old, problem, mend, source } => {
+            let place = Box::new(place(old.field.as_deref().unwrap_or_default()));
+            Error::Scene { place, problem, mend, source }
+        }
+        other => other,
+    }
+}

@@ -6,7 +6,8 @@
 //! scene file -> Scene (f64, world) -> View (canonical camera) -> rays -> nearest hit -> shade -> Frame -> files
 //! ```
 //!
-//! - [`scene`]: spheres, colours, camera and image in f64, taken as exact. Readers make it.
+//! - [`scene`]: spheres, colours, camera and image in f64, taken as exact.
+//! - [`read`]: reads scene files, and turns particles into spheres.
 //! - [`camera`]: the general perspective camera and the orthographic one, by the names of the lecture: eye, view, up;
 //!   basis u, v, w; viewport vw x vh at distance d.
 //! - [`view`]: *move the world, not the ray*. Spheres are moved into the canonical camera in f64 and rounded once.
@@ -61,6 +62,7 @@ pub mod number;
 pub mod plan;
 pub mod progress;
 pub mod quote;
+pub mod read;
 pub mod render;
 pub mod report;
 pub mod scene;
@@ -82,9 +84,10 @@ pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::{Method, predict};
 pub use progress::{Cancel, Progress, Step, Watch};
+pub use read::ReadOptions;
 pub use render::{Renderer, render};
 pub use scene::camera::{self, Camera, Lens, Look};
-pub use scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+pub use scene::{ImagePlane, Scene, Skipped, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
 pub use trace::trace;

@@ -1,34 +1,19 @@
 //! The scene: spheres, their colours, the camera, the image. Everything geometric is f64 and taken as exact. The
-//! readers below make scenes.
+//! readers of `read/` make scenes.
 
 pub mod arrange;
 pub mod camera;
-mod csv;
+mod cell;
 mod fit;
-mod foreign;
-mod input;
-mod lines;
-mod native;
-mod nff;
-mod npy;
-mod particles;
-mod sequence;
-mod source;
-pub mod style;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
-use crate::progress::Watch;
 use crate::quote::count;
-use crate::scene::camera::Camera;
+use camera::Camera;
 use glam::DVec3;
-use std::path::Path;
 
+pub use cell::Cell;
 pub use fit::Framing;
-pub use particles::{Altloc, Cell, FrameRange};
-pub use sequence::{SceneFrame, Sequence};
-pub use source::Format;
-pub use style::Style;
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -191,9 +176,9 @@ impl Skipped {
             .collect()
     }
 
-    /// Counts one more of `kind`, or returns an error where the options are strict.
-    fn meet(&mut self, kind: &'static str, options: &ReadOptions, place: impl FnOnce() -> Place) -> Result<()> {
-        if options.strict {
+    /// Counts one more of `kind`, or returns an error where it is `strict`.
+    pub(crate) fn meet(&mut self, kind: &'static str, strict: bool, place: impl FnOnce() -> Place) -> Result<()> {
+        if strict {
             let mend = "remove it, or read without strict to skip it";
             return Err(Error::scene(place(), format!("expected a sphere, found a {kind}"), mend));
         }
@@ -207,45 +192,7 @@ impl Skipped {
     }
 }
 
-/// Options for reading a scene.
-#[derive(Debug, Clone, Default)]
-pub struct ReadOptions {
-    /// Whether an item that is not a sphere is an error; otherwise it is counted in [`Skipped`].
-    pub strict: bool,
-    /// The file's format; `None` detects it from the content, then from the name.
-    pub format: Option<Format>,
-    /// The frames of a sequence that are read.
-    pub frames: FrameRange,
-    /// The model number of a PDB or mmCIF file; `None` takes the first.
-    pub model: Option<i64>,
-    /// Selection of alternate locations.
-    pub altloc: Altloc,
-    /// The biological assembly to build with the file's operators; `None` takes the atoms as they are.
-    pub assembly: Option<String>,
-    /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
-    pub as_listed: bool,
-    /// The style of the particles.
-    pub style: Style,
-    /// Cancellation of the reading.
-    pub watch: Watch,
-}
-
 impl Scene {
-    /// Reads a scene file, or standard input when `path` is `-`, uncompressed or compressed with gzip or bzip2. The
-    /// format is detected from the content, then from the name. Of a sequence, the first selected frame is read.
-    ///
-    /// Ids count the spheres from 0 in the file's order, also in errors. A file without a camera gets one that shows
-    /// all of it.
-    ///
-    /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that is not a scene,
-    /// [`Error::Settings`] for options that do not apply to it.
-    pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
-        let mut sequence = Sequence::open(path, options)?;
-        let first = sequence.next_scene()?;
-        first.map(|frame| frame.scene).ok_or_else(|| sequence.nothing())
-    }
-
     /// Checks a scene made in memory as a reader checks a file: sizes, radii, finite numbers, the camera.
     ///
     /// # Errors
@@ -268,9 +215,7 @@ impl Scene {
         self.camera.basis().map(drop)?;
         self.camera.viewport(self.image.width, self.image.height).map(drop)
     }
-}
 
-impl Scene {
     /// A fingerprint of everything that determines the picture: equal for equal numbers, whatever their source. 32
     /// hexadecimal digits of BLAKE3.
     pub fn fingerprint(&self) -> String {
@@ -341,20 +286,4 @@ pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()>
         None => Ok(()),
         Some(bad) => Err(Error::scene(place(), format!("the colour component is {bad}"), "give linear RGB, 0 or more")),
     }
-}
-
-/// Moves an error of a check that knows only the field to that field's place in the file.
-fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
-    match error {
-        Error::Scene { place: old, problem, mend, source } => {
-            let place = Box::new(place(old.field.as_deref().unwrap_or_default()));
-            Error::Scene { place, problem, mend, source }
-        }
-        other => other,
-    }
-}
-
-/// The file name extension in lower case; empty if there is none.
-fn ending(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }

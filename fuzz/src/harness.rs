@@ -5,8 +5,8 @@
 mod pictures;
 
 use halfline::error::Error;
-use halfline::scene::style::{Coloring, Scale, Style};
-use halfline::scene::{Format, ReadOptions, SceneFrame, Sequence};
+use halfline::read::style::{Coloring, Scale, Style};
+use halfline::read::{Format, ReadOptions, SceneFrame, Sequence};
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub(crate) struct Allowed {
 /// Bytes that a reader may use for any file: its buffers, blocks of lines, a decompressor, names of columns.
 const FREE: usize = 24 << 20;
 
-/// Bytes per byte of a file, decompressed. A byte of TOML can be a table (`src/scene/native/room.rs`), a byte of an
+/// Bytes per byte of a file, decompressed. A byte of TOML can be a table (`src/read/native/room.rs`), a byte of an
 /// array a number that exists in several forms.
 const PER_BYTE: usize = 256;
 const PER_BYTE_OF_TOML: usize = 1500;

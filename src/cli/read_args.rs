@@ -3,9 +3,9 @@
 use super::watch;
 use clap::Args;
 use halfline::error::Result;
+use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline::read::{Altloc, Format, FrameRange, ReadOptions, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::scene::{Altloc, Format, FrameRange, ReadOptions, Style};
 use std::path::PathBuf;
 
 /// The heading of the options that change how the spheres look.

@@ -6,8 +6,9 @@ use super::watch;
 use glam::{DQuat, DVec3};
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
-use halfline::scene::style::Legend;
-use halfline::scene::{Scene, SceneFrame, Sequence};
+use halfline::read::style::Legend;
+use halfline::read::{SceneFrame, Sequence};
+use halfline::scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Iterates over the scenes.

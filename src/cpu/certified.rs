@@ -342,7 +342,8 @@ fn write(
 mod tests {
     use super::*;
     use crate::certify::TERMS;
-    use crate::scene::{ReadOptions, Scene};
+    use crate::read::ReadOptions;
+    use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
     use crate::window::Window;

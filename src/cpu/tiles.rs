@@ -147,7 +147,8 @@ mod tests {
     use crate::intersect::Method;
     use crate::memory::Pool;
     use crate::plan::Plan;
-    use crate::scene::{ReadOptions, Scene};
+    use crate::read::ReadOptions;
+    use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::View;
 

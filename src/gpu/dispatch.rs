@@ -393,7 +393,8 @@ mod tests {
     use crate::intersect::Method;
     use crate::kernel::Sharing;
     use crate::memory::Pool;
-    use crate::scene::{ReadOptions, Scene};
+    use crate::read::ReadOptions;
+    use crate::scene::Scene;
     use crate::search::tile_candidates::TileCandidates;
     use crate::shade::Shade;
     use std::path::Path;

@@ -5,7 +5,8 @@ use crate::test_dir::{NO_ADAPTER, TestDir};
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::scene::{ReadOptions, Scene};
+use halfline::read::ReadOptions;
+use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::path::Path;
 

@@ -18,8 +18,9 @@ use halfline::intersect::Method;
 use halfline::measure::score::Truths;
 use halfline::measure::suite::extremes::FAMILIES;
 use halfline::predict::Prediction;
+use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, ReadOptions, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::Settings;
 use std::path::Path;
 

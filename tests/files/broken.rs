@@ -4,7 +4,8 @@ use crate::damage::damage;
 use crate::rng::Rng;
 use crate::scenes::{CAMERA, CSV, NFF, TOML, assert_refused, folder, little, npy, npy_of, read, read_spheres};
 use halfline::error::Error;
-use halfline::scene::{ReadOptions, Scene};
+use halfline::read::ReadOptions;
+use halfline::scene::Scene;
 use std::time::{Duration, Instant};
 
 #[test]

@@ -4,8 +4,9 @@
 //! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), whichever is there.
 
 use crate::data::real_or_skip;
-use halfline::scene::style::{Coloring, Scale, Style, elements};
-use halfline::scene::{Altloc, ReadOptions, Scene, Sequence};
+use halfline::read::style::{Coloring, Scale, Style, elements};
+use halfline::read::{Altloc, ReadOptions, Sequence};
+use halfline::scene::Scene;
 use std::path::Path;
 
 fn read(path: &Path, options: &ReadOptions) -> Scene {

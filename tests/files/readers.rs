@@ -8,7 +8,8 @@ use crate::scenes::{
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
-use halfline::scene::{DEFAULT_COLOR, ReadOptions, Scene};
+use halfline::read::ReadOptions;
+use halfline::scene::{DEFAULT_COLOR, Scene};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};

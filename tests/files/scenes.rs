@@ -1,7 +1,8 @@
 //! Small scenes in the formats that describe spheres, and how tests read them.
 
 use halfline::error::{Error, Result};
-use halfline::scene::{ReadOptions, Scene};
+use halfline::read::ReadOptions;
+use halfline::scene::Scene;
 
 pub(crate) fn strict() -> ReadOptions {
     ReadOptions { strict: true, ..ReadOptions::default() }

@@ -5,7 +5,7 @@ use super::Plot;
 use super::canvas::{Area, Drawing, Drawn, drawing, shortened, text};
 use super::look::{INK, bold, centered, font};
 use crate::error::{Error, Result};
-use crate::scene::style::Legend;
+use crate::read::style::Legend;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::io;
@@ -123,7 +123,7 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::style::{Category, ColorMap};
+    use crate::read::style::{Category, ColorMap};
 
     fn texts(plot: &Plot) -> Vec<String> {
         let document = roxmltree::Document::parse(&plot.svg).expect("SVG");

@@ -3,8 +3,9 @@
 use super::{aslant, cloud, filled_by, one, picture};
 use crate::error::{Error, Place, Result};
 use crate::measure::suite::Random;
+use crate::read::ReadOptions;
 use crate::scene::camera::{Lens, Look};
-use crate::scene::{ReadOptions, Scene, Spheres};
+use crate::scene::{Scene, Spheres};
 use glam::DVec3;
 use std::path::Path;
 

@@ -1,0 +1,43 @@
+//! Readers of scene files. A file is a whole scene (TOML, NFF) or particles, frame by frame, that the style turns into
+//! spheres.
+
+mod csv;
+mod detect;
+mod foreign;
+mod format;
+mod input;
+mod lines;
+mod native;
+mod nff;
+mod npy;
+mod options;
+mod particles;
+mod sequence;
+mod source;
+pub mod style;
+
+use crate::error::Result;
+use crate::scene::Scene;
+use std::path::Path;
+
+pub use format::Format;
+pub use options::{Altloc, FrameRange, ReadOptions};
+pub use sequence::{SceneFrame, Sequence};
+pub use style::Style;
+
+impl Scene {
+    /// Reads a scene file, or standard input when `path` is `-`, uncompressed or compressed with gzip or bzip2. The
+    /// format is detected from the content, then from the name. Of a sequence, the first selected frame is read.
+    ///
+    /// Ids count the spheres from 0 in the file's order, also in errors. A file without a camera gets one that shows
+    /// all of it.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that is not a scene,
+    /// [`Error::Settings`] for options that do not apply to it.
+    pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
+        let mut sequence = Sequence::open(path, options)?;
+        let first = sequence.next_scene()?;
+        first.map(|frame| frame.scene).ok_or_else(|| sequence.nothing())
+    }
+}

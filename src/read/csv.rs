@@ -1,0 +1,45 @@
+//! Spheres from comma-separated values: a header that names the columns `x,y,z,radius[,r,g,b]` in any order, then one
+//! sphere per line. Blank lines and lines that begin with `#` are ignored; fields may be quoted and padded.
+
+use super::input::Input;
+use super::lines::Lines;
+use super::particles::{Particles, Role, Table};
+use crate::error::{Error, Result};
+use crate::progress::Watch;
+use crate::scene::Spheres;
+use std::path::Path;
+
+/// The columns, in the order of a sphere's numbers.
+pub(super) const COLUMNS: [&str; 7] = ["x", "y", "z", "radius", "r", "g", "b"];
+
+const ROLES: [Role; 7] = [
+    Role::Position(0),
+    Role::Position(1),
+    Role::Position(2),
+    Role::Radius,
+    Role::Color(0),
+    Role::Color(1),
+    Role::Color(2),
+];
+
+const ALLOWED: &str = "the columns are x, y, z, radius and optionally r, g, b";
+
+/// Appends the spheres of the file. Errors name line, column in characters, and field.
+pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
+    let role = |name: &str| COLUMNS.iter().position(|column| *column == name).map(|column| ROLES[column]);
+    let mut table = Table::strict(Lines::new(Input::open(path, watch)?, path), ALLOWED, role)?;
+    let colored = ROLES[4..].iter().any(|role| table.layout().contains(*role));
+    let wanted = if colored { &ROLES[..] } else { &ROLES[..4] };
+    if let Some(missing) = wanted.iter().position(|role| !table.layout().contains(*role)) {
+        let problem = format!("column `{}` is missing", COLUMNS[missing]);
+        return Err(Error::scene(table.lines().place(0).named("header"), problem, ALLOWED));
+    }
+    let mut row = Particles::default();
+    while table.row(&mut row)? {
+        if let (Some(center), Some(radius)) = (row.positions.pop(), row.radii.pop()) {
+            spheres.add(center, radius, row.colors.pop())?;
+            table.lines().found();
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! Detects the format of a scene file by its beginning, then by its name.
+
+use super::format::Format;
+use super::particles::axes;
+use super::{foreign, nff};
+use std::path::Path;
+
+/// The format of a file with this beginning and name, or the problem and its remedy.
+pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, String)> {
+    let text = String::from_utf8_lossy(start);
+    let lines: Vec<&str> = text.lines().take(64).collect();
+    let foreign = |foreign: &foreign::Foreign| {
+        (format!("this is {}, which is not supported", foreign.what), foreign.mend.to_owned())
+    };
+    // Tinker's files have the extension of XYZ and a similar beginning.
+    match (of_content(start), foreign::of_content(start, &lines)) {
+        (None | Some(Format::Xyz), Some(found)) => return Err(foreign(found)),
+        // If the beginning is a long header, the name determines the format.
+        (Some(Format::Pdb), _) => {
+            let dialect = Format::of_name(name).filter(|format| matches!(format, Format::Pqr | Format::Pdbqt));
+            return Ok(dialect.unwrap_or(Format::Pdb));
+        }
+        (Some(format), _) => return Ok(format),
+        (None, None) => {}
+    }
+    if let Some(format) = Format::of_name(name) {
+        return Ok(format);
+    }
+    if let Some(found) = foreign::of_name(name) {
+        return Err(foreign(found));
+    }
+    native(start).ok_or_else(|| {
+        let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
+        let mend = format!("set it with --format: {}", names.join(", "));
+        ("the format cannot be detected from content or name".to_owned(), mend)
+    })
+}
+
+/// Detects the format by the beginning of a file.
+fn of_content(start: &[u8]) -> Option<Format> {
+    if start.starts_with(b"\x93NUMPY") {
+        return Some(Format::Npy);
+    }
+    if start.starts_with(b"PK\x03\x04") {
+        return Some(Format::Npz);
+    }
+    let text = String::from_utf8_lossy(start);
+    let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
+    let signs: [(Format, Sign); 11] = [
+        (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
+        (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
+        (Format::Mmcif, is_mmcif),
+        (Format::Pdbqt, is_pdbqt),
+        (Format::Pqr, is_pqr),
+        (Format::Pdb, is_pdb),
+        (Format::Gro, is_gro),
+        (Format::Xyz, is_xyz),
+        (Format::Nff, is_nff),
+        (Format::Data, is_data),
+        (Format::Csv, is_csv),
+    ];
+    signs.into_iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| format)
+}
+
+/// Whether lines have a format.
+type Sign = fn(&[&str]) -> bool;
+
+/// Lines with content: neither blank nor a comment.
+fn said<'a>(lines: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
+    lines.iter().map(|line| line.trim()).filter(|line| !line.is_empty() && !line.starts_with('#'))
+}
+
+fn numbers(words: &str) -> usize {
+    words.split_whitespace().take_while(|word| word.parse::<f64>().is_ok()).count()
+}
+
+fn is_mmcif(lines: &[&str]) -> bool {
+    said(lines).next().is_some_and(|line| {
+        let word = line.split_whitespace().next().unwrap_or_default();
+        word.len() > 5 && word.to_ascii_lowercase().starts_with("data_") && !word.contains('=')
+            || line.eq_ignore_ascii_case("loop_")
+            || word.starts_with("_atom_site.")
+    })
+}
+
+/// The records that a PDB file may begin with.
+const RECORDS: [&str; 20] = [
+    "HEADER", "OBSLTE", "TITLE", "SPLIT", "CAVEAT", "COMPND", "REMARK", "CRYST1", "MODEL", "ATOM", "HETATM", "AUTHOR",
+    "USER", "NUMMDL", "SEQRES", "HELIX", "SHEET", "SSBOND", "ORIGX1", "SCALE1",
+];
+
+fn is_pdb(lines: &[&str]) -> bool {
+    let record = |line: &str| RECORDS.contains(&line.get(..6).unwrap_or(line).trim_end());
+    // In GROMOS the word is alone on its line.
+    lines.iter().find(|line| !line.trim().is_empty()).is_some_and(|line| record(line) && line.trim_end() != "TITLE")
+}
+
+/// The first atom of a file of PDB records.
+fn first_atom<'a>(lines: &'a [&'a str]) -> Option<&'a str> {
+    lines.iter().copied().find(|line| line.starts_with("ATOM") || line.starts_with("HETATM"))
+}
+
+/// PDB records whose atoms end in a charge, columns 71 to 76, and an AutoDock atom type, or that have a tree of
+/// branches.
+fn is_pdbqt(lines: &[&str]) -> bool {
+    let charged = |line: &str| {
+        let point = line.as_bytes().get(72) == Some(&b'.') && line.as_bytes().get(76) == Some(&b' ');
+        point
+            && numbers(line.get(70..76).unwrap_or_default()) == 1
+            && line.get(77..).is_some_and(|kind| !kind.trim().is_empty())
+    };
+    first_atom(lines)
+        .is_some_and(|atom| charged(atom) || is_pdb(lines) && lines.iter().any(|line| line.trim_end() == "ROOT"))
+}
+
+/// PDB records whose atoms have two numbers after their coordinates that are not in the columns of occupancy and B
+/// factor.
+fn is_pqr(lines: &[&str]) -> bool {
+    first_atom(lines).is_some_and(|atom| {
+        let columns = atom.as_bytes();
+        let decimals = [57, 63]
+            .map(|at| columns.get(at) == Some(&b'.') && columns.get(at + 3).is_none_or(|c| !c.is_ascii_digit()));
+        let words: Vec<&str> = atom.split_whitespace().collect();
+        let is_number = |word: &&str| word.contains('.') && word.parse::<f64>().is_ok();
+        let run = words.iter().skip_while(|word| !is_number(word)).take_while(|word| is_number(word)).count();
+        is_pdb(lines) && decimals != [true; 2] && run == 5
+    })
+}
+
+/// A title, a count, and atoms with their number in columns 16 to 20, before coordinates with a decimal point.
+fn is_gro(lines: &[&str]) -> bool {
+    let [_, count, atom, ..] = lines else { return false };
+    let whole = |text: Option<&str>| text.is_some_and(|text| text.trim().parse::<i64>().is_ok());
+    whole(Some(count))
+        && whole(atom.get(..5))
+        && whole(atom.get(15..20))
+        && atom.get(20..).is_some_and(|rest| numbers(rest) >= 3 && rest.contains('.'))
+}
+
+/// A count, a comment, and lines of a word or a number and three numbers.
+fn is_xyz(lines: &[&str]) -> bool {
+    let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
+    match lines.get(2) {
+        None => count == 0,
+        Some(atom) => atom.split_whitespace().count() >= 4 || lines[1].contains("Properties="),
+    }
+}
+
+fn is_nff(lines: &[&str]) -> bool {
+    said(lines).next().is_some_and(|line| {
+        let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
+        let directive = words.next().is_some_and(|word| nff::DIRECTIVES.contains(&word));
+        directive && words.all(|word| word.parse::<f64>().is_ok())
+    })
+}
+
+/// A title, and soon after it `N atoms`.
+fn is_data(lines: &[&str]) -> bool {
+    lines.iter().skip(1).take(32).any(|line| {
+        let mut words = line.split_whitespace();
+        words.next().is_some_and(|n| n.parse::<u64>().is_ok()) && words.next() == Some("atoms")
+    })
+}
+
+/// A header that names x, y and z; it may be a comment or follow comments.
+fn is_csv(lines: &[&str]) -> bool {
+    let mut before = true;
+    let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
+    lines.iter().take_while(first).any(|line| {
+        let header = line.trim().trim_start_matches('#').trim();
+        let names = |delimiters: &[char]| -> Vec<String> {
+            header.split(delimiters).map(|name| name.trim().trim_matches('"').to_owned()).collect()
+        };
+        // `x (km)` is one name where commas separate, and two where spaces do.
+        [&[',', ';', '\t'][..], &[' ']].iter().any(|delimiters| axes(&names(delimiters)).is_some())
+    })
+}
+
+/// Text without another format's signature and without a known name is taken as a scene file, unless it cannot be TOML.
+fn native(start: &[u8]) -> Option<Format> {
+    let text = match std::str::from_utf8(start) {
+        Ok(text) => text,
+        // The inspected bytes may end within a character.
+        Err(error) if error.error_len().is_none() => std::str::from_utf8(&start[..error.valid_up_to()]).ok()?,
+        Err(_) => return None,
+    };
+    let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().collect();
+    // `[table]`, or a key, perhaps of several words with dots between them, and its value.
+    let key = |text: &str| {
+        !text.trim().is_empty() && text.trim().chars().all(|c| c.is_alphanumeric() || "_-.\"'".contains(c))
+    };
+    let plain = |line: &str| line.starts_with('[') || line.split_once('=').is_some_and(|(name, _)| key(name));
+    said(&lines).next().is_none_or(plain).then_some(Format::Native)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_recognised_by_content() {
+        let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
+        let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
+        let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
+        let cases: [(&str, Option<Format>); 24] = [
+            ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
+            ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
+            ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
+            ("HEADER    VIRUS\n", Some(Format::Pdb)),
+            ("ATOM      1  N   MET A   1      27.340  24.430   2.614\n", Some(Format::Pdb)),
+            ("ATOM      1  CA AGLY B  -3A   -100.123-200.456-300.789  0.50-10.00           C1-\n", Some(Format::Pdb)),
+            (qt, Some(Format::Pdbqt)),
+            ("REMARK  Name = x\nROOT\nATOM      1  C   UNL A   1      31.770  31.020  29.720\n", Some(Format::Pdbqt)),
+            (pqr, Some(Format::Pqr)),
+            ("ATOM      1  O1G gtp     1      -5.019  -2.528  14.700 -0.9526  1.5000       O\n", Some(Format::Pqr)),
+            (gro, Some(Format::Gro)),
+            ("2\n\nO 0 0 0\nH 1 0 0\n", Some(Format::Xyz)),
+            ("0\nempty\n", Some(Format::Xyz)),
+            ("1\nProperties=pos:R:3\n1 2 3\n", Some(Format::Xyz)),
+            ("# by hand\nv\nfrom 0 0 1\n", Some(Format::Nff)),
+            ("s 0 0 0 1\n", Some(Format::Nff)),
+            ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
+            ("x,y,z,radius\n", Some(Format::Csv)),
+            ("# id X Y Z vx\n", Some(Format::Csv)),
+            ("# by hand\n\nradius,z,y,x\n", Some(Format::Csv)),
+            ("name,x_km,y_km,z_km\n", Some(Format::Csv)),
+            ("[camera]\neye = [0, 0, 1]\n", None),
+            ("hello\n", None),
+            ("", None),
+        ];
+        for (text, format) in cases {
+            assert_eq!(of_content(text.as_bytes()), format, "{text:?}");
+        }
+        assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
+        assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
+    }
+
+    #[test]
+    fn names_decide_where_content_does_not_and_unsupported_formats_are_named() {
+        let header = "REMARK   1\n".repeat(80);
+        let of = |text: &str, name: &str| recognise(text.as_bytes(), Path::new(name)).map_err(|(problem, _)| problem);
+        assert_eq!(of(&header, "a.pqr"), Ok(Format::Pqr));
+        assert_eq!(of(&header, "a.pdbqt"), Ok(Format::Pdbqt));
+        assert_eq!(of(&header, "a.gro"), Ok(Format::Pdb));
+        assert_eq!(of("# nothing\n", "a.xyz"), Ok(Format::Xyz));
+        assert_eq!(of("[camera]\n", "a"), Ok(Format::Native));
+        for (text, name, what) in [
+            ("TITLE\n  a run\nEND\n", "a.pdb", "GROMOS"),
+            ("2 water\n 1 O 0.0 0.0 0.0 1 2\n 2 H 1.0 0.0 0.0 2 1\n", "a.xyz", "Tinker"),
+            ("\u{1}", "a.xtc", "XTC"),
+            ("[ moleculetype ]\n", "a.itp", "topology"),
+            ("<?xml version=\"1.0\"?>\n", "a", "XML"),
+            ("not x = 1 and more\n", "a", "cannot be detected"),
+        ] {
+            let problem = of(text, name).expect_err(name);
+            assert!(problem.contains(what), "{problem}");
+        }
+    }
+
+    #[test]
+    fn a_scene_is_recognised_wherever_its_beginning_is_cut() {
+        let text = "# \u{e9}\n[camera]\n";
+        assert_eq!(native(text.as_bytes()), Some(Format::Native));
+        let within = format!("{text}# \u{e9}");
+        assert_eq!(native(&within.as_bytes()[..within.len() - 1]), Some(Format::Native));
+        assert_eq!(native(b"[camera]\n\xff\n"), None);
+    }
+}

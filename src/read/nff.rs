@@ -1,0 +1,366 @@
+//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres are read; cones, polygons and
+//! polygonal patches are counted and skipped. Lights, and the parameters of a fill beyond its colour, are checked and
+//! counted but not used by any shading.
+//!
+//! Every statement begins on a new line; its numbers may continue on the following lines.
+
+use super::input::Input;
+use super::lines::{Lines, Spot};
+use super::options::ReadOptions;
+use crate::error::relocate;
+use crate::error::{Error, Place, Result};
+use crate::quote::{count, quote};
+use crate::scene::camera::{Camera, Lens, Look};
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere};
+use glam::DVec3;
+use std::fmt;
+use std::path::Path;
+
+/// The words that begin a statement.
+pub(super) const DIRECTIVES: [&str; 8] = ["v", "b", "l", "f", "s", "c", "p", "pp"];
+
+/// The words that begin a line of the `v` block.
+const VIEW: [&str; 6] = ["from", "at", "up", "angle", "hither", "resolution"];
+
+/// Reads a scene from the stream; `path` is for errors.
+pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<Scene> {
+    let mut nff = Reader { lines: Lines::new(reader, path), next: 0 };
+    let mut camera = None;
+    let mut background: Option<[f32; 3]> = None;
+    let mut fill = None;
+    let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
+    let (mut lights, mut materials) = (0_u64, 0_u64);
+    let ignored = |what: &str, place: Place| match options.strict {
+        true => {
+            let mend = "remove it, or read without strict to skip it";
+            Err(Error::scene(place, format!("a {what} is not supported"), mend))
+        }
+        false => Ok(()),
+    };
+    while let Some(word) = nff.peek()? {
+        let spot = nff.spot(word);
+        let unknown = |problem: String| {
+            let mend = format!("begin the line with one of {}", DIRECTIVES.join(" "));
+            Err(Error::scene(spot.of(Place::file(path.display().to_string())), problem, mend))
+        };
+        let text = nff.text(word);
+        let Some(directive) = DIRECTIVES.into_iter().find(|d| *d == text) else {
+            return match VIEW.contains(&text) {
+                true => unknown(format!("{} is outside of a v block", quote(text))),
+                false if text.parse::<f64>().is_ok() => unknown(format!("{} is one number too many", quote(text))),
+                false => unknown(format!("{} is not a statement", quote(text))),
+            };
+        };
+        if !nff.begins_line(word) {
+            return unknown(format!("expected the end of the line, found {}", quote(text)));
+        }
+        nff.take(word);
+        let at = |name, id| Statement { spot, name, id };
+        match directive {
+            "v" if camera.is_some() => return unknown("found a second view".into()),
+            "v" => camera = Some(nff.view(&at("camera", None))?),
+            "b" if background.is_some() => return unknown("found a second background".into()),
+            "b" => background = Some(nff.color(&at("background", None), 3)?),
+            "f" => {
+                let (color, plain) = nff.fill(&at("fill", None))?;
+                fill = Some(color);
+                if !plain {
+                    ignored(
+                        "material of Kd, Ks, Shine, T and index of refraction",
+                        spot.of(nff.lines.file()).named("fill"),
+                    )?;
+                    materials += 1;
+                }
+            }
+            "l" => {
+                nff.light(&at("light", None))?;
+                ignored("light", spot.of(nff.lines.file()).named("light"))?;
+                lights += 1;
+            }
+            "s" => {
+                let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
+                spheres.add(center, radius, fill)?;
+                nff.lines.found();
+            }
+            _ => {
+                let kind = nff.other(directive, &at)?;
+                skipped.meet(kind, options.strict, || spot.of(nff.lines.file()).named(kind))?;
+            }
+        }
+    }
+    let Some((camera, mut image)) = camera else {
+        let mend = "add lines that begin with v, from, at, up, angle and resolution";
+        return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
+    };
+    image.background = background.unwrap_or(image.background);
+    if lights > 0 {
+        let place = "the picture is lit from the eye";
+        skipped.assumed.push(format!("{} left out: {place}, see --shade", count(lights, "light")));
+    }
+    if materials > 0 {
+        let what = "Kd, Ks, Shine, T and index of refraction are left out";
+        skipped.assumed.push(format!("{} reduced to the colour: {what}", count(materials, "material")));
+    }
+    Ok(Scene { camera, image, spheres, skipped })
+}
+
+/// A range of the current line.
+#[derive(Debug, Clone, Copy)]
+struct WordRange {
+    start: usize,
+    end: usize,
+}
+
+/// The statement whose numbers are read, for errors.
+struct Statement {
+    spot: Spot,
+    name: &'static str,
+    id: Option<usize>,
+}
+
+impl fmt::Display for Statement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.id {
+            Some(id) => write!(f, "{} {id}", self.name),
+            None => f.write_str(self.name),
+        }
+    }
+}
+
+/// Up to eight numbers, the most that any statement has at once, and their places.
+#[derive(Default)]
+struct Numbers {
+    values: [f64; 8],
+    spots: [Spot; 8],
+    count: usize,
+}
+
+struct Reader {
+    lines: Lines<Input>,
+    next: usize,
+}
+
+impl Reader {
+    /// The next word, on any line, without consuming it.
+    fn peek(&mut self) -> Result<Option<WordRange>> {
+        loop {
+            let rest = &self.lines.text()[self.next..];
+            let word = rest.trim_start();
+            if !word.is_empty() && !word.starts_with('#') {
+                let start = self.next + rest.len() - word.len();
+                let length = word.find(char::is_whitespace).unwrap_or(word.len());
+                return Ok(Some(WordRange { start, end: start + length }));
+            }
+            self.next = 0;
+            if !self.lines.advance()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn take(&mut self, word: WordRange) {
+        self.next = word.end;
+    }
+
+    fn text(&self, word: WordRange) -> &str {
+        &self.lines.text()[word.start..word.end]
+    }
+
+    fn spot(&self, word: WordRange) -> Spot {
+        self.lines.spot(word.start)
+    }
+
+    fn begins_line(&self, word: WordRange) -> bool {
+        self.lines.text()[..word.start].trim_start().is_empty()
+    }
+
+    /// Reads at least `least` numbers and as many more as follow, up to `most`.
+    fn numbers(&mut self, at: &Statement, least: usize, most: usize) -> Result<Numbers> {
+        let mut numbers = Numbers::default();
+        while numbers.count < most {
+            let Some(word) = self.peek()? else {
+                if numbers.count >= least {
+                    break;
+                }
+                return Err(self.short(at, "the file ends", numbers.count, least));
+            };
+            let text = self.text(word);
+            let Ok(value) = text.parse::<f64>() else {
+                if numbers.count >= least {
+                    break;
+                }
+                let known = DIRECTIVES.contains(&text) || VIEW.contains(&text);
+                if known && self.begins_line(word) {
+                    return Err(self.short(at, "the statement ends", numbers.count, least));
+                }
+                let place = self.spot(word).of(self.lines.file()).named(at.to_string());
+                return Err(Error::scene(place, format!("{} is not a number", quote(text)), wanted(least)));
+            };
+            if !value.is_finite() {
+                let place = self.spot(word).of(self.lines.file()).named(at.to_string());
+                return Err(Error::scene(place, format!("{} is not finite", quote(text)), wanted(least)));
+            }
+            numbers.spots[numbers.count] = self.spot(word);
+            numbers.values[numbers.count] = value;
+            numbers.count += 1;
+            self.take(word);
+        }
+        Ok(numbers)
+    }
+
+    fn short(&self, at: &Statement, what: &str, found: usize, least: usize) -> Error {
+        Error::scene(self.place(at), format!("{what} after {found} of {least} numbers"), wanted(least))
+    }
+
+    fn place(&self, at: &Statement) -> Place {
+        at.spot.of(self.lines.file()).named(at.to_string())
+    }
+
+    /// A whole number: a count of pixels or vertices.
+    fn whole(&mut self, at: &Statement) -> Result<(u64, Spot)> {
+        let numbers = self.numbers(at, 1, 1)?;
+        let (value, spot) = (numbers.values[0], numbers.spots[0]);
+        if value >= 0.0 && value.fract() == 0.0 {
+            return Ok((value as u64, spot));
+        }
+        let place = spot.of(self.lines.file()).named(at.to_string());
+        Err(Error::scene(place, format!("expected a whole number, found {value}"), "use a whole number"))
+    }
+
+    fn vector(&mut self, at: &Statement) -> Result<DVec3> {
+        let numbers = self.numbers(at, 3, 3)?;
+        Ok(DVec3::from_slice(&numbers.values[..3]))
+    }
+
+    /// r g b, and the statement's optional numbers after it.
+    fn color(&mut self, at: &Statement, most: usize) -> Result<[f32; 3]> {
+        let numbers = self.numbers(at, 3, most)?;
+        self.check_color(at, &numbers, 0)
+    }
+
+    /// r g b [Kd Ks Shine T ior]: the colour, and whether the rest describes plain diffuse shading: no reflection and
+    /// no transmission.
+    fn fill(&mut self, at: &Statement) -> Result<([f32; 3], bool)> {
+        let numbers = self.numbers(at, 3, 8)?;
+        let [.., diffuse, specular, _, through, _] = numbers.values;
+        let given = |n: usize| numbers.count > n;
+        let plain = !(given(3) && diffuse != 1.0 || given(4) && specular != 0.0 || given(6) && through != 0.0);
+        Ok((self.check_color(at, &numbers, 0)?, plain))
+    }
+
+    fn check_color(&self, at: &Statement, numbers: &Numbers, first: usize) -> Result<[f32; 3]> {
+        let color = std::array::from_fn(|k| numbers.values[first + k] as f32);
+        check_color(color, || numbers.spots[first].of(self.lines.file()).named(at.to_string()))?;
+        Ok(color)
+    }
+
+    /// x y z [r g b]: checked but not used.
+    fn light(&mut self, at: &Statement) -> Result<()> {
+        let numbers = self.numbers(at, 3, 6)?;
+        match numbers.count {
+            3 => Ok(()),
+            6 => self.check_color(at, &numbers, 3).map(drop),
+            n => Err(Error::scene(self.place(at), format!("a light has {n} numbers"), "use x y z, or x y z r g b")),
+        }
+    }
+
+    fn sphere(&mut self, at: &Statement) -> Result<([f64; 3], f64)> {
+        let Numbers { values: [x, y, z, radius, ..], spots, .. } = self.numbers(at, 4, 4)?;
+        check_sphere([x, y, z], radius, || Place::field(at.to_string())).map_err(|e| {
+            let spot = |field: &str| if field.ends_with("radius") { spots[3] } else { spots[0] };
+            relocate(e, |field| spot(field).of(self.lines.file()).named(field))
+        })?;
+        Ok(([x, y, z], radius))
+    }
+
+    /// Skips an object that is not a sphere and returns its kind.
+    fn other(
+        &mut self,
+        directive: &str,
+        at: &impl Fn(&'static str, Option<usize>) -> Statement,
+    ) -> Result<&'static str> {
+        let (kind, per_vertex) = match directive {
+            "c" => {
+                self.numbers(&at("cone", None), 8, 8)?;
+                return Ok("cone");
+            }
+            "p" => ("polygon", 3),
+            _ => ("polygonal patch", 6),
+        };
+        let at = at(kind, None);
+        let (vertices, spot) = self.whole(&at)?;
+        if vertices < 3 {
+            let place = spot.of(self.lines.file()).named(kind);
+            return Err(Error::scene(place, format!("a polygon has {vertices} vertices"), "use at least 3"));
+        }
+        for _ in 0..vertices {
+            self.numbers(&at, per_vertex, per_vertex)?;
+        }
+        Ok(kind)
+    }
+
+    /// The lines of a v block, in any order; all but hither are required.
+    fn view(&mut self, at: &Statement) -> Result<(Camera, ImagePlane)> {
+        let (mut from, mut look, mut up, mut angle, mut hither, mut size) = (None, None, None, None, None, None);
+        let mut spots = [at.spot; VIEW.len()];
+        while let Some(word) = self.peek()? {
+            let text = self.text(word);
+            let Some(key) = VIEW.iter().position(|key| *key == text) else { break };
+            let done =
+                [from.is_some(), look.is_some(), up.is_some(), angle.is_some(), hither.is_some(), size.is_some()];
+            if !self.begins_line(word) {
+                break;
+            }
+            if done[key] {
+                let place = self.spot(word).of(self.lines.file()).named(NAMES[key]);
+                return Err(Error::scene(place, "occurs twice in one v block", "remove one of them"));
+            }
+            spots[key] = self.spot(word);
+            self.take(word);
+            let line = Statement { spot: spots[key], name: NAMES[key], id: None };
+            match key {
+                0 => from = Some(self.vector(&line)?),
+                1 => look = Some(self.vector(&line)?),
+                2 => up = Some(self.vector(&line)?),
+                3 => angle = Some(self.numbers(&line, 1, 1)?.values[0]),
+                4 => hither = Some(self.numbers(&line, 1, 1)?.values[0]),
+                _ => size = Some((self.whole(&line)?.0, self.whole(&line)?.0)),
+            }
+        }
+        let missing = |key: usize| {
+            let place = at.spot.of(self.lines.file()).named(NAMES[key]);
+            Error::scene(place, "missing from the v block", format!("add a line that begins with {}", VIEW[key]))
+        };
+        let eye = from.ok_or_else(|| missing(0))?;
+        let look = Look::At(look.ok_or_else(|| missing(1))?);
+        let up = up.ok_or_else(|| missing(2))?;
+        let degrees = angle.ok_or_else(|| missing(3))?;
+        let (width, height) = size.ok_or_else(|| missing(5))?;
+        let place = |key: usize| spots[key].of(self.lines.file()).named(NAMES[key]);
+        let pixels = |n: u64| i64::try_from(n).unwrap_or(i64::MAX);
+        let (width, height) = check_size([pixels(width), pixels(height)], || place(5))?;
+        let camera = Camera { eye, look, up, lens: Lens::RowCentres { degrees } };
+        let locate = |error| {
+            relocate(error, |field| match field {
+                "camera.eye" => place(0),
+                "camera.at" => place(1),
+                "camera.up" => place(2),
+                _ => place(3),
+            })
+        };
+        camera.basis().map_err(locate)?;
+        camera.viewport(width, height).map_err(locate)?;
+        Ok((camera, ImagePlane { width, height, ..ImagePlane::default() }))
+    }
+}
+
+/// The names of [`VIEW`] in errors.
+const NAMES: [&str; 6] =
+    ["camera.from", "camera.at", "camera.up", "camera.angle", "camera.hither", "camera.resolution"];
+
+fn wanted(least: usize) -> String {
+    match least {
+        1 => "give a number".into(),
+        n => format!("use {n} numbers"),
+    }
+}

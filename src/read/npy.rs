@@ -1,0 +1,206 @@
+//! Spheres from a NumPy array file: float64 (or float32, converted exactly) of shape (n, 4) = x, y, z, radius or (n, 7)
+//! = also r, g, b, in C or Fortran order and either byte order; as a scene also (n, 3) without radii, and arrays of
+//! records with named fields. Rows count from 0, as in NumPy.
+
+mod records;
+
+use super::csv::COLUMNS;
+use super::input::{Counts, Input};
+use crate::error::relocate;
+use crate::error::{Error, Place, Result};
+use crate::memory::{check_spheres, reserve};
+use crate::npy::{DType, Fault as HeaderFault, Header};
+use crate::progress::Watch;
+use crate::read::particles::Scalar;
+use crate::scene::{Spheres, check_color, check_sphere};
+use crate::trailer;
+use rayon::prelude::*;
+use std::io::{self, BufRead, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+pub(super) use records::Array;
+
+const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
+
+/// Appends the spheres of the file. Memory grows with the content of the file, not with the counts in its header.
+pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
+    let reader = Input::open(path, watch)?;
+    let bytes = reader.length();
+    let counts = reader.counts();
+    let mut npy = Npy { path, reader, bytes, counts };
+    let header = npy.header()?;
+    npy.read(&header, &[4, 7], spheres).map(drop)
+}
+
+/// An array file while it is read.
+pub(super) struct Npy<'p, R> {
+    pub(super) path: &'p Path,
+    pub(super) reader: R,
+    /// The file's length, or a lower bound.
+    pub(super) bytes: u64,
+    /// The counters of the input.
+    pub(super) counts: Arc<Counts>,
+}
+
+impl<R: BufRead> Npy<'_, R> {
+    /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
+    fn read(&mut self, header: &Header, widths: &[u64], spheres: &mut Spheres) -> Result<usize> {
+        let (rows, width) = match header.shape[..] {
+            [n, width] if widths.contains(&width) => (n, width as usize),
+            ref other => {
+                let expected: Vec<_> = widths.iter().map(|width| format!("(n, {width})")).collect();
+                return Err(self.fail("shape", format!("found {other:?}, expected {}", expected.join(" or "))));
+            }
+        };
+        let scalar = match &header.dtype {
+            DType::Plain(name) => Scalar::of_numpy(name).filter(|scalar| !scalar.is_whole()),
+            _ => None,
+        };
+        let Some(scalar) = scalar else {
+            return Err(self.fail("dtype", format!("found {}, expected float64 or float32", header.dtype)));
+        };
+        let there = rows.min(self.bytes / (scalar.size() * width) as u64);
+        check_spheres(spheres.len() as u64 + there, width == COLUMNS.len())?;
+        spheres.grow(there as usize, width == COLUMNS.len())?;
+        let counts = Arc::clone(&self.counts);
+        let form = Form { rows, width, scalar, counts: &counts };
+        let outcome = match header.fortran {
+            false => fill_rows(&mut self.reader, &form, spheres),
+            true => fill_columns(&mut self.reader, &form, spheres),
+        };
+        self.finish(outcome, rows).map(|()| width)
+    }
+
+    /// The header of the array.
+    pub(super) fn header(&mut self) -> Result<Header> {
+        Header::read(&mut self.reader).map_err(|fault| match fault {
+            HeaderFault::Io(error) => Error::read(self.path, error),
+            fault => self.fail(fault.field(), fault.to_string()),
+        })
+    }
+
+    /// Converts the error of a row, and checks that nothing follows the last row.
+    fn finish(&mut self, outcome: Result<(), Fault>, rows: u64) -> Result<()> {
+        match outcome {
+            Ok(()) => {}
+            Err(Fault::Numbers(found, e)) if e.kind() == io::ErrorKind::UnexpectedEof => {
+                return Err(self.fail("data", format!("the file ends after {found} of {rows} rows")));
+            }
+            Err(Fault::Numbers(_, e)) => return Err(Error::read(self.path, e)),
+            Err(Fault::Row(row, error)) => {
+                return Err(relocate(error, |field| self.place(format!("row {row} {field}"))));
+            }
+        }
+        let mut rest = Vec::new();
+        match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
+            // A provenance may follow the array.
+            Ok(_) if rest.is_empty() || trailer::json(&rest).is_some() => Ok(()),
+            Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows of the header"))),
+            Err(e) => Err(Error::read(self.path, e)),
+        }
+    }
+
+    pub(super) fn place(&self, field: impl Into<String>) -> Place {
+        Place::file(self.path.display().to_string()).named(field)
+    }
+
+    pub(super) fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
+        Error::scene(self.place(field), problem, MEND)
+    }
+}
+
+/// Why reading the rows stopped.
+enum Fault {
+    /// The stream ended after this number of complete rows.
+    Numbers(u64, io::Error),
+    /// The row is not a valid sphere.
+    Row(u64, Error),
+}
+
+/// Rows that are read together and then converted on all cores.
+const BLOCK: usize = 1 << 16;
+
+/// The layout of an array in its file.
+struct Form<'a> {
+    rows: u64,
+    width: usize,
+    scalar: Scalar,
+    counts: &'a Counts,
+}
+
+/// Appends the spheres of an array that is stored row by row.
+fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
+    let &Form { rows, width, scalar, counts } = form;
+    let (size, row_bytes) = (scalar.size(), width * scalar.size());
+    let values = |row: &[u8]| {
+        let mut values = [0.0; 7];
+        values.iter_mut().zip(row.chunks_exact(size)).for_each(|(value, bytes)| *value = scalar.number(bytes));
+        values
+    };
+    let mut bytes = Vec::new();
+    let mut done = 0;
+    while done < rows {
+        let wanted = row_bytes as u64 * (rows - done).min(BLOCK as u64);
+        bytes.clear();
+        reader.take(wanted).read_to_end(&mut bytes).map_err(|e| Fault::Numbers(done, e))?;
+        let block = bytes.par_chunks_exact(row_bytes);
+        let found = block.len() as u64;
+        counts.found();
+        spheres.grow(block.len(), false).map_err(|e| Fault::Row(done, e))?;
+        let sphere = |[x, y, z, radius, ..]: [f64; 7]| ([x, y, z], if width == 3 { 1.0 } else { radius });
+        let is_sphere = |row: &[u8]| {
+            let (center, radius) = sphere(values(row));
+            check_sphere(center, radius, Place::default).is_ok()
+        };
+        if width <= 4 && spheres.colors.is_none() && block.clone().all(is_sphere) {
+            let (centers, radii): (Vec<_>, Vec<_>) = block.map(|row| sphere(values(row))).unzip();
+            spheres.centers.extend(centers);
+            spheres.radii.extend(radii);
+        } else {
+            for (row, bytes) in (done..).zip(bytes.chunks_exact(row_bytes)) {
+                push(values(bytes), width, spheres).map_err(|e| Fault::Row(row, e))?;
+            }
+        }
+        done += found;
+        if (bytes.len() as u64) < wanted {
+            return Err(Fault::Numbers(done, io::ErrorKind::UnexpectedEof.into()));
+        }
+    }
+    Ok(())
+}
+
+/// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
+fn fill_columns(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
+    let &Form { rows, width, scalar, counts } = form;
+    let mut columns = Vec::new();
+    let mut bytes = [0; 8];
+    let bytes = &mut bytes[..scalar.size()];
+    for column in 0..width {
+        for row in 0..rows {
+            reserve(&mut columns, 1).map_err(|e| Fault::Row(row, e))?;
+            reader.read_exact(bytes).map_err(|e| Fault::Numbers(if column + 1 == width { row } else { 0 }, e))?;
+            columns.push(scalar.number(bytes));
+            counts.found();
+        }
+    }
+    let rows = columns.len() / width;
+    for row in 0..rows {
+        let mut values = [0.0; 7];
+        for (column, value) in values[..width].iter_mut().enumerate() {
+            *value = columns[column * rows + row];
+        }
+        push(values, width, spheres).map_err(|e| Fault::Row(row as u64, e))?;
+    }
+    Ok(())
+}
+
+fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
+    let radius = if width == 3 { 1.0 } else { radius };
+    check_sphere([x, y, z], radius, Place::default)?;
+    let color = (width == COLUMNS.len()).then_some([r as f32, g as f32, b as f32]);
+    if let Some(color) = color {
+        check_color(color, || Place::field("color"))?;
+    }
+    spheres.add([x, y, z], radius, color)
+}

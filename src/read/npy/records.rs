@@ -1,0 +1,227 @@
+//! A NumPy array as a scene: rows of numbers, or records with named fields.
+
+use super::Npy;
+use crate::error::relocate;
+use crate::error::{Error, Result};
+use crate::memory::{check, reserve};
+use crate::npy::{DType, Field, Header};
+use crate::read::input::Input;
+use crate::read::options::ReadOptions;
+use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Scalar, wanted};
+use crate::read::source::SceneSource;
+use crate::scene::Spheres;
+use std::io::{self, BufRead, Read};
+
+/// The reader.
+pub(in crate::read) struct Array {
+    source: Option<SceneSource>,
+    wanted: Vec<String>,
+}
+
+impl Array {
+    pub(in crate::read) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
+    }
+}
+
+impl ParticleFrames for Array {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(SceneSource { reader, path, .. }) = self.source.take() else { return Ok(None) };
+        let (bytes, counts) = (reader.length(), reader.counts());
+        let mut npy = Npy { path: &path, reader, bytes, counts };
+        let header = npy.header()?;
+        if let DType::Record(fields) = &header.dtype {
+            return npy.records(&header, fields, &self.wanted).map(Some);
+        }
+        let mut spheres = Spheres::default();
+        let width = npy.read(&header, &[3, 4, 7], &mut spheres)?;
+        let Spheres { centers, radii, colors } = spheres;
+        let radii = if width == 3 { Vec::new() } else { radii };
+        Ok(Some(Particles { positions: centers, radii, colors: colors.unwrap_or_default(), ..Particles::default() }))
+    }
+}
+
+/// The longest record in bytes.
+const MOST: usize = 1 << 16;
+
+/// Numbers per read.
+const BLOCK: usize = 1 << 16;
+
+impl Npy<'_, Input> {
+    fn records(&mut self, header: &Header, fields: &[Field], wanted: &[String]) -> Result<Particles> {
+        let rows = match header.shape[..] {
+            [n] => n,
+            ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
+        };
+        let (mut layout, mut places, mut size) = (Layout::default(), Vec::new(), 0usize);
+        for field in fields {
+            let bytes = field.dtype.bytes().filter(|bytes| *bytes <= MOST - size);
+            let Some(bytes) = bytes else {
+                return Err(self.fail("dtype", format!("records have more than {MOST} bytes or hold objects")));
+            };
+            for (place, scalar, name, role) in columns(field) {
+                layout.add(&name, role, wanted).map_err(|problem| self.fail("dtype", problem))?;
+                places.push((size + place, scalar, role));
+            }
+            size += bytes;
+        }
+        if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
+            return Err(self.fail("dtype", "the fields x, y and z are missing"));
+        }
+        let mut particles = layout.begin();
+        let (mut record, mut numbers) = (vec![0; size], vec![0.0; places.len()]);
+        for row in 0..rows {
+            self.reader.read_exact(&mut record).map_err(|e| self.cut(e, row, rows))?;
+            for (number, (place, scalar, role)) in numbers.iter_mut().zip(&places) {
+                *number = scalar.number(&record[*place..]);
+                if matches!(role, Role::Color(_)) {
+                    *number = scalar.light(*number);
+                }
+            }
+            let located = |e| relocate(e, |field| self.place(format!("row {row} {field}")));
+            layout.numbers(&numbers, &mut particles).map_err(located)?;
+            self.counts.found();
+        }
+        self.finish(Ok(()), rows)?;
+        Ok(particles)
+    }
+}
+
+impl<R: BufRead> Npy<'_, R> {
+    /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
+    pub(in crate::read) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
+        let DType::Plain(name) = &header.dtype else {
+            return Err(self.fail("dtype", format!("found {}, expected numbers", header.dtype)));
+        };
+        let Some(scalar) = Scalar::of_numpy(name) else {
+            return Err(self.fail("dtype", format!("found {}, expected integers, float32 or float64", header.dtype)));
+        };
+        let (rows, width) = match header.shape[..] {
+            [n] => (n, 1),
+            [n, width @ 1..=16] => (n, width),
+            ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
+        };
+        let total = rows.saturating_mul(width);
+        let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
+        while (numbers.len() as u64) < total {
+            let wanted = (total - numbers.len() as u64).min(BLOCK as u64) * scalar.size() as u64;
+            bytes.clear();
+            self.counts.found();
+            (&mut self.reader).take(wanted).read_to_end(&mut bytes).map_err(|e| Error::read(self.path, e))?;
+            reserve(&mut numbers, bytes.len() / scalar.size())?;
+            numbers.extend(bytes.chunks_exact(scalar.size()).map(|number| scalar.number(number)));
+            if (bytes.len() as u64) < wanted {
+                let found = numbers.len() as u64 / width;
+                return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), found, rows));
+            }
+        }
+        if header.fortran && width > 1 {
+            let (rows, width) = (rows as usize, width as usize);
+            check(8 * total, || "the array in the order of its rows".into())?;
+            numbers = (0..rows * width).map(|at| numbers[at % width * rows + at / width]).collect();
+        }
+        Ok(numbers)
+    }
+
+    fn cut(&self, error: io::Error, found: u64, rows: u64) -> Error {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => self.fail("data", format!("the file ends after {found} of {rows} rows")),
+            _ => Error::read(self.path, error),
+        }
+    }
+}
+
+/// The numbers in a field: offset, type, name and role of each; empty if the field is not numeric.
+fn columns(field: &Field) -> Vec<(usize, Scalar, String, Role)> {
+    let name = field.name.to_lowercase();
+    match &field.dtype {
+        DType::Plain(of) => {
+            let role = match name.as_str() {
+                "x" => Role::Position(0),
+                "y" => Role::Position(1),
+                "z" => Role::Position(2),
+                "radius" => Role::Radius,
+                "diameter" => Role::Diameter,
+                _ => Role::Other,
+            };
+            Scalar::of_numpy(of).map(|scalar| (0, scalar, name, role)).into_iter().collect()
+        }
+        DType::Array(3, inner) => match &**inner {
+            DType::Plain(of) => {
+                let Some(scalar) = Scalar::of_numpy(of) else { return Vec::new() };
+                let column = |k: usize| {
+                    let (called, role) = match name.as_str() {
+                        "pos" | "position" | "xyz" => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
+                        "color" | "rgb" => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
+                        _ => (crate::read::particles::component(&name, k), Role::Other),
+                    };
+                    (k * scalar.size(), scalar, called, role)
+                };
+                (0..3).map(column).collect()
+            }
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn npy(header: &str, data: &[u8]) -> Vec<u8> {
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16 + 1).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.push(b'\n');
+        bytes.extend(data);
+        bytes
+    }
+
+    fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
+        let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
+        let source = SceneSource::of_bytes(&npy(&header, data));
+        let mut array = Array { source: Some(source), wanted: vec!["t".into(), "v_y".into()] };
+        Ok(array.next()?.expect("one frame"))
+    }
+
+    #[test]
+    fn positions_alone_have_no_radii() {
+        let data: Vec<u8> = [1.0f64, 2.0, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let found = read("'<f8'", "(2, 3)", &data).expect("an array");
+        assert_eq!((found.positions, found.radii.len()), (vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], 0));
+    }
+
+    #[test]
+    fn records_have_named_fields() {
+        let descr = "[('name', '|S3'), ('x', '<f4'), ('z', '>f8'), ('y', '<i2'), ('radius', '<f8'), ('v', '<f4', (3,)), \
+            ('t', '|u1')]";
+        let mut data = Vec::new();
+        for k in [1u8, 2] {
+            data.extend(b"abc");
+            data.extend(f32::from(k).to_le_bytes());
+            data.extend((f64::from(k) + 0.5).to_be_bytes());
+            data.extend((-i16::from(k)).to_le_bytes());
+            data.extend(3.0f64.to_le_bytes());
+            [7.0f32, 8.0, 9.0].iter().for_each(|v| data.extend(v.to_le_bytes()));
+            data.push(k + 200);
+        }
+        let found = read(descr, "(2,)", &data).expect("records");
+        assert_eq!(
+            (&found.positions[..], &found.radii[..]),
+            (&[[1.0, -1.0, 1.5], [2.0, -2.0, 2.5]][..], &[3.0; 2][..])
+        );
+        let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
+        assert_eq!((column("t"), column("v_y")), (&[201.0, 202.0][..], &[8.0; 2][..]));
+        let cut = read(descr, "(2,)", &data[..60]).map(drop).expect_err("cut short").to_string();
+        assert!(cut.contains("after 1 of 2 rows"), "{cut}");
+        for (descr, told) in [
+            ("[('x', '<f8')]", "the fields x, y and z are missing"),
+            ("[('x', '<f8', (99999999,)), ('y', '<f8'), ('z', '<f8')]", "more than 65536 bytes"),
+            ("[('x', '|O'), ('y', '<f8'), ('z', '<f8')]", "hold objects"),
+        ] {
+            let error = read(descr, "(2,)", &data).map(drop).expect_err(descr).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

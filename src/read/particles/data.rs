@@ -1,0 +1,536 @@
+//! LAMMPS data: a header, and sections. Atoms is read, Masses gives elements, and Velocities are columns; described at
+//! docs.lammps.org/read_data.html.
+
+use super::layout::{Layout, Role, wanted};
+use super::masses;
+use super::rows::surplus;
+use super::{Column, ParticleFrames, Particles};
+use crate::error::{Error, Result};
+use crate::memory::{Ledger, check, check_ids, reserve};
+use crate::quote::{quote, unquoted};
+use crate::read::input::Input;
+use crate::read::lines::{Lines, Word, Words};
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::read::style::elements::element;
+use crate::scene::Cell;
+use std::collections::HashMap;
+
+/// The reader.
+pub(super) struct LammpsData {
+    lines: Lines<Input>,
+    wanted: Vec<String>,
+    done: bool,
+}
+
+/// The columns of the Atoms section by style. `x y z` are coordinates, `diameter` is a diameter.
+const STYLES: [(&str, &str); 23] = [
+    ("angle", "id mol type x y z"),
+    ("atomic", "id type x y z"),
+    ("body", "id type bodyflag mass x y z"),
+    ("bond", "id mol type x y z"),
+    ("bpm/sphere", "id mol type diameter density x y z"),
+    ("charge", "id type q x y z"),
+    ("dielectric", "id type q x y z normx normy normz area ed em epsilon curvature"),
+    ("dipole", "id type q x y z mux muy muz"),
+    ("dpd", "id type theta x y z"),
+    ("edpd", "id type edpd_temp edpd_cv x y z"),
+    ("electron", "id type q espin eradius x y z"),
+    ("ellipsoid", "id type ellipsoidflag density x y z"),
+    ("full", "id mol type q x y z"),
+    ("line", "id mol type lineflag density x y z"),
+    ("mdpd", "id type rho x y z"),
+    ("molecular", "id mol type x y z"),
+    ("peri", "id type volume density x y z"),
+    ("sph", "id type rho esph cv x y z"),
+    ("sphere", "id type diameter density x y z"),
+    ("spin", "id type x y z spx spy spz sp"),
+    ("tdpd", "id type x y z"),
+    ("template", "id type mol template atom x y z"),
+    ("tri", "id mol type triangleflag density x y z"),
+];
+
+/// Lines that begin a section; lines between known sections are skipped.
+const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
+
+/// Bytes per type (besides its name) and per atom number in a map and a list, while the map grows.
+const TYPE: usize = 128;
+const PLACE: u64 = 80;
+
+/// The content of the header.
+#[derive(Default)]
+struct DataHeader {
+    atoms: Option<u64>,
+    types: u64,
+    /// Whether the file has ellipsoids, lines, triangles or bodies, whose atoms have different columns.
+    shaped: bool,
+    low: [f64; 3],
+    high: [f64; 3],
+    tilt: [f64; 3],
+    bounded: bool,
+    general: [Option<[f64; 3]>; 4],
+}
+
+impl DataHeader {
+    fn cell(&self) -> Option<Cell> {
+        if let [Some(a), Some(b), Some(c), origin] = self.general {
+            return Some(Cell { origin: origin.unwrap_or_default(), edges: [a, b, c] });
+        }
+        let side = |k: usize| self.high[k] - self.low[k];
+        let [xy, xz, yz] = self.tilt;
+        let edges = [[side(0), 0.0, 0.0], [xy, side(1), 0.0], [xz, yz, side(2)]];
+        self.bounded.then_some(Cell { origin: self.low, edges })
+    }
+}
+
+/// The content of the sections besides the particles.
+#[derive(Default)]
+struct SectionData {
+    /// Types by name or number in order of first occurrence, and the mass of each.
+    types: HashMap<String, usize>,
+    masses: Vec<f64>,
+    /// The type of every atom.
+    of: Vec<u32>,
+    /// The number of every atom, where velocities refer to it.
+    ids: Vec<i64>,
+    atoms: bool,
+}
+
+impl LammpsData {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        let wanted = wanted(options.style.columns())?;
+        Ok(Self { lines: Lines::new(source.reader, &source.path), wanted, done: false })
+    }
+
+    fn read(&mut self) -> Result<Particles> {
+        let (mut particles, mut found) = (Particles::default(), SectionData::default());
+        // The first line is free text.
+        let reduced = self.lines.advance()? && self.lines.text().contains("units = lj");
+        let head = self.head()?;
+        let count = head.atoms.ok_or_else(|| {
+            self.fail(0, "header", "the number of atoms is not known", "add a line such as `12 atoms` to the header")
+        })?;
+        let mut there = self.is_section();
+        while there || self.next_section()? {
+            match self.body() {
+                "Masses" => self.masses(head.types, &mut found)?,
+                "Velocities" if found.atoms => self.velocities(count, &found, &mut particles)?,
+                "Velocities" => {
+                    let mend = "put the section Atoms before Velocities";
+                    return Err(self.fail(0, "Velocities", "the section Velocities comes before Atoms", mend));
+                }
+                _ if found.atoms => {
+                    return Err(self.fail(0, "Atoms", "the section Atoms occurs twice", "remove one of them"));
+                }
+                _ => particles = self.atoms(count, &head, &mut found)?,
+            }
+            // The line after the rows was read already.
+            there = self.is_section();
+        }
+        if !found.atoms && count > 0 {
+            let problem = format!("the section Atoms is missing, but the header has {count} atoms");
+            return Err(Error::scene(self.lines.file().named("Atoms"), problem, "add the section Atoms"));
+        }
+        particles.cell = head.cell();
+        if !reduced {
+            name_elements(&found, &mut particles);
+        }
+        Ok(particles)
+    }
+
+    /// The header, up to the line of the first section, which becomes the current one.
+    fn head(&mut self) -> Result<DataHeader> {
+        let mut head = DataHeader::default();
+        while self.lines.advance()? {
+            let line = self.body();
+            if line.starts_with(|c: char| c.is_ascii_uppercase()) {
+                break;
+            }
+            let words: Vec<&str> = line.split_whitespace().take(8).collect();
+            let finite = |n: usize| -> Result<[f64; 3]> {
+                let mut numbers = [0.0; 3];
+                for (number, word) in numbers[..n].iter_mut().zip(Words::of(&self.lines)) {
+                    *number = word.finite("header")?;
+                }
+                Ok(numbers)
+            };
+            let whole = || {
+                words[0].parse().map_err(|_| {
+                    let problem = format!("{} is not a number of {}", quote(words[0]), words[1..].join(" "));
+                    self.fail(0, "header", problem, "use a whole number")
+                })
+            };
+            match words[..] {
+                [_, "atoms"] => head.atoms = Some(whole()?),
+                [_, "atom", "types"] => head.types = whole()?,
+                [_, "ellipsoids" | "lines" | "triangles" | "bodies"] => head.shaped = whole()? > 0,
+                [_, _, low @ ("xlo" | "ylo" | "zlo"), _] => {
+                    let axis = usize::from(low.as_bytes()[0] - b'x');
+                    [head.low[axis], head.high[axis], _] = finite(2)?;
+                    head.bounded = true;
+                }
+                [_, _, _, "xy", "xz", "yz"] => head.tilt = finite(3)?,
+                [_, _, _, "avec"] => head.general[0] = Some(finite(3)?),
+                [_, _, _, "bvec"] => head.general[1] = Some(finite(3)?),
+                [_, _, _, "cvec"] => head.general[2] = Some(finite(3)?),
+                [_, _, _, "abc", "origin"] => head.general[3] = Some(finite(3)?),
+                _ => {}
+            }
+        }
+        Ok(head)
+    }
+
+    /// The current line without its comment.
+    fn body(&self) -> &str {
+        let text = self.lines.text();
+        text.split_once('#').map_or(text, |(body, _)| body).trim()
+    }
+
+    fn is_section(&self) -> bool {
+        SECTIONS.contains(&self.body())
+    }
+
+    /// Skips to the next known section.
+    fn next_section(&mut self) -> Result<bool> {
+        while self.lines.advance()? {
+            if self.is_section() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Reads the next line with content; its absence is an error.
+    fn need(&mut self, section: &str, read: u64, count: u64) -> Result<()> {
+        let mut what = "file";
+        while self.lines.advance()? {
+            if self.is_section() {
+                what = "section";
+                break;
+            }
+            if !self.body().is_empty() {
+                return Ok(());
+            }
+        }
+        let problem = format!("the {what} ends after {read} of {count} lines of {section}");
+        Err(self.fail(self.lines.text().len(), section, problem, "give as many lines as the header says"))
+    }
+
+    /// Moves to the next line with content, and checks that it is not a row of the section, which has `count` rows.
+    fn check_end(&mut self, section: &str, count: u64) -> Result<()> {
+        let (what, number) = if section == "Masses" { ("atom types", 1) } else { ("atoms", 0) };
+        let is_number = |word: &str| word.parse::<f64>().is_ok();
+        let is_row = |lines: &Lines<Input>| Words::of(lines).nth(number).is_some_and(|word| is_number(word.text));
+        while self.lines.advance()? {
+            if is_row(&self.lines) {
+                return surplus(&mut self.lines, count, what, is_row);
+            }
+            if !self.body().is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn masses(&mut self, count: u64, found: &mut SectionData) -> Result<()> {
+        let mut ledger = Ledger::default();
+        for read in 0..count {
+            self.need("Masses", read, count)?;
+            let mut words = Words::of(&self.lines);
+            let name = words.next().map_or_else(String::new, |word| word.text.to_owned());
+            let Some(mass) = words.next() else {
+                let problem = "expected a type and its mass";
+                return Err(self.fail(0, "Masses", problem, "give as many masses as there are atom types"));
+            };
+            let mass = mass.positive("mass")?;
+            ledger.add(TYPE + name.len())?;
+            found.types.insert(name, found.masses.len());
+            found.masses.push(mass);
+        }
+        self.check_end("Masses", count)
+    }
+
+    fn atoms(&mut self, count: u64, head: &DataHeader, found: &mut SectionData) -> Result<Particles> {
+        found.atoms = true;
+        check_ids(count)?;
+        let named = self.lines.text().split_once('#').map(|(_, style)| style.trim().to_owned()).unwrap_or_default();
+        if count == 0 {
+            self.check_end("Atoms", 0)?;
+            return Ok(Particles::default());
+        }
+        let (line, heading) = (self.lines.place(0), "Atoms");
+        self.need(heading, 0, count)?;
+        let (style, told) = match named.split_whitespace().next().unwrap_or_default() {
+            "" => (self.guess(head)?, false),
+            name => (name.to_owned(), true),
+        };
+        // The sub-styles of a hybrid describe what follows the coordinates.
+        let columns = if style == "hybrid" { Some("id type x y z") } else { None };
+        let columns = columns.or_else(|| STYLES.iter().find(|(name, _)| *name == style).map(|(_, columns)| *columns));
+        let Some(columns) = columns else {
+            let names: Vec<_> = STYLES.iter().map(|(name, _)| *name).collect();
+            let mend = format!("use one of {}", names.join(", "));
+            return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
+        };
+        let mut layout = Layout::default();
+        for name in columns.split(' ') {
+            let role = match name {
+                "x" => Role::Position(0),
+                "y" => Role::Position(1),
+                "z" => Role::Position(2),
+                "diameter" => Role::Diameter,
+                _ => Role::Other,
+            };
+            let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
+            layout.add(name, role, &self.wanted).map_err(twice)?;
+        }
+        let mut particles = layout.begin();
+        if !told {
+            particles.skipped.assumed.push(format!(
+                "the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"
+            ));
+        }
+        let type_at = columns.split(' ').position(|name| name == "type").unwrap_or(1);
+        let moving = self.wanted.iter().any(|name| is_velocity(name));
+        for read in 0..count {
+            if read > 0 {
+                self.need(heading, read, count)?;
+            }
+            // Its type and its number are stored beside it.
+            particles.grow(1, size_of::<u32>() + size_of::<i64>())?;
+            layout.row(&mut self.row(), &self.lines, &mut particles)?;
+            self.remember(type_at, moving, found)?;
+            self.lines.found();
+        }
+        self.check_end(heading, count)?;
+        Ok(particles)
+    }
+
+    /// The words of the current line before its comment.
+    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> {
+        Words::of(&self.lines).take_while(|word| !word.text.starts_with('#'))
+    }
+
+    /// Stores the type of the current line's atom, and its number if it will be needed.
+    fn remember(&self, type_at: usize, moving: bool, found: &mut SectionData) -> Result<()> {
+        for (place, word) in self.row().take(type_at + 1).enumerate() {
+            if place == 0 && moving {
+                reserve(&mut found.ids, 1)?;
+                found.ids.push(whole(&word)?);
+            } else if place == type_at {
+                reserve(&mut found.of, 1)?;
+                found.of.push(match word.text.parse() {
+                    Ok(number) => number,
+                    // A label of a type that has a mass; other labels are unknown.
+                    Err(_) => found.types.get(word.text).map_or(0, |place| *place as u32 + 1),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Guesses the style from the atom of the current line.
+    fn guess(&self, head: &DataHeader) -> Result<String> {
+        let whole: Vec<bool> = self.row().take(16).map(|word| word.text.parse::<i64>().is_ok()).collect();
+        // Three whole numbers after the coordinates are image flags of the cell.
+        let flags = if whole.len() >= 8 && whole.ends_with(&[true; 3]) { 3 } else { 0 };
+        let style = match whole[..whole.len() - flags] {
+            [true, true, _, _, _] => "atomic",
+            [true, true, true, _, _, _] => "molecular",
+            [true, true, false, _, _, _] => "charge",
+            [true, true, true, _, _, _, _] if !head.shaped => "full",
+            _ => {
+                let problem = format!("the style of atoms with {} columns is not known", whole.len());
+                let mend = "add the style to the section's heading, such as Atoms # sphere";
+                return Err(self.fail(0, "Atoms", problem, mend));
+            }
+        };
+        Ok(style.to_owned())
+    }
+
+    fn velocities(&mut self, count: u64, found: &SectionData, particles: &mut Particles) -> Result<()> {
+        particles.has.extend(["vx", "vy", "vz"].map(str::to_owned));
+        if found.ids.is_empty() {
+            // No velocities are requested, so the section is skipped.
+            return self.lines.advance().map(drop);
+        }
+        let axes: Vec<usize> = (0..3)
+            .filter(|k| self.wanted.iter().any(|name| name.eq_ignore_ascii_case(["vx", "vy", "vz"][*k])))
+            .collect();
+        let atoms = found.ids.len() as u64;
+        check(8 * atoms * axes.len() as u64, || format!("the velocities of {atoms} atoms"))?;
+        let mut columns = vec![vec![f64::NAN; found.ids.len()]; axes.len()];
+        let mut places = HashMap::new();
+        for read in 0..count {
+            self.need("Velocities", read, count)?;
+            let mut words = self.row();
+            let id = words.next().map(|word| whole(&word)).transpose()?.unwrap_or(0);
+            let mut atom = Some(read as usize).filter(|atom| found.ids[*atom] == id);
+            if atom.is_none() {
+                // Only if they are not in the order of the atoms.
+                if places.is_empty() {
+                    check(PLACE * atoms, || format!("the numbers of {atoms} atoms"))?;
+                    places.extend(found.ids.iter().enumerate().map(|(atom, id)| (*id, atom)));
+                }
+                atom = places.get(&id).copied();
+            }
+            let Some(atom) = atom else {
+                let problem = format!("no atom has the number {id}");
+                return Err(self.fail(0, "Velocities", problem, "use the number of an atom"));
+            };
+            let mut velocity = [f64::NAN; 3];
+            for (component, name) in velocity.iter_mut().zip(["vx", "vy", "vz"]) {
+                let Some(word) = words.next() else {
+                    let end = self.lines.text().len();
+                    return Err(self.fail(end, name, "the line ends before it", "give a number and three components"));
+                };
+                *component = word.number(name)?;
+            }
+            for (column, axis) in columns.iter_mut().zip(&axes) {
+                column[atom] = velocity[*axis];
+            }
+        }
+        self.check_end("Velocities", count)?;
+        let named = axes.iter().zip(columns);
+        particles.columns.extend(named.map(|(k, values)| Column { name: ["vx", "vy", "vz"][*k].into(), values }));
+        Ok(())
+    }
+
+    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+        Error::scene(self.lines.place(byte).named(field), problem, mend)
+    }
+}
+
+fn is_velocity(name: &str) -> bool {
+    ["vx", "vy", "vz"].iter().any(|velocity| name.eq_ignore_ascii_case(velocity))
+}
+
+/// Parses the number of an atom.
+fn whole(word: &Word<'_, Input>) -> Result<i64> {
+    Ok(word.finite("id")? as i64)
+}
+
+/// Finds elements by the masses of the types, where those look like atomic masses.
+fn name_elements(found: &SectionData, particles: &mut Particles) {
+    let Some(numbers) = masses::elements(&found.masses) else { return };
+    let mut by_type: Vec<(&String, u8)> = found.types.iter().map(|(name, place)| (name, numbers[*place])).collect();
+    by_type.sort_by_key(|(name, _)| found.types[*name]);
+    let symbol = |number: u8| element(number).map_or("?", |element| element.symbol);
+    let told: Vec<_> =
+        by_type.iter().take(32).map(|(name, number)| format!("{} {}", unquoted(name), symbol(*number))).collect();
+    particles.skipped.assumed.push(format!("elements are taken from the masses of the types: {}", told.join(", ")));
+    // Types are numbered from 1, independent of the order of their masses; labels were given the index of their mass.
+    let labels = by_type.iter().any(|(name, _)| name.parse::<u32>().is_err());
+    let place = |of: u32| match labels {
+        true => (of as usize).checked_sub(1),
+        false => found.types.get(&of.to_string()).copied(),
+    };
+    let most = found.of.iter().copied().max().unwrap_or(0).min(1 << 16);
+    let table: Vec<u8> = (0..=most).map(|of| place(of).and_then(|k| numbers.get(k)).copied().unwrap_or(0)).collect();
+    particles.elements = found.of.iter().map(|of| table.get(*of as usize).copied().unwrap_or(0)).collect();
+}
+
+impl ParticleFrames for LammpsData {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        if std::mem::replace(&mut self.done, true) { Ok(None) } else { self.read().map(Some) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_frames;
+    use super::*;
+
+    fn read(text: &str, columns: &[&str]) -> Result<Particles> {
+        Ok(read_frames(text, columns, LammpsData::new)?.remove(0))
+    }
+
+    const HEAD: &str = "by hand\n\n2 atoms # so many\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n";
+
+    #[test]
+    fn sections_are_read_and_passed_over() {
+        let text = format!(
+            "{HEAD}0.5 0 -1 xy xz yz\n\nPair Coeffs # lj\n\n1 1 1\n2 1 1\n\nMasses\n\n2 15.9994 # O\n1 1.008\n\n\
+             Atoms # full\n\n7 1 2 -0.8 1 2 3 0 0 1\n\n3 1 1 0.4 4 5 6 0 0 0\n\nVelocities\n\n3 0 0 9\n7 0 0 8\n\n\
+             Bonds\n\n1 1 7 3\n"
+        );
+        let found = read(&text, &["q", "vz"]).expect("a file");
+        assert_eq!((&found.positions[..], &found.elements[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], &[8, 1][..]));
+        let cell = Cell { origin: [0.0, -1.0, 0.0], edges: [[2.0, 0.0, 0.0], [0.5, 4.0, 0.0], [0.0, -1.0, 5.0]] };
+        assert_eq!(found.cell, Some(cell));
+        let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
+        assert_eq!(
+            (column("q"), column("vz")),
+            (&[-0.8, 0.4][..], &[8.0, 9.0][..]),
+            "velocities by the atoms' numbers"
+        );
+        assert_eq!(found.skipped.assumed.len(), 1, "{:?}", found.skipped);
+        assert!(found.skipped.assumed[0].contains("2 O, 1 H"), "{:?}", found.skipped);
+    }
+
+    #[test]
+    fn styles_are_named_or_follow_from_the_columns() {
+        let file = |heading: &str, row: &str| format!("{HEAD}\n{heading}\n\n{row}\n{row}\n");
+        for (heading, row, assumed) in [
+            ("Atoms # sphere", "1 1 3 0.1 1 2 3", 0),
+            ("Atoms # dipole", "1 1 0.5 1 2 3 9 9 9 9", 0),
+            ("Atoms # hybrid sphere", "1 1 1 2 3 0.5 1", 0),
+            ("Atoms", "1 1 1 2 3", 1),
+            ("Atoms", "1 1 1 2 3 0 -1 0", 1),
+            ("Atoms", "1 1 1 1.0 2 3", 1),
+            ("Atoms", "1 1 0.5 1 2 3 0 0 0", 1),
+            ("Atoms", "1 1 1 0.5 1 2 3", 1),
+        ] {
+            let found = read(&file(heading, row), &[]).unwrap_or_else(|e| panic!("{heading} {row}: {e}"));
+            assert_eq!(
+                (found.positions[1], found.skipped.assumed.len()),
+                ([1.0, 2.0, 3.0], assumed),
+                "{heading} {row}"
+            );
+            assert_eq!(found.radii, if heading.ends_with("# sphere") { vec![1.5; 2] } else { vec![] }, "{heading}");
+        }
+        let general = file("Atoms # atomic", "1 1 1 2 3").replace("0 2 xlo xhi", "1 2 3 avec\n4 5 6 bvec\n7 8 9 cvec");
+        let cell = read(&general, &[]).expect("a file").cell.expect("a cell");
+        assert_eq!((cell.edges[1], cell.origin), ([4.0, 5.0, 6.0], [0.0; 3]));
+    }
+
+    #[test]
+    fn labels_and_reduced_masses() {
+        let labelled = format!("{HEAD}\nMasses\n\nFe 55.845\nC 12.011\n\nAtoms # atomic\n\n1 C 1 2 3\n2 Fe 1 2 3\n");
+        assert_eq!(read(&labelled, &[]).expect("a file").elements, [6, 26]);
+        let reduced = format!("{HEAD}\nMasses\n\n1 1\n2 2\n\nAtoms # atomic\n\n1 1 1 2 3\n2 2 1 2 3\n");
+        assert!(read(&reduced, &[]).expect("a file").elements.is_empty());
+        let lj = reduced.replace("2 2\n\nAtoms", "2 12.011\n\nAtoms").replace("by hand", "LAMMPS, units = lj");
+        assert!(read(&lj, &[]).expect("a file").elements.is_empty());
+    }
+
+    #[test]
+    fn errors_are_reported_with_line_and_column() {
+        let file = |sections: &str| format!("{HEAD}\n{sections}");
+        for (text, told) in [
+            (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),
+            (file("Atoms # atomic\n\n1 1 1 2 3\n\nVelocities\n"), ":13:11: Atoms: the section ends after 1 of 2 lines"),
+            (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"), ":13:1: count: expected 2 atoms, found 3"),
+            (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: expected 2 atom types, found 3"),
+            (
+                file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n2 1 1 1\n1 1 1 1\n3 1 1 1\n\nBonds\n"),
+                ":18:1: count: expected 2 atoms, found 3",
+            ),
+            ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: expected 0 atoms, found 1"),
+            ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than 32-bit ids"),
+            (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
+            (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is not an atom style"),
+            (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known"),
+            (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
+            (file("Velocities\n\n"), "comes before Atoms"),
+            (file("Masses\n\n1\n"), ":11:1: Masses"),
+            (file("Masses\n\n1 -1\n"), ":11:3: mass"),
+            (file("Bonds\n\n1 1 1 1\n"), "the section Atoms is missing"),
+            ("title\n\nx atoms\n".into(), ":3:1: header"),
+            ("title\n".into(), "the number of atoms is not known"),
+        ] {
+            let error = read(&text, &["vx"]).map(drop).expect_err(&text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
+//! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
+
+use super::layout::{Layout, Role, wanted};
+use super::rows::{rows, surplus};
+use super::{ParticleFrames, Particles};
+use crate::error::{Error, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
+use crate::read::input::Input;
+use crate::read::lines::{Lines, Words};
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::scene::Cell;
+
+/// The reader.
+pub(super) struct Dump {
+    lines: Lines<Input>,
+    wanted: Vec<String>,
+    /// Whether the current line has not been parsed yet.
+    held: bool,
+}
+
+/// The sections before a frame's atoms; the line with their columns is the current one.
+struct DumpHeader {
+    count: u64,
+    cell: Option<Cell>,
+}
+
+/// Names of coordinates in order of preference: plain, unwrapped, and as fractions of the cell's edges.
+const AXES: [([&str; 3], bool); 4] =
+    [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
+
+impl Dump {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self {
+            lines: Lines::new(source.reader, &source.path),
+            wanted: wanted(options.style.columns())?,
+            held: false,
+        })
+    }
+
+    fn head(&mut self) -> Result<Option<DumpHeader>> {
+        let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
+        loop {
+            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
+                return if begun { Err(self.ends("ITEM")) } else { Ok(None) };
+            }
+            let text = self.lines.text().trim();
+            let Some(item) = text.strip_prefix("ITEM:").map(str::trim) else {
+                if foreign || text.is_empty() {
+                    continue;
+                }
+                let problem = format!("{} is not an ITEM", quote(text));
+                return Err(self.fail(0, "ITEM", problem, "give as many atoms as NUMBER OF ATOMS says"));
+            };
+            (begun, foreign) = (true, false);
+            if item == "TIMESTEP" {
+                self.need("TIMESTEP")?;
+            } else if item == "NUMBER OF ATOMS" {
+                self.need("NUMBER OF ATOMS")?;
+                let text = self.lines.text().trim();
+                let atoms = text.parse().map_err(|_| {
+                    let problem = format!("{} is not a number of atoms", quote(text));
+                    self.fail(0, "NUMBER OF ATOMS", problem, "use a whole number")
+                })?;
+                check_ids(atoms)?;
+                count = Some(atoms);
+            } else if let Some(kind) = item.strip_prefix("BOX BOUNDS") {
+                let kind = kind.to_owned();
+                cell = Some(self.cell(&kind)?);
+            } else if item.split_whitespace().next() == Some("ATOMS") {
+                let count = count.ok_or_else(|| {
+                    self.fail(
+                        0,
+                        "ITEM",
+                        "the number of atoms is not known",
+                        "add ITEM: NUMBER OF ATOMS before the atoms",
+                    )
+                })?;
+                return Ok(Some(DumpHeader { count, cell }));
+            } else {
+                // UNITS, TIME and other sections.
+                foreign = true;
+            }
+        }
+    }
+
+    /// The three lines of the box.
+    fn cell(&mut self, kind: &str) -> Result<Cell> {
+        let general = kind.split_whitespace().next() == Some("abc");
+        let tilted = !general && kind.split_whitespace().any(|word| word == "xy");
+        let a = self.bounds(2 + usize::from(tilted) + 2 * usize::from(general))?;
+        let b = self.bounds(2 + usize::from(tilted) + 2 * usize::from(general))?;
+        let c = self.bounds(2 + usize::from(tilted) + 2 * usize::from(general))?;
+        if general {
+            let edge = |v: [f64; 4]| [v[0], v[1], v[2]];
+            return Ok(Cell { origin: [a[3], b[3], c[3]], edges: [edge(a), edge(b), edge(c)] });
+        }
+        let (xy, xz, yz) = (a[2], b[2], c[2]);
+        // The bounds are those of the box around the tilted cell.
+        let low = [a[0] - [xy, xz, xy + xz].into_iter().fold(0.0, f64::min), b[0] - yz.min(0.0), c[0]];
+        let high = [a[1] - [xy, xz, xy + xz].into_iter().fold(0.0, f64::max), b[1] - yz.max(0.0), c[1]];
+        let side = |k: usize| high[k] - low[k];
+        Ok(Cell { origin: low, edges: [[side(0), 0.0, 0.0], [xy, side(1), 0.0], [xz, yz, side(2)]] })
+    }
+
+    fn bounds(&mut self, count: usize) -> Result<[f64; 4]> {
+        self.need("BOX BOUNDS")?;
+        let mut words = Words::of(&self.lines);
+        let mut bounds = [0.0; 4];
+        for bound in &mut bounds[..count] {
+            let Some(word) = words.next() else {
+                let end = self.lines.text().len();
+                return Err(self.fail(end, "BOX BOUNDS", format!("expected {count} numbers"), "give all of them"));
+            };
+            *bound = word.finite("BOX BOUNDS")?;
+        }
+        Ok(bounds)
+    }
+
+    /// The columns named by the current line, and whether coordinates are fractions of the cell's edges.
+    fn layout(&self) -> Result<(Layout, bool)> {
+        let names = || Words::of(&self.lines).skip(2);
+        let at = names().next().map_or(self.lines.text().len(), |word| word.at);
+        let fail = |problem: String, mend| Err(self.fail(at, "ITEM: ATOMS", problem, mend));
+        let has = |name: &str| names().any(|word| word.text == name);
+        let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(axis))) else {
+            return fail("no three columns are coordinates".into(), "dump x y z, xu yu zu, xs ys zs or xsu ysu zsu");
+        };
+        let mut layout = Layout::default();
+        for word in names() {
+            let role = match word.text {
+                "radius" => Role::Radius,
+                "diameter" => Role::Diameter,
+                "element" => Role::Symbol,
+                name => axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position),
+            };
+            if let Err(problem) = layout.add(word.text, role, &self.wanted) {
+                return fail(problem, "use each column name once");
+            }
+        }
+        Ok((layout, scaled))
+    }
+
+    /// Checks that no more atoms follow than `count`; then the next line that is not blank is the current one.
+    fn check_end(&mut self, count: u64, layout: &Layout) -> Result<()> {
+        while self.lines.advance()? {
+            if self.lines.text().trim().is_empty() {
+                continue;
+            }
+            self.held = true;
+            let is_row =
+                |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+            return if is_row(&self.lines) { surplus(&mut self.lines, count, "atoms", is_row) } else { Ok(()) };
+        }
+        Ok(())
+    }
+
+    /// Reads the next line; its absence is an error.
+    fn need(&mut self, what: &str) -> Result<()> {
+        if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
+    }
+
+    fn ends(&self, what: &str) -> Error {
+        let end = self.lines.text().len();
+        self.fail(end, what, "the file ends within a frame", "give as many atoms as the frame says")
+    }
+
+    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+        Error::scene(self.lines.place(byte).named(field), problem, mend)
+    }
+}
+
+impl ParticleFrames for Dump {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(DumpHeader { count, cell }) = self.head()? else { return Ok(None) };
+        let (layout, scaled) = self.layout()?;
+        let mut particles = Particles { cell, ..layout.begin() };
+        let scaling = match cell {
+            Some(cell) if scaled => Some(cell),
+            None if scaled => {
+                let mend = "add ITEM: BOX BOUNDS before the atoms";
+                return Err(self.fail(
+                    0,
+                    "ITEM: ATOMS",
+                    "the coordinates are fractions of a cell that is not given",
+                    mend,
+                ));
+            }
+            _ => None,
+        };
+        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
+            return Err(self.ends("atom"));
+        }
+        self.check_end(count, &layout)?;
+        particles.settle_species();
+        if let Some(cell) = scaling {
+            particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
+        }
+        Ok(Some(particles))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        let Some(DumpHeader { count, .. }) = self.head()? else { return Ok(false) };
+        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_frames;
+    use super::*;
+
+    fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
+        read_frames(text, columns, Dump::new)
+    }
+
+    fn frame(bounds: &str, columns: &str, atoms: &str) -> String {
+        let count = atoms.lines().count();
+        format!(
+            "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS {bounds}\nITEM: ATOMS {columns}\n{atoms}\n"
+        )
+    }
+
+    const CUBE: &str = "pp pp pp\n-1 1\n0 4\n0 8";
+
+    #[test]
+    fn frames_follow_each_other_with_their_columns() {
+        let first = frame(CUBE, "id type x y z vx radius", "2 1 0 1 2 -5 0.5\n1 2 3 4 5 6e1 1.5");
+        let second = frame(CUBE, "xs ys element zs diameter", "0.5 0.25 Fe 1 3");
+        let frames = read(&format!("ITEM: UNITS\nlj\nITEM: TIME\n0.5\n{first}\n{second}"), &["VX"]).expect("frames");
+        assert_eq!(frames.len(), 2);
+        assert_eq!(frames[0].positions, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]], "in the file's order");
+        assert_eq!((&frames[0].radii[..], &frames[0].columns[0].values[..]), (&[0.5, 1.5][..], &[-5.0, 60.0][..]));
+        assert!(frames[0].elements.is_empty(), "a type is no element");
+        assert_eq!(frames[0].has, ["id", "type", "x", "y", "z", "vx", "radius"]);
+        assert_eq!((frames[1].positions[0], frames[1].radii[0]), ([0.0, 1.0, 8.0], 1.5));
+        assert_eq!((&frames[1].elements[..], frames[1].columns.len()), (&[26][..], 0));
+    }
+
+    #[test]
+    fn scaled_coordinates_go_along_the_edges_of_a_tilted_cell() {
+        // From docs.lammps.org/Howto_triclinic: xlo_bound = xlo + min(0, xy, xz, xy + xz), and so on.
+        let tilted = frame("xy xz yz pp pp pp\n-3 4 -3\n0 7 2\n0 5 1", "xsu ysu zsu", "0.5 0.5 0.5");
+        let cell = Cell { origin: [0.0; 3], edges: [[2.0, 0.0, 0.0], [-3.0, 6.0, 0.0], [2.0, 1.0, 5.0]] };
+        let read_one = |text: &str| read(text, &[]).expect("a frame").remove(0);
+        let found = read_one(&tilted);
+        assert_eq!((found.cell, found.positions[0]), (Some(cell), [0.5, 3.5, 2.5]));
+        let general = frame("abc origin pp pp pp\n0 2 0 1\n3 0 0 2\n0 0 4 3", "xs ys zs", "0.5 1 0.25");
+        let found = read_one(&general);
+        assert_eq!((found.cell.expect("a cell").origin, found.positions[0]), ([1.0, 2.0, 3.0], [4.0, 3.0, 4.0]));
+        let both = read_one(&frame(CUBE, "xs ys zs xu yu zu", "0 0 0 9 9 9"));
+        assert_eq!(both.positions[0], [9.0; 3], "unwrapped before scaled");
+    }
+
+    #[test]
+    fn skipped_frames_are_not_parsed() {
+        let text = frame(CUBE, "x y z", "no numbers here\nat all, at") + &frame(CUBE, "x y z", "1 2 3");
+        let mut dump = Dump::new(SceneSource::of_text(&text), &ReadOptions::default()).expect("a dump");
+        assert!(dump.skip().expect("the first"));
+        assert_eq!(dump.next().expect("the second").expect("a frame").positions, [[1.0, 2.0, 3.0]]);
+        assert!(!dump.skip().expect("the end"));
+    }
+
+    #[test]
+    fn errors_are_reported_with_line_and_column() {
+        let one = |columns: &str, atoms: &str| frame(CUBE, columns, atoms);
+        for (text, told) in [
+            (one("x y z", "1 2 b"), ":10:5: z: `b`"),
+            (one("x y z", "1 2"), ":10:4: z"),
+            (one("x y z x", "1 2 3 4"), ":9:13: ITEM: ATOMS: `x` occurs twice"),
+            (one("x y zs", "1 2 3"), "no three columns"),
+            (one("x y z radius", "1 2 3 0"), ":10:7: radius: `0` is not positive"),
+            (one("x y z", "1 2 3") + "4 5 6\n", ":11:1: count: expected 1 atoms, found 2"),
+            (one("x y z", "1 2 3") + "no row\n", ":11:1: ITEM: `no row` is not an ITEM"),
+            (one("x y z", "1 2 3").replace("\n1\n", "\n2\n"), "the file ends within a frame"),
+            (one("x y z", "1 2 3").replace("\n1\n", "\n-1\n"), ":4:1: NUMBER OF ATOMS"),
+            (one("x y z", "1 2 3").replace("0 4", "0"), ":7:2: BOX BOUNDS"),
+            ("ITEM: ATOMS x y z\n1 2 3\n".into(), "the number of atoms is not known"),
+            ("ITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS xs ys zs\n1 2 3\n".into(), "a cell that is not given"),
+            ("ITEM: TIMESTEP\n".into(), "ends within"),
+        ] {
+            let error = read(&text, &[]).map(drop).expect_err(&text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The particles of a frame, as a file lists them, and the trait of their readers.
+
+use super::infer::{self, Inference, Inferred, Species};
+use crate::error::Result;
+use crate::memory::{entries, extend_to};
+use crate::scene::{Cell, Skipped};
+use std::collections::BTreeMap;
+
+/// One frame of particles, as the file has them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Particles {
+    /// Positions in the file's unit; nanometres of GROMACS are converted to ångström.
+    pub(crate) positions: Vec<[f64; 3]>,
+    /// Radii in the same unit; empty if the file has none, NaN for a particle without one.
+    pub(crate) radii: Vec<f64>,
+    /// Atomic numbers, 0 for an unknown element; empty where the format has no elements.
+    pub(crate) elements: Vec<u8>,
+    /// Linear RGB; empty if the file has no colours.
+    pub(crate) colors: Vec<[f32; 3]>,
+    /// The columns of [`ReadOptions::columns`] that the file has, in that order, with a number for every particle.
+    /// Names of columns in files are converted to lower case.
+    pub(crate) columns: Vec<Column>,
+    /// The names of all numeric columns of the file, for messages.
+    pub(crate) has: Vec<String>,
+    /// For columns of names: the column's name, and the names that its whole numbers, from 0, refer to.
+    pub(crate) labels: BTreeMap<String, Vec<String>>,
+    /// The periodic cell, if the file has one.
+    pub(crate) cell: Option<Cell>,
+    /// Names that are not elements, with the number of their particles.
+    pub(crate) unknown: BTreeMap<String, u64>,
+    /// The other content of a column of symbols, while it is read.
+    pub(in crate::read) species: Species,
+    /// Skipped records and assumptions.
+    pub(crate) skipped: Skipped,
+    /// The number of particles for which all lists have capacity.
+    pub(in crate::read) room: usize,
+}
+
+/// A column of numbers, one per particle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Particles {
+    /// Counts particles with a name that is not an element. The number of different names is limited.
+    pub(crate) fn meet_unknown(&mut self, name: &str, count: u64) {
+        let keep = self.unknown.len() < 16 || self.unknown.contains_key(name);
+        self.count_unknown(if keep { name } else { "others" }, count);
+    }
+
+    /// The same for a part of a file, which is small enough to keep all names.
+    pub(super) fn count_unknown(&mut self, name: &str, count: u64) {
+        match self.unknown.get_mut(name) {
+            Some(known) => *known += count,
+            None => drop(self.unknown.insert(name.to_owned(), count)),
+        }
+    }
+
+    /// Appends the particles of a part with the same columns.
+    ///
+    /// # Errors
+    /// Those of [`Particles::grow`].
+    pub(super) fn append(&mut self, mut more: Self) -> Result<()> {
+        self.grow(more.positions.len(), 0)?;
+        self.positions.append(&mut more.positions);
+        self.radii.append(&mut more.radii);
+        self.elements.append(&mut more.elements);
+        self.colors.append(&mut more.colors);
+        for (column, more) in self.columns.iter_mut().zip(&mut more.columns) {
+            column.values.append(&mut more.values);
+        }
+        more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
+        self.species.add(more.species);
+        Ok(())
+    }
+
+    /// Finishes a column of symbols: finds the elements of names, and removes virtual sites.
+    pub(super) fn settle_species(&mut self) {
+        let (said, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
+        self.skipped.assumed.extend(said);
+        self.leave_sites_out(sites);
+    }
+
+    pub(super) fn leave_sites_out(&mut self, there: bool) {
+        if there {
+            let stays: Vec<bool> = self.elements.iter().map(|code| !infer::is_site(*code)).collect();
+            self.keep(&stays);
+        }
+    }
+
+    /// Finishes an inference: removes virtual sites and returns what to report.
+    pub(super) fn infer(&mut self, inference: Inference) -> Vec<String> {
+        let read = self.elements.len() as u64;
+        let inferred = inference.finish(&mut self.elements);
+        self.leave_sites_out(inferred.sites() > 0);
+        let said = inferred.sentences(read);
+        self.count_unknown_atoms(inferred);
+        said
+    }
+
+    /// Counts unknown atoms by the names that an inference numbered, and sets their atomic number to 0.
+    pub(super) fn count_unknown_atoms(&mut self, inferred: Inferred) {
+        let mut counts = vec![0; inferred.names.len()];
+        for element in &mut self.elements {
+            if let Some(slot) = infer::unknown(*element) {
+                counts[slot] += 1;
+                *element = 0;
+            }
+        }
+        self.unknown = inferred.names.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
+    }
+
+    /// Keeps the particles whose flag is set.
+    pub(super) fn keep(&mut self, stays: &[bool]) {
+        keep(&mut self.positions, stays);
+        keep(&mut self.radii, stays);
+        keep(&mut self.elements, stays);
+        keep(&mut self.colors, stays);
+        self.columns.iter_mut().for_each(|column| keep(&mut column.values, stays));
+    }
+
+    /// Reserves capacity for `more` particles in every list, counting `beside` bytes per particle that the reader
+    /// keeps: an endless file must not fill the memory.
+    ///
+    /// # Errors
+    /// [`Error::Limits`].
+    pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
+        let n = self.positions.len();
+        if n + more <= self.room {
+            return Ok(());
+        }
+        let columns = self.columns.len() * size_of::<f64>();
+        // A list that is empty after the first particle stays empty.
+        let of = |is_empty: bool, bytes: usize| if is_empty { 0 } else { bytes };
+        let [radius, element, color] =
+            [of(self.radii.is_empty(), 8), of(self.elements.is_empty(), 1), of(self.colors.is_empty(), 12)];
+        let room = entries(n, more, size_of::<[f64; 3]>() + radius + element + color + columns + beside, "spheres")?;
+        extend_to(&mut self.positions, room)?;
+        if radius > 0 {
+            extend_to(&mut self.radii, room)?;
+        }
+        if element > 0 {
+            extend_to(&mut self.elements, room)?;
+        }
+        if color > 0 {
+            extend_to(&mut self.colors, room)?;
+        }
+        for column in &mut self.columns {
+            extend_to(&mut column.values, room)?;
+        }
+        self.room = room;
+        Ok(())
+    }
+}
+
+/// Keeps the values whose flag is set; an empty list stays empty.
+pub(super) fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
+    let mut flags = stays.iter();
+    values.retain(|_| flags.next().copied().unwrap_or(true));
+}
+
+/// A file of particles, frame by frame.
+pub(crate) trait ParticleFrames: Send {
+    /// The next frame; `None` after the last.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with line and column, [`Error::Io`].
+    fn next(&mut self) -> Result<Option<Particles>>;
+
+    /// Skips the next frame; returns `false` after the last.
+    ///
+    /// # Errors
+    /// As [`ParticleFrames::next`].
+    fn skip(&mut self) -> Result<bool> {
+        Ok(self.next()?.is_some())
+    }
+}

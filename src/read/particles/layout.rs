@@ -1,0 +1,267 @@
+//! Columns by name: positions, radii, colours, elements, and requested columns. All formats with named columns share
+//! it.
+
+use super::{Column, Particles};
+use crate::error::{Error, Place, Result};
+use crate::quote::quote;
+use crate::read::lines::{Lines, Word};
+use crate::read::style::elements::element;
+use crate::scene::check_color;
+use std::io::BufRead;
+
+/// The meaning of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// A coordinate of axis 0, 1 or 2.
+    Position(usize),
+    Radius,
+    Diameter,
+    /// A component of linear RGB.
+    Color(usize),
+    /// The symbol of an element.
+    Symbol,
+    /// An atomic number.
+    Number,
+    /// Text; skipped.
+    Text,
+    /// A number that is read only if it is requested.
+    Other,
+}
+
+/// The columns of a row in the order of the file.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    slots: Vec<Slot>,
+    /// The requested columns that the file has.
+    requested: Vec<String>,
+    /// The names of all numeric columns.
+    has: Vec<String>,
+    /// Bytes of all names.
+    named: usize,
+}
+
+#[derive(Debug)]
+struct Slot {
+    name: String,
+    role: Role,
+    /// Its index among the requested columns.
+    requested: Option<usize>,
+    /// For a component of a vector whose length is requested: the index among the requested columns, and whether it is
+    /// the first component.
+    part: Option<(usize, bool)>,
+}
+
+/// A particle that is being read.
+#[derive(Default)]
+struct Making {
+    position: [f64; 3],
+    color: Option<[f32; 3]>,
+    /// The byte at which its colour begins.
+    color_at: usize,
+}
+
+/// The most columns.
+const MOST: usize = 4096;
+
+/// The most bytes of their names; every component of a vector has its own name.
+const MOST_NAMED: usize = 1 << 20;
+
+impl Layout {
+    /// Adds a column. A column that occurs twice is an error, because it is ambiguous.
+    pub(crate) fn add(&mut self, name: &str, role: Role, wanted: &[String]) -> Result<(), String> {
+        if self.slots.len() == MOST {
+            return Err(format!("more than {MOST} columns"));
+        }
+        self.named += name.len();
+        if self.named > MOST_NAMED {
+            return Err(format!("the names of the columns have more than {MOST_NAMED} bytes"));
+        }
+        if !matches!(role, Role::Other | Role::Text) && self.slots.iter().any(|slot| slot.role == role) {
+            return Err(format!("{} occurs twice", quote(name)));
+        }
+        // Two columns with the same meaning: the first is used.
+        let role = match role {
+            Role::Number if self.contains(Role::Symbol) => Role::Other,
+            Role::Symbol if self.contains(Role::Number) => Role::Text,
+            Role::Diameter if self.contains(Role::Radius) => Role::Other,
+            Role::Radius if self.contains(Role::Diameter) => Role::Other,
+            role => role,
+        };
+        let name = name.to_lowercase();
+        let mut slot = Slot { name, role, requested: None, part: None };
+        if !matches!(role, Role::Symbol | Role::Text) {
+            self.has.push(slot.name.clone());
+            if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&slot.name)) {
+                if self.requested.contains(&slot.name) {
+                    return Err(format!("{} occurs twice", quote(&slot.name)));
+                }
+                slot.requested = Some(self.requested.len());
+                self.requested.push(slot.name.clone());
+            }
+        }
+        self.slots.push(slot);
+        Ok(())
+    }
+
+    /// Declares the last `count` columns as a vector of this name, whose length can be requested.
+    pub(crate) fn vector(&mut self, name: &str, count: usize, wanted: &[String]) {
+        if count < 2
+            || self.requested.iter().any(|requested| requested == name)
+            || !wanted.iter().any(|w| w.eq_ignore_ascii_case(name))
+        {
+            return;
+        }
+        let from = self.slots.len() - count;
+        for (k, slot) in self.slots[from..].iter_mut().enumerate() {
+            slot.part = Some((self.requested.len(), k == 0));
+        }
+        self.requested.push(name.to_owned());
+    }
+
+    /// The number of columns.
+    pub(crate) fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether a column has this role.
+    pub(crate) fn contains(&self, role: Role) -> bool {
+        self.slots.iter().any(|slot| slot.role == role)
+    }
+
+    /// The meaning of a column.
+    pub(crate) fn role(&self, column: usize) -> Role {
+        self.slots[column].role
+    }
+
+    /// An empty list of particles with a list for every requested column.
+    pub(crate) fn begin(&self) -> Particles {
+        Particles { has: self.has.clone(), ..self.begin_part() }
+    }
+
+    /// The same for a part of the file, without the names of the other columns.
+    pub(crate) fn begin_part(&self) -> Particles {
+        let columns = self.requested.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
+        Particles { columns, ..Particles::default() }
+    }
+
+    /// Adds a particle from the words of a line; words after the last column are ignored.
+    pub(crate) fn row<'a, R: BufRead + 'a>(
+        &self,
+        words: &mut impl Iterator<Item = Word<'a, R>>,
+        lines: &Lines<R>,
+        particles: &mut Particles,
+    ) -> Result<()> {
+        particles.grow(1, 0)?;
+        let mut making = Making::default();
+        for (count, slot) in self.slots.iter().enumerate() {
+            let Some(word) = words.next() else {
+                let problem = format!("expected {} fields, found {count}", self.slots.len());
+                let place = lines.place(lines.text().len()).named(&slot.name);
+                return Err(Error::scene(place, problem, "use one field per column"));
+            };
+            slot.word(&word, &mut making, particles)?;
+        }
+        if let Some(color) = making.color {
+            check_color(color, || lines.place(making.color_at).named("color"))?;
+            particles.colors.push(color);
+        }
+        particles.positions.push(making.position);
+        Ok(())
+    }
+
+    /// Adds a particle from a number for every column.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an invalid colour, without its place.
+    pub(crate) fn numbers(&self, numbers: &[f64], particles: &mut Particles) -> Result<()> {
+        particles.grow(1, 0)?;
+        let mut making = Making::default();
+        for (slot, number) in self.slots.iter().zip(numbers) {
+            slot.put(*number, &mut making, particles);
+        }
+        if let Some(color) = making.color {
+            check_color(color, || Place::field("color"))?;
+            particles.colors.push(color);
+        }
+        particles.positions.push(making.position);
+        Ok(())
+    }
+}
+
+impl Slot {
+    fn word<R: BufRead>(&self, word: &Word<'_, R>, making: &mut Making, particles: &mut Particles) -> Result<()> {
+        let unread = self.requested.is_none() && self.part.is_none();
+        let number = match self.role {
+            Role::Text => return Ok(()),
+            Role::Other if unread => return Ok(()),
+            Role::Symbol => {
+                let number = particles.species.code(word.text);
+                if number == 0 {
+                    particles.count_unknown(word.text, 1);
+                }
+                particles.elements.push(number);
+                return Ok(());
+            }
+            Role::Radius | Role::Diameter => word.positive(&self.name)?,
+            Role::Position(_) => word.finite(&self.name)?,
+            Role::Color(k) => {
+                if k == 0 {
+                    making.color_at = word.at;
+                }
+                word.finite(&self.name)?
+            }
+            // A missing number in a table is NaN.
+            Role::Other | Role::Number if word.text.is_empty() => f64::NAN,
+            Role::Other | Role::Number => word.number(&self.name)?,
+        };
+        self.put(number, making, particles);
+        Ok(())
+    }
+
+    fn put(&self, number: f64, making: &mut Making, particles: &mut Particles) {
+        match self.role {
+            Role::Position(axis) => making.position[axis] = number,
+            Role::Radius => particles.radii.push(number),
+            Role::Diameter => particles.radii.push(number / 2.0),
+            Role::Color(k) => making.color.get_or_insert_default()[k] = number as f32,
+            Role::Number => {
+                let whole = number as u8;
+                particles.elements.push(if f64::from(whole) == number && element(whole).is_some() { whole } else { 0 });
+            }
+            Role::Symbol | Role::Text | Role::Other => {}
+        }
+        if let Some(column) = self.requested {
+            particles.columns[column].values.push(number);
+        }
+        match self.part {
+            Some((column, true)) => particles.columns[column].values.push(number.abs()),
+            Some((column, false)) => {
+                if let Some(length) = particles.columns[column].values.last_mut() {
+                    *length = length.hypot(number);
+                }
+            }
+            None => {}
+        }
+    }
+}
+
+/// The name of a vector's component: `forces_x`, and by its number beyond the third.
+pub(crate) fn component(name: &str, k: usize) -> String {
+    match ["x", "y", "z"].get(k) {
+        Some(axis) => format!("{name}_{axis}"),
+        None => format!("{name}_{k}"),
+    }
+}
+
+/// The requested columns of a style, up to a limit.
+///
+/// # Errors
+/// [`Error::Settings`] for more.
+pub(crate) fn wanted(columns: &[String]) -> Result<Vec<String>> {
+    const ASKED: usize = 64;
+    if columns.len() > ASKED {
+        let problem = format!("--color-by has {} columns, more than {ASKED}", columns.len());
+        return Err(Error::settings(problem, "use fewer columns"));
+    }
+    Ok(columns.to_vec())
+}

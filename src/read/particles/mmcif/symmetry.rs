@@ -1,0 +1,323 @@
+//! The symmetry of small-molecule CIF: the images of the listed atoms under the operators, in one unit cell (IUCr core
+//! dictionary, `_space_group_symop_operation_xyz`; Hahn, International Tables for Crystallography A).
+
+use super::tokens::{Tokens, number};
+use crate::error::{Error, Place, Result};
+use crate::memory::{check, check_spheres};
+use crate::progress::Watch;
+use crate::quote::{quote, unquoted};
+use crate::read::lines::Spot;
+use crate::read::particles::assembly::Operator;
+use crate::read::particles::{Column, Particles};
+use crate::read::style::elements::atomic_number;
+use crate::scene::Cell;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// Two images of one atom closer than this, ångström, are one atom on a special position whose coordinates are rounded
+/// (0.333 for 1/3) or refined slightly beside it. It is half the shortest distance between nuclei, the bond of H2,
+/// 0.74, so two atoms are never that close.
+const SAME: f64 = 0.37;
+
+/// The most operators of a space group in its conventional cell (International Tables A, F m -3 m).
+const MOST: usize = 192;
+
+/// Atoms between two checks for cancellation.
+const PART: usize = 1 << 10;
+
+/// A value that is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SymmetryItem {
+    /// An operator as `x,1/2-y,z`.
+    Operator,
+    /// The space group's name, and its number in International Tables A.
+    Name,
+    Number,
+    /// The elements of the block, as a formula or one by one.
+    Elements,
+}
+
+impl SymmetryItem {
+    /// The item of a tag in lower case.
+    pub(super) fn of(tag: &str) -> Option<Self> {
+        match tag {
+            "_symmetry_equiv_pos_as_xyz"
+            | "_space_group_symop_operation_xyz"
+            | "_space_group_symop.operation_xyz"
+            | "_symmetry_equiv.pos_as_xyz" => Some(Self::Operator),
+            "_symmetry_space_group_name_h-m"
+            | "_space_group_name_h-m_alt"
+            | "_space_group_name_h-m_ref"
+            | "_space_group_name_h-m"
+            | "_space_group.name_h-m_alt" => Some(Self::Name),
+            "_symmetry_int_tables_number" | "_space_group_it_number" | "_space_group.it_number" => Some(Self::Number),
+            "_chemical_formula_sum" | "_chemical_formula.sum" | "_atom_type_symbol" | "_atom_type.symbol" => {
+                Some(Self::Elements)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The symmetry data of a block.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Symmetry {
+    operators: Vec<(String, Spot)>,
+    name: String,
+    number: Option<f64>,
+    /// By atomic number, the elements that the block lists.
+    elements: Vec<u8>,
+}
+
+impl Symmetry {
+    /// Stores the current value.
+    ///
+    /// # Errors
+    /// Those of [`Tokens::string`].
+    pub(super) fn take(&mut self, item: SymmetryItem, tokens: &Tokens) -> Result<()> {
+        match item {
+            // One more than allowed, so that the excess is an error when they are used.
+            SymmetryItem::Operator if self.operators.len() <= MOST => {
+                let text = tokens.string()?;
+                if !text.is_empty() {
+                    self.operators.push((text, tokens.spot()));
+                }
+            }
+            SymmetryItem::Operator => {}
+            SymmetryItem::Name => self.name = tokens.string()?,
+            SymmetryItem::Number => self.number = number(tokens.value()),
+            SymmetryItem::Elements => {
+                let text = tokens.string()?;
+                let symbols = text.split(|c: char| !c.is_ascii_alphabetic()).map(atomic_number);
+                let new: Vec<u8> = symbols.filter(|number| *number > 0 && !self.elements.contains(number)).collect();
+                self.elements.extend(new);
+            }
+        }
+        Ok(())
+    }
+
+    /// The symbol at the beginning of an atom's label (`Fe1`, `O2W`). Where both one and two letters are symbols, two
+    /// are taken if the block lists that element or if they are written as in the periodic table.
+    pub(super) fn symbol<'a>(&self, label: &'a [u8]) -> &'a [u8] {
+        let letters = label.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+        let number = |length: usize| std::str::from_utf8(&label[..length]).map_or(0, atomic_number);
+        let (one, two) = (if letters > 0 { number(1) } else { 0 }, if letters > 1 { number(2) } else { 0 });
+        let there = |number: u8| number > 0 && self.elements.contains(&number);
+        let written = letters > 1 && label[1].is_ascii_lowercase();
+        // Water whose hydrogens are not listed.
+        if label.get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"wat")) {
+            return b"O";
+        }
+        let length = match (there(one), there(two)) {
+            (true, true) => 1 + usize::from(written || label.len() == 2),
+            (true, false) => 1,
+            (false, true) => 2,
+            (false, false) if two > 0 && (written || one == 0) => 2,
+            (false, false) => usize::from(one > 0),
+        };
+        &label[..length]
+    }
+
+    /// The operators of the block, the identity first.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for invalid operators, and for more than a space group can have.
+    fn operators(&self, file: &Place) -> Result<Vec<Operator>> {
+        if self.operators.len() > MOST {
+            let place = self.operators[MOST].1.of(file.clone()).named("symmetry");
+            let problem = format!("more than {MOST} symmetry operators, which no space group has");
+            return Err(Error::scene(
+                place,
+                problem,
+                "list each operator once, or use --as-listed to show the atoms as listed",
+            ));
+        }
+        let mut found = Vec::new();
+        for (text, spot) in &self.operators {
+            let operator = parse(text).filter(is_isometry).ok_or_else(|| {
+                let problem = format!("{} is not a symmetry operator", quote(text));
+                Error::scene(spot.of(file.clone()).named("symmetry"), problem, "use an operator such as x,1/2-y,z+1/2")
+            })?;
+            if !found.contains(&operator) {
+                found.push(operator);
+            }
+        }
+        if let Some(at) = found.iter().position(|operator| *operator == IDENTITY) {
+            found[..=at].rotate_right(1);
+        } else if !found.is_empty() {
+            found.insert(0, IDENTITY);
+        }
+        Ok(found)
+    }
+
+    /// Turns fractional coordinates into positions, and makes the images of each atom under the operators, wrapped into
+    /// the cell and without duplicates: operator by operator, and for each the atoms in the file's order. A column
+    /// `copy` gives the operator, from 0. Where the block has only the identity, or symmetry is not wanted, atoms stay
+    /// at the listed positions. Messages are added to the assumptions.
+    ///
+    /// # Errors
+    /// Those of [`Symmetry::operators`], [`Error::Limits`] for more atoms than memory holds, [`Error::Interrupted`].
+    pub(super) fn fill(
+        &self,
+        mut listed: Particles,
+        cell: &Cell,
+        wanted: bool,
+        file: &Place,
+        watch: &Watch,
+    ) -> Result<Particles> {
+        let atoms = listed.positions.len();
+        // A hash table of them has twice as many slots as entries.
+        check(2 * (size_of::<[u64; 3]>() as u64 + 1) * atoms as u64, || format!("the places of {atoms} atoms"))?;
+        let operators = if wanted { self.operators(file)? } else { Vec::new() };
+        let mut taken = HashSet::new();
+        let first = |place: &&[f64; 3]| taken.insert(place.map(|x| wrap(x).to_bits()));
+        let shared = atoms - listed.positions.iter().filter(first).count();
+        if shared > 0 {
+            let said = format!(
+                "{shared} atoms have the position of another (mixed occupancy), so only the larger sphere is visible"
+            );
+            listed.skipped.assumed.push(said);
+        }
+        if operators.len() < 2 {
+            listed.positions.par_iter_mut().for_each(|position| *position = cell.place(*position));
+            if wanted && operators.is_empty() {
+                listed.skipped.assumed.extend(self.unknown());
+            }
+            return Ok(listed);
+        }
+        let total = (operators.len() as u64).saturating_mul(atoms as u64);
+        check_spheres(total, true)?;
+        let each =
+            2 * size_of::<Image>() + size_of::<[f64; 3]>() + size_of::<u8>() + listed.columns.len() * size_of::<f64>();
+        check(total.saturating_mul(each as u64), || format!("the {total} atoms that symmetry may make"))?;
+        let part = |(part, positions): (usize, &[[f64; 3]])| {
+            watch.check()?;
+            let numbered = positions.iter().enumerate();
+            Ok(numbered.flat_map(|(n, place)| images(&operators, *place, cell, part * PART + n)).collect::<Vec<_>>())
+        };
+        let parts = listed.positions.par_chunks(PART).enumerate().map(part).collect::<Result<Vec<_>>>()?;
+        let mut places: Vec<Image> = parts.into_iter().flatten().collect();
+        places.par_sort_unstable_by_key(|image| (image.operator, image.atom));
+        let mut whole = Particles { has: listed.has, labels: listed.labels, ..Particles::default() };
+        whole.positions = places.iter().map(|image| cell.place(image.position)).collect();
+        whole.elements = places.iter().map(|image| listed.elements[image.atom]).collect();
+        for column in &listed.columns {
+            let values = match &column.name[..] {
+                "copy" => places.iter().map(|image| image.operator as f64).collect(),
+                _ => places.iter().map(|image| column.values[image.atom]).collect(),
+            };
+            whole.columns.push(Column { name: column.name.clone(), values });
+        }
+        whole.skipped = listed.skipped;
+        let count = operators.len();
+        let name = if self.name.is_empty() { String::new() } else { format!(" of {}", unquoted(&self.name)) };
+        whole.skipped.assumed.push(format!(
+            "{count} operators{name} make {} atoms in the cell from the {atoms} in the file; use --as-listed to show only those",
+            places.len()
+        ));
+        Ok(whole)
+    }
+
+    /// The message where a block lists no operators.
+    fn unknown(&self) -> Option<String> {
+        let bare: String = self.name.chars().filter(|c| !c.is_whitespace()).collect();
+        let group = match (&bare[..], self.number) {
+            ("P1", _) | ("", Some(1.0)) => return None,
+            ("", None) => "the file has no symmetry".to_owned(),
+            ("", Some(number)) => format!("the file has space group {number} but lists no operators"),
+            (name, _) => format!("the file has space group {} but lists no operators", unquoted(name)),
+        };
+        Some(format!("{group}, so the atoms are shown as listed"))
+    }
+}
+
+/// One of an atom's images, in fractional coordinates.
+struct Image {
+    operator: usize,
+    atom: usize,
+    position: [f64; 3],
+}
+
+const IDENTITY: Operator = Operator([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+
+/// The images of an atom, without duplicates.
+fn images(operators: &[Operator], position: [f64; 3], cell: &Cell, atom: usize) -> Vec<Image> {
+    let mut found: Vec<Image> = Vec::new();
+    for (operator, moved) in operators.iter().enumerate() {
+        let position = moved.apply(position).map(wrap);
+        if !found.iter().any(|image| apart(image.position, position, cell) < SAME) {
+            found.push(Image { operator, atom, position });
+        }
+    }
+    found
+}
+
+/// The fractional part of a number, in [0, 1).
+fn wrap(x: f64) -> f64 {
+    let part = x - x.floor();
+    // Just below a whole number, the difference rounds to 1.
+    if part < 1.0 { part } else { 0.0 }
+}
+
+/// The distance of two positions, ångström, to the nearest periodic image.
+fn apart(a: [f64; 3], b: [f64; 3], cell: &Cell) -> f64 {
+    let between = [0, 1, 2].map(|k| {
+        let x = a[k] - b[k];
+        x - x.round()
+    });
+    let along = |k: usize| (0..3).map(|edge| between[edge] * cell.edges[edge][k]).sum::<f64>();
+    [0, 1, 2].map(along).iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Whether the operator preserves volume: a rotation, optionally with an inversion, in fractional coordinates.
+fn is_isometry(Operator([a, b, c]): &Operator) -> bool {
+    let determinant =
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    determinant.abs() == 1.0
+}
+
+/// Parses an operator such as `-x+y, 1/2-z, .25+x`: for each coordinate a sum of x, y, z and fractions, in any order.
+fn parse(text: &str) -> Option<Operator> {
+    let mut rows = [[0.0; 4]; 3];
+    let bare: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+    let mut sums = bare.split(',');
+    for row in &mut rows {
+        let mut rest = sums.next()?;
+        if rest.is_empty() {
+            return None;
+        }
+        while !rest.is_empty() {
+            let sign = if rest.starts_with('-') { -1.0 } else { 1.0 };
+            rest = rest.strip_prefix(['+', '-']).unwrap_or(rest);
+            let end = rest.find(['+', '-']).unwrap_or(rest.len());
+            let (column, value) = term(&rest[..end])?;
+            row[column] += sign * value;
+            rest = &rest[end..];
+        }
+    }
+    // A fourth coordinate is the time reversal of magnetic groups.
+    let time = sums.next().is_none_or(|time| ["+1", "1", "-1"].contains(&time));
+    (time && sums.next().is_none()).then_some(Operator(rows))
+}
+
+/// A summand: its column, where the fourth is the translation, and its factor.
+fn term(text: &str) -> Option<(usize, f64)> {
+    let axis = |c: char| ['x', 'y', 'z'].iter().position(|axis| c.eq_ignore_ascii_case(axis));
+    let value = |text: &str| {
+        let (above, below) = text.split_once('/').unwrap_or((text, "1"));
+        let plain = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+        let value = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
+        (plain(above) && plain(below) && value.is_finite()).then_some(value)
+    };
+    let last = text.chars().next_back()?;
+    match axis(last) {
+        Some(column) => {
+            let factor = text[..text.len() - 1].trim_end_matches('*');
+            Some((column, if factor.is_empty() { 1.0 } else { value(factor)? }))
+        }
+        None => Some((3, value(text)?)),
+    }
+}
+
+#[cfg(test)]
+mod tests;

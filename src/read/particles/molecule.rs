@@ -1,0 +1,461 @@
+//! Common parts of PDB and mmCIF: which atoms of a model are read, what is stored of them, and what is reported.
+
+use super::assembly::{self, Assembly};
+use super::frame::keep;
+use super::infer::{self, AtomNames, Inference, is_site};
+use super::{Column, Particles};
+use crate::error::{Error, Place, Result};
+use crate::memory::{Ledger, reserve};
+use crate::progress::Watch;
+use crate::quote::{quote, unquoted};
+use crate::read::format::Format;
+use crate::read::options::ReadOptions;
+use crate::read::options::{Altloc, FrameRange};
+use crate::scene::Cell;
+use std::collections::HashMap;
+
+/// Numeric columns of an atom that can give its colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AtomProperty {
+    /// B factor, Å².
+    Bfactor,
+    Occupancy,
+    /// The number of the residue in its chain.
+    Residue,
+    /// The chain, numbered from 0 in the order of first occurrence; asym and entity likewise.
+    Chain,
+    Model,
+    Serial,
+    Asym,
+    Entity,
+    /// In an assembly, the number of the operator from 0.
+    Copy,
+    /// Partial charge, elementary charges.
+    Charge,
+}
+
+impl AtomProperty {
+    /// All of them, by their names in `--color-by`.
+    pub(super) const ALL: [(&'static str, Self); 10] = [
+        ("bfactor", Self::Bfactor),
+        ("occupancy", Self::Occupancy),
+        ("residue", Self::Residue),
+        ("chain", Self::Chain),
+        ("model", Self::Model),
+        ("serial", Self::Serial),
+        ("asym", Self::Asym),
+        ("entity", Self::Entity),
+        ("copy", Self::Copy),
+        ("charge", Self::Charge),
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// The options for reading molecules.
+#[derive(Debug, Clone)]
+pub(super) struct MoleculeOptions {
+    /// The columns to store.
+    pub(super) columns: Vec<AtomProperty>,
+    pub(super) altloc: Altloc,
+    pub(super) model: Option<i64>,
+    pub(super) frames: FrameRange,
+    pub(super) assembly: Option<String>,
+    /// Whether the symmetry of a crystal is not applied.
+    pub(super) as_listed: bool,
+    /// Cancellation.
+    pub(super) watch: Watch,
+}
+
+/// The copies to make of the atoms of a model.
+pub(super) enum Copies<'a> {
+    None,
+    Assembly(&'a Assembly),
+    /// Those of the format: a crystal's symmetry.
+    Made(&'a dyn Fn(Particles) -> Result<Particles>),
+}
+
+impl MoleculeOptions {
+    pub(super) fn of(options: &ReadOptions) -> Self {
+        let kind = |name: &String| AtomProperty::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        Self {
+            columns: options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect(),
+            altloc: options.altloc.clone(),
+            model: options.model,
+            frames: options.frames.clone(),
+            assembly: options.assembly.clone(),
+            watch: options.watch.clone(),
+            as_listed: options.as_listed,
+        }
+    }
+
+    /// Whether no model is selected.
+    pub(super) fn any_model(&self) -> bool {
+        self.model.is_none() && self.frames == FrameRange::first()
+    }
+
+    pub(super) fn wants(&self, kind: AtomProperty) -> bool {
+        self.columns.contains(&kind)
+    }
+}
+
+/// Returns an error for options of molecules that a format does not have.
+///
+/// # Errors
+/// [`Error::Settings`] with the option to remove.
+pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
+    let entry = matches!(format, Format::Pdb | Format::Mmcif);
+    let columns = entry || format == Format::Pdbqt;
+    let asked = [
+        (options.assembly.is_some(), entry, "biological assemblies", "remove --assembly"),
+        (options.model.is_some(), columns, "numbered models", "remove --model, or use --frames, which counts from 1"),
+        (options.as_listed, format == Format::Mmcif, "symmetry of crystals", "remove --as-listed"),
+        (options.altloc != Altloc::All, columns, "alternate locations", "remove --altloc"),
+    ];
+    match asked.iter().find(|(asked, known, ..)| *asked && !known) {
+        Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), *mend)),
+        None => Ok(()),
+    }
+}
+
+/// Names numbered in the order of first occurrence.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    pub(super) list: Vec<Vec<u8>>,
+    numbers: HashMap<Vec<u8>, u32>,
+    last: u32,
+    ledger: Ledger,
+}
+
+/// Bytes per name, besides its letters, in a list and a map while they grow, and in a list of labels.
+const NAME: usize = 160;
+
+impl Names {
+    /// The names as text, as labels of a column.
+    pub(super) fn labels(&self) -> Vec<String> {
+        self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
+    }
+
+    /// The number of a name; a new name gets the next number.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
+        // Atoms of a chain follow each other.
+        if self.list.get(self.last as usize).is_none_or(|last| last != name) {
+            self.last = match self.numbers.get(name) {
+                Some(number) => *number,
+                None => {
+                    self.ledger.add(NAME + 3 * name.len())?;
+                    let number = self.list.len() as u32;
+                    self.list.push(name.to_vec());
+                    self.numbers.insert(name.to_vec(), number);
+                    number
+                }
+            };
+        }
+        Ok(self.last)
+    }
+}
+
+/// The numbers of skipped models: the first of them, and their count.
+#[derive(Debug, Default)]
+pub(super) struct Passed {
+    first: Vec<i64>,
+    count: usize,
+}
+
+/// The most models that an error lists.
+const LISTED: usize = 16;
+
+impl Passed {
+    pub(super) fn push(&mut self, number: i64) {
+        if self.count < LISTED {
+            self.first.push(number);
+        }
+        self.count += 1;
+    }
+
+    /// The error for a model that `file` does not have.
+    pub(super) fn no_model(&self, wanted: i64, file: &Place) -> Error {
+        let mut listed: Vec<String> = self.first.iter().map(i64::to_string).collect();
+        if self.count > LISTED {
+            listed.push(format!("{} more", self.count - LISTED));
+        }
+        let mend = if listed.is_empty() {
+            "the file has no atoms".into()
+        } else {
+            format!("the file has {}", listed.join(", "))
+        };
+        Error::settings(format!("{file}: there is no model {wanted}"), mend)
+    }
+}
+
+/// A model while it is read.
+pub(super) struct Model {
+    particles: Particles,
+    altloc: Altloc,
+    columns: Vec<(AtomProperty, Vec<f64>)>,
+    /// The chain of every atom, stored for an assembly.
+    chains: Option<Vec<u32>>,
+    /// For [`Altloc::Highest`]: for every atom with several locations, the chosen one and its occupancy.
+    best: HashMap<Vec<u8>, (usize, f64)>,
+    beaten: Vec<usize>,
+    /// Bytes of both.
+    ledger: Ledger,
+    watch: Watch,
+    /// Inference of elements that the file does not give.
+    inference: Inference,
+    /// The number of atoms, and of those that are alternate locations.
+    met: u64,
+    alternates: u64,
+    /// The first alternate location's identifier, and whether the selected one occurs.
+    first: String,
+    found: bool,
+}
+
+impl Model {
+    /// An empty model; `has` are the columns of the file, and `inference` finds elements that it does not give.
+    pub(super) fn new(choice: &MoleculeOptions, has: &[AtomProperty], inference: Inference) -> Self {
+        let copy = choice.assembly.is_some();
+        let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
+        let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
+        Self {
+            particles: Particles { has: names.collect(), ..Particles::default() },
+            altloc: choice.altloc.clone(),
+            columns: choice.columns.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
+            chains: choice.assembly.is_some().then(Vec::new),
+            best: HashMap::new(),
+            beaten: Vec::new(),
+            ledger: Ledger::default(),
+            watch: choice.watch.clone(),
+            inference,
+            met: 0,
+            alternates: 0,
+            first: String::new(),
+            found: false,
+        }
+    }
+
+    /// Whether an atom at an alternate location (empty if it has only one) is read. `site` writes what its alternatives
+    /// have in common.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn admits(&mut self, location: &[u8], occupancy: f64, site: impl FnOnce(&mut Vec<u8>)) -> Result<bool> {
+        self.met += 1;
+        if location.is_empty() {
+            return Ok(true);
+        }
+        self.alternates += 1;
+        if self.first.is_empty() {
+            self.first = String::from_utf8_lossy(location).into_owned();
+        }
+        match &self.altloc {
+            Altloc::All => Ok(true),
+            Altloc::Named(name) => {
+                let same = name.as_bytes() == location;
+                self.found |= same;
+                Ok(same)
+            }
+            Altloc::Highest => {
+                let mut key = Vec::new();
+                site(&mut key);
+                let here = self.particles.positions.len();
+                let Some(best) = self.best.get_mut(&key) else {
+                    self.ledger.add(NAME + key.len())?;
+                    self.best.insert(key, (here, occupancy));
+                    return Ok(true);
+                };
+                let more = occupancy > best.1;
+                if more {
+                    self.ledger.add(2 * size_of::<usize>())?;
+                    self.beaten.push(best.0);
+                    *best = (here, occupancy);
+                }
+                Ok(more)
+            }
+        }
+    }
+
+    /// Adds an atom: its names, its position, and its numbers by kind.
+    ///
+    /// # Errors
+    /// Those of [`Particles::grow`].
+    pub(super) fn push(
+        &mut self,
+        atom: &AtomNames<'_>,
+        position: [f64; 3],
+        chain: u32,
+        value: impl Fn(AtomProperty) -> f64,
+    ) -> Result<()> {
+        let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
+        self.particles.grow(1, beside)?;
+        self.inference.push(atom, &mut self.particles.elements);
+        self.particles.positions.push(position);
+        if let Some(chains) = &mut self.chains {
+            reserve(chains, 1)?;
+            chains.push(chain);
+        }
+        for (kind, values) in &mut self.columns {
+            reserve(values, 1)?;
+            values.push(value(*kind));
+        }
+        Ok(())
+    }
+
+    /// Sets the radius of the last atom; NaN where the file gives none. Either all atoms of a model have one or none.
+    pub(super) fn radius(&mut self, radius: f64) {
+        self.particles.radii.push(radius);
+    }
+
+    /// The particles with their copies; in an assembly chains are indices of `names`.
+    ///
+    /// # Errors
+    /// Those of [`assembly::build`] and of `copies`.
+    pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
+        let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
+        self.particles.columns = columns.collect();
+        let read = self.particles.elements.len() as u64;
+        let inferred = self.inference.finish(&mut self.particles.elements);
+        if !self.beaten.is_empty() || inferred.sites() > 0 {
+            let mut stays: Vec<bool> = self.particles.elements.iter().map(|code| !is_site(*code)).collect();
+            self.beaten.iter().for_each(|n| stays[*n] = false);
+            self.particles.keep(&stays);
+            self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
+        }
+        self.particles = match (copies, &self.chains) {
+            (Copies::Assembly(assembly), Some(chains)) => {
+                assembly::build(assembly, self.particles, chains, names, file, &self.watch)?
+            }
+            (Copies::Made(make), _) => make(self.particles)?,
+            _ => self.particles,
+        };
+        self.particles.skipped.assumed.extend(inferred.sentences(read));
+        self.particles.count_unknown_atoms(inferred);
+        let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
+        let said = match &self.altloc {
+            Altloc::All => {
+                format!("{of} and all are shown; use --altloc highest or {} to show one", unquoted(&self.first))
+            }
+            Altloc::Named(name) if !self.found => {
+                format!(
+                    "{of}, but none of them has the identifier {}, so none is shown; use --altloc {} to show some",
+                    quote(name),
+                    unquoted(&self.first)
+                )
+            }
+            _ => String::new(),
+        };
+        if self.alternates > 0 && !said.is_empty() {
+            self.particles.skipped.assumed.push(said);
+        }
+        Ok(self.particles)
+    }
+}
+
+/// The warning about more models than the one that is shown, with their number if it is known.
+pub(super) fn more_models(count: Option<u64>) -> String {
+    match count {
+        Some(n) => {
+            format!("the file has {n} models and the first is shown; use --model N or --frames 1-{n} to show others")
+        }
+        None => "the file has more than one model and the first is shown; use --model N or --frames 1- to show others"
+            .into(),
+    }
+}
+
+/// The warning about assemblies that are not built; `None` where they equal the atoms of the file.
+pub(super) fn not_assembled(assemblies: impl Iterator<Item = (String, u64)>) -> Option<String> {
+    let several = assemblies.into_iter().find(|(_, operators)| *operators > 1);
+    several.map(|(id, operators)| {
+        format!(
+            "the atoms are shown as in the file, not the biological assembly of {operators} copies; use --assembly {} to build it",
+            unquoted(&id)
+        )
+    })
+}
+
+/// The cell with these edges, ångström, and angles between them (b and c, a and c, a and b), degrees: a along x, b in
+/// the xy plane (wwPDB format 3.3, SCALEn). `None` for a cell without volume, and for the unit cube, which means "no
+/// crystal".
+pub(super) fn cell([a, b, c]: [f64; 3], angles: [f64; 3]) -> Option<Cell> {
+    let cosine = |degrees: f64| if degrees == 90.0 { 0.0 } else { degrees.to_radians().cos() };
+    let [alpha, beta, gamma] = angles.map(cosine);
+    let sine = (1.0 - gamma * gamma).sqrt();
+    let x = (alpha - beta * gamma) / sine;
+    let height = (1.0 - beta * beta - x * x).sqrt();
+    let edges = [[a, 0.0, 0.0], [b * gamma, b * sine, 0.0], [c * beta, c * x, c * height]];
+    let encloses = [a, b, c, sine, height].iter().all(|length| *length > 0.0 && length.is_finite());
+    (encloses && [a, b, c] != [1.0; 3]).then_some(Cell { origin: [0.0; 3], edges })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_have_their_lengths_and_angles() {
+        let (lengths, angles) = ([10.0, 20.0, 30.0], [70.0, 80.0, 100.0]);
+        let edges = cell(lengths, angles).expect("a cell").edges;
+        let dot = |i: usize, j: usize| (0..3).map(|k| edges[i][k] * edges[j][k]).sum::<f64>();
+        for (n, (i, j)) in [(1, 2), (0, 2), (0, 1)].into_iter().enumerate() {
+            let expected = lengths[i] * lengths[j] * f64::to_radians(angles[n]).cos();
+            // A dozen roundings of numbers below 900.
+            assert!((dot(i, j) - expected).abs() < 1e-11, "{i} {j}");
+            assert!((dot(n, n).sqrt() - lengths[n]).abs() < 1e-13, "{n}");
+        }
+        assert_eq!(cell([2.0, 3.0, 4.0], [90.0; 3]).expect("a box").edges[2], [0.0, 0.0, 4.0]);
+        for (lengths, angles) in
+            [([1.0; 3], [90.0; 3]), ([0.0; 3], [90.0; 3]), ([5.0; 3], [0.0; 3]), ([5.0; 3], [170.0; 3])]
+        {
+            assert_eq!(cell(lengths, angles), None, "{lengths:?} {angles:?}");
+        }
+    }
+
+    #[test]
+    fn options_of_molecules_are_refused_for_other_formats() {
+        let plain = ReadOptions::default();
+        for (options, word) in [
+            (ReadOptions { assembly: Some("1".into()), ..plain.clone() }, "--assembly"),
+            (ReadOptions { model: Some(1), ..plain.clone() }, "--model"),
+            (ReadOptions { altloc: Altloc::Highest, ..plain.clone() }, "--altloc"),
+            (ReadOptions { as_listed: true, ..plain.clone() }, "--as-listed"),
+        ] {
+            for format in Format::ALL {
+                let known = match format {
+                    Format::Mmcif => true,
+                    Format::Pdb => word != "--as-listed",
+                    Format::Pdbqt => ["--model", "--altloc"].contains(&word),
+                    _ => false,
+                };
+                let found = check(*format, &options);
+                assert_eq!(found.is_ok(), known, "{format:?} {word}");
+                assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
+                check(*format, &plain).expect("nothing was asked");
+            }
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_counted_after_selection() {
+        let options = ReadOptions { altloc: Altloc::Highest, ..ReadOptions::default() };
+        let mut model = Model::new(&MoleculeOptions::of(&options), &[], Inference::new(false));
+        for (location, occupancy, name) in
+            [("A", 0.4, "X1"), ("B", 0.6, "X2"), ("", 1.0, "MW"), ("C", 0.6, "X3"), ("", 1.0, "X1")]
+        {
+            if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")).expect("room") {
+                let atom = AtomNames { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
+                model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
+            }
+        }
+        let particles = model.finish(Copies::None, &[], &Place::default()).expect("particles");
+        assert_eq!(particles.positions, [[0.6, 0.0, 0.0], [1.0, 0.0, 0.0]], "the first of the highest");
+        assert_eq!((particles.unknown["X1"], particles.unknown["X2"], particles.unknown.get("X3")), (1, 1, None));
+        assert_eq!(particles.elements, [0, 0]);
+        let assumed = &particles.skipped.assumed;
+        assert!(assumed.iter().any(|said| said.starts_with("1 virtual site left out (1 `MW`)")), "{assumed:?}");
+    }
+}

@@ -1,0 +1,414 @@
+//! Named NumPy arrays: an archive as written by numpy.savez, read sequentially, so that it may come from a pipe; the
+//! directory at its end is not used. The format is PKWARE's APPNOTE.TXT 6.3.10.
+
+use super::layout::wanted;
+use super::{Column, ParticleFrames, Particles};
+use crate::error::{Error, Place, Result};
+use crate::memory::check;
+use crate::npy::{DType, Header};
+use crate::quote::{list, quote, unquoted};
+use crate::read::input::Input;
+use crate::read::npy::Npy;
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::scene::check_color;
+use flate2::CrcReader;
+use flate2::bufread::DeflateDecoder;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The reader.
+pub(super) struct Npz {
+    source: Option<SceneSource>,
+    wanted: Vec<String>,
+}
+
+/// The arrays read so far, in any order.
+#[derive(Default)]
+struct Arrays {
+    positions: Option<Vec<f64>>,
+    axes: [Option<Vec<f64>>; 3],
+    radii: Option<Vec<f64>>,
+    colors: Option<Vec<f64>>,
+    columns: Vec<Column>,
+    /// Names and lengths of one-dimensional numeric arrays.
+    one: Vec<(String, u64)>,
+}
+
+const MEND: &str = "save positions of shape (n, 3) with numpy.savez, and radii and colors where there are any";
+
+/// The most arrays, and the most bytes in the name of an array.
+const MOST: usize = 4096;
+const LONGEST_NAME: usize = 256;
+
+impl Npz {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
+    }
+
+    fn read(&self, source: SceneSource) -> Result<Particles> {
+        let counts = source.reader.counts();
+        let mut archive = Archive { reader: source.reader, path: source.path };
+        let mut found = Arrays::default();
+        while let Some(member) = archive.member()? {
+            archive.open(&member, |path, reader| {
+                let mut npy = Npy { path, reader, bytes: 0, counts: Arc::clone(&counts) };
+                let header = npy.header()?;
+                found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.wanted)
+            })?;
+        }
+        found.particles(&Place::file(archive.path.display().to_string()))
+    }
+}
+
+impl Arrays {
+    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<'_, R>, wanted: &[String]) -> Result<()> {
+        let name = name.to_lowercase();
+        let shape = header.shape.clone();
+        if self.one.len() < MOST
+            && name.len() <= LONGEST_NAME
+            && shape.len() == 1
+            && matches!(header.dtype, DType::Plain(_))
+        {
+            self.one.push((name.clone(), shape[0]));
+        }
+        let slot = match (name.as_str(), &shape[..]) {
+            ("positions" | "position" | "pos" | "coords" | "coordinates" | "points" | "xyz", [_, 3]) => {
+                &mut self.positions
+            }
+            ("x" | "y" | "z", [_]) => &mut self.axes[usize::from(name.as_bytes()[0] - b'x')],
+            ("radii" | "radius", [_]) => &mut self.radii,
+            ("colors" | "color" | "rgb", [_, 3]) => &mut self.colors,
+            (_, [_] | [_, 2..=3]) if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name)) => {
+                let numbers = npy.numbers(header)?;
+                // For vectors their length.
+                let width = shape.get(1).map_or(1, |width| *width as usize);
+                check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
+                let length = |vector: &[f64]| vector.iter().fold(0.0f64, |length, x| length.hypot(*x));
+                let values = if width == 1 { numbers } else { numbers.chunks_exact(width).map(length).collect() };
+                self.columns.push(Column { name, values });
+                return Ok(());
+            }
+            _ => return Ok(()),
+        };
+        let numbers = npy.numbers(header)?;
+        let requested = shape.len() == 1 && wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name));
+        if requested {
+            check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
+            self.columns.push(Column { name, values: numbers.clone() });
+        }
+        *slot = Some(numbers);
+        Ok(())
+    }
+
+    fn particles(self, file: &Place) -> Result<Particles> {
+        let fail = |field: &str, problem: String| Err(Error::scene(file.clone().named(field), problem, MEND));
+        let found = [&self.positions, &self.colors, &self.axes[0], &self.axes[1], &self.axes[2]];
+        let numbers: usize = found.into_iter().flatten().map(Vec::len).sum();
+        check(8 * numbers as u64, || "the particles besides the file's arrays".into())?;
+        let threes =
+            |numbers: &[f64]| -> Vec<[f64; 3]> { numbers.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect() };
+        let positions = match (self.positions, self.axes) {
+            (Some(positions), _) => threes(&positions),
+            (None, [Some(x), Some(y), Some(z)]) => {
+                if x.len() != y.len() || x.len() != z.len() {
+                    return fail(
+                        "x, y, z",
+                        format!("x, y and z have {}, {} and {} numbers", x.len(), y.len(), z.len()),
+                    );
+                }
+                x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect()
+            }
+            _ => {
+                let names = list(self.one.iter().map(|(name, _)| name));
+                let found = if names.is_empty() { "none" } else { &names };
+                return fail("positions", format!("no array (n, 3) has that name; found {found}"));
+            }
+        };
+        let n = positions.len();
+        let radii = self.radii.unwrap_or_default();
+        if !radii.is_empty() && radii.len() != n {
+            return fail("radii", format!("found {} radii for {n} positions", radii.len()));
+        }
+        let colors: Vec<[f32; 3]> =
+            threes(&self.colors.unwrap_or_default()).into_iter().map(|color| color.map(|c| c as f32)).collect();
+        if !colors.is_empty() && colors.len() != n {
+            return fail("colors", format!("found {} colours for {n} positions", colors.len()));
+        }
+        for (row, color) in colors.iter().enumerate() {
+            check_color(*color, || file.clone().named(format!("colors row {row}")))?;
+        }
+        let columns = self.columns.into_iter().filter(|column| column.values.len() == n).collect();
+        let has = self.one.into_iter().filter(|(_, rows)| *rows == n as u64).map(|(name, _)| name).collect();
+        Ok(Particles { positions, radii, colors, columns, has, ..Particles::default() })
+    }
+}
+
+impl ParticleFrames for Npz {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        self.source.take().map(|source| self.read(source)).transpose()
+    }
+}
+
+/// An archive that is read sequentially.
+struct Archive {
+    reader: Input,
+    path: PathBuf,
+}
+
+/// The header of a file in the archive.
+struct Member {
+    name: String,
+    deflated: bool,
+    /// Bytes in the archive; `None` if they follow the file.
+    packed: Option<u64>,
+    /// The checksum; `None` if it follows the file.
+    crc: Option<u32>,
+    /// Whether sizes after the file have 8 bytes.
+    long: bool,
+}
+
+impl Archive {
+    /// The next file's header; `None` at the directory.
+    fn member(&mut self) -> Result<Option<Member>> {
+        let start: [u8; 4] = self.bytes()?;
+        match start {
+            [b'P', b'K', 3, 4] => {}
+            [b'P', b'K', 1, 2] | [b'P', b'K', 5, 6] | [b'P', b'K', 6, 6] => return Ok(None),
+            _ => return Err(self.fail("archive", "the archive is damaged, or has sizes only in its directory")),
+        }
+        let fixed: [u8; 26] = self.bytes()?;
+        let two = |at: usize| u16::from_le_bytes([fixed[at], fixed[at + 1]]);
+        let four = |at: usize| u32::from_le_bytes([fixed[at], fixed[at + 1], fixed[at + 2], fixed[at + 3]]);
+        let (flags, method) = (two(2), two(4));
+        let name = self.some(two(22).into())?;
+        let name = String::from_utf8_lossy(&name).into_owned();
+        let extra = self.some(two(24).into())?;
+        let wide = zip64(&extra);
+        let packed = match (four(14), wide) {
+            (u32::MAX, Some([_, packed])) => packed,
+            (packed, _) => packed.into(),
+        };
+        if flags & 1 != 0 || !matches!(method, 0 | 8) {
+            let problem = format!("the compression method {method} of {} is not supported", unquoted(&name));
+            return Err(self.fail("archive", problem));
+        }
+        let told = flags & 8 == 0;
+        if !told && method == 0 {
+            let problem = "an uncompressed array was written to a pipe, so its size follows it";
+            let mend = "save with numpy.savez_compressed, or to a file";
+            return Err(Error::scene(self.place("archive"), problem, mend));
+        }
+        Ok(Some(Member {
+            name,
+            deflated: method == 8,
+            packed: told.then_some(packed),
+            crc: told.then_some(four(10)),
+            long: wide.is_some(),
+        }))
+    }
+
+    /// Passes the content of a file to `read`, and then checks its length and checksum.
+    fn open(
+        &mut self,
+        member: &Member,
+        read: impl FnOnce(&std::path::Path, &mut dyn BufRead) -> Result<()>,
+    ) -> Result<()> {
+        let shown = &unquoted(&member.name).to_string();
+        let path = self.path.join(shown);
+        let mut packed = (&mut self.reader).take(member.packed.unwrap_or(u64::MAX));
+        let reader: Box<dyn Read + '_> =
+            if member.deflated { Box::new(DeflateDecoder::new(&mut packed)) } else { Box::new(&mut packed) };
+        let mut reader = BufReader::with_capacity(1 << 16, CrcReader::new(reader));
+        read(&path, &mut reader)?;
+        let failed = |e| Error::read(&self.path, e);
+        io::copy(&mut reader, &mut io::sink()).map_err(failed)?;
+        let sum = reader.get_ref().crc().sum();
+        drop(reader);
+        let left = packed.limit();
+        if member.packed.is_some() {
+            let passed = io::copy(&mut packed, &mut io::sink()).map_err(|e| Error::read(&self.path, e))?;
+            if passed < left {
+                return Err(self.fail(shown, "the file ends within it"));
+            }
+        }
+        let crc = match member.crc {
+            Some(crc) => crc,
+            None => self.descriptor(member.long)?,
+        };
+        if crc != sum {
+            return Err(self.fail(shown, "the content does not match its checksum"));
+        }
+        Ok(())
+    }
+
+    /// The checksum after a file of unknown size.
+    fn descriptor(&mut self, long: bool) -> Result<u32> {
+        let mut crc: [u8; 4] = self.bytes()?;
+        // The signature is optional.
+        if crc == [b'P', b'K', 7, 8] {
+            crc = self.bytes()?;
+        }
+        self.some(if long { 16 } else { 8 })?;
+        Ok(u32::from_le_bytes(crc))
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N]> {
+        let mut bytes = [0; N];
+        self.reader.read_exact(&mut bytes).map_err(|e| self.cut(e))?;
+        Ok(bytes)
+    }
+
+    /// Reads `count` bytes, at most 65535.
+    fn some(&mut self, count: usize) -> Result<Vec<u8>> {
+        let mut bytes = vec![0; count];
+        self.reader.read_exact(&mut bytes).map_err(|e| self.cut(e))?;
+        Ok(bytes)
+    }
+
+    fn cut(&self, error: io::Error) -> Error {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => self.fail("archive", "the file ends within it"),
+            _ => Error::read(&self.path, error),
+        }
+    }
+
+    fn place(&self, field: &str) -> Place {
+        Place::file(self.path.display().to_string()).named(field)
+    }
+
+    fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
+        Error::scene(self.place(field), problem, MEND)
+    }
+}
+
+/// The unpacked and packed sizes in the ZIP64 field.
+fn zip64(mut extra: &[u8]) -> Option<[u64; 2]> {
+    while let [a, b, c, d, rest @ ..] = extra {
+        let (id, length) = (u16::from_le_bytes([*a, *b]), usize::from(u16::from_le_bytes([*c, *d])));
+        let field = rest.get(..length)?;
+        if id == 1 {
+            let number = |at: usize| Some(u64::from_le_bytes(field.get(at..at + 8)?.try_into().ok()?));
+            return Some([number(0)?, number(8)?]);
+        }
+        extra = &rest[length..];
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::style::{Coloring, Scale, Style};
+    use flate2::Compression;
+    use flate2::write::DeflateEncoder;
+    use std::io::Write;
+
+    fn npy(shape: &str, numbers: &[f64]) -> Vec<u8> {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+        bytes
+    }
+
+    #[derive(Clone, Copy, PartialEq)]
+    enum How {
+        Stored,
+        Deflated,
+        /// Sizes after the file, as written to a pipe.
+        Piped,
+    }
+
+    fn archive(how: How, members: &[(&str, Vec<u8>)]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (name, content) in members {
+            let mut crc = flate2::Crc::new();
+            crc.update(content);
+            let packed = if how == How::Stored {
+                content.clone()
+            } else {
+                let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+                encoder.write_all(content).expect("in memory");
+                encoder.finish().expect("in memory")
+            };
+            let piped = how == How::Piped;
+            let sizes = [crc.sum(), packed.len() as u32, content.len() as u32];
+            bytes.extend(b"PK\x03\x04\x14\x00");
+            bytes.extend([if piped { 8 } else { 0 }, 0, if how == How::Stored { 0 } else { 8 }, 0, 0, 0, 0, 0]);
+            sizes.iter().for_each(|n| bytes.extend(if piped { 0u32 } else { *n }.to_le_bytes()));
+            bytes.extend((name.len() as u16).to_le_bytes());
+            bytes.extend([0, 0]);
+            bytes.extend(name.as_bytes());
+            bytes.extend(packed);
+            if piped {
+                bytes.extend(b"PK\x07\x08");
+                sizes.iter().for_each(|n| bytes.extend(n.to_le_bytes()));
+            }
+        }
+        bytes.extend(b"PK\x05\x06");
+        bytes
+    }
+
+    fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
+        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        let scale = Scale { columns, map: Default::default(), range: None, log: false };
+        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+        let mut npz = Npz::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+        Ok(npz.next()?.expect("one frame"))
+    }
+
+    fn members() -> Vec<(&'static str, Vec<u8>)> {
+        vec![
+            ("colors.npy", npy("(2, 3)", &[0.0, 0.5, 1.0, 1.0, 1.0, 1.0])),
+            ("vel.npy", npy("(2, 3)", &[2.0, 3.0, 6.0, 0.0, 0.0, 1.0])),
+            ("t.npy", npy("(2,)", &[7.0, 8.0])),
+            ("other.npy", npy("(5,)", &[0.0; 5])),
+            ("positions.npy", npy("(2, 3)", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])),
+            ("radii.npy", npy("(2,)", &[0.5, 1.5])),
+        ]
+    }
+
+    #[test]
+    fn arrays_are_found_by_name_in_any_order() {
+        for how in [How::Stored, How::Deflated, How::Piped] {
+            let found = read(&archive(how, &members()), &["t", "VEL", "other"]).expect("arrays");
+            assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+            assert_eq!((&found.radii[..], found.colors[0]), (&[0.5, 1.5][..], [0.0, 0.5, 1.0]));
+            let columns: Vec<_> = found.columns.iter().map(|c| (c.name.as_str(), &c.values[..])).collect();
+            assert_eq!(columns, [("vel", &[7.0, 1.0][..]), ("t", &[7.0, 8.0])], "the length of a vector");
+            assert_eq!(found.has, ["t", "radii"]);
+        }
+        let axes = ["x", "y", "z"].map(|axis| (axis, npy("(1,)", &[f64::from(axis.as_bytes()[0])])));
+        let found = read(&archive(How::Stored, &axes), &["y"]).expect("arrays");
+        assert_eq!((found.positions[0], found.columns[0].values[0]), ([120.0, 121.0, 122.0], 121.0));
+    }
+
+    #[test]
+    fn errors_are_reported() {
+        let good = archive(How::Deflated, &members());
+        let mut damaged = good.clone();
+        damaged[14] ^= 1;
+        let mut foreign = good.clone();
+        foreign[8] = 12;
+        let with = |name: &'static str, shape: &str, n: usize| {
+            let members = [members().swap_remove(4), (name, npy(shape, &vec![1.0; n]))];
+            archive(How::Stored, &members)
+        };
+        for (bytes, told) in [
+            (damaged, "colors.npy: the content does not match its checksum"),
+            (foreign, "method 12 of colors.npy"),
+            (good[..good.len() / 2].to_vec(), "text"),
+            (archive(How::Stored, &members()[..4]), "no array (n, 3) has that name; found t, other"),
+            (with("radii.npy", "(3,)", 3), "radii: found 3 radii for 2"),
+            (with("radii.npy", "(1000000000000,)", 3), "text/radii.npy: data: the file ends after 3 of"),
+            (with("colors.npy", "(1, 3)", 3), "found 1 colours for 2"),
+            (with("colors.npy", "(2, 3)", 5), "after 1 of 2 rows"),
+        ] {
+            let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

@@ -1,0 +1,288 @@
+//! Protein Data Bank files: fixed columns, one record per line (wwPDB format 3.3,
+//! wwpdb.org/documentation/file-format-content/format33/v3.3.html), and variants of older files and other programs:
+//! short lines, no element columns, serial numbers in hybrid-36 (cci.lbl.gov/hybrid_36), models that are separated by
+//! END only. PDBQT and PQR files are read too; their atoms have different last columns.
+
+mod biomt;
+mod columns;
+mod dialects;
+
+use super::infer::{AtomNames, Inference};
+use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Names, Passed, cell, more_models, not_assembled};
+use super::{ParticleFrames, Particles, assembly};
+use crate::error::{Error, Result};
+use crate::read::format::Format;
+use crate::read::input::Input;
+use crate::read::lines::Lines;
+use crate::read::options::Altloc;
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::scene::Cell;
+use biomt::Biomt;
+use columns::{
+    BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, PdbRecord, RESIDUE, RESIDUE_ID, RESIDUE_NAME,
+    SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
+};
+use std::ops::Range;
+
+/// The reader.
+pub(super) struct Pdb {
+    lines: Lines<Input>,
+    dialect: Format,
+    choice: MoleculeOptions,
+    /// Whether the current line has not been parsed yet.
+    held: bool,
+    /// The number of the last model, and whether the selected one was read.
+    number: i64,
+    done: bool,
+    /// The numbers of skipped models.
+    passed: Passed,
+    /// The number of models in NUMMDL.
+    announced: Option<u64>,
+    cell: Option<Cell>,
+    biomt: Biomt,
+    chains: Names,
+    /// Warnings from before the atoms.
+    said: Vec<String>,
+    /// Whether it was reported that assemblies are not built.
+    told: bool,
+}
+
+/// The columns of an atom by format: those of PDB, and in PDBQT a charge after them.
+const HAS: [AtomProperty; 7] = [
+    AtomProperty::Bfactor,
+    AtomProperty::Occupancy,
+    AtomProperty::Residue,
+    AtomProperty::Chain,
+    AtomProperty::Model,
+    AtomProperty::Serial,
+    AtomProperty::Charge,
+];
+const HAS_PQR: [AtomProperty; 4] =
+    [AtomProperty::Charge, AtomProperty::Residue, AtomProperty::Chain, AtomProperty::Serial];
+
+/// The columns of a file in this format.
+fn has(dialect: Format) -> &'static [AtomProperty] {
+    match dialect {
+        Format::Pqr => &HAS_PQR,
+        Format::Pdbqt => &HAS,
+        _ => &HAS[..6],
+    }
+}
+
+impl Pdb {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
+        Self {
+            lines: Lines::new(source.reader, &source.path).of_any_bytes(),
+            dialect: source.format,
+            choice: MoleculeOptions::of(options),
+            held: false,
+            number: 0,
+            done: false,
+            passed: Passed::default(),
+            announced: None,
+            cell: None,
+            biomt: Biomt::default(),
+            chains: Names::default(),
+            said: Vec::new(),
+            told: false,
+        }
+    }
+
+    fn advance(&mut self) -> Result<bool> {
+        Ok(std::mem::take(&mut self.held) || self.lines.advance()?)
+    }
+
+    /// Moves to the beginning of the next model and returns its number.
+    fn seek(&mut self) -> Result<Option<i64>> {
+        while self.advance()? {
+            match record(self.line()) {
+                PdbRecord::Model => {
+                    let written = text(field(self.line(), 10..14)).parse();
+                    return Ok(Some(written.unwrap_or(self.number + 1)));
+                }
+                PdbRecord::Atom => {
+                    self.held = true;
+                    return Ok(Some(self.number + 1));
+                }
+                PdbRecord::End => {}
+                PdbRecord::Other => self.header()?,
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads the model that begins here into `model`, or skips it.
+    fn body(&mut self, mut model: Option<&mut Model>) -> Result<()> {
+        while self.advance()? {
+            match (record(self.line()), &mut model) {
+                (PdbRecord::Atom, Some(model)) => {
+                    self.lines.found();
+                    let names = self.choice.assembly.is_some() || self.choice.wants(AtomProperty::Chain);
+                    let chains = names.then_some(&mut self.chains);
+                    match self.dialect {
+                        Format::Pqr => dialects::pqr(&self.lines, chains, model)?,
+                        dialect => Self::atom(&self.lines, &self.choice, dialect, chains, self.number, model)?,
+                    }
+                }
+                (PdbRecord::Atom, None) => self.lines.found(),
+                (PdbRecord::End, _) => break,
+                (PdbRecord::Model, _) => {
+                    self.held = true;
+                    break;
+                }
+                (PdbRecord::Other, _) => self.header()?,
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&self) -> &[u8] {
+        self.lines.text().as_bytes()
+    }
+
+    /// Parses a record that applies to the whole file.
+    fn header(&mut self) -> Result<()> {
+        let line = self.line();
+        if line.starts_with(b"REMARK 350") {
+            let taken = self.biomt.take(&self.lines);
+            // Its errors matter only if an assembly is selected.
+            let matters = self.choice.assembly.is_some() || matches!(taken, Err(Error::Limits { .. }));
+            return if matters { taken } else { Ok(()) };
+        }
+        if line.starts_with(b"CRYST1") {
+            let number = |columns: Range<usize>| number(field(line, columns)).unwrap_or(f64::NAN);
+            let lengths = [number(6..15), number(15..24), number(24..33)];
+            let angles = [number(33..40), number(40..47), number(47..54)];
+            if self.said.is_empty() && lengths.iter().chain(&angles).any(|number| number.is_nan()) {
+                let place = self.lines.place(6);
+                self.said
+                    .push(format!("{place}: CRYST1 does not have the six numbers of a cell, so the file has no cell"));
+            }
+            self.cell = cell(lengths, angles);
+        } else if line.starts_with(b"NUMMDL") {
+            self.announced = text(field(line, 10..14)).parse().ok();
+        }
+        Ok(())
+    }
+
+    /// Parses the atom of the current line.
+    fn atom(
+        lines: &Lines<Input>,
+        choice: &MoleculeOptions,
+        dialect: Format,
+        chains: Option<&mut Names>,
+        model_number: i64,
+        model: &mut Model,
+    ) -> Result<()> {
+        let line = lines.text().as_bytes();
+        let location = field(line, LOCATION).trim_ascii();
+        let occupancy = || number(field(line, OCCUPANCY)).unwrap_or(1.0);
+        let compared = if choice.altloc == Altloc::Highest { occupancy() } else { 1.0 };
+        let site = |key: &mut Vec<u8>| {
+            key.extend(field(line, NAME));
+            key.extend(field(line, RESIDUE_ID));
+        };
+        if !model.admits(location, compared, site)? {
+            return Ok(());
+        }
+        let mut position = [0.0; 3];
+        for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let at = X + k * COORDINATE;
+            position[k] = coordinate(lines, at..at + COORDINATE, axis)?;
+        }
+        let atom = AtomNames {
+            // Older files have digits in these columns, or nothing.
+            symbol: match dialect {
+                Format::Pdbqt => dialects::symbol(field(line, TYPE)),
+                _ => field(line, SYMBOL),
+            },
+            name: field(line, NAME),
+            residue: field(line, RESIDUE_NAME).trim_ascii(),
+            site: field(line, RESIDUE_ID),
+        };
+        let chain = chains.map_or(Ok(0), |chains| match field(line, CHAIN) {
+            [] => chains.number(b" "),
+            name => chains.number(name),
+        })?;
+        model.push(&atom, position, chain, |kind| match kind {
+            AtomProperty::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
+            AtomProperty::Occupancy => occupancy(),
+            AtomProperty::Residue => hybrid36(field(line, RESIDUE)),
+            AtomProperty::Serial => hybrid36(field(line, SERIAL)),
+            AtomProperty::Chain => f64::from(chain),
+            AtomProperty::Model => model_number as f64,
+            AtomProperty::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
+            AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
+        })
+    }
+
+    /// Reports the selected model and what else is relevant.
+    fn say(&mut self, particles: &mut Particles) -> Result<()> {
+        particles.skipped.assumed.append(&mut self.said);
+        if self.choice.any_model() {
+            let announced = self.announced.filter(|n| *n > 1);
+            if announced.is_some() {
+                particles.skipped.assumed.push(more_models(announced));
+            } else if self.seek()?.is_some() {
+                self.held = true;
+                particles.skipped.assumed.push(more_models(None));
+            }
+        }
+        if self.choice.assembly.is_none() && !std::mem::replace(&mut self.told, true) {
+            particles.skipped.assumed.extend(not_assembled(self.biomt.told()));
+        }
+        Ok(())
+    }
+}
+
+impl ParticleFrames for Pdb {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        while !self.done {
+            let Some(number) = self.seek()? else {
+                self.done = true;
+                return self
+                    .choice
+                    .model
+                    .map_or(Ok(None), |wanted| Err(self.passed.no_model(wanted, &self.lines.file())));
+            };
+            self.number = number;
+            if self.choice.model.is_some_and(|wanted| wanted != number) {
+                self.passed.push(number);
+                self.body(None)?;
+                continue;
+            }
+            self.done = self.choice.model.is_some();
+            let mut model = Model::new(&self.choice, has(self.dialect), Inference::new(self.dialect != Format::Pqr));
+            self.body(Some(&mut model))?;
+            let file = self.lines.file();
+            let assembly = match &self.choice.assembly {
+                Some(id) => Some(assembly::find(self.biomt.assemblies(&self.lines)?, id, &file)?),
+                None => None,
+            };
+            let copies = assembly.map_or(Copies::None, Copies::Assembly);
+            let mut particles = model.finish(copies, &self.chains.list, &file)?;
+            // An assembly is not periodic.
+            particles.cell = self.cell.filter(|_| assembly.is_none());
+            if self.choice.wants(AtomProperty::Chain) {
+                particles.labels.insert(AtomProperty::Chain.name().into(), self.chains.labels());
+            }
+            self.say(&mut particles)?;
+            return Ok(Some(particles));
+        }
+        Ok(None)
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        if self.choice.model.is_some() {
+            return Ok(self.next()?.is_some());
+        }
+        let Some(number) = self.seek()? else { return Ok(false) };
+        self.number = number;
+        self.body(None)?;
+        Ok(true)
+    }
+}
+
+#[cfg(test)]
+mod tests;

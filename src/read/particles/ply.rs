@@ -1,0 +1,527 @@
+//! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and other elements
+//! are skipped. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
+
+use super::layout::{Layout, Role, wanted};
+use super::rows::surplus;
+use super::scalar::Scalar;
+use super::{ParticleFrames, Particles};
+use crate::error::relocate;
+use crate::error::{Error, Place, Result};
+use crate::memory::check_ids;
+use crate::quote::{quote, unquoted};
+use crate::read::input::Input;
+use crate::read::lines::{Lines, Words};
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::PathBuf;
+
+/// The reader.
+pub(super) struct Ply {
+    source: Option<SceneSource>,
+    wanted: Vec<String>,
+    strict: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum PlyEncoding {
+    Text,
+    Binary { big: bool },
+}
+
+struct PlyElement {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+struct Property {
+    name: String,
+    /// The type of a list's length.
+    length: Option<Scalar>,
+    scalar: Scalar,
+}
+
+/// The most properties, and the most bytes of a header.
+const MOST: usize = 4096;
+const LONGEST: usize = 1 << 20;
+
+/// The most bytes that are counted after the last element.
+const BEHIND: u64 = 1 << 29;
+
+impl Ply {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())?, strict: options.strict })
+    }
+
+    fn read(&self, source: SceneSource) -> Result<Particles> {
+        let path = source.path.clone();
+        let mut lines = Lines::new(source.reader, &path);
+        let (form, elements) = header(&mut lines)?;
+        let Some(place) = elements.iter().position(|element| element.name == "vertex") else {
+            let mend = "use a file with points";
+            return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
+        };
+        let layout = self.layout(&elements[place], &lines)?;
+        let mut particles = layout.begin();
+        for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
+            let kind = match other.name.as_str() {
+                "face" => "face",
+                "edge" => "edge",
+                _ => "other element",
+            };
+            let options = ReadOptions { strict: self.strict, ..ReadOptions::default() };
+            particles.skipped.meet(kind, options.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
+            if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
+                *count = count.saturating_add(other.count - 1);
+            }
+        }
+        let (before, vertices, behind) = (&elements[..place], &elements[place], &elements[place + 1..]);
+        check_ids(vertices.count)?;
+        match form {
+            PlyEncoding::Text => {
+                for element in before {
+                    lines.pass(element.count)?;
+                }
+                text(&mut lines, vertices, &layout, &mut particles)?;
+                rest_of_text(&mut lines, vertices, behind, &mut particles)?;
+            }
+            PlyEncoding::Binary { .. } => {
+                let mut binary = Binary { reader: BufReader::with_capacity(1 << 16, lines.into_reader()), path };
+                for element in before {
+                    binary.pass(element)?;
+                }
+                binary.vertices(vertices, &layout, &mut particles)?;
+                binary.rest(vertices, behind, &mut particles)?;
+            }
+        }
+        Ok(particles)
+    }
+
+    /// The columns of a vertex: its properties that are not lists.
+    fn layout(&self, vertex: &PlyElement, lines: &Lines<Input>) -> Result<Layout> {
+        let wrong = |problem: String| {
+            let mend = "give the vertices the properties x, y and z, each once";
+            Error::scene(lines.file().named("vertex"), problem, mend)
+        };
+        let mut layout = Layout::default();
+        let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
+        for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
+            let role = match property.name.as_str() {
+                "x" => Role::Position(0),
+                "y" => Role::Position(1),
+                "z" => Role::Position(2),
+                "radius" => Role::Radius,
+                "diameter" => Role::Diameter,
+                "red" if colored => Role::Color(0),
+                "green" if colored => Role::Color(1),
+                "blue" if colored => Role::Color(2),
+                _ => Role::Other,
+            };
+            layout.add(&property.name, role, &self.wanted).map_err(wrong)?;
+        }
+        match (0..3).find(|k| !layout.contains(Role::Position(*k))) {
+            None => Ok(layout),
+            Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
+        }
+    }
+}
+
+/// The header, up to its end.
+fn header(lines: &mut Lines<Input>) -> Result<(PlyEncoding, Vec<PlyElement>)> {
+    let (mut form, mut elements) = (None, Vec::<PlyElement>::new());
+    let (mut properties, mut bytes) = (0, 0);
+    if !lines.advance()? || lines.text().trim() != "ply" {
+        return Err(Error::scene(
+            lines.place(0).named("header"),
+            "this is not a polygon file",
+            "begin with the line ply",
+        ));
+    }
+    loop {
+        if !lines.advance()? {
+            let problem = "the file ends within its header";
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
+        }
+        bytes += lines.text().len() + 1;
+        if bytes > LONGEST {
+            let problem = format!("the header has more than {LONGEST} bytes");
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
+        }
+        let wrong = |what: &str| {
+            let problem = format!("{} {what}", quote(lines.text()));
+            Error::scene(lines.place(0).named("header"), problem, "write it as in the description of the format")
+        };
+        let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
+        let scalar = |name: &str| {
+            let big = form == Some(PlyEncoding::Binary { big: true });
+            Scalar::of_ply(name, big).ok_or_else(|| wrong("has an unknown type"))
+        };
+        match words[..] {
+            ["format", "ascii", _] => form = Some(PlyEncoding::Text),
+            ["format", "binary_little_endian", _] => form = Some(PlyEncoding::Binary { big: false }),
+            ["format", "binary_big_endian", _] => form = Some(PlyEncoding::Binary { big: true }),
+            ["comment" | "obj_info", ..] | [] => {}
+            ["element", name, count] if elements.len() < MOST => {
+                let count = count.parse().map_err(|_| wrong("needs a whole number of elements"))?;
+                if elements.iter().any(|element| element.name == name) {
+                    return Err(wrong("occurs twice"));
+                }
+                elements.push(PlyElement { name: name.to_owned(), count, properties: Vec::new() });
+            }
+            ["property", ref kind @ .., name] if properties < MOST && form.is_some() => {
+                let Some(element) = elements.last_mut() else { return Err(wrong("belongs to no element")) };
+                let (length, scalar) = match kind {
+                    ["list", length, item] => (Some(scalar(length)?).filter(|length| length.is_whole()), scalar(item)?),
+                    [kind] => (None, scalar(kind)?),
+                    _ => return Err(wrong("is not a property")),
+                };
+                if length.is_none() && kind.len() == 3 {
+                    return Err(wrong("has a length type that is not an integer type"));
+                }
+                element.properties.push(Property { name: name.to_owned(), length, scalar });
+                properties += 1;
+            }
+            ["end_header"] => break,
+            _ => return Err(wrong("is not a header line")),
+        }
+    }
+    match form {
+        Some(form) => Ok((form, elements)),
+        None => Err(Error::scene(
+            lines.place(0).named("header"),
+            "the format line is missing",
+            "add the line `format ascii 1.0`",
+        )),
+    }
+}
+
+fn text(lines: &mut Lines<Input>, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
+    let mut numbers = Vec::new();
+    for read in 0..element.count {
+        if !lines.advance()? {
+            return Err(truncated(lines.file(), read, element));
+        }
+        numbers.clear();
+        let mut words = Words::of(lines);
+        for property in &element.properties {
+            let need = || {
+                let place = lines.place(lines.text().len()).named(&property.name);
+                Error::scene(place, "the line ends before it", "give every property of the vertex")
+            };
+            let word = words.next().ok_or_else(need)?;
+            match property.length {
+                Some(_) => {
+                    // Each item is a word; items beyond the line are missing.
+                    let count = word.finite(&property.name)?;
+                    for _ in 0..count as u64 {
+                        words.next().ok_or_else(need)?;
+                    }
+                }
+                None => numbers.push(property.light(
+                    layout,
+                    numbers.len(),
+                    match layout.role(numbers.len()) {
+                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
+                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
+                        _ => word.number(&property.name)?,
+                    },
+                )),
+            }
+        }
+        if let Some(word) = words.next() {
+            let problem =
+                format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
+            let mend = "correct the number of vertices and the list of their properties";
+            return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
+        }
+        layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+        lines.found();
+    }
+    Ok(())
+}
+
+/// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
+fn rest_of_text(
+    lines: &mut Lines<Input>,
+    vertices: &PlyElement,
+    behind: &[PlyElement],
+    particles: &mut Particles,
+) -> Result<()> {
+    for element in behind {
+        let passed = lines.pass(element.count)?;
+        if passed < element.count {
+            particles.skipped.assumed.push(short_of(lines.file(), passed, element));
+            return Ok(());
+        }
+    }
+    while lines.advance()? {
+        if !lines.text().trim().is_empty() {
+            return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
+        }
+    }
+    Ok(())
+}
+
+/// The warning about a skipped element with fewer entries than declared.
+fn short_of(file: Place, found: u64, element: &PlyElement) -> String {
+    let name = quote(&element.name);
+    format!(
+        "{file}: the file ends after {found} of {} elements {name}; its number of vertices may be wrong",
+        element.count
+    )
+}
+
+impl Property {
+    /// The value of a column: bytes of colours are converted from sRGB to linear.
+    fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
+        match layout.role(column) {
+            Role::Color(_) => self.scalar.light(number),
+            _ => number,
+        }
+    }
+}
+
+fn truncated(file: Place, read: u64, element: &PlyElement) -> Error {
+    let problem = format!("the file ends after {read} of {} vertices", element.count);
+    Error::scene(file.named("vertex"), problem, "give as many vertices as the header says")
+}
+
+/// The binary data after a header.
+struct Binary {
+    reader: BufReader<Input>,
+    path: PathBuf,
+}
+
+impl Binary {
+    /// A number; `None` at the end of the file.
+    fn number(&mut self, scalar: Scalar) -> Result<Option<f64>> {
+        let mut bytes = [0; 8];
+        match self.reader.read_exact(&mut bytes[..scalar.size()]) {
+            Ok(()) => Ok(Some(scalar.number(&bytes))),
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+            Err(e) => Err(Error::read(&self.path, e)),
+        }
+    }
+
+    /// Skips bytes; returns the number skipped.
+    fn skip(&mut self, bytes: u64) -> Result<u64> {
+        let mut left = bytes;
+        while left > 0 {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
+            if block == 0 {
+                break;
+            }
+            let passed = left.min(block as u64);
+            self.reader.consume(passed as usize);
+            left -= passed;
+        }
+        Ok(bytes - left)
+    }
+
+    /// Skips a property; `false` at the end of the file.
+    fn skip_property(&mut self, property: &Property) -> Result<bool> {
+        let size = property.scalar.size() as u64;
+        let bytes = match property.length {
+            None => size,
+            Some(length) => match self.number(length)? {
+                Some(count) => (count as u64).saturating_mul(size),
+                None => return Ok(false),
+            },
+        };
+        Ok(self.skip(bytes)? == bytes)
+    }
+
+    /// Skips an element's entries; returns the number skipped.
+    fn pass(&mut self, element: &PlyElement) -> Result<u64> {
+        if element.properties.iter().all(|property| property.length.is_none()) {
+            let size = element.properties.iter().map(|property| property.scalar.size() as u64).sum::<u64>();
+            let passed = self.skip(element.count.saturating_mul(size))?;
+            return Ok(passed.checked_div(size).unwrap_or(element.count));
+        }
+        for entry in 0..element.count {
+            for property in &element.properties {
+                if !self.skip_property(property)? {
+                    return Ok(entry);
+                }
+            }
+        }
+        Ok(element.count)
+    }
+
+    /// Checks that only the other elements follow the vertices.
+    fn rest(&mut self, vertices: &PlyElement, behind: &[PlyElement], particles: &mut Particles) -> Result<()> {
+        let file = Place::file(self.path.display().to_string());
+        for element in behind {
+            let passed = self.pass(element)?;
+            if passed < element.count {
+                particles.skipped.assumed.push(short_of(file, passed, element));
+                return Ok(());
+            }
+        }
+        let left = self.skip(BEHIND)?;
+        let numbers = vertices.properties.iter().map(|property| property.length.unwrap_or(property.scalar));
+        let size = numbers.map(|number| number.size() as u64).sum::<u64>().max(1);
+        if left < size {
+            return Ok(());
+        }
+        let what = format!("expected {} vertices, but {left} bytes follow the last element", vertices.count);
+        if behind.is_empty() && left.is_multiple_of(size) {
+            let problem = format!("{what}, the size of {} more vertices", left / size);
+            return Err(Error::scene(file.named("count"), problem, "correct the count"));
+        }
+        particles.skipped.assumed.push(format!("{file}: {what}; the number of vertices may be wrong"));
+        Ok(())
+    }
+
+    fn vertices(&mut self, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
+        let file = Place::file(self.path.display().to_string());
+        let mut numbers = Vec::new();
+        for read in 0..element.count {
+            numbers.clear();
+            for property in &element.properties {
+                let there = match property.length {
+                    Some(_) => self.skip_property(property)?,
+                    None => match self.number(property.scalar)? {
+                        Some(number) => {
+                            numbers.push(property.light(layout, numbers.len(), number));
+                            true
+                        }
+                        None => false,
+                    },
+                };
+                if !there {
+                    return Err(truncated(file, read, element));
+                }
+            }
+            let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
+            layout.numbers(&numbers, particles).map_err(placed)?;
+            self.reader.get_ref().found();
+        }
+        Ok(())
+    }
+}
+
+impl ParticleFrames for Ply {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        self.source.take().map(|source| self.read(source)).transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read_frames;
+    use super::*;
+    use crate::read::style::{Coloring, Scale, Style};
+
+    const BODY: &str = "comment by hand\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 2\n\
+        property float x\nproperty double y\nproperty short z\nproperty uchar red\nproperty uchar green\n\
+        property uchar blue\nproperty list uchar float more\nproperty int t\nelement edge 7\nproperty int a\nend_header\n";
+
+    fn header(format: &str) -> String {
+        format!("ply\nformat {format} 1.0\n{BODY}")
+    }
+
+    fn binary(big: bool) -> Vec<u8> {
+        let mut bytes = header(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes();
+        let mut put = |little: &[u8]| {
+            if big { bytes.extend(little.iter().rev()) } else { bytes.extend(little) }
+        };
+        put(&[3]);
+        [0i32, 1, 1].iter().for_each(|i| put(&i.to_le_bytes()));
+        for (x, z, red, more, t) in [(1.5f32, -2i16, 255, 0, 9), (3.0, 4, 0, 2, -9i32)] {
+            put(&x.to_le_bytes());
+            put(&0.1f64.to_le_bytes());
+            put(&z.to_le_bytes());
+            [red, 0, 128].iter().for_each(|c: &u8| put(&[*c]));
+            put(&[more]);
+            (0..more).for_each(|_| put(&7f32.to_le_bytes()));
+            put(&t.to_le_bytes());
+        }
+        bytes
+    }
+
+    fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
+        let scale = Scale { columns: vec!["t".into()], map: Default::default(), range: None, log: false };
+        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+        let mut ply = Ply::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
+        Ok(ply.next()?.expect("one frame"))
+    }
+
+    #[test]
+    fn the_three_encodings_hold_the_same_scene() {
+        let text = header("ascii") + "3 0 1 1\n1.5 0.1 -2 255 0 128 0 9\n3 0.1 4 0 0 128 2 7 7 -9\n";
+        for bytes in [text.into_bytes(), binary(false), binary(true)] {
+            let found = read_bytes(&bytes, false).expect("points");
+            assert_eq!(found.positions, [[1.5, 0.1, -2.0], [3.0, 0.1, 4.0]]);
+            assert_eq!(found.columns[0].values, [9.0, -9.0]);
+            // IEC 61966-2-1 of 128/255.
+            assert!(found.colors[0][0] == 1.0 && (found.colors[1][2] - 0.2158605).abs() < 1e-6);
+            assert_eq!(found.skipped.kinds, [("face", 1), ("edge", 7)]);
+            assert!(
+                read_bytes(&bytes, true).expect_err("strict").to_string().contains("expected a sphere, found a face")
+            );
+            let short = &bytes[..bytes.len() - 9];
+            assert!(read_bytes(short, false).is_err(), "cut short");
+        }
+        let cut = read_bytes(&binary(false)[..binary(false).len() - 9], false).map(drop).expect_err("cut short");
+        assert!(cut.to_string().contains("the file ends after 1 of 2 vertices"), "{cut}");
+    }
+
+    #[test]
+    fn bytes_behind_the_vertices_are_checked() {
+        let floats = |n: usize| (0..n).flat_map(|k| (k as f32).to_le_bytes());
+        let file = |elements: &str, bytes: &[u8]| {
+            let xyz = "property float x\nproperty float y\nproperty float z\n";
+            let header = format!("ply\nformat binary_little_endian 1.0\nelement vertex 2\n{xyz}{elements}end_header\n");
+            [header.as_bytes(), bytes].concat()
+        };
+        let two: Vec<u8> = floats(6).collect();
+        assert!(read_bytes(&file("", &two), true).expect("two").skipped.assumed.is_empty());
+        assert!(read_bytes(&file("", &[&two[..], b"\n"].concat()), true).expect("padding").skipped.assumed.is_empty());
+        let four: Vec<u8> = floats(12).collect();
+        let error = read_bytes(&file("", &four), true).map(drop).expect_err("four").to_string();
+        assert!(
+            error.contains("expected 2 vertices, but 24 bytes follow the last element, the size of 2 more"),
+            "{error}"
+        );
+        // A third vertex is read from the first face, so the face is surplus.
+        let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+        let face = [&[3][..], &[0; 12]].concat();
+        let right = read_bytes(&file(faces, &[&two[..], &face].concat()), false).expect("a face");
+        assert!(right.skipped.assumed.is_empty());
+        let three: Vec<u8> = floats(9).chain(face).collect();
+        let said = read_bytes(&file(faces, &three), false).expect("faces are left out").skipped.assumed;
+        assert!(said.len() == 1 && said[0].contains("the number of vertices may be wrong"), "{said:?}");
+        let said = read_bytes(&file(faces, &two), false).expect("faces are left out").skipped.assumed;
+        assert!(said.len() == 1 && said[0].contains("after 0 of 1 elements `face`"), "{said:?}");
+    }
+
+    #[test]
+    fn errors_are_reported() {
+        let points = |properties: &str, rows: &str| {
+            format!("ply\nformat ascii 1.0\nelement vertex 1\n{properties}end_header\n{rows}")
+        };
+        let xyz = "property float x\nproperty float y\nproperty float z\n";
+        for (text, told) in [
+            (points(xyz, "1 2\n"), ":8:4: z"),
+            (points(xyz, "1 b 2\n"), ":8:3: y: `b`"),
+            (points(xyz, "1 2 3\n4 5 6\n\n7 8 9\n"), ":9:1: count: expected 1 vertices, found 2"),
+            (points(xyz, "3 0 1 2\n"), ":8:7: vertex: `2` is one number more than the 3 properties"),
+            (points(xyz, "1 2 3\n").replace("vertex 1", "vertex 9999999999"), "more than 32-bit ids"),
+            (points(&format!("{xyz}{}", "comment far too long\n".repeat(60_000)), ""), "more than 1048576 bytes"),
+            (points(xyz, ""), "after 0 of 1 vertices"),
+            (points("property float x\n", "1\n"), "no y"),
+            (points("property half x\n", "1\n"), ":4:1: header"),
+            (points(&format!("{xyz}property float x\n"), ""), "occurs twice"),
+            (points(&format!("{xyz}property float radius\n"), "1 2 3 0\n"), ":9:7: radius"),
+            (points(&format!("{xyz}property list float int i\n"), ""), "not an integer type"),
+            ("ply\nformat ascii 1.0\nend_header\n".into(), "the element vertex is missing"),
+            ("ply\nelement vertex 1\n".into(), "within its header"),
+            ("ply\nwhat\n".into(), ":2:1: header: `what`"),
+        ] {
+            let error = read_frames(&text, &[], Ply::new).map(drop).expect_err(&text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

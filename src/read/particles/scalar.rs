@@ -1,0 +1,136 @@
+//! Numbers in binary files: the type names of PLY and NumPy, and their decoding.
+
+use crate::read::style::color::linear;
+use std::sync::LazyLock;
+
+/// A binary number type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Scalar {
+    kind: NumberKind,
+    /// 1, 2, 4 or 8 bytes.
+    size: usize,
+    big: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum NumberKind {
+    Signed,
+    Unsigned,
+    Float,
+}
+
+impl Scalar {
+    /// The type with this name in a PLY header.
+    pub(crate) fn of_ply(name: &str, big: bool) -> Option<Self> {
+        let (kind, size) = match name {
+            "char" | "int8" => (NumberKind::Signed, 1),
+            "uchar" | "uint8" => (NumberKind::Unsigned, 1),
+            "short" | "int16" => (NumberKind::Signed, 2),
+            "ushort" | "uint16" => (NumberKind::Unsigned, 2),
+            "int" | "int32" => (NumberKind::Signed, 4),
+            "uint" | "uint32" => (NumberKind::Unsigned, 4),
+            "float" | "float32" => (NumberKind::Float, 4),
+            "double" | "float64" => (NumberKind::Float, 8),
+            _ => return None,
+        };
+        Some(Self { kind, size, big })
+    }
+
+    /// A type string of NumPy, such as `<f8`; `None` for what is not a real number, for halves, and for the long doubles
+    /// of some processors.
+    pub(crate) fn of_numpy(name: &str) -> Option<Self> {
+        let (order, rest) = name.split_at_checked(1)?;
+        let (kind, size) = rest.split_at_checked(1)?;
+        let kind = match kind {
+            "i" => NumberKind::Signed,
+            "u" | "b" => NumberKind::Unsigned,
+            "f" => NumberKind::Float,
+            _ => return None,
+        };
+        let size = size.parse().ok()?;
+        let sizes: &[usize] = if kind == NumberKind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
+        let big = match order {
+            "<" => false,
+            ">" => true,
+            // A single byte has no order.
+            "|" if size == 1 => false,
+            _ => return None,
+        };
+        sizes.contains(&size).then_some(Self { kind, size, big })
+    }
+
+    /// Bytes per number.
+    pub(crate) fn size(self) -> usize {
+        self.size
+    }
+
+    /// A component of a colour in linear light: bytes are sRGB, other numbers are linear already.
+    pub(crate) fn light(self, number: f64) -> f64 {
+        // A table, not a power for every point.
+        static LIGHT: LazyLock<Vec<f64>> =
+            LazyLock::new(|| (0..=255).map(|level| f64::from(linear([level; 3])[0])).collect());
+        if self.kind == NumberKind::Unsigned && self.size == 1 { LIGHT[number as usize & 255] } else { number }
+    }
+
+    /// Whether it is an integer type.
+    pub(crate) fn is_whole(self) -> bool {
+        self.kind != NumberKind::Float
+    }
+
+    /// Decodes [`Scalar::size`] bytes; whole numbers above 2^53 are rounded.
+    pub(crate) fn number(self, bytes: &[u8]) -> f64 {
+        let mut little = [0; 8];
+        little[..self.size].copy_from_slice(&bytes[..self.size]);
+        if self.big {
+            little[..self.size].reverse();
+        }
+        let whole = u64::from_le_bytes(little);
+        let unused = 64 - 8 * self.size as u32;
+        match self.kind {
+            NumberKind::Unsigned => whole as f64,
+            NumberKind::Signed => ((whole << unused) as i64 >> unused) as f64,
+            NumberKind::Float if self.size == 4 => f64::from(f32::from_bits(whole as u32)),
+            NumberKind::Float => f64::from_bits(whole),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_in_both_byte_orders() {
+        for (name, bytes, number) in [
+            ("char", vec![0xff], -1.0),
+            ("uchar", vec![0xff], 255.0),
+            ("short", (-300i16).to_be_bytes().to_vec(), -300.0),
+            ("uint16", 65000u16.to_be_bytes().to_vec(), 65000.0),
+            ("int", (-70000i32).to_be_bytes().to_vec(), -70000.0),
+            ("uint", u32::MAX.to_be_bytes().to_vec(), 4294967295.0),
+            ("float", 0.1f32.to_be_bytes().to_vec(), f64::from(0.1f32)),
+            ("double", (-1e-300f64).to_be_bytes().to_vec(), -1e-300),
+        ] {
+            let mut little = bytes.clone();
+            little.reverse();
+            let read = |big, bytes: &[u8]| Scalar::of_ply(name, big).expect(name).number(bytes);
+            assert_eq!((read(true, &bytes), read(false, &little)), (number, number), "{name}");
+        }
+        for (name, size) in [
+            ("<f8", Some(8)),
+            (">i2", Some(2)),
+            ("|u1", Some(1)),
+            ("|b1", Some(1)),
+            ("<f2", None),
+            ("<c16", None),
+            ("|S4", None),
+            ("|f8", None),
+            ("f8", None),
+            ("", None),
+            ("\u{fc}", None),
+        ] {
+            let found = Scalar::of_numpy(name);
+            assert_eq!(found.map(Scalar::size), size, "{name}");
+        }
+    }
+}

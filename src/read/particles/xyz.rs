@@ -1,0 +1,296 @@
+//! XYZ and extended XYZ: a count, a comment, and a line for every atom; frame after frame. The comment of extended XYZ
+//! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`); described at
+//! github.com/libAtoms/extxyz.
+
+use super::layout::{Layout, Role, component, wanted};
+use super::rows::{rows, surplus};
+use super::{ParticleFrames, Particles};
+use crate::error::{Error, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
+use crate::read::input::Input;
+use crate::read::lines::{Lines, Words};
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::scene::Cell;
+
+/// The reader.
+pub(super) struct Xyz {
+    lines: Lines<Input>,
+    wanted: Vec<String>,
+    /// Whether the current line has not been parsed yet.
+    held: bool,
+}
+
+impl Xyz {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self {
+            lines: Lines::new(source.reader, &source.path),
+            wanted: wanted(options.style.columns())?,
+            held: false,
+        })
+    }
+
+    /// The number of atoms of the next frame; `None` at the end of the file.
+    fn count(&mut self) -> Result<Option<u64>> {
+        loop {
+            if !std::mem::take(&mut self.held) && !self.lines.advance()? {
+                return Ok(None);
+            }
+            let text = self.lines.text().trim();
+            if text.is_empty() {
+                continue;
+            }
+            let count = text.parse().map_err(|_| {
+                let problem = format!("{} is not a number of atoms", quote(text));
+                self.fail(0, "count", problem, "begin each frame with its number of atoms")
+            })?;
+            return check_ids(count).map(|()| Some(count));
+        }
+    }
+
+    /// Checks that no more atoms follow than `count`; then the first line of the next frame, if there is one, is the
+    /// current one.
+    fn check_end(&mut self, count: u64, layout: &Layout, particles: &mut Particles) -> Result<()> {
+        loop {
+            if !self.lines.advance()? {
+                return Ok(());
+            }
+            if !self.lines.text().trim().is_empty() {
+                break;
+            }
+        }
+        self.held = true;
+        let is_row = |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+        if is_row(&self.lines) {
+            return surplus(&mut self.lines, count, "atoms", is_row);
+        }
+        let text = self.lines.text().trim();
+        if text.parse::<u64>().is_err() {
+            let [place, text] = [self.lines.place(0).to_string(), quote(text).to_string()];
+            particles.skipped.assumed.push(format!("{place}: {text} after the {count} atoms does not begin a frame"));
+        }
+        Ok(())
+    }
+
+    /// Reads the next line; its absence is an error.
+    fn need(&mut self, what: &str) -> Result<()> {
+        if self.lines.advance()? { Ok(()) } else { Err(self.ends(what)) }
+    }
+
+    fn ends(&self, what: &str) -> Error {
+        let end = self.lines.text().len();
+        self.fail(end, what, "the file ends within a frame", "give as many lines as the count says")
+    }
+
+    fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+        Error::scene(self.lines.place(byte).named(field), problem, mend)
+    }
+
+    /// The columns and the cell of the comment line.
+    fn layout(&self) -> Result<(Layout, Option<Cell>)> {
+        let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
+        for (place, key, value) in pairs(self.lines.text()) {
+            match &key.to_ascii_lowercase()[..] {
+                "properties" => (at, properties) = (place, value),
+                "lattice" => cell = Some(self.lattice(place, value)?),
+                _ => {}
+            }
+        }
+        let wrong = |problem: String| {
+            self.fail(at, "Properties", problem, "write name:type:columns triples such as species:S:1:pos:R:3")
+        };
+        let mut parts = properties.split(':');
+        let mut layout = Layout::default();
+        while let Some(name) = parts.next() {
+            let (Some(kind @ ("S" | "R" | "I" | "L")), Some(count)) = (parts.next(), parts.next()) else {
+                return Err(wrong(format!("{} needs a type S, R, I or L and a number of columns", quote(name))));
+            };
+            let count = count.parse().map_err(|_| wrong(format!("{} is not a number of columns", quote(count))))?;
+            let name = name.to_lowercase();
+            for k in 0..count {
+                let (column, role) = column(&name, kind, k, count);
+                layout.add(&column, role, &self.wanted).map_err(wrong)?;
+            }
+            if matches!(kind, "R" | "I") {
+                layout.vector(&name, count, &self.wanted);
+            }
+        }
+        if !layout.contains(Role::Position(2)) {
+            return Err(wrong("the property pos with three columns is missing".into()));
+        }
+        Ok((layout, cell))
+    }
+
+    fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
+        // ASE writes blanks, others commas, brackets as in JSON, or both.
+        let words = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|word| !word.is_empty());
+        let numbers: Vec<f64> = words.take(10).map_while(|word| word.parse().ok()).collect();
+        match numbers[..] {
+            [a, b, c, d, e, f, g, h, i] if numbers.iter().all(|x| x.is_finite()) => {
+                Ok(Cell { origin: [0.0; 3], edges: [[a, b, c], [d, e, f], [g, h, i]] })
+            }
+            _ => {
+                let problem = format!("{} is not a cell", quote(text));
+                Err(self.fail(at, "Lattice", problem, "use three vectors of finite numbers, nine in all"))
+            }
+        }
+    }
+}
+
+/// The name and the meaning of the `k`th of `count` columns of a property.
+fn column(name: &str, kind: &str, k: usize, count: usize) -> (String, Role) {
+    match (name, kind, count) {
+        ("species" | "element" | "symbol", "S", 1) => (name.to_owned(), Role::Symbol),
+        ("z" | "numbers" | "atomic_numbers", "I", 1) => (name.to_owned(), Role::Number),
+        ("pos" | "positions", _, 3) => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
+        ("color" | "colour" | "colors" | "rgb", "R", 3) => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
+        ("radius" | "radii", _, 1) => (name.to_owned(), Role::Radius),
+        _ => {
+            let named = if count == 1 { name.to_owned() } else { component(name, k) };
+            (named, if matches!(kind, "R" | "I") { Role::Other } else { Role::Text })
+        }
+    }
+}
+
+/// The `key=value` pairs of a comment, with values optionally in quotes or brackets, each with the byte at which its
+/// value begins.
+fn pairs(text: &str) -> Vec<(usize, &str, &str)> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(equals) = text[at..].find('=').map(|k| at + k) {
+        let key = text[at..equals].trim_end().rsplit(char::is_whitespace).next().unwrap_or_default();
+        let value = equals + 1 + (text[equals + 1..].len() - text[equals + 1..].trim_start().len());
+        let (close, open) = match text[value..].chars().next() {
+            Some('"') => ('"', 1),
+            Some('\'') => ('\'', 1),
+            Some('{') => ('}', 1),
+            Some('[') => (']', 1),
+            _ => (' ', 0),
+        };
+        let start = value + open;
+        // Arrays may be nested.
+        let mut depth = 1;
+        let ends = |c: char| match close {
+            ' ' => c.is_whitespace(),
+            ']' => {
+                depth += i32::from(c == '[') - i32::from(c == ']');
+                depth == 0
+            }
+            _ => c == close,
+        };
+        let end = text[start..].find(ends).map_or(text.len(), |k| start + k);
+        found.push((start, key.trim_matches('"'), &text[start..end]));
+        at = (end + open).min(text.len());
+    }
+    found
+}
+
+impl ParticleFrames for Xyz {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(count) = self.count()? else { return Ok(None) };
+        self.need("comment")?;
+        let (layout, cell) = self.layout()?;
+        let mut particles = Particles { cell, ..layout.begin() };
+        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
+            return Err(self.ends("atom"));
+        }
+        self.check_end(count, &layout, &mut particles)?;
+        particles.settle_species();
+        Ok(Some(particles))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        let Some(count) = self.count()? else { return Ok(false) };
+        self.need("comment")?;
+        if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Column, read_frames};
+    use super::*;
+
+    fn read(text: &str, columns: &[&str]) -> Result<Vec<Particles>> {
+        read_frames(text, columns, Xyz::new)
+    }
+
+    #[test]
+    fn frames_follow_each_other() {
+        let frames = read("2\nwater\nO 0 0 0\nH1 1 0 -1e-1\n\n1\n\n26 5 6 7 extra\n", &[]).expect("frames");
+        assert_eq!(frames.len(), 2);
+        assert_eq!((&frames[0].elements[..], frames[0].positions[1]), (&[8, 1][..], [1.0, 0.0, -0.1]));
+        assert_eq!((&frames[1].elements[..], frames[1].positions[0]), (&[26][..], [5.0, 6.0, 7.0]));
+    }
+
+    #[test]
+    fn the_comment_names_the_columns() {
+        let text = "1\nLattice=\"1 0 0 0 2 0 0 0 3\" Properties=pos:R:3:species:S:1:v:R:2:radius:R:1 pbc='T T F'\n1 2 3 Xx 4 5 0.5\n";
+        let frame = read(text, &["V_y", "nothing"]).expect("a frame").remove(0);
+        assert_eq!((frame.positions[0], frame.radii[0], frame.elements[0]), ([1.0, 2.0, 3.0], 0.5, 0));
+        assert_eq!(frame.columns, [Column { name: "v_y".into(), values: vec![5.0] }]);
+        assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
+        assert_eq!(frame.unknown.get("Xx"), Some(&1));
+        assert_eq!(frame.has[3..], ["v_x", "v_y", "radius"]);
+    }
+
+    #[test]
+    fn a_cell_is_read_however_its_numbers_are_separated() {
+        for lattice in [
+            "\"1 2 3 4 5 6 7 8 9\"",
+            "\"1, 2, 3 4, 5, 6 7, 8, 9\"",
+            "[[1,2,3],[4, 5, 6],[7,8,9]]",
+            "{1 2 3 4 5 6 7 8 9}",
+        ] {
+            let text = format!("1\nLattice={lattice} Properties=pos:R:3:species:S:1\n1 2 3 O\n");
+            let frame = read(&text, &[]).expect("a frame").remove(0);
+            assert_eq!(
+                frame.cell.expect("a cell").edges,
+                [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
+                "{lattice}"
+            );
+            assert_eq!((frame.positions[0], frame.elements[0]), ([1.0, 2.0, 3.0], 8));
+        }
+    }
+
+    #[test]
+    fn trailing_lines_that_are_not_a_frame_are_reported() {
+        let mut xyz = Xyz::new(SceneSource::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
+        let frame = xyz.next().expect("read").expect("a frame");
+        assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` after the 1 atoms does not begin a frame"]);
+        xyz.next().map(drop).expect_err("and it is none");
+    }
+
+    #[test]
+    fn the_length_of_a_vector_is_a_column() {
+        let text = "2\nProperties=pos:R:3:vel:R:3\n0 0 0 2 -3 6\n1 1 1 0 -4 0\n";
+        let frame = read(text, &["vel", "z"]).expect("a frame").remove(0);
+        let column = |name: &str| &frame.columns.iter().find(|c| c.name == name).expect("a column").values;
+        assert_eq!((&column("vel")[..], &column("z")[..]), (&[7.0, 4.0][..], &[0.0, 1.0][..]));
+    }
+
+    #[test]
+    fn errors_are_reported_with_line_and_column() {
+        for (text, place) in [
+            ("two\n\n", ":1:1: count"),
+            ("2\n\nO 0 0 0\n", "file ends"),
+            ("1\n\nO 0 0 0\nO 1 0 0\n\nO 2 0 0\n", ":4:1: count: expected 1 atoms, found 2"),
+            ("0\n\nO 0 0 0\n", ":3:1: count: expected 0 atoms, found 1"),
+            ("99999999999\n\nO 0 0 0\n", "99999999999 spheres are more"),
+            ("1\n\nO 0 zero 0\n", ":3:5: y"),
+            ("1\n\nO 0 inf 0\n", ":3:5: y"),
+            ("1\n\nO 0 1\n", ":3:6: z"),
+            ("1\nProperties=pos:R\nO 0 1\n", ":2:12: Properties"),
+            ("1\nProperties=species:S:1\nO\n", "pos with three columns is missing"),
+            ("1\nProperties=pos:R:3:radius:R:1:radius:R:1\n0 0 0 1 1\n", "occurs twice"),
+            ("1\nProperties=pos:R:99999999999999\n0 0 0 1 1\n", "columns"),
+            ("1\nLattice=\"1 2\"\nO 0 0 0\n", ":2:10: Lattice"),
+            ("1\nProperties=pos:R:3:radius:R:1\n0 0 0 -1\n", ":3:7: radius"),
+        ] {
+            let error = read(text, &[]).map(drop).expect_err(text).to_string();
+            assert!(error.contains(place), "{error}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
+
+use super::format::Format;
+use super::input::Input;
+use super::options::ReadOptions;
+use super::particles::{self, ParticleFrames};
+use super::source::SceneSource;
+use super::style::Legend;
+use super::{native, nff};
+use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
+use crate::quote::count;
+use crate::scene::Framing;
+use crate::scene::camera::Camera;
+use crate::scene::{Cell, ImagePlane, Scene};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// An opened file of scenes.
+pub struct Sequence {
+    path: PathBuf,
+    options: ReadOptions,
+    state: SequenceState,
+    /// The number of frames read so far.
+    passed: u64,
+    /// The files that the scene file refers to.
+    files: Vec<PathBuf>,
+}
+
+enum SequenceState {
+    /// A format that contains a whole scene.
+    One(Option<Box<Scene>>),
+    Many(Box<dyn ParticleFrames>),
+}
+
+/// One scene of a sequence.
+#[derive(Debug, Clone)]
+pub struct SceneFrame {
+    /// The frame's number, from 1.
+    pub number: u64,
+    /// The scene; where the file has no camera, with one that shows all of it.
+    pub scene: Scene,
+    /// Whether the file has a camera.
+    pub has_camera: bool,
+    /// The legend of the colours, where they come from a column.
+    pub legend: Option<Legend>,
+    /// The periodic cell, if the file has one.
+    pub cell: Option<Cell>,
+}
+
+impl SceneFrame {
+    /// Copies the scene.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub fn copy(&self) -> Result<Self> {
+        check_spheres(self.scene.spheres.len() as u64, self.scene.spheres.colors.is_some())?;
+        Ok(self.clone())
+    }
+}
+
+impl Sequence {
+    /// Opens `path`; `-` is standard input.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        Self::begin(SceneSource::open(path, options.format, &options.watch)?, path, options)
+    }
+
+    /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
+    /// format, and whose folder contains the files that a scene refers to.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
+        let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
+        Self::begin(SceneSource::of(input, path, options.format)?, path, options)
+    }
+
+    fn begin(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
+        let mut files = Vec::new();
+        let state = match particles::open(source, options)? {
+            Ok(frames) => SequenceState::Many(frames),
+            Err(source) => {
+                let mut scene = match source.format {
+                    Format::Nff => nff::read(source.reader, path, options)?,
+                    _ => {
+                        let (scene, named) = native::read(source.reader, path, &options.watch)?;
+                        files = named;
+                        scene
+                    }
+                };
+                options.style.restyle(&mut scene.spheres)?;
+                SequenceState::One(Some(Box::new(scene)))
+            }
+        };
+        Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0, files })
+    }
+
+    /// The files that the scene file refers to, which were read with it.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// The next selected frame; `None` after the last.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn next_scene(&mut self) -> Result<Option<SceneFrame>> {
+        while self.passed < self.options.frames.last() {
+            self.options.watch.check()?;
+            let number = self.passed + 1;
+            let wanted = self.options.frames.contains(number);
+            let file = Place::file(self.path.display().to_string());
+            self.passed = number;
+            match &mut self.state {
+                SequenceState::One(scene) => {
+                    let Some(scene) = scene.take() else { return Ok(None) };
+                    if wanted {
+                        return Ok(Some(SceneFrame {
+                            number,
+                            scene: *scene,
+                            has_camera: true,
+                            legend: None,
+                            cell: None,
+                        }));
+                    }
+                }
+                SequenceState::Many(frames) if wanted => {
+                    let Some(particles) = frames.next()? else { return Ok(None) };
+                    let cell = particles.cell;
+                    self.options.watch.check()?;
+                    let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
+                    self.options.watch.check()?;
+                    let mut scene = Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, skipped };
+                    scene.frame_all(&Framing::default())?;
+                    return Ok(Some(SceneFrame { number, scene, has_camera: false, legend, cell }));
+                }
+                SequenceState::Many(frames) => {
+                    if !frames.skip()? {
+                        return Ok(None);
+                    }
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// The error for a sequence without a selected frame.
+    #[must_use]
+    pub fn nothing(&self) -> Error {
+        let place = Place::file(self.path.display().to_string());
+        let problem = match self.passed {
+            0 | 1 => "the file has no frame".to_owned(),
+            n => format!("the file has {}, none of them selected", count(n - 1, "frame")),
+        };
+        Error::scene(place, problem, "use other --frames, or another --model")
+    }
+}

@@ -1,0 +1,297 @@
+//! The style of particles: how their radii and colours are chosen when they become spheres.
+
+mod categories;
+pub(super) mod color;
+mod colormap;
+pub mod elements;
+mod scale;
+
+pub use categories::Category;
+pub use color::color;
+pub use colormap::ColorMap;
+pub use scale::{Legend, Scale};
+
+use super::particles::Particles;
+use crate::error::{Error, Place, Result};
+use crate::memory::check_spheres;
+use crate::quote::{number, quote};
+use crate::scene::{Skipped, Spheres, check_sphere};
+use color::{linear, of_hex};
+use elements::{Element, element};
+use rayon::prelude::*;
+use std::str::FromStr;
+
+/// The style of particles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Style {
+    /// The kind of element radius, where the file has no radii.
+    pub radii: Radii,
+    /// One radius for all, overriding the file.
+    pub radius: Option<f64>,
+    /// Multiplies every radius.
+    pub radius_scale: f64,
+    /// The source of the colours.
+    pub coloring: Coloring,
+}
+
+impl Default for Style {
+    /// The file's own radii and colours, or those of the elements.
+    fn default() -> Self {
+        Self { radii: Radii::Vdw, radius: None, radius_scale: 1.0, coloring: Coloring::File }
+    }
+}
+
+/// Radii of elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Radii {
+    /// Van der Waals: space-filling.
+    #[default]
+    Vdw,
+    /// Covalent: bound atoms touch.
+    Covalent,
+}
+
+impl Radii {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::Vdw, Self::Covalent];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vdw => "vdw",
+            Self::Covalent => "covalent",
+        }
+    }
+
+    fn of(self, element: &Element) -> Option<f64> {
+        match self {
+            Self::Vdw => element.vdw,
+            Self::Covalent => element.covalent,
+        }
+    }
+}
+
+impl FromStr for Radii {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        crate::error::by_name("kind of radii", name, Self::ALL, Self::name)
+    }
+}
+
+/// The source of the colours.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Coloring {
+    /// The file's colours, else those of the elements, else none.
+    #[default]
+    File,
+    /// The elements' colours, even if the file has colours.
+    Element,
+    /// One linear RGB for all.
+    One([f32; 3]),
+    /// A column of numbers through a colour map.
+    Column(Scale),
+}
+
+/// Linear RGB of each particle.
+type Colors = Vec<[f32; 3]>;
+
+/// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
+const UNKNOWN_RADIUS: f64 = 1.6;
+
+impl Style {
+    /// The columns that the reader must keep.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        match &self.coloring {
+            Coloring::Column(scale) => &scale.columns,
+            _ => &[],
+        }
+    }
+
+    /// Applies the style to spheres that already have radii.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where a column gives the colours: such scenes have no columns.
+    pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
+        let scale = self.radius_scale;
+        spheres.radii.par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
+        match &self.coloring {
+            Coloring::File => Ok(()),
+            Coloring::One(color) => {
+                spheres.colors = Some(vec![*color; spheres.len()]);
+                Ok(())
+            }
+            Coloring::Element => Err(Error::settings("this scene has no elements", "remove --color-by")),
+            Coloring::Column(_) => {
+                Err(Error::settings("this scene has no columns to colour by", "use a particle file"))
+            }
+        }
+    }
+
+    /// Turns particles into spheres. Assumptions are added to what was skipped.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for an invalid sphere, [`Error::Settings`] for a missing column, [`Error::Limits`].
+    pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
+        check_spheres(particles.positions.len() as u64, true)?;
+        let mut skipped = std::mem::take(&mut particles.skipped);
+        let (colors, legend) = self.colors(&mut particles, &mut skipped)?;
+        let radii = self.radii_of(&particles, &mut skipped)?;
+        let spheres = Spheres { centers: particles.positions, radii, colors };
+        let bad = spheres
+            .centers
+            .par_iter()
+            .zip(&spheres.radii)
+            .position_first(|(center, radius)| check_sphere(*center, *radius, Place::default).is_err());
+        if let Some(n) = bad {
+            check_sphere(spheres.centers[n], spheres.radii[n], || file.clone().named(format!("particle {n}")))?;
+        }
+        Ok((spheres, skipped, legend))
+    }
+
+    fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
+        let (n, scale) = (particles.positions.len(), self.radius_scale);
+        if let Some(radius) = self.radius {
+            return Ok(vec![radius * scale; n]);
+        }
+        if !particles.radii.is_empty() {
+            let missing = particles.radii.par_iter().filter(|radius| radius.is_nan()).count();
+            if missing == 0 {
+                return Ok(particles.radii.par_iter().map(|radius| radius * scale).collect());
+            }
+            skipped.assumed.push(format!(
+                "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
+            ));
+            let own = |n: usize| element(*particles.elements.get(n)?).and_then(|element| self.radii.of(element));
+            let radius = |(n, radius): (usize, &f64)| {
+                if radius.is_nan() { own(n).unwrap_or(UNKNOWN_RADIUS) } else { *radius }
+            };
+            return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
+        }
+        if particles.elements.iter().all(|number| *number == 0) {
+            let radius = spacing(&particles.positions) / 2.0;
+            if n > 0 {
+                let particles = if n == 1 { "particle has" } else { "particles have" };
+                skipped.assumed.push(format!(
+                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
+                    number(radius, 4)
+                ));
+            }
+            return Ok(vec![radius * scale; n]);
+        }
+        let known = |number: &u8| element(*number).and_then(|element| self.radii.of(element));
+        let missing = particles.elements.par_iter().filter(|number| known(number).is_none()).count();
+        if missing > 0 {
+            let names: Vec<String> = particles.unknown.iter().map(|(name, n)| format!("{n} {}", quote(name))).collect();
+            let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+            skipped.assumed.push(format!(
+                "{missing} of {n} atoms have no {} radius{names}, so {UNKNOWN_RADIUS} is used; use --radius to set one for all",
+                self.radii.name()
+            ));
+        }
+        Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
+    }
+
+    /// Takes the file's colours where the style uses them.
+    fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
+        let elements = || {
+            // The table is computed once, not a power for every atom.
+            let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(categories::of_element(n))).collect();
+            let of = |number: &u8| table[usize::from(*number).min(118)];
+            (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
+        };
+        let colors = match &self.coloring {
+            Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
+            Coloring::File if !particles.colors.is_empty() => {
+                let mut colors = std::mem::take(&mut particles.colors);
+                if is_8_bit(&colors) {
+                    let said =
+                        "the colours are whole numbers up to 255, so they are read as 8-bit sRGB, not as linear RGB";
+                    skipped.assumed.push(said.into());
+                    colors.par_iter_mut().for_each(|color| *color = linear(color.map(|level| level as u8)));
+                }
+                Some(colors)
+            }
+            Coloring::File => elements(),
+            Coloring::Element => {
+                let colors = elements().ok_or_else(|| {
+                    Error::settings("the file has no elements to colour by", "remove --color-by, or use a column")
+                })?;
+                return Ok((Some(colors), Some(categories::elements(&particles.elements))));
+            }
+            Coloring::Column(scale) => {
+                let (colors, legend) = scale.apply(particles, skipped)?;
+                return Ok((Some(colors), legend));
+            }
+        };
+        Ok((colors, None))
+    }
+}
+
+/// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
+fn is_8_bit(colors: &[[f32; 3]]) -> bool {
+    let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
+    colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
+}
+
+/// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
+fn spacing(positions: &[[f64; 3]]) -> f64 {
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    for position in positions {
+        for (end, x) in ends.iter_mut().zip(position) {
+            *end = [end[0].min(*x), end[1].max(*x)];
+        }
+    }
+    let sides: Vec<f64> = ends.iter().map(|[a, b]| b - a).filter(|side| *side > 0.0 && side.is_finite()).collect();
+    let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (positions.len().max(1) as f64).ln();
+    if sides.is_empty() { 1.0 } else { (spread / sides.len() as f64).exp() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn particles(n: usize) -> Particles {
+        Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }
+    }
+
+    #[test]
+    fn radii_come_from_the_option_the_file_the_element_or_the_spacing() {
+        let mut p = particles(5);
+        let radii = |style: &Style, p: &Particles| {
+            let mut skipped = Skipped::default();
+            (style.radii_of(p, &mut skipped).expect("radii"), skipped.assumed.len())
+        };
+        let style = Style::default();
+        let (spaced, warned) = radii(&style, &p);
+        // Five in a row at a spacing of one fill a length of four.
+        assert!((spaced[0] - 0.4).abs() < 1e-12 && warned == 1, "{spaced:?}");
+        p.elements = vec![6, 1, 0, 8, 118];
+        let (of_elements, warned) = radii(&style, &p);
+        assert_eq!((&of_elements[..], warned), (&[1.7, 1.2, UNKNOWN_RADIUS, 1.52, UNKNOWN_RADIUS][..], 1));
+        let covalent = Style { radii: Radii::Covalent, radius_scale: 2.0, ..style.clone() };
+        assert_eq!(radii(&covalent, &p).0[..2], [1.52, 0.62]);
+        p.radii = vec![3.0; 5];
+        assert_eq!(radii(&style, &p), (vec![3.0; 5], 0));
+        p.radii[1..3].fill(f64::NAN);
+        assert_eq!(radii(&style, &p), (vec![3.0, 1.2, UNKNOWN_RADIUS, 3.0, 3.0], 1));
+        p.radii = vec![3.0; 5];
+        assert_eq!(radii(&Style { radius: Some(0.5), ..covalent }, &p), (vec![1.0; 5], 0));
+    }
+
+    #[test]
+    fn colours_of_files_may_be_levels_of_8_bits() {
+        let colored = |colors: &[[f32; 3]]| {
+            let mut p = particles(colors.len());
+            p.colors = colors.to_vec();
+            let mut skipped = Skipped::default();
+            let (found, _) = Style::default().colors(&mut p, &mut skipped).expect("colours");
+            (found.expect("colours"), skipped.assumed.len())
+        };
+        assert_eq!(colored(&[[255.0, 0.0, 128.0]]), (vec![linear([255, 0, 128])], 1));
+        for linear in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.0, 0.0, 0.0]]] {
+            assert_eq!(colored(&linear), (linear.to_vec(), 0), "linear, beyond 1 too");
+        }
+    }
+}

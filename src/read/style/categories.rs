@@ -1,0 +1,208 @@
+//! Colours of categories: names, numbers that identify, elements.
+
+use super::color::linear;
+use super::colormap::ColorMap;
+use super::elements::element;
+use super::scale::{Colored, Legend, Scale};
+use crate::error::{Error, Result};
+use crate::read::particles::{Column, Particles};
+use crate::scene::Skipped;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A category of particles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Category {
+    /// Its name or number, as in the file.
+    pub label: String,
+    /// Its colour, 8-bit sRGB.
+    pub color: [u8; 3],
+    /// The number of its particles.
+    pub count: u64,
+}
+
+/// Columns whose whole numbers are identifiers: of types, molecules, copies.
+const NUMBERED: [&str; 6] = ["type", "mol", "molecule", "model", "copy", "cluster"];
+
+/// The colour of particles without a number.
+const MISSING: [u8; 3] = [0x80; 3];
+
+/// The most categories that are counted separately; the rest are counted together.
+const MOST: usize = 1 << 16;
+
+/// 0xrrggbb of an element in 8-bit sRGB; deep pink if it is unknown.
+pub(super) fn of_element(number: u8) -> u32 {
+    element(number).map_or(0xff1493, |element| element.color)
+}
+
+/// The legend of the elements that occur, by atomic number; unknown elements come last.
+pub(super) fn elements(elements: &[u8]) -> Legend {
+    let mut counts = [0_u64; 256];
+    elements.iter().for_each(|number| counts[usize::from(*number)] += 1);
+    let there = (1..=u8::MAX).chain([0]).filter(|number| counts[usize::from(*number)] > 0);
+    let category = |number: u8| {
+        let [_, red, green, blue] = of_element(number).to_be_bytes();
+        let label = element(number).map_or("unknown", |element| element.symbol).to_owned();
+        Category { label, color: [red, green, blue], count: counts[usize::from(number)] }
+    };
+    let categories = there.map(category).collect();
+    Legend { name: "element".into(), map: ColorMap::Category, range: [1.0, 118.0], log: false, categories }
+}
+
+/// The colours and the legend where the scale's columns are categories; `None` where they are numbers.
+///
+/// # Errors
+/// [`Error::Settings`] for a range, a logarithm or several columns of categories.
+pub(super) fn apply(
+    scale: &Scale,
+    columns: &[&Column],
+    particles: &Particles,
+    skipped: &mut Skipped,
+) -> Result<Option<Colored>> {
+    let labels = columns.iter().find_map(|column| particles.labels.get(&column.name));
+    let chosen = scale.map == Some(ColorMap::Category);
+    let whole = |column: &Column| column.values.par_iter().all(|x| x.fract() == 0.0);
+    let numbered = |column: &Column| NUMBERED.contains(&&column.name[..]) && whole(column);
+    let plain = scale.map.is_none() && scale.range.is_none() && !scale.log;
+    if labels.is_none() && !chosen && !(plain && columns.len() == 1 && numbered(columns[0])) {
+        return Ok(None);
+    }
+    let name = &scale.columns.join(", ");
+    let refused =
+        |what: &str, mend: &str| Err(Error::settings(format!("{name} has categories, which have no {what}"), mend));
+    let [column] = columns else { return refused("length", "use one column") };
+    if scale.range.is_some() {
+        return refused("range", "remove --range, or use a column of numbers");
+    }
+    if scale.log {
+        return refused("logarithm", "remove --log, or use a column of numbers");
+    }
+    // A continuous map is spread over all names of the file.
+    let last = labels.map_or(1, |labels| labels.len().saturating_sub(1).max(1)) as f64;
+    let map = scale.map.unwrap_or(ColorMap::Category);
+    let place = |category: f64| if map == ColorMap::Category { category } else { category / last };
+    let (mut counts, mut missing, mut more) = (BTreeMap::<i64, u64>::new(), 0_u64, 0_u64);
+    for value in &column.values {
+        let known = counts.len() < MOST;
+        match value.floor() {
+            category if !category.is_finite() => missing += 1,
+            category if known || counts.contains_key(&(category as i64)) => {
+                *counts.entry(category as i64).or_default() += 1
+            }
+            _ => more += 1,
+        }
+    }
+    if missing > 0 {
+        let of = column.values.len();
+        skipped.assumed.push(format!(
+            "{missing} of {of} values of {name} are not numbers, so these particles have no category and are grey"
+        ));
+    }
+    let several = counts.len() as u64 + more;
+    if map == ColorMap::Category && several > ColorMap::CATEGORIES {
+        let colors = ColorMap::CATEGORIES;
+        skipped.assumed.push(format!("{several} categories of {name} share {colors} colours"));
+    }
+    let label = |category: i64| match labels {
+        Some(labels) => usize::try_from(category).ok().and_then(|n| labels.get(n)).cloned().unwrap_or_default(),
+        None => category.to_string(),
+    };
+    let category = |(number, count): (&i64, &u64)| Category {
+        label: Some(label(*number)).filter(|label| !label.trim().is_empty()).unwrap_or_else(|| "(blank)".into()),
+        color: map.srgb(place(*number as f64)),
+        count: *count,
+    };
+    let categories: Vec<Category> = counts.iter().map(category).collect();
+    let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
+    let range = [ends(counts.keys().next()), ends(counts.keys().next_back())];
+    let color = |x: &f64| match x.floor() {
+        category if category.is_finite() => map.color(place(category)),
+        _ => linear(MISSING),
+    };
+    // Few colours for many particles.
+    let known: BTreeMap<i64, [f32; 3]> = counts.keys().map(|n| (*n, color(&(*n as f64)))).collect();
+    let of = |x: &f64| known.get(&(x.floor() as i64)).filter(|_| x.is_finite()).copied().unwrap_or_else(|| color(x));
+    let colors = column.values.par_iter().map(of).collect();
+    let legend = Legend { name: name.clone(), map, range, log: false, categories };
+    Ok(Some((colors, (several > 0).then_some(legend))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::color::of_hex;
+    use super::*;
+
+    fn colored(name: &str, values: &[f64], labels: &[&str], scale: &Scale) -> Result<Option<(Colored, Vec<String>)>> {
+        let column = Column { name: name.into(), values: values.to_vec() };
+        let mut particles = Particles::default();
+        if !labels.is_empty() {
+            particles.labels.insert(name.into(), labels.iter().map(|label| (*label).to_owned()).collect());
+        }
+        let mut skipped = Skipped::default();
+        Ok(apply(scale, &[&column], &particles, &mut skipped)?.map(|found| (found, skipped.assumed)))
+    }
+
+    fn scale(name: &str, map: Option<ColorMap>) -> Scale {
+        Scale { columns: vec![name.into()], map, range: None, log: false }
+    }
+
+    #[test]
+    fn names_are_categories_by_default() {
+        let chains = ["A", "B", " ", "D"];
+        let ((colors, legend), said) = colored("chain", &[0.0, 0.0, 3.0, 2.0], &chains, &scale("chain", None))
+            .expect("colours")
+            .expect("categories");
+        let categories = legend.expect("a legend").categories;
+        let found: Vec<(&str, u64)> = categories.iter().map(|category| (&category.label[..], category.count)).collect();
+        assert_eq!(found, [("A", 2), ("(blank)", 1), ("D", 1)], "what is not there has no swatch");
+        assert_eq!(colors, [0.0, 0.0, 3.0, 2.0].map(|k| ColorMap::Category.color(k)));
+        assert_eq!(categories[2].color, ColorMap::Category.srgb(3.0));
+        assert!(said.is_empty(), "{said:?}");
+        // A continuous map is spread over the names.
+        let viridis = Some(ColorMap::Viridis);
+        let ((colors, _), _) =
+            colored("chain", &[0.0, 3.0, 1.5], &chains, &scale("chain", viridis)).expect("ok").expect("some");
+        assert_eq!(colors[..2], [ColorMap::Viridis.color(0.0), ColorMap::Viridis.color(1.0)]);
+    }
+
+    #[test]
+    fn whole_numbers_are_categories_where_they_are_names() {
+        let is =
+            |name: &str, values: &[f64], map| colored(name, values, &[], &scale(name, map)).expect("colours").is_some();
+        assert!(is("type", &[1.0, 2.0], None) && is("mass", &[1.0, 2.0], Some(ColorMap::Category)));
+        assert!(!is("mass", &[1.0, 2.0], None) && !is("type", &[1.0, 2.5], None));
+        assert!(!is("type", &[1.0, 2.0], Some(ColorMap::Viridis)));
+        let numbers = Scale { range: Some([0.0, 5.0]), ..scale("type", None) };
+        assert!(colored("type", &[1.0], &[], &numbers).expect("numbers").is_none(), "a range asks for numbers");
+        let values = [2.0, f64::NAN, -1.0, 2.5, f64::INFINITY];
+        let ((colors, legend), said) =
+            colored("q", &values, &[], &scale("q", Some(ColorMap::Category))).expect("ok").expect("categories");
+        let legend = legend.expect("a legend");
+        let labels: Vec<&str> = legend.categories.iter().map(|category| &category.label[..]).collect();
+        assert_eq!((labels, legend.range), (vec!["-1", "2"], [-1.0, 2.0]));
+        assert_eq!((colors[1], colors[4], colors[0]), (linear(MISSING), linear(MISSING), colors[3]));
+        assert!(said[0].starts_with("2 of 5 values of q"), "{said:?}");
+        let many: Vec<f64> = (0..40).map(f64::from).collect();
+        let (_, said) = colored("type", &many, &[], &scale("type", None)).expect("ok").expect("categories");
+        assert!(said[0].starts_with("40 categories of type share 30 colours"), "{said:?}");
+    }
+
+    #[test]
+    fn categories_have_no_range_and_no_logarithm() {
+        for (bad, word) in [
+            (Scale { range: Some([0.0, 1.0]), ..scale("chain", None) }, "range"),
+            (Scale { log: true, ..scale("chain", None) }, "logarithm"),
+        ] {
+            let error = colored("chain", &[0.0], &["A"], &bad).map(drop).expect_err(word).to_string();
+            assert!(error.contains(word) && error.contains("chain"), "{error}");
+        }
+    }
+
+    #[test]
+    fn elements_are_listed_by_number() {
+        let found = elements(&[8, 1, 1, 0, 6]).categories;
+        let labels: Vec<(&str, u64)> = found.iter().map(|category| (&category.label[..], category.count)).collect();
+        assert_eq!(labels, [("H", 2), ("C", 1), ("O", 1), ("unknown", 1)]);
+        assert_eq!((linear(found[2].color), found[3].color), (of_hex(of_element(8)), [0xff, 0x14, 0x93]));
+    }
+}
