@@ -4,10 +4,10 @@ mod certified;
 mod tiles;
 
 use crate::answers::raw::Raw;
+use crate::frame::report::CPU_DRIVER;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::Number;
-use crate::report::CPU_DRIVER;
 use crate::search::nearest::nearest;
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};

@@ -14,7 +14,8 @@
 //! - [`ray`]: one viewing ray per pixel, (u, v, -d) from the origin; only t > 0 counts.
 //! - [`intersect`]: the list of forms of the ray-sphere quadratic, each a WGSL file with a CPU twin.
 //! - [`shade`]: the colour of a hit.
-//! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their files.
+//! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their provenance.
+//! - [`write`](mod@write): the files of frames, written, read back and merged.
 //! - [`render`](mod@render): renders one frame from scene to buffers; a [`Renderer`] keeps device and kernels for many.
 //! - [`trace`](mod@trace): traces given rays.
 //! - [`settings`]: the settings of a rendering.
@@ -64,7 +65,6 @@ pub mod progress;
 pub mod quote;
 pub mod read;
 pub mod render;
-pub mod report;
 pub mod scene;
 mod search;
 pub mod settings;
@@ -77,9 +77,10 @@ pub mod trace;
 mod trailer;
 pub mod view;
 pub mod window;
+pub mod write;
 
 pub use error::{Error, Result};
-pub use frame::{Aov, Frame};
+pub use frame::{Aov, Frame, report};
 pub use gpu::device::{AdapterSummary, adapters};
 pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verdicts};
 pub use intersect::{Method, predict};

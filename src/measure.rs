@@ -18,8 +18,8 @@ pub mod verdict;
 
 use crate::error::{Error, Place, Result};
 pub use crate::frame::array::{Array, ArrayValue, Values};
-use crate::frame::{npy, png};
 use crate::memory::check;
+use crate::write::{npy, png};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -29,7 +29,7 @@ use std::path::Path;
 /// # Errors
 /// [`Error::Io`], [`Error::Limits`].
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    let mut input: Box<dyn Read> = match crate::frame::file::is_standard(path) {
+    let mut input: Box<dyn Read> = match crate::write::file::is_standard(path) {
         true => Box::new(std::io::stdin().lock()),
         false => Box::new(File::open(path).map_err(|error| Error::read(path, error))?),
     };

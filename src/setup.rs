@@ -3,10 +3,10 @@
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Result;
+use crate::frame::report::Timings;
 use crate::intersect::predict::Prediction;
 use crate::memory::Pool;
 use crate::plan::Plan;
-use crate::report::Timings;
 use crate::scene::Scene;
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::{Accuracy, Search, Settings};

@@ -7,13 +7,13 @@
 use crate::answers::raw::Raw;
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
+use crate::frame::report::Timings;
 use crate::gpu::dispatch::{Input, Output};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource};
 use crate::number::Number;
 use crate::plan::Plan;
 use crate::render::{Executor, Renderer};
-use crate::report::Timings;
 use crate::scene::{Spheres, check_sphere};
 use crate::search::nearest::{nearest_in, nearest_of};
 use crate::search::tree::{Shape, Slabs, Slack, Tree, coherent};

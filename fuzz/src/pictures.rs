@@ -1,15 +1,15 @@
 //! The input of `compare`, `merge` and `--resume`: files that halfline wrote, possibly damaged.
 
 use super::{Allowed, allowed, check_error, desk};
-use halfline::frame::file::Target;
-use halfline::frame::format::FormatOptions;
-use halfline::frame::image_file::ImageFile;
-use halfline::frame::merge::{Mosaic, Tile};
 use halfline::measure::frames::FrameFile;
 use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
+use halfline::write::file::Target;
+use halfline::write::format::FormatOptions;
+use halfline::write::image_file::ImageFile;
+use halfline::write::merge::{Mosaic, Tile};
 use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
 use std::fs;
 use std::path::PathBuf;

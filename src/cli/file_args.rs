@@ -7,9 +7,9 @@ use clap::Args;
 use clap::builder::ArgPredicate;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::frame::file::{Target, is_special, is_standard_output};
-use halfline::frame::format::{Bits, FileFormat, FormatOptions, NoReturn};
 use halfline::scene::Scene;
+use halfline::write::file::{Target, is_special, is_standard_output};
+use halfline::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
 use std::path::{Path, PathBuf};
 
 /// Buffers and their file; `None` for the file of -o.

@@ -4,8 +4,8 @@ use super::clash::place;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{check_pattern, numbered};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{check_writable, write_atomically};
 use halfline::read::style::Legend;
+use halfline::write::file::{check_writable, write_atomically};
 use std::path::{Path, PathBuf};
 
 /// Checks the name of the legend's file before any work.

@@ -8,7 +8,6 @@ use super::scene_args::{scene_size, tolerance};
 use super::{go_on, print, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
-use halfline::frame::file::check_writable;
 use halfline::measure::record::Record;
 use halfline::measure::run::{Options, Subject, measure};
 use halfline::measure::variant::Variant;
@@ -16,6 +15,7 @@ use halfline::measure::{export, report};
 use halfline::read::ReadOptions;
 use halfline::scene::Scene;
 use halfline::settings::{Backend, Search, Tolerance};
+use halfline::write::file::check_writable;
 use std::io::ErrorKind;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -153,7 +153,7 @@ impl Measure {
 }
 
 fn read(path: &Path) -> Result<Record> {
-    let text = if halfline::frame::file::is_standard(path) {
+    let text = if halfline::write::file::is_standard(path) {
         std::io::read_to_string(std::io::stdin())
     } else {
         std::fs::read_to_string(path)

@@ -3,10 +3,10 @@
 use super::clash::check_inputs;
 use super::{go_on, say};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{check_writable, is_special, is_standard_output};
-use halfline::frame::format::FileFormat;
-use halfline::frame::merge::{Mosaic, Tile};
 use halfline::quote::count;
+use halfline::write::file::{check_writable, is_special, is_standard_output};
+use halfline::write::format::FileFormat;
+use halfline::write::merge::{Mosaic, Tile};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

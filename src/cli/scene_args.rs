@@ -8,12 +8,12 @@ use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::{Error, Result};
-use halfline::frame::file::{Target, is_standard_output};
 use halfline::intersect::Method;
 use halfline::scene::{Framing, Scene};
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
+use halfline::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use super::config::Config;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use halfline::error::{Error, Result};
-use halfline::frame::file::{check_writable, write_atomically};
+use halfline::write::file::{check_writable, write_atomically};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

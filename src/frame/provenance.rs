@@ -2,8 +2,7 @@
 //! path or machine name, so that the same command writes the same bytes.
 
 use super::Aov;
-use super::format::{BITS, Bits, FileFormat, FormatOptions};
-use crate::report::{CPU_DRIVER, Report};
+use super::report::{CPU_DRIVER, Report};
 use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -43,8 +42,8 @@ pub struct Origin<'a> {
 pub struct Provenance(Vec<(String, String)>);
 
 impl Provenance {
-    /// The provenance of a file with these buffers.
-    pub(super) fn new(origin: &Origin<'_>, format: FileFormat, aovs: &[Aov], style: &FormatOptions) -> Self {
+    /// The provenance of a file with these buffers, without what its format adds.
+    pub(crate) fn new(origin: &Origin<'_>, aovs: &[Aov]) -> Self {
         let Origin { fingerprint, tolerance, seed, report, window, full: [width, height] } = origin;
         let mut words = Self::default();
         words.set("Software", format!("halfline {}", report.halfline));
@@ -67,7 +66,6 @@ impl Provenance {
         words.set(FRAME, format!("{width}x{height}"));
         words.set(WINDOW, window.to_string());
         words.set(BUFFERS, aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(","));
-        style.words(format, aovs).into_iter().for_each(|(key, text)| words.set(key, text));
         words
     }
 
@@ -115,26 +113,21 @@ impl Provenance {
 
     /// The provenance with the hash of the samples.
     #[must_use]
-    pub(super) fn with_pixels(mut self, hash: &str) -> Self {
+    pub(crate) fn with_pixels(mut self, hash: &str) -> Self {
         self.set(PIXELS, hash);
         self
     }
 
     /// The provenance of the rendering alone: without window and hash.
     #[must_use]
-    pub(super) fn rendering(&self) -> Self {
+    pub(crate) fn rendering(&self) -> Self {
         self.0.iter().filter(|(key, _)| !OF_THE_PART.contains(&key.as_str())).cloned().collect()
     }
 
     /// The provenance without the hash of the samples.
     #[must_use]
-    pub(super) fn without_pixels(&self) -> Self {
+    pub(crate) fn without_pixels(&self) -> Self {
         self.0.iter().filter(|(key, _)| key != PIXELS).cloned().collect()
-    }
-
-    /// Bits per component in PNG.
-    pub(super) fn bits(&self) -> Bits {
-        if self.get(BITS) == Some("16") { Bits::Sixteen } else { Bits::Eight }
     }
 
     /// The same with another window.
@@ -145,7 +138,7 @@ impl Provenance {
     }
 
     /// The first keyword that differs, except those of the part, and both texts.
-    pub(super) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
+    pub(crate) fn foreign(&self, other: &Self) -> Option<[String; 3]> {
         let keys = self.0.iter().chain(&other.0).map(|(key, _)| key);
         let keys = keys.filter(|key| !OF_THE_PART.contains(&key.as_str()));
         let text = |words: &Self, key: &str| words.get(key).unwrap_or("nothing").to_owned();
@@ -154,7 +147,7 @@ impl Provenance {
     }
 
     /// One JSON object on one line, in ASCII, in the order of the keywords.
-    pub(super) fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         let json = serde_json::to_string(self).unwrap_or_default();
         let mut ascii = String::with_capacity(json.len());
         for c in json.chars() {
@@ -169,12 +162,12 @@ impl Provenance {
     }
 
     /// Parses the output of [`Provenance::to_json`]; `None` for anything else.
-    pub(super) fn from_json(json: &[u8]) -> Option<Self> {
+    pub(crate) fn from_json(json: &[u8]) -> Option<Self> {
         if json.len() > LONGEST { None } else { serde_json::from_slice(json).ok() }
     }
 
     /// The block after the last number, for formats whose headers cannot hold metadata.
-    pub(super) fn trailer(&self) -> String {
+    pub(crate) fn trailer(&self) -> String {
         trailer::of(&self.to_json())
     }
 

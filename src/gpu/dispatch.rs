@@ -2,6 +2,7 @@
 
 use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
+use crate::frame::report::Timings;
 use crate::gpu::clock::Clock;
 use crate::gpu::compose::compose;
 use crate::gpu::device::{self, AdapterSummary};
@@ -10,7 +11,6 @@ use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
-use crate::report::Timings;
 use crate::search::tile_candidates::CandidateList;
 use crate::search::tree::Tree;
 use crate::tile::TILE;

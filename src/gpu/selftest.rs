@@ -10,11 +10,11 @@ mod tests;
 mod twin;
 
 use crate::error::{Error, Result};
+use crate::frame::report::milliseconds;
 use crate::gpu::Gpu;
 use crate::gpu::compose::{Part, Source, binding_numbers, compose, files};
 use crate::gpu::layout::{buffers, validate};
 use crate::intersect::Method;
-use crate::report::milliseconds;
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
 use naga::valid::Capabilities;

@@ -4,7 +4,7 @@ use super::record::Record;
 #[cfg(feature = "cli")]
 use super::record::{Run, Spread};
 use crate::error::{Error, Result};
-use crate::frame::file::write_atomically;
+use crate::write::file::write_atomically;
 use std::path::Path;
 
 /// The record as one JSON object, one line per field.

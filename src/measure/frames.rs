@@ -7,10 +7,10 @@ mod pfm;
 
 use super::{Array, bytes_of};
 use crate::error::{Error, Place, Result};
-use crate::frame::npy;
-use crate::frame::png;
 use crate::frame::provenance::Provenance;
 use crate::quote::{list, quote};
+use crate::write::npy;
+use crate::write::png;
 use std::io::Cursor;
 use std::path::Path;
 

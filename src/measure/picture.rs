@@ -3,9 +3,9 @@
 use super::compare::{Difference, distance_at, is_beyond};
 use super::{Array, Values};
 use crate::error::{Error, Result};
-use crate::frame::file;
-use crate::frame::format::FileFormat;
-use crate::frame::png;
+use crate::write::file;
+use crate::write::format::FileFormat;
+use crate::write::png;
 use rayon::prelude::*;
 use std::path::Path;
 

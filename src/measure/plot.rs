@@ -14,7 +14,7 @@ mod raster;
 use super::record::Record;
 use super::total::main_place;
 use crate::error::{Error, Result};
-use crate::frame::file;
+use crate::write::file;
 use std::io;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use super::plot::{Plot, plots};
 use super::record::{PlaceRecord, Record};
 use super::verdict::{broken, summary};
 use crate::error::Result;
-use crate::frame::file;
+use crate::write::file;
 use std::path::{Path, PathBuf};
 
 /// Writes every plot that the record has data for, as SVG and PNG, and `report.html`, into an existing folder. Files

@@ -2,8 +2,9 @@
 
 use crate::adapter::{gpu, gpu_or_skip};
 use crate::test_dir::{NO_ADAPTER, SCENE, TestDir};
-use halfline::frame::{Aov, npy, png};
+use halfline::frame::Aov;
 use halfline::measure::{Array, ArrayValue};
+use halfline::write::{npy, png};
 use serde_json::Value;
 
 fn dir() -> TestDir {

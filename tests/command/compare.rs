@@ -1,8 +1,9 @@
 //! The promise of `halfline compare`: it finds each difference at its place, and the exit code says whether there is one.
 
 use crate::test_dir::TestDir;
-use halfline::frame::{Aov, Buffer, Data, npy, png};
+use halfline::frame::{Aov, Buffer, Data};
 use halfline::measure::Array;
+use halfline::write::{npy, png};
 use serde_json::Value;
 
 const WIDTH: usize = 7;

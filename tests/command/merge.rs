@@ -4,11 +4,11 @@
 use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::test_dir::{Output, TestDir};
-use halfline::frame::file::Target;
-use halfline::frame::format::{Bits, FileFormat, FormatOptions};
 use halfline::frame::{Aov, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
+use halfline::write::file::Target;
+use halfline::write::format::{Bits, FileFormat, FormatOptions};
 
 /// Cuts a window into random parts.
 fn parts(rng: &mut Rng, window: Window) -> Vec<Window> {

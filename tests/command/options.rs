@@ -2,8 +2,8 @@
 
 use crate::nff;
 use crate::test_dir::{SCENE, TestDir};
-use halfline::frame::{npy, png};
 use halfline::measure::Array;
+use halfline::write::{npy, png};
 
 const NFF: &str = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 30\nhither 0.1\nresolution 32 24\nf 1 0.5 0 1 0 0 0 1
 s 0 0 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\n";

@@ -4,13 +4,13 @@
 use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::skip::skip;
-use halfline::frame::file::Target;
-use halfline::frame::format::{Bits, FileFormat, FormatOptions, NoReturn};
-use halfline::frame::image_file::{ImageFile, Layer, SampleType};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::measure::Array;
 use halfline::settings::Settings;
 use halfline::window::Window;
+use halfline::write::file::Target;
+use halfline::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
+use halfline::write::image_file::{ImageFile, Layer, SampleType};
 use std::path::Path;
 use std::process::Command;
 

@@ -3,14 +3,15 @@
 
 use crate::skip::skip;
 use halfline::error::Error;
-use halfline::frame::file::{Target, check_writable, write_atomically};
-use halfline::frame::format::FormatOptions;
 use halfline::frame::provenance::Origin;
-use halfline::frame::{Aov, Buffer, Data, Frame, npy, png as picture};
+use halfline::frame::{Aov, Buffer, Data, Frame};
 use halfline::measure::{Array, Values};
 use halfline::report::Report;
 use halfline::settings::Settings;
 use halfline::window::Window;
+use halfline::write::file::{Target, check_writable, write_atomically};
+use halfline::write::format::FormatOptions;
+use halfline::write::{npy, png as picture};
 use std::fs;
 use std::io::{self, Cursor, Write};
 use std::path::Path;

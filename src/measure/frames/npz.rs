@@ -3,8 +3,8 @@
 
 use super::{FrameFile, NamedBuffer};
 use crate::error::{Error, Place, Result};
-use crate::frame::npy;
 use crate::memory::check;
+use crate::write::npy;
 use flate2::CrcReader;
 use flate2::read::DeflateDecoder;
 use std::io::{Cursor, Read};

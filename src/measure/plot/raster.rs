@@ -2,7 +2,7 @@
 //! of DejaVu Sans, so that no PNG depends on the fonts of the machine.
 
 use super::canvas::{Cells, Drawn};
-use crate::frame::png;
+use crate::write::png;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters_backend::DrawingErrorKind;

@@ -1,9 +1,10 @@
 //! Encodes buffers as the samples that a format stores.
 
 use super::format::{FileFormat, FormatOptions};
-use super::image_file::{LayerFormat, Rows, SampleType};
-use super::{Aov, Buffer, Data, Frame, srgb};
+use super::layer::{LayerFormat, SampleType};
+use super::rows::Rows;
 use crate::error::Result;
+use crate::frame::{Aov, Buffer, Data, Frame, srgb};
 use crate::quote::number;
 use rayon::prelude::*;
 use std::borrow::Cow;

@@ -1,12 +1,13 @@
 //! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, mask and normals as levels; distance and depth as 16-bit
 //! multiples of a unit. Text chunks hold the provenance, and a crop has its offset.
 
-use super::array::{Array, Values};
 use super::format::FileFormat;
-use super::image_file::{Head, Rows, SampleType, SeekRead, Sink, invalid, pulled};
-use super::srgb::levels;
-use super::{Aov, Buffer, Data};
+use super::layer::SampleType;
+use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
+use crate::frame::array::{Array, Values};
+use crate::frame::srgb::levels;
+use crate::frame::{Aov, Buffer, Data};
 use crate::memory::check;
 use png::{BitDepth, ColorType};
 use std::borrow::Cow;
@@ -19,7 +20,7 @@ pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Keyword and text of each provenance chunk; keywords are Latin-1, 1 to 79 characters.
 type TextChunks = [(String, String)];
 
-/// Writes the colour buffer as 8-bit RGB, each component [encoded](super::srgb::level) and marked as sRGB, with `words`
+/// Writes the colour buffer as 8-bit RGB, each component [encoded](crate::frame::srgb::level) and marked as sRGB, with `words`
 /// as iTXt chunks. Equal buffers and words give equal bytes: no date and no machine name is written.
 ///
 /// # Errors

@@ -6,10 +6,11 @@ use super::atomic::write_anywhere;
 use super::digest::Digest;
 use super::encode::{self, Encoder};
 use super::format::{FileFormat, FormatOptions};
-use super::image_file::{self, Head, Opened, Rows};
-use super::provenance::{Origin, Provenance};
-use super::{Aov, Frame};
+use super::image_file::{self, Opened};
+use super::rows::{Head, Rows};
 use crate::error::{Error, Result};
+use crate::frame::provenance::{Origin, Provenance};
+use crate::frame::{Aov, Frame};
 use crate::window::Window;
 use std::borrow::Cow;
 use std::fs::File;
@@ -92,7 +93,10 @@ impl Target {
 
     /// The provenance of the file; .raw cannot hold it.
     pub fn provenance(&self, origin: &Origin<'_>) -> Provenance {
-        Provenance::new(origin, self.format, &self.aovs, &self.style)
+        let mut provenance = Provenance::new(origin, &self.aovs);
+        let of_format = self.style.words(self.format, &self.aovs);
+        of_format.into_iter().for_each(|(key, text)| provenance.set(key, text));
+        provenance
     }
 
     /// Whether the file exists, has the same provenance as `origin`, and is byte for byte what encoding its own content

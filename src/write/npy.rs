@@ -1,14 +1,15 @@
 //! NumPy's .npy: one buffer per file, without loss. Written as format version 1.0, little-endian, C order; read in any
 //! version, byte order and axis order, for plain number types.
 
-use super::Buffer;
-use super::array::{Array, Values};
 use super::encode::Encoder;
 use super::format::{FileFormat, FormatOptions};
-use super::image_file::{Head, LayerFormat, Rows, SampleType, SeekRead, Sink, invalid, pulled};
+use super::layer::{LayerFormat, SampleType};
 use super::plain::{self, Plain};
-use super::provenance::Provenance;
+use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
+use crate::frame::Buffer;
+use crate::frame::array::{Array, Values};
+use crate::frame::provenance::Provenance;
 use crate::memory::check;
 use crate::npy::{DType, Header};
 use std::io::{self, Write};

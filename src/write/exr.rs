@@ -3,11 +3,11 @@
 //! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
 //! others. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
-use super::Aov;
 use super::format::FileFormat;
-use super::image_file::{Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
-use super::provenance::Provenance;
+use super::rows::{EXR_ROWS, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use crate::error::Result;
+use crate::frame::Aov;
+use crate::frame::provenance::Provenance;
 use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::meta::{BlockDescription, MetaData, magic_number};
@@ -20,9 +20,6 @@ use std::ops::Range;
 
 /// The signature of OpenEXR files.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
-
-/// Rows per compressed block.
-pub(super) const ROWS: usize = 16;
 
 /// The attribute that holds the provenance as JSON. The writer does not keep the order of custom attributes, so there
 /// is only one.
@@ -65,7 +62,7 @@ impl ExrLayout {
         let text = |text: &str| Text::new_or_none(text).ok_or_else(|| invalid("the text cannot be stored in EXR"));
         let mut channels = Vec::new();
         for (layer, form) in head.forms.iter().enumerate() {
-            let kind = if form.kind == super::image_file::SampleType::U32 { SampleType::U32 } else { SampleType::F32 };
+            let kind = if form.kind == super::layer::SampleType::U32 { SampleType::U32 } else { SampleType::F32 };
             for (place, name) in names(form.aov).iter().enumerate() {
                 channels.push((ChannelDescription::named(*name, kind), [layer, place]));
             }
@@ -95,12 +92,12 @@ impl ExrLayout {
     }
 
     fn blocks(&self) -> usize {
-        self.height.div_ceil(ROWS)
+        self.height.div_ceil(EXR_ROWS)
     }
 
     /// The rows of a block, from 0 in this file.
     fn rows(&self, block: usize) -> Range<usize> {
-        block * ROWS..(block * ROWS + ROWS).min(self.height)
+        block * EXR_ROWS..(block * EXR_ROWS + EXR_ROWS).min(self.height)
     }
 
     /// The bounds of a block, for the compressor.
@@ -111,7 +108,7 @@ impl ExrLayout {
 
     /// The y coordinate that identifies a block in the file.
     fn y(&self, block: usize) -> i32 {
-        self.header.own_attributes.layer_position.1 + (block * ROWS) as i32
+        self.header.own_attributes.layer_position.1 + (block * EXR_ROWS) as i32
     }
 
     /// Bytes per row of one channel.
@@ -178,7 +175,7 @@ pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io:
             layout.header.compression.compress_image_section_to_le(&layout.header, bytes, layout.bounds(block));
         packed.map(|packed| (block, packed)).map_err(io::Error::other)
     };
-    let together = blocks_together(layout.size(ROWS));
+    let together = blocks_together(layout.size(EXR_ROWS));
     for first in (0..blocks).step_by(together) {
         let some = first..(first + together).min(blocks);
         let raw = some.map(|block| Ok((block, layout.gather(rows, block)?))).collect::<io::Result<Vec<_>>>()?;
@@ -205,7 +202,7 @@ fn blocks_together(bytes: usize) -> usize {
 
 /// The most bytes needed for blocks of rows of `row` bytes.
 pub(super) fn memory(row: u64) -> u64 {
-    let block = ROWS as u64 * row;
+    let block = EXR_ROWS as u64 * row;
     3 * block * blocks_together(usize::try_from(block).unwrap_or(usize::MAX / 3)) as u64
 }
 
@@ -230,7 +227,7 @@ pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<
     }
     let offsets = table.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
     // A band of rows of the merged frame overlaps at most one more block of a tile than its own number of blocks.
-    let kept = head.band_rows() / ROWS + 1;
+    let kept = head.band_rows() / EXR_ROWS + 1;
     let recent = VecDeque::new();
     let rows = Blocks { input, name: name.into(), layout, offsets, recent, kept, samples: Vec::new() };
     Ok(Some((head, Box::new(rows))))
@@ -283,7 +280,7 @@ impl Rows for Blocks<'_> {
         let row = self.layout.line() * self.layout.each[layer];
         let mut samples = std::mem::take(&mut self.samples);
         samples.resize(rows.len() * row, 0);
-        for block in rows.start / ROWS..rows.end.div_ceil(ROWS) {
+        for block in rows.start / EXR_ROWS..rows.end.div_ceil(EXR_ROWS) {
             self.load(block)?;
             let all = self.layout.rows(block);
             let part = all.start.max(rows.start)..all.end.min(rows.end);

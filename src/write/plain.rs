@@ -1,6 +1,6 @@
 //! Samples that a file holds uncompressed: .npy, .npz and .pfm.
 
-use super::image_file::{Rows, SeekRead, malformed};
+use super::rows::{Rows, SeekRead, malformed};
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};

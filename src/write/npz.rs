@@ -2,11 +2,12 @@
 //! always ZIP's first one, so that equal buffers give equal bytes.
 
 use super::format::FileFormat;
-use super::image_file::{Head, LayerFormat, Rows, SeekRead, Sink, malformed};
+use super::layer::LayerFormat;
 use super::npy;
 use super::plain::Plain;
-use super::provenance::Provenance;
+use super::rows::{Head, Rows, SeekRead, Sink, malformed};
 use crate::error::Result;
+use crate::frame::provenance::Provenance;
 use std::cell::Cell;
 use std::io::{self, Read, Write};
 use zip::write::SimpleFileOptions;

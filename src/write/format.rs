@@ -1,8 +1,9 @@
 //! File formats, the buffers that each can hold, and the options of the formats.
 
-use super::Aov;
-use super::image_file::{LayerFormat, SampleType};
+use super::layer::{LayerFormat, SampleType};
 use crate::error::{Error, Result};
+use crate::frame::Aov;
+use crate::frame::provenance::Provenance;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -110,7 +111,7 @@ impl FileFormat {
 }
 
 /// The keyword of the bits per component in a PNG.
-pub(super) const BITS: &str = "halfline:bits";
+const BITS: &str = "halfline:bits";
 
 /// Bits per component in a PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -120,6 +121,13 @@ pub enum Bits {
     Eight,
     /// 0 to 65535.
     Sixteen,
+}
+
+impl Bits {
+    /// The bits per component in a PNG with this provenance.
+    pub(super) fn of(provenance: &Provenance) -> Self {
+        if provenance.get(BITS) == Some("16") { Self::Sixteen } else { Self::Eight }
+    }
 }
 
 impl FromStr for Bits {

@@ -2,10 +2,11 @@
 //! <https://www.pauldebevec.com/Research/HDR/PFM/>.
 
 use super::format::FileFormat;
-use super::image_file::{Head, Rows, SampleType, SeekRead, Sink, invalid, malformed, pulled};
+use super::layer::SampleType;
 use super::plain::{self, Plain, reverse};
-use super::provenance::Provenance;
+use super::rows::{Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use crate::error::Result;
+use crate::frame::provenance::Provenance;
 use std::io;
 
 /// Writes the only buffer; a scale of -1 means little-endian. The provenance follows the last number.

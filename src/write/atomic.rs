@@ -1,6 +1,6 @@
 //! Atomic files: a file is written completely or not at all, even if the process is killed.
 
-use super::image_file::Sink;
+use super::rows::Sink;
 use crate::error::{Error, Result};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};

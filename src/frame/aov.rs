@@ -1,0 +1,98 @@
+//! The buffers that a frame can hold, by name.
+
+use crate::error::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
+
+/// The buffers a frame can hold (arbitrary output variables), by the names of the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Aov {
+    /// Shaded colour, H,W,3 f32, linear RGB; the background on a miss.
+    Color,
+    /// Euclidean length from the ray's origin to the hit, H,W f64, scene units; +inf on a miss.
+    Distance,
+    /// Distance along the view axis (planar z), H,W f64, scene units; +inf on a miss.
+    Depth,
+    /// Unit normal in world space, against the ray, H,W,3 f32; 0,0,0 on a miss.
+    Normal,
+    /// Hit point in world space, H,W,3 f64, scene units; NaN on a miss.
+    Position,
+    /// Index of the sphere in the scene's order, H,W i32; -1 on a miss.
+    Id,
+    /// 1 hit, 0 miss, H,W u8.
+    Mask,
+    /// 0 certified in f32, 1 settled, 255 not certified, H,W u8; a miss has a certainty like a hit.
+    Certainty,
+    /// Proven bound of the distance's error, H,W f64, scene units; 0 on a miss, +inf where nothing is proven.
+    Bound,
+    /// Coverage of the pixel: the share of its samples that hit, H,W f32; 0 on a miss.
+    Alpha,
+}
+
+impl Aov {
+    /// Every buffer, in the order of the documentation.
+    pub const ALL: [Self; 10] = [
+        Self::Color,
+        Self::Distance,
+        Self::Depth,
+        Self::Normal,
+        Self::Position,
+        Self::Id,
+        Self::Mask,
+        Self::Certainty,
+        Self::Bound,
+        Self::Alpha,
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Color => "color",
+            Self::Distance => "distance",
+            Self::Depth => "depth",
+            Self::Normal => "normal",
+            Self::Position => "position",
+            Self::Id => "id",
+            Self::Mask => "mask",
+            Self::Certainty => "certainty",
+            Self::Bound => "bound",
+            Self::Alpha => "alpha",
+        }
+    }
+
+    /// Components per pixel.
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Color | Self::Normal | Self::Position => 3,
+            _ => 1,
+        }
+    }
+
+    /// The type of its values, as NumPy names it: `float32`, `float64`, `int32` or `uint8`.
+    pub fn dtype(self) -> &'static str {
+        match self {
+            Self::Color | Self::Normal | Self::Alpha => "float32",
+            Self::Distance | Self::Depth | Self::Position | Self::Bound => "float64",
+            Self::Id => "int32",
+            Self::Mask | Self::Certainty => "uint8",
+        }
+    }
+}
+
+impl fmt::Display for Aov {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Aov {
+    type Err = Error;
+
+    /// The buffer with this name; [`Error::Settings`] lists the names.
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|aov| aov.name() == name).ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            Error::settings(format!("there is no buffer named {name:?}"), format!("choose from {names}"))
+        })
+    }
+}

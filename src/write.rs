@@ -1,0 +1,17 @@
+//! Files of frames: formats, encoding, atomic files; reading them back, and merging the files of tiles.
+
+mod atomic;
+mod digest;
+mod encode;
+mod exr;
+pub mod file;
+pub mod format;
+pub mod image_file;
+mod layer;
+pub mod merge;
+pub mod npy;
+mod npz;
+mod pfm;
+mod plain;
+pub mod png;
+mod rows;

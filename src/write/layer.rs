@@ -1,0 +1,51 @@
+//! How a file stores a buffer.
+
+use crate::frame::Aov;
+
+/// The type of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SampleType {
+    /// A level of 0 to 255, or a byte.
+    U8,
+    /// A level of 0 to 65535.
+    U16,
+    /// A 32-bit unsigned integer.
+    U32,
+    /// A 32-bit integer.
+    I32,
+    /// A 32-bit float.
+    F32,
+    /// A 64-bit float.
+    F64,
+}
+
+impl SampleType {
+    /// Bytes per sample.
+    pub fn size(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// How a file stores a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LayerFormat {
+    /// The buffer. Colour with four channels has alpha as the last.
+    pub aov: Aov,
+    /// The type of its samples.
+    pub kind: SampleType,
+    /// Samples per pixel.
+    pub channels: usize,
+}
+
+impl LayerFormat {
+    /// Bytes per pixel.
+    pub fn pixel(&self) -> usize {
+        self.kind.size() * self.channels
+    }
+}
