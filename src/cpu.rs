@@ -1,6 +1,7 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
 mod certified;
+mod given_rays;
 mod tiles;
 
 use crate::answers::raw::Raw;
@@ -15,6 +16,7 @@ use crate::view::{Sphere, View};
 use rayon::prelude::*;
 
 pub(crate) use certified::certified;
+pub(crate) use given_rays::given_rays;
 pub(crate) use tiles::by_tiles;
 
 /// What the reference path is called where an adapter's name is expected.

@@ -43,7 +43,6 @@
 //! ```
 
 mod answers;
-mod budget;
 mod certify;
 mod cpu;
 mod double_double;
@@ -51,7 +50,6 @@ mod double_double;
 mod dyadic;
 pub mod error;
 pub mod exact;
-pub mod explain;
 pub mod frame;
 mod gpu;
 pub mod intersect;
@@ -60,7 +58,6 @@ pub mod measure;
 mod memory;
 mod npy;
 pub mod number;
-pub mod plan;
 pub mod progress;
 pub mod quote;
 pub mod read;
@@ -68,12 +65,10 @@ pub mod render;
 pub mod scene;
 mod search;
 pub mod settings;
-mod setup;
 pub mod shade;
 #[cfg(test)]
 mod testing;
 mod tile;
-pub mod trace;
 mod trailer;
 pub mod view;
 pub mod window;
@@ -86,12 +81,12 @@ pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verd
 pub use intersect::{Method, predict};
 pub use progress::{Cancel, Progress, Step, Watch};
 pub use read::ReadOptions;
-pub use render::{Renderer, render};
+pub use render::trace::trace;
+pub use render::{Renderer, explain, plan, render, trace};
 pub use scene::camera::{self, Camera, Lens, Look};
 pub use scene::{ImagePlane, Scene, Skipped, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
-pub use trace::trace;
 pub use view::ray;
 /// The wgpu that [`Renderer::with_device`] takes its device from.
 pub use wgpu;

@@ -146,8 +146,8 @@ mod tests {
     use crate::certify::binned::BinnedScene;
     use crate::intersect::Method;
     use crate::memory::Pool;
-    use crate::plan::Plan;
     use crate::read::ReadOptions;
+    use crate::render::plan::Plan;
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::View;

@@ -1,17 +1,17 @@
 //! Renders several samples per pixel, one pass each, and averages them to colour and coverage. Samples are certified
 //! and settled like pixels.
 
-use super::Renderer;
+use super::plan::Plan;
+use super::renderer::Renderer;
+use super::setup::FrameSetup;
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::kernel::Kernel;
-use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::setup::FrameSetup;
 use crate::view::raster::Raster;
 use std::sync::Arc;
 

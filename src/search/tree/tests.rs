@@ -2,13 +2,14 @@
 
 use super::*;
 use crate::answers::raw::Raw;
+use crate::cpu::given_rays as on_cpu;
 use crate::kernel::{Kernel, RaySource};
 use crate::measure::suite::Random;
 use crate::memory::Pool;
-use crate::plan::Plan;
+use crate::render::plan::Plan;
+use crate::render::trace::{farthest, ray_record};
 use crate::scene::Spheres;
 use crate::settings::Settings;
-use crate::trace::{farthest, on_cpu, ray_record};
 use glam::DVec3;
 
 /// Rays from one point or many at a cloud.

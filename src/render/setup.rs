@@ -1,12 +1,12 @@
 //! The setup of one frame: the view, and the spheres binned into tiles.
 
+use super::plan::Plan;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::intersect::predict::Prediction;
 use crate::memory::Pool;
-use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::search::tile_candidates::{CandidateList, TileCandidates};
 use crate::settings::{Accuracy, Search, Settings};

@@ -1,12 +1,12 @@
 //! The memory that a frame needs, compared with the memory that is free, and the number of spheres that would fit.
 
+use super::plan::Plan;
 use crate::answers::settle::Settled;
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
 use crate::kernel::Kernel;
 use crate::memory::SPHERE;
-use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use crate::view::{SphereRecord, SphereResiduals};

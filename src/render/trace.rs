@@ -4,23 +4,20 @@
 //! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
 //! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
 
+use super::plan::Plan;
+use super::renderer::{Executor, Renderer};
 use crate::answers::raw::Raw;
+use crate::cpu;
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::frame::report::Timings;
 use crate::gpu::dispatch::{Input, Output};
-use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource};
-use crate::number::Number;
-use crate::plan::Plan;
-use crate::render::{Executor, Renderer};
 use crate::scene::{Spheres, check_sphere};
-use crate::search::nearest::{nearest_in, nearest_of};
-use crate::search::tree::{Shape, Slabs, Slack, Tree, coherent};
+use crate::search::tree::{Shape, Slack, Tree, coherent};
 use crate::settings::{Search, Settings};
-use crate::shade::Surface;
-use crate::view::ray::{Hit, NONE, Ray, RayRecord, dot3};
-use crate::view::{Sphere, SphereRecord, SphereResiduals, View};
+use crate::view::View;
+use crate::view::ray::{NONE, RayRecord};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -105,7 +102,7 @@ impl Renderer {
                     gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
                 }
                 Executor::Cpu => {
-                    on_cpu(&kernel, &view, &records, tree.as_ref(), &mut raw);
+                    cpu::given_rays(&kernel, &view, &records, tree.as_ref(), &mut raw);
                 }
             }
             for (k, &n) in group.rays.iter().enumerate() {
@@ -203,71 +200,4 @@ pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> 
 pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
     let square = |r: &RayRecord| r.origin[..3].iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
     rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
-}
-
-/// A sphere moved to the origin of a ray; the twin of search/moved_origin.wgsl.
-fn moved<R: Number>(s: &SphereRecord, residuals: &SphereResiduals, ray: &RayRecord) -> Sphere<R> {
-    let shrink = 1.0 / s.scale;
-    let part = |k: usize| [s.center_radius[k], residuals.center_radius[k]];
-    let p = [0, 1, 2].map(|k| R::difference(part(k), [ray.origin[k], ray.origin_low[k]], shrink));
-    let radius = R::from_hi_lo(s.center_radius[3], residuals.center_radius[3]);
-    Sphere {
-        center_radius: [p[0], p[1], p[2], radius],
-        power: dot3(p, p) - radius * radius,
-        scale: R::from_f32(s.scale),
-    }
-}
-
-/// The CPU path of [`Renderer::trace`].
-pub(crate) fn on_cpu(kernel: &Kernel, view: &View, rays: &[RayRecord], tree: Option<&Tree>, raw: &mut Raw) {
-    kernel.method.dispatch(Traced { kernel, view, rays, tree, raw });
-}
-
-struct Traced<'a> {
-    kernel: &'a Kernel,
-    view: &'a View,
-    rays: &'a [RayRecord],
-    tree: Option<&'a Tree>,
-    raw: &'a mut Raw,
-}
-
-impl Visit for Traced<'_> {
-    type Output = ();
-
-    fn visit<V: Intersect>(self) {
-        let Self { kernel, view, rays, tree, raw } = self;
-        let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
-        let sphere_of = |ray: &RayRecord, id: usize| match kernel.rays {
-            RaySource::Spread => moved(&view.spheres[id], &view.residuals[id], ray),
-            _ => spheres[id],
-        };
-        let direction = |r: &RayRecord| {
-            let low = [r.direction[3], r.origin[3], r.origin_low[3]];
-            Ray { d: std::array::from_fn(|k| V::Number::from_hi_lo(r.direction[k], low[k])) }
-        };
-        raw.t_low.resize(raw.id.len(), 0.0);
-        let ts = raw.t.par_iter_mut().zip(&mut raw.t_low);
-        raw.id.par_iter_mut().zip(ts).zip(rays).for_each(|((id, t), r)| {
-            let (ray, sphere) = (direction(r), |k| sphere_of(r, k));
-            let hit = match tree {
-                Some(tree) => nearest_in::<V, V::Number>(&ray, &Slabs::of(r), tree, sphere),
-                None => nearest_of::<V, V::Number>(&ray, spheres.len(), sphere),
-            };
-            (*id, (*t.0, *t.1)) = (hit.id, hit.t.to_hi_lo());
-        });
-        if kernel.normal {
-            let hits = raw.id.par_iter().zip(raw.t.par_iter().zip(&raw.t_low)).zip(rays);
-            raw.normal.par_chunks_exact_mut(3).zip(hits).for_each(|(out, ((&id, (&t, &low)), r))| {
-                if id != NONE {
-                    let own = [sphere_of(r, id as usize)];
-                    let hit = Hit { t: V::Number::from_hi_lo(t, low), id: 0 };
-                    let surface = Surface { view: &view.record, spheres: &own, colors: None };
-                    out.copy_from_slice(&surface.world_normal::<V>(&direction(r), hit));
-                }
-            });
-        }
-        if !kernel.method.is_wide() {
-            raw.t_low.clear();
-        }
-    }
 }

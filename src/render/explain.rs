@@ -1,159 +1,28 @@
 //! The report of `halfline plan`: what would be compiled, uploaded and computed, why, and what is left out. No ray is
 //! traced.
 
-use crate::budget::Need;
-use crate::certify::binned::BinnedScene;
+mod explanation;
+mod work;
+
+use super::budget::Need;
+use super::frame::FrameRays;
+use super::plan::Plan;
+use super::renderer::{Executor, Renderer};
+use super::setup::FrameSetup;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::frame::report::Timings;
-use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
-use crate::gpu::dispatch::Input;
-use crate::gpu::submission_budget::SubmissionBudget;
-use crate::gpu::transfers::{Bands, BindingLimits, Entries, uploads};
 use crate::intersect::Method;
-use crate::intersect::predict::Prediction;
-use crate::kernel::{Kernel, KernelOutput, Sharing};
+use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
-use crate::plan::Plan;
-use crate::render::{Executor, FrameRays, Renderer};
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Backend, Settings};
-use crate::setup::FrameSetup;
 use crate::shade::Shade;
-use crate::view::ViewRecord;
 use crate::view::raster::Raster;
-use serde::Serialize;
+use work::Work;
 
-/// What a scene requires; the command line prints it.
-#[derive(Debug, Clone, Serialize)]
-pub struct Explanation {
-    /// `halfline-plan`.
-    pub schema: &'static str,
-    /// Version of this object's shape.
-    pub version: u32,
-    /// The program that planned.
-    pub halfline: &'static str,
-    /// Spheres in the scene.
-    pub spheres: u64,
-    /// Objects of the scene file that are not spheres and are left out.
-    pub skipped: u64,
-    /// Columns and rows of the full frame.
-    pub size: [u32; 2],
-    /// The window that would be rendered: x0, y0, x1, y1, ends excluded.
-    pub window: [u32; 4],
-    /// Viewing rays: the pixels of the window.
-    pub rays: u64,
-    /// Samples per pixel whose mean is the colour and the alpha: one more pass per sample, by a kernel that writes only
-    /// ids and colour. 1 for pixel centres.
-    pub samples: u32,
-    /// `gpu` or `cpu`.
-    pub backend: &'static str,
-    /// The adapter's name; `cpu` for the reference path.
-    pub adapter: String,
-    /// `fast`, `certified` or `exact`.
-    pub accuracy: &'static str,
-    /// The intersection method, `certified` or `exact`.
-    pub method: &'static str,
-    /// Why this accuracy and this method.
-    pub reason: String,
-    /// The allowed relative error; promised where answers are certified.
-    pub tolerance: f64,
-    /// The predicted worst-case rounding error; `None` where answers are certified.
-    pub predicted: Option<Prediction>,
-    /// The arithmetic of the kernel and the source of its input.
-    pub precision: String,
-    /// How candidates are found.
-    pub search: &'static str,
-    /// Why this search.
-    pub search_reason: String,
-    /// How the spheres are binned into tiles; `None` where every ray tests all of them.
-    pub staged: Option<BinnedCounts>,
-    /// The shader files of the kernel, in order; empty where no kernel runs.
-    pub kernel: Vec<ShaderFile>,
-    /// What is uploaded.
-    pub uploaded: Vec<DeviceBuffer>,
-    /// The buffers that the kernel writes and the host reads back, for all pixels together.
-    pub written: Vec<DeviceBuffer>,
-    /// The number of dispatches: bands of rows that fit the adapter's bindings and half a second of a software adapter;
-    /// a faster adapter takes fewer. 0 where no kernel runs.
-    pub dispatches: u64,
-    /// How many spheres fit.
-    pub room: Room,
-    /// The buffers of the finished frame.
-    pub frame: Vec<Shown>,
-    /// What this scene does not need, and why.
-    pub left_out: Vec<LeftOut>,
-    /// The warnings of the frame's report, as far as they are known before a ray is traced.
-    pub warnings: Vec<String>,
-}
-
-/// Spheres by their place in the candidate lists.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct BinnedCounts {
-    /// In the tiles' lists: wholly in front of the eye.
-    pub front: u64,
-    /// Tested by every ray: around the eye, across its plane, or large and close.
-    pub near: u64,
-    /// Not uploaded, because no ray can hit them: behind the eye or outside the image.
-    pub unseen: u64,
-}
-
-/// The number of spheres that fit for this image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Room {
-    /// The number that the adapter's bindings hold of spheres distributed like these; `None` where no kernel runs.
-    pub adapter: Option<u64>,
-    /// The number that this machine's free memory holds, including the scene's own; `None` where the system does not
-    /// report it.
-    pub host: Option<u64>,
-    /// Estimate of the memory that the frame needs besides the scene, bytes.
-    pub needed: u64,
-    /// Free memory, bytes.
-    pub free: Option<u64>,
-}
-
-/// A WGSL file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct ShaderFile {
-    /// Its name under shaders/.
-    pub file: &'static str,
-    /// Its number of lines.
-    pub lines: usize,
-}
-
-/// A buffer on the device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct DeviceBuffer {
-    /// Its name in WGSL.
-    pub name: &'static str,
-    /// Its size in bytes.
-    pub bytes: u64,
-}
-
-/// A buffer of the frame.
-#[derive(Debug, Clone, Serialize)]
-pub struct Shown {
-    /// Its name.
-    pub name: &'static str,
-    /// Rows, columns, and components if more than one.
-    pub shape: Vec<u64>,
-    /// The type of its values, as NumPy names it.
-    pub dtype: &'static str,
-    /// Its size in bytes.
-    pub bytes: u64,
-    /// Whether it is requested; ids are always present.
-    pub asked: bool,
-}
-
-/// A part of the renderer that this scene does not need.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    /// The part.
-    pub what: &'static str,
-    /// Why.
-    pub why: String,
-}
+pub use explanation::{BinnedCounts, DeviceBuffer, Explanation, LeftOut, Room, ShaderFile, Shown};
 
 /// Reports what `scene` requires on the adapter that `settings` select, or on the CPU path if there is none.
 ///
@@ -200,15 +69,6 @@ impl Renderer {
             Ok(compose(&this.kernel_of(&setup)).with_banners())
         };
         self.planned(scene, settings, composed).map(|(text, _)| text)
-    }
-
-    /// The kernel of a frame on this device.
-    fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
-        let sharing = match &self.place {
-            Executor::Gpu(gpu) => gpu.summary.sharing(),
-            Executor::Cpu => Sharing::None,
-        };
-        Kernel { sharing, ..setup.plan.kernel }.with_generals(setup.has_nears())
     }
 
     /// The report of a plan on this device.
@@ -264,73 +124,6 @@ impl Renderer {
             dispatches: work.dispatches,
             room: Room { adapter: work.spheres, host: free.map(|free| need.fitting(free)), needed: need.bytes(), free },
         })
-    }
-}
-
-/// The work of a device.
-#[derive(Default)]
-struct Work {
-    kernel: Vec<ShaderFile>,
-    uploaded: Vec<DeviceBuffer>,
-    written: Vec<DeviceBuffer>,
-    dispatches: u64,
-    spheres: Option<u64>,
-}
-
-impl Work {
-    fn of(kernel: &Kernel, setup: &FrameSetup, scene: &Scene, gpu: &Gpu) -> Self {
-        let pool = Pool::default();
-        let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
-        let parts = compose(kernel).files().into_iter().map(|(file, lines)| ShaderFile { file, lines }).collect();
-        let pixels = view.record.pixels() as u64;
-        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
-        let mut uploaded = vec![DeviceBuffer { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
-        let bytes = |(name, bytes): (&'static str, &[u8])| DeviceBuffer { name, bytes: bytes.len() as u64 };
-        uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));
-        let written =
-            KernelOutput::of(kernel).map(|out| DeviceBuffer { name: out.name, bytes: pixels * out.bytes() }).collect();
-        let limits = BindingLimits::from(&gpu.limits);
-        let mut cut = Bands::new(kernel, &input, limits);
-        let bands: Vec<_> = std::iter::from_fn(|| cut.next(&SubmissionBudget::default())).collect();
-        if let Some(candidates) = candidates {
-            // The bands pass through the same buffers one after another.
-            let mut of_lists: Vec<DeviceBuffer> = Vec::new();
-            for (name, more) in bands.iter().flat_map(|band| Entries::of(&candidates, band).sizes(&candidates)) {
-                match of_lists.iter_mut().find(|b| b.name == name) {
-                    Some(b) => b.bytes += more,
-                    None => of_lists.push(DeviceBuffer { name, bytes: more }),
-                }
-            }
-            uploaded.extend(of_lists);
-        }
-        let spheres = Some(limits.spheres(kernel, &input));
-        Self { kernel: parts, uploaded, written, dispatches: bands.len() as u64, spheres }
-    }
-}
-
-impl Work {
-    /// Adds `passes` passes of another kernel.
-    fn add(&mut self, pass: Self, passes: u32) {
-        let passes = u64::from(passes);
-        let new = pass.kernel.into_iter().filter(|part| !self.kernel.contains(part)).collect::<Vec<_>>();
-        self.kernel.extend(new);
-        for (all, more) in [(&mut self.uploaded, pass.uploaded), (&mut self.written, pass.written)] {
-            for DeviceBuffer { name, bytes } in more {
-                match all.iter_mut().find(|b| b.name == name) {
-                    Some(b) => b.bytes += passes * bytes,
-                    None => all.push(DeviceBuffer { name, bytes: passes * bytes }),
-                }
-            }
-        }
-        self.dispatches += passes * pass.dispatches;
-        self.spheres = self.spheres.min(pass.spheres);
-    }
-}
-
-impl BinnedCounts {
-    fn of(binned: &BinnedScene, scene: &Scene) -> Self {
-        let (front, near) = (binned.seen, binned.generals.len() as u64);
-        Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
     }
 }
 

@@ -1,0 +1,143 @@
+//! The report of `halfline plan`, as it is printed.
+
+use crate::certify::binned::BinnedScene;
+use crate::intersect::predict::Prediction;
+use crate::scene::Scene;
+use serde::Serialize;
+
+/// What a scene requires; the command line prints it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Explanation {
+    /// `halfline-plan`.
+    pub schema: &'static str,
+    /// Version of this object's shape.
+    pub version: u32,
+    /// The program that planned.
+    pub halfline: &'static str,
+    /// Spheres in the scene.
+    pub spheres: u64,
+    /// Objects of the scene file that are not spheres and are left out.
+    pub skipped: u64,
+    /// Columns and rows of the full frame.
+    pub size: [u32; 2],
+    /// The window that would be rendered: x0, y0, x1, y1, ends excluded.
+    pub window: [u32; 4],
+    /// Viewing rays: the pixels of the window.
+    pub rays: u64,
+    /// Samples per pixel whose mean is the colour and the alpha: one more pass per sample, by a kernel that writes only
+    /// ids and colour. 1 for pixel centres.
+    pub samples: u32,
+    /// `gpu` or `cpu`.
+    pub backend: &'static str,
+    /// The adapter's name; `cpu` for the reference path.
+    pub adapter: String,
+    /// `fast`, `certified` or `exact`.
+    pub accuracy: &'static str,
+    /// The intersection method, `certified` or `exact`.
+    pub method: &'static str,
+    /// Why this accuracy and this method.
+    pub reason: String,
+    /// The allowed relative error; promised where answers are certified.
+    pub tolerance: f64,
+    /// The predicted worst-case rounding error; `None` where answers are certified.
+    pub predicted: Option<Prediction>,
+    /// The arithmetic of the kernel and the source of its input.
+    pub precision: String,
+    /// How candidates are found.
+    pub search: &'static str,
+    /// Why this search.
+    pub search_reason: String,
+    /// How the spheres are binned into tiles; `None` where every ray tests all of them.
+    pub staged: Option<BinnedCounts>,
+    /// The shader files of the kernel, in order; empty where no kernel runs.
+    pub kernel: Vec<ShaderFile>,
+    /// What is uploaded.
+    pub uploaded: Vec<DeviceBuffer>,
+    /// The buffers that the kernel writes and the host reads back, for all pixels together.
+    pub written: Vec<DeviceBuffer>,
+    /// The number of dispatches: bands of rows that fit the adapter's bindings and half a second of a software adapter;
+    /// a faster adapter takes fewer. 0 where no kernel runs.
+    pub dispatches: u64,
+    /// How many spheres fit.
+    pub room: Room,
+    /// The buffers of the finished frame.
+    pub frame: Vec<Shown>,
+    /// What this scene does not need, and why.
+    pub left_out: Vec<LeftOut>,
+    /// The warnings of the frame's report, as far as they are known before a ray is traced.
+    pub warnings: Vec<String>,
+}
+
+/// Spheres by their place in the candidate lists.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct BinnedCounts {
+    /// In the tiles' lists: wholly in front of the eye.
+    pub front: u64,
+    /// Tested by every ray: around the eye, across its plane, or large and close.
+    pub near: u64,
+    /// Not uploaded, because no ray can hit them: behind the eye or outside the image.
+    pub unseen: u64,
+}
+
+/// The number of spheres that fit for this image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Room {
+    /// The number that the adapter's bindings hold of spheres distributed like these; `None` where no kernel runs.
+    pub adapter: Option<u64>,
+    /// The number that this machine's free memory holds, including the scene's own; `None` where the system does not
+    /// report it.
+    pub host: Option<u64>,
+    /// Estimate of the memory that the frame needs besides the scene, bytes.
+    pub needed: u64,
+    /// Free memory, bytes.
+    pub free: Option<u64>,
+}
+
+/// A WGSL file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct ShaderFile {
+    /// Its name under shaders/.
+    pub file: &'static str,
+    /// Its number of lines.
+    pub lines: usize,
+}
+
+/// A buffer on the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct DeviceBuffer {
+    /// Its name in WGSL.
+    pub name: &'static str,
+    /// Its size in bytes.
+    pub bytes: u64,
+}
+
+/// A buffer of the frame.
+#[derive(Debug, Clone, Serialize)]
+pub struct Shown {
+    /// Its name.
+    pub name: &'static str,
+    /// Rows, columns, and components if more than one.
+    pub shape: Vec<u64>,
+    /// The type of its values, as NumPy names it.
+    pub dtype: &'static str,
+    /// Its size in bytes.
+    pub bytes: u64,
+    /// Whether it is requested; ids are always present.
+    pub asked: bool,
+}
+
+/// A part of the renderer that this scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// The part.
+    pub what: &'static str,
+    /// Why.
+    pub why: String,
+}
+
+impl BinnedCounts {
+    pub(super) fn of(binned: &BinnedScene, scene: &Scene) -> Self {
+        let (front, near) = (binned.seen, binned.generals.len() as u64);
+        Self { front, near, unseen: scene.spheres.len() as u64 - front - near }
+    }
+}

@@ -1,0 +1,289 @@
+//! One frame the whole way: plan, setup, kernel, exact decisions, buffers, report.
+
+use super::budget::Need;
+use super::missed::missed;
+use super::plan::Plan;
+use super::renderer::{Executor, Renderer};
+use super::setup::FrameSetup;
+use crate::answers::assemble::Answers;
+use crate::answers::raw::Raw;
+use crate::answers::settle::{self, Settled};
+use crate::certify::binned::Depths;
+use crate::cpu;
+use crate::error::{Error, Result};
+use crate::frame::report::{Report, Timings, milliseconds};
+use crate::frame::{Aov, Buffer, Data, Frame};
+use crate::gpu::dispatch::{Input, Output};
+use crate::memory;
+use crate::progress::Step;
+use crate::scene::Scene;
+use crate::search::tile_candidates::CandidateList;
+use crate::settings::{Accuracy, Backend, Settings};
+use crate::view::raster::Raster;
+use crate::window::Window;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The rays of a frame.
+#[derive(Clone, Copy)]
+pub(super) struct FrameRays {
+    pub(super) window: Window,
+    /// The samples, where there are several per pixel.
+    pub(super) samples: Option<Raster>,
+}
+
+impl Renderer {
+    /// Renders `scene`. The backend and adapter of `settings` take effect in [`Renderer::new`] only.
+    ///
+    /// # Errors
+    /// [`Error::Scene`], [`Error::Settings`], [`Error::Limits`], [`Error::DeviceLost`], [`Error::Accuracy`],
+    /// [`Error::Interrupted`].
+    pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let work = |this: &mut Self, plan: Plan, rays: FrameRays| this.frame(plan, rays, scene, settings);
+        let (mut frame, blocker) = self.planned(scene, settings, work)?;
+        frame.report.warnings.extend(blocker);
+        Ok(frame)
+    }
+
+    /// The report of a frame before it is rendered: what would compute it and how. No ray is traced.
+    ///
+    /// # Errors
+    /// Those of [`Renderer::render`] that do not depend on rays.
+    pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
+        let known = |this: &mut Self, plan: Plan, rays: FrameRays| Ok(this.report(&plan, scene, rays.samples));
+        self.planned(scene, settings, known).map(|(report, _)| report)
+    }
+
+    /// Runs `work` with the plan: on the CPU path with a warning if the adapter may not certify.
+    pub(super) fn planned<T>(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        work: impl FnOnce(&mut Self, Plan, FrameRays) -> Result<T>,
+    ) -> Result<(T, Option<String>)> {
+        let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
+        let window = settings.window_of(scene)?;
+        let samples =
+            Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
+        let rays = FrameRays { window, samples };
+        Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
+        self.check_method(plan.kernel.method)?;
+        let Some(blocker) = self.certification_blocker(&plan)? else {
+            return work(self, plan, rays).map(|done| (done, None));
+        };
+        if settings.backend == Backend::Gpu {
+            return Err(Error::Accuracy {
+                problem: blocker,
+                mend: "use --backend auto or cpu, or --accuracy fast".into(),
+            });
+        }
+        let adapter = std::mem::replace(&mut self.place, Executor::Cpu);
+        let done = work(self, plan, rays);
+        self.place = adapter;
+        done.map(|done| (done, Some(format!("{blocker}: the CPU path is used instead"))))
+    }
+
+    /// Why this adapter may not certify; `None` if it may.
+    fn certification_blocker(&mut self, plan: &Plan) -> Result<Option<String>> {
+        match &mut self.place {
+            Executor::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
+                let passed = gpu.verdict()?.f32;
+                let name = &gpu.summary.name;
+                let blocker = || {
+                    format!(
+                        "{name} failed the self-test of its f32 arithmetic (see halfline adapters) and cannot certify"
+                    )
+                };
+                Ok((!passed).then(blocker))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Renders a window of one frame with the plan.
+    fn frame(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Frame> {
+        let FrameRays { window, samples } = rays;
+        let start = Instant::now();
+        let pool = Arc::clone(&self.pool);
+        pool.next_frame();
+        let mut timings = Timings::default();
+        let watch = self.watch.clone();
+        watch.check()?;
+        let staging = watch.begin(Step::Stage, scene.spheres.len() as u64);
+        let setup = FrameSetup::new(plan, scene, settings, Raster::centres(window), &pool, &mut timings)?;
+        staging.end()?;
+        let FrameSetup { plan, view, .. } = &setup;
+        let pixels = view.record.pixels();
+        let tolerance = settings.promise().relative();
+        let mut raw = Raw::new(&plan.kernel, pixels, &pool)?;
+        // Discards the time of earlier kernels, for example of a self-test.
+        self.kernel_ms();
+        let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
+        watch.check()?;
+        let sampled = samples
+            .zip(plan.sampled)
+            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut timings))
+            .transpose()?;
+        let kernel_ms = self.kernel_ms();
+        if let Some(shade) = plan.kernel.shade {
+            timings.time("shade", || settle::shade(shade, scene, view, &settled, &mut raw.color));
+        }
+        let certify = plan.kernel.certify;
+        let depths = certify.then(|| Depths::new(scene, view, setup.certified()));
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
+        let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
+        let predicted = match plan.accuracy {
+            Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
+            _ => None,
+        };
+        let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
+        let report = self.report(plan, scene, samples);
+        let mut frame = Frame { width, height, window, full, buffers, report };
+        let report = &mut frame.report;
+        report.rays = pixels as u64;
+        report.hits = frame.buffers.iter().map(hits).sum();
+        report.settled = settled.len() as u64;
+        let proved = (pixels - settled.len()) as f64 / pixels as f64;
+        report.certified = setup.certified().map_or(0.0, |_| proved);
+        report.bound = certify.then(|| bound(&frame.buffers, tolerance));
+        report.predicted = predicted;
+        report.warnings.extend(setup.warnings(scene, settings, predicted));
+        report.warnings.extend((report.hits == 0).then(|| missed(scene, settings.window)).flatten());
+        report.stages_ms = timings.into_map();
+        report.frame_ms = vec![milliseconds(start)];
+        report.kernel_ms = kernel_ms.into_iter().collect();
+        if let Some(binned) = setup.binned {
+            binned.put_back(&pool);
+        }
+        Ok(frame)
+    }
+
+    /// The report as far as it is known before the frame is computed.
+    fn report(&self, plan: &Plan, scene: &Scene, samples: Option<Raster>) -> Report {
+        Report {
+            schema: "halfline-render",
+            version: 1,
+            halfline: env!("CARGO_PKG_VERSION"),
+            spheres: scene.spheres.len() as u64,
+            skipped: scene.skipped.total(),
+            adapter: self.adapter().to_owned(),
+            driver: self.driver(),
+            backend: if self.is_gpu() { "gpu" } else { "cpu" },
+            method: plan.method,
+            accuracy: plan.accuracy.name(),
+            reason: plan.reason.clone(),
+            shade: plan.shade().map(|shade| shade.name()),
+            search: plan.search.name(),
+            samples: samples.map_or(1, |raster| raster.count()),
+            setup_ms: self.setup_ms,
+            warnings: self.passed_over.clone(),
+            ..Report::default()
+        }
+    }
+
+    /// Traces and settles: the kernel's answers in `raw`, and the settled pixels.
+    pub(super) fn answer(
+        &mut self,
+        setup: &FrameSetup,
+        scene: &Scene,
+        raw: &mut Raw,
+        timings: &mut Timings,
+    ) -> Result<Vec<Settled>> {
+        let watch = self.watch.clone();
+        let (view, binned) = (&setup.view, setup.certified());
+        let settle = |pixels: usize| watch.begin(Step::Settle, pixels as u64);
+        let (settled, doing) = if setup.is_traced() {
+            self.trace_frame(setup, scene, raw, timings)?;
+            let Some(binned) = binned else { return Ok(Vec::new()) };
+            let unsure = timings.time("settle", || settle::unsure(&raw.id));
+            if unsure.is_empty() {
+                return Ok(Vec::new());
+            }
+            let doing = settle(unsure.len());
+            let go_on = || doing.next(1);
+            (timings.time("settle", || settle::settle(scene, view, binned, &unsure, &go_on)), doing)
+        } else {
+            let doing = settle(raw.id.len());
+            let go_on = || doing.next(u64::from(view.record.columns));
+            (timings.time("settle", || settle::exact(scene, view, &go_on)), doing)
+        };
+        doing.end()?;
+        settled
+    }
+
+    /// Runs the kernel or its twin, with the answers in `raw`.
+    fn trace_frame(&mut self, setup: &FrameSetup, scene: &Scene, raw: &mut Raw, timings: &mut Timings) -> Result<()> {
+        let FrameSetup { plan, view, .. } = setup;
+        let pool = Arc::clone(&self.pool);
+        let (colors, candidates) = (scene.spheres.colors.as_deref(), setup.candidates(scene, &pool));
+        let doing = self.watch.begin(Step::Trace, raw.id.len() as u64);
+        let row = || doing.next(u64::from(view.record.columns));
+        let kernel = self.kernel_of(setup);
+        match &mut self.place {
+            Executor::Gpu(gpu) => {
+                let input = Input { view, colors, rays: &[], candidates, tree: None };
+                gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
+            }
+            Executor::Cpu => timings.time("trace", || match candidates {
+                None => cpu::render(&plan.kernel, view, colors, raw, &row),
+                Some(CandidateList::Uncertified(tile_candidates)) => {
+                    cpu::by_tiles(&plan.kernel, &tile_candidates, colors, raw, &row)
+                }
+                Some(CandidateList::Certified(binned)) => cpu::certified(&plan.kernel, view, binned, colors, raw, &row),
+            }),
+        }
+        doing.end()
+    }
+}
+
+/// The number of hits in the buffer of ids; 0 in any other.
+fn hits(buffer: &Buffer) -> u64 {
+    match &buffer.data {
+        Data::I32(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
+        _ => 0,
+    }
+}
+
+/// The largest proven relative error of the distance, where it is requested; else the promised tolerance.
+fn bound(buffers: &[Buffer], promised: f64) -> f64 {
+    let values = |aov: Aov| buffers.iter().find(|b| b.aov == aov).map(|b| &b.data);
+    match (values(Aov::Bound), values(Aov::Distance)) {
+        (Some(Data::F64(bounds)), Some(Data::F64(distances))) => {
+            bounds.iter().zip(distances).map(|(b, d)| b / d).fold(0.0, f64::max)
+        }
+        _ => promised,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Aov, Camera, ImagePlane, Spheres};
+
+    /// An adapter that failed the self-test does not certify: the CPU path is used with a warning, or it is an error.
+    #[test]
+    fn an_adapter_that_failed_the_self_test_does_not_certify() {
+        let Some(_) = crate::testing::adapter_or_skip() else { return };
+        let mut spheres = Spheres::default();
+        spheres.push([0.0, 0.0, -3.0], 1.0, None);
+        let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Default::default() };
+        let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
+        let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
+        assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");
+        let Executor::Gpu(adapter) = &mut renderer.place else { panic!("a GPU was requested") };
+        adapter.distrust();
+        let error = renderer.render(&scene, &gpu).expect_err("the CPU path is not allowed");
+        assert!(matches!(error, Error::Accuracy { .. }), "{error}");
+        let auto = Settings { backend: Backend::Auto, ..gpu.clone() };
+        let report = renderer.render(&scene, &auto).expect("a frame").report;
+        assert_eq!((report.backend, report.accuracy), ("cpu", "certified"));
+        assert!(report.warnings.iter().any(|w| w.contains("self-test")), "{:?}", report.warnings);
+        let plan = renderer.explain(&scene, &auto).expect("a plan");
+        assert_eq!((plan.backend, plan.accuracy, &plan.warnings), ("cpu", "certified", &report.warnings));
+        assert!(matches!(renderer.explain(&scene, &gpu), Err(Error::Accuracy { .. })), "as rendering does");
+        let fast = Settings { accuracy: Accuracy::Fast, ..gpu };
+        assert_eq!(renderer.render(&scene, &fast).expect("a frame").report.backend, "gpu", "fast promises nothing");
+    }
+}

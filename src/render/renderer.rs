@@ -1,0 +1,186 @@
+//! A device, or the CPU path, with what it keeps from frame to frame.
+
+use super::plan::Plan;
+use super::setup::FrameSetup;
+use crate::cpu;
+use crate::error::{Error, Result};
+use crate::frame::report::milliseconds;
+use crate::frame::{Data, Frame};
+use crate::gpu::Gpu;
+use crate::gpu::device::{self, AdapterSummary, Open};
+use crate::gpu::selftest::Verdict;
+use crate::intersect::Method;
+use crate::kernel::{Kernel, Sharing};
+use crate::memory::Pool;
+use crate::progress::Watch;
+use crate::settings::{Backend, Settings};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
+pub struct Renderer {
+    pub(super) place: Executor,
+    pub(super) setup_ms: f64,
+    pub(super) watch: Watch,
+    pub(super) pool: Arc<Pool>,
+    pub(super) passed_over: Vec<String>,
+}
+
+/// The device of a renderer.
+pub(super) enum Executor {
+    Gpu(Box<Gpu>),
+    Cpu,
+}
+
+impl Renderer {
+    /// Opens the backend and the adapter that `settings` select. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` apply where the
+    /// settings leave a choice.
+    ///
+    /// # Errors
+    /// [`Error::Adapter`] when no adapter fits, [`Error::Settings`] for a contradiction, such as an adapter with the
+    /// CPU path, [`Error::Accuracy`] for an accuracy that cannot be reached.
+    pub fn new(settings: &Settings) -> Result<Self> {
+        let start = Instant::now();
+        if settings.backend == Backend::Cpu && settings.adapter.is_some() {
+            return Err(Error::settings(
+                "--backend cpu does not use an adapter",
+                "remove --adapter or use --backend gpu",
+            ));
+        }
+        // Errors that do not depend on a device are found before one is opened.
+        Plan::for_method(settings)?;
+        let mut passed_over = Vec::new();
+        let place = match settings.backend {
+            Backend::Cpu => Executor::Cpu,
+            Backend::Gpu | Backend::Auto => {
+                let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
+                let opened = match (&named, settings.backend) {
+                    (None, Backend::Auto) => device::open_first(device::find()?, device::open, &mut passed_over),
+                    _ => device::choose(device::find()?, named.as_deref())?
+                        .map(|found| Ok((device::open(&found)?, found.summary)))
+                        .transpose()?,
+                };
+                match opened {
+                    Some((open, summary)) => Executor::Gpu(Box::new(Gpu::new(open, summary))),
+                    None if settings.backend == Backend::Auto => Executor::Cpu,
+                    None => return Err(device::none_found()),
+                }
+            }
+        };
+        if let (Executor::Cpu, Some(last)) = (&place, passed_over.last_mut()) {
+            last.push_str(": falling back to the CPU path");
+        }
+        let setup_ms = milliseconds(start);
+        Ok(Self { place, setup_ms, watch: Watch::default(), pool: Arc::default(), passed_over })
+    }
+
+    /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
+    #[must_use]
+    pub fn with_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let summary = AdapterSummary::of_device(&device);
+        let open = Open { device, queue, lost: Arc::new(Mutex::new(None)) };
+        Self {
+            place: Executor::Gpu(Box::new(Gpu::new(open, summary))),
+            setup_ms: 0.0,
+            watch: Watch::default(),
+            pool: Arc::default(),
+            passed_over: Vec::new(),
+        }
+    }
+
+    /// Why adapters that were found are not used although the settings allow them; these are warnings of every report.
+    #[must_use]
+    pub fn passed_over(&self) -> &[String] {
+        &self.passed_over
+    }
+
+    /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`]; the renderer stays usable.
+    #[must_use]
+    pub fn watched_by(mut self, watch: Watch) -> Self {
+        self.watch = watch;
+        self
+    }
+
+    /// Whether an adapter computes the frames; otherwise the CPU reference path does.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self.place, Executor::Gpu(_))
+    }
+
+    /// The adapter's name, `cpu` for the reference path.
+    #[must_use]
+    pub fn adapter(&self) -> &str {
+        match &self.place {
+            Executor::Gpu(gpu) => &gpu.summary.name,
+            Executor::Cpu => cpu::NAME,
+        }
+    }
+
+    /// Driver and its version, threads for the reference path.
+    #[must_use]
+    pub fn driver(&self) -> String {
+        match &self.place {
+            Executor::Gpu(gpu) => gpu.summary.driver.clone(),
+            Executor::Cpu => cpu::driver(),
+        }
+    }
+
+    /// Checks that `method` can run here. On the CPU path every method can.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it, and the errors of the
+    /// self-test.
+    pub fn check_method(&mut self, method: Method) -> Result<()> {
+        match &mut self.place {
+            Executor::Gpu(gpu) => gpu.check_method(method),
+            Executor::Cpu => Ok(()),
+        }
+    }
+
+    /// The measured properties of the adapter's arithmetic; `None` for the reference path, which defines them.
+    ///
+    /// # Errors
+    /// The errors of the self-test.
+    pub fn verdict(&mut self) -> Result<Option<&Verdict>> {
+        match &mut self.place {
+            Executor::Gpu(gpu) => gpu.verdict().map(Some),
+            Executor::Cpu => Ok(None),
+        }
+    }
+
+    /// Whether the device's own clock times the kernels.
+    #[must_use]
+    pub fn has_clock(&self) -> bool {
+        matches!(&self.place, Executor::Gpu(gpu) if gpu.has_clock())
+    }
+
+    /// Kernel time since the last call.
+    pub(super) fn kernel_ms(&mut self) -> Option<f64> {
+        match &mut self.place {
+            Executor::Gpu(gpu) => gpu.kernel_ms(),
+            Executor::Cpu => None,
+        }
+    }
+
+    /// Returns the memory of a frame that is no longer needed to the pool of later frames.
+    pub fn recycle(&mut self, frame: Frame) {
+        for buffer in frame.buffers {
+            match buffer.data {
+                // The kernels' ids have the same bits.
+                Data::I32(v) => self.pool.put_back(bytemuck::allocation::cast_vec::<i32, u32>(v)),
+                Data::F32(v) => self.pool.put_back(v),
+                Data::F64(v) => self.pool.put_back(v),
+                Data::U8(_) => {}
+            }
+        }
+    }
+
+    /// The kernel of a frame on this device.
+    pub(super) fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
+        let sharing = match &self.place {
+            Executor::Gpu(gpu) => gpu.summary.sharing(),
+            Executor::Cpu => Sharing::None,
+        };
+        Kernel { sharing, ..setup.plan.kernel }.with_generals(setup.has_nears())
+    }
+}
