@@ -33,8 +33,8 @@ impl Scene {
     /// all of it.
     ///
     /// # Errors
-    /// [`Error::Io`] for a file that cannot be read, [`Error::Scene`] for content that is not a scene,
-    /// [`Error::Settings`] for options that do not apply to it.
+    /// [`Error::Io`](crate::Error::Io) for a file that cannot be read, [`Error::Scene`](crate::Error::Scene) for content that is not a scene,
+    /// [`Error::Settings`](crate::Error::Settings) for options that do not apply to it.
     pub fn read(path: &Path, options: &ReadOptions) -> Result<Self> {
         let mut sequence = Sequence::open(path, options)?;
         let first = sequence.next_scene()?;

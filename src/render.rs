@@ -23,7 +23,7 @@ pub use renderer::Renderer;
 /// Renders `scene` once. For many frames keep a [`Renderer`].
 ///
 /// # Errors
-/// Every kind of [`Error`]; no partial frame is returned.
+/// Every kind of [`Error`](crate::Error); no partial frame is returned.
 pub fn render(scene: &Scene, settings: &Settings) -> Result<Frame> {
     Renderer::new(settings)?.render(scene, settings)
 }

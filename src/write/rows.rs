@@ -17,7 +17,7 @@ pub(super) const EXR_ROWS: usize = 16;
 /// Everything in a file except its samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Head {
-    /// Its buffers, in the order of [`Aov::ALL`].
+    /// Its buffers, in the order of [`Aov::ALL`](crate::Aov::ALL).
     pub forms: Vec<LayerFormat>,
     /// Their provenance.
     pub provenance: Provenance,
