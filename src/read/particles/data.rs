@@ -1,6 +1,8 @@
 //! LAMMPS data: a header, and sections. Atoms is read, Masses gives elements, and Velocities are columns; described at
 //! docs.lammps.org/read_data.html.
 
+mod header;
+
 use super::layout::{Layout, Role, wanted};
 use super::masses;
 use super::rows::surplus;
@@ -13,7 +15,7 @@ use crate::read::lines::{Lines, Word, Words};
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::read::style::elements::element;
-use crate::scene::Cell;
+use header::{DataHeader, body, fail};
 use std::collections::HashMap;
 
 /// The reader.
@@ -57,32 +59,6 @@ const SECTIONS: [&str; 3] = ["Atoms", "Masses", "Velocities"];
 const TYPE: usize = 128;
 const PLACE: u64 = 80;
 
-/// The content of the header.
-#[derive(Default)]
-struct DataHeader {
-    atoms: Option<u64>,
-    types: u64,
-    /// Whether the file has ellipsoids, lines, triangles or bodies, whose atoms have different columns.
-    shaped: bool,
-    low: [f64; 3],
-    high: [f64; 3],
-    tilt: [f64; 3],
-    bounded: bool,
-    general: [Option<[f64; 3]>; 4],
-}
-
-impl DataHeader {
-    fn cell(&self) -> Option<Cell> {
-        if let [Some(a), Some(b), Some(c), origin] = self.general {
-            return Some(Cell { origin: origin.unwrap_or_default(), edges: [a, b, c] });
-        }
-        let side = |k: usize| self.high[k] - self.low[k];
-        let [xy, xz, yz] = self.tilt;
-        let edges = [[side(0), 0.0, 0.0], [xy, side(1), 0.0], [xz, yz, side(2)]];
-        self.bounded.then_some(Cell { origin: self.low, edges })
-    }
-}
-
 /// The content of the sections besides the particles.
 #[derive(Default)]
 struct SectionData {
@@ -106,7 +82,7 @@ impl LammpsData {
         let (mut particles, mut found) = (Particles::default(), SectionData::default());
         // The first line is free text.
         let reduced = self.lines.advance()? && self.lines.text().contains("units = lj");
-        let head = self.head()?;
+        let head = DataHeader::read(&mut self.lines)?;
         let count = head.atoms.ok_or_else(|| {
             self.fail(0, "header", "the number of atoms is not known", "add a line such as `12 atoms` to the header")
         })?;
@@ -138,52 +114,9 @@ impl LammpsData {
         Ok(particles)
     }
 
-    /// The header, up to the line of the first section, which becomes the current one.
-    fn head(&mut self) -> Result<DataHeader> {
-        let mut head = DataHeader::default();
-        while self.lines.advance()? {
-            let line = self.body();
-            if line.starts_with(|c: char| c.is_ascii_uppercase()) {
-                break;
-            }
-            let words: Vec<&str> = line.split_whitespace().take(8).collect();
-            let finite = |n: usize| -> Result<[f64; 3]> {
-                let mut numbers = [0.0; 3];
-                for (number, word) in numbers[..n].iter_mut().zip(Words::of(&self.lines)) {
-                    *number = word.finite("header")?;
-                }
-                Ok(numbers)
-            };
-            let whole = || {
-                words[0].parse().map_err(|_| {
-                    let problem = format!("{} is not a number of {}", quote(words[0]), words[1..].join(" "));
-                    self.fail(0, "header", problem, "use a whole number")
-                })
-            };
-            match words[..] {
-                [_, "atoms"] => head.atoms = Some(whole()?),
-                [_, "atom", "types"] => head.types = whole()?,
-                [_, "ellipsoids" | "lines" | "triangles" | "bodies"] => head.shaped = whole()? > 0,
-                [_, _, low @ ("xlo" | "ylo" | "zlo"), _] => {
-                    let axis = usize::from(low.as_bytes()[0] - b'x');
-                    [head.low[axis], head.high[axis], _] = finite(2)?;
-                    head.bounded = true;
-                }
-                [_, _, _, "xy", "xz", "yz"] => head.tilt = finite(3)?,
-                [_, _, _, "avec"] => head.general[0] = Some(finite(3)?),
-                [_, _, _, "bvec"] => head.general[1] = Some(finite(3)?),
-                [_, _, _, "cvec"] => head.general[2] = Some(finite(3)?),
-                [_, _, _, "abc", "origin"] => head.general[3] = Some(finite(3)?),
-                _ => {}
-            }
-        }
-        Ok(head)
-    }
-
     /// The current line without its comment.
     fn body(&self) -> &str {
-        let text = self.lines.text();
-        text.split_once('#').map_or(text, |(body, _)| body).trim()
+        body(&self.lines)
     }
 
     fn is_section(&self) -> bool {
@@ -397,7 +330,7 @@ impl LammpsData {
     }
 
     fn fail(&self, byte: usize, field: &str, problem: impl Into<String>, mend: &str) -> Error {
-        Error::scene(self.lines.place(byte).named(field), problem, mend)
+        fail(&self.lines, byte, field, problem, mend)
     }
 }
 
@@ -437,100 +370,4 @@ impl ParticleFrames for LammpsData {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::read_frames;
-    use super::*;
-
-    fn read(text: &str, columns: &[&str]) -> Result<Particles> {
-        Ok(read_frames(text, columns, LammpsData::new)?.remove(0))
-    }
-
-    const HEAD: &str = "by hand\n\n2 atoms # so many\n2 atom types\n0 2 xlo xhi\n-1 3 ylo yhi\n0 5 zlo zhi\n";
-
-    #[test]
-    fn sections_are_read_and_passed_over() {
-        let text = format!(
-            "{HEAD}0.5 0 -1 xy xz yz\n\nPair Coeffs # lj\n\n1 1 1\n2 1 1\n\nMasses\n\n2 15.9994 # O\n1 1.008\n\n\
-             Atoms # full\n\n7 1 2 -0.8 1 2 3 0 0 1\n\n3 1 1 0.4 4 5 6 0 0 0\n\nVelocities\n\n3 0 0 9\n7 0 0 8\n\n\
-             Bonds\n\n1 1 7 3\n"
-        );
-        let found = read(&text, &["q", "vz"]).expect("a file");
-        assert_eq!((&found.positions[..], &found.elements[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], &[8, 1][..]));
-        let cell = Cell { origin: [0.0, -1.0, 0.0], edges: [[2.0, 0.0, 0.0], [0.5, 4.0, 0.0], [0.0, -1.0, 5.0]] };
-        assert_eq!(found.cell, Some(cell));
-        let column = |name: &str| &found.columns.iter().find(|c| c.name == name).expect(name).values[..];
-        assert_eq!(
-            (column("q"), column("vz")),
-            (&[-0.8, 0.4][..], &[8.0, 9.0][..]),
-            "velocities by the atoms' numbers"
-        );
-        assert_eq!(found.skipped.assumed.len(), 1, "{:?}", found.skipped);
-        assert!(found.skipped.assumed[0].contains("2 O, 1 H"), "{:?}", found.skipped);
-    }
-
-    #[test]
-    fn styles_are_named_or_follow_from_the_columns() {
-        let file = |heading: &str, row: &str| format!("{HEAD}\n{heading}\n\n{row}\n{row}\n");
-        for (heading, row, assumed) in [
-            ("Atoms # sphere", "1 1 3 0.1 1 2 3", 0),
-            ("Atoms # dipole", "1 1 0.5 1 2 3 9 9 9 9", 0),
-            ("Atoms # hybrid sphere", "1 1 1 2 3 0.5 1", 0),
-            ("Atoms", "1 1 1 2 3", 1),
-            ("Atoms", "1 1 1 2 3 0 -1 0", 1),
-            ("Atoms", "1 1 1 1.0 2 3", 1),
-            ("Atoms", "1 1 0.5 1 2 3 0 0 0", 1),
-            ("Atoms", "1 1 1 0.5 1 2 3", 1),
-        ] {
-            let found = read(&file(heading, row), &[]).unwrap_or_else(|e| panic!("{heading} {row}: {e}"));
-            assert_eq!(
-                (found.positions[1], found.skipped.assumed.len()),
-                ([1.0, 2.0, 3.0], assumed),
-                "{heading} {row}"
-            );
-            assert_eq!(found.radii, if heading.ends_with("# sphere") { vec![1.5; 2] } else { vec![] }, "{heading}");
-        }
-        let general = file("Atoms # atomic", "1 1 1 2 3").replace("0 2 xlo xhi", "1 2 3 avec\n4 5 6 bvec\n7 8 9 cvec");
-        let cell = read(&general, &[]).expect("a file").cell.expect("a cell");
-        assert_eq!((cell.edges[1], cell.origin), ([4.0, 5.0, 6.0], [0.0; 3]));
-    }
-
-    #[test]
-    fn labels_and_reduced_masses() {
-        let labelled = format!("{HEAD}\nMasses\n\nFe 55.845\nC 12.011\n\nAtoms # atomic\n\n1 C 1 2 3\n2 Fe 1 2 3\n");
-        assert_eq!(read(&labelled, &[]).expect("a file").elements, [6, 26]);
-        let reduced = format!("{HEAD}\nMasses\n\n1 1\n2 2\n\nAtoms # atomic\n\n1 1 1 2 3\n2 2 1 2 3\n");
-        assert!(read(&reduced, &[]).expect("a file").elements.is_empty());
-        let lj = reduced.replace("2 2\n\nAtoms", "2 12.011\n\nAtoms").replace("by hand", "LAMMPS, units = lj");
-        assert!(read(&lj, &[]).expect("a file").elements.is_empty());
-    }
-
-    #[test]
-    fn errors_are_reported_with_line_and_column() {
-        let file = |sections: &str| format!("{HEAD}\n{sections}");
-        for (text, told) in [
-            (file("Atoms # atomic\n\n1 1 1 2 3\n"), "the file ends after 1 of 2 lines of Atoms"),
-            (file("Atoms # atomic\n\n1 1 1 2 3\n\nVelocities\n"), ":13:11: Atoms: the section ends after 1 of 2 lines"),
-            (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n3 1 1 2 3\n"), ":13:1: count: expected 2 atoms, found 3"),
-            (file("Masses\n\n1 1\n2 2\nFe 3\n\nAtoms\n"), ":13:1: count: expected 2 atom types, found 3"),
-            (
-                file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 2 3\n\nVelocities\n\n2 1 1 1\n1 1 1 1\n3 1 1 1\n\nBonds\n"),
-                ":18:1: count: expected 2 atoms, found 3",
-            ),
-            ("t\n\n0 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), ":7:1: count: expected 0 atoms, found 1"),
-            ("t\n\n9999999999 atoms\n\nAtoms\n\n1 1 1 2 3\n".into(), "more than 32-bit ids"),
-            (file("Atoms # atomic\n\n1 1 1 2 3\n2 1 1 b 3\n"), ":12:7: y: `b`"),
-            (file("Atoms # fancy\n\n1 1 1 2 3\n"), ":9:1: Atoms: `fancy` is not an atom style"),
-            (file("Atoms\n\n1 1 0.5 2.5 1 2 3\n"), "is not known"),
-            (file("Atoms # sphere\n\n1 1 0 0.1 1 2 3\n"), ":11:5: diameter: `0` is not positive"),
-            (file("Velocities\n\n"), "comes before Atoms"),
-            (file("Masses\n\n1\n"), ":11:1: Masses"),
-            (file("Masses\n\n1 -1\n"), ":11:3: mass"),
-            (file("Bonds\n\n1 1 1 1\n"), "the section Atoms is missing"),
-            ("title\n\nx atoms\n".into(), ":3:1: header"),
-            ("title\n".into(), "the number of atoms is not known"),
-        ] {
-            let error = read(&text, &["vx"]).map(drop).expect_err(&text).to_string();
-            assert!(error.contains(told), "{error}");
-        }
-    }
-}
+mod tests;

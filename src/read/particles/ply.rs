@@ -1,20 +1,23 @@
 //! Points of a Stanford polygon file: the vertices, in text or in binary of either byte order. Faces and other elements
 //! are skipped. The header is described in Greg Turk's "The PLY Polygon File Format" (1994).
 
+mod binary;
+mod header;
+mod text;
+
 use super::layout::{Layout, Role, wanted};
-use super::rows::surplus;
-use super::scalar::Scalar;
 use super::{ParticleFrames, Particles};
-use crate::error::relocate;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::memory::check_ids;
-use crate::quote::{quote, unquoted};
+use crate::quote::unquoted;
 use crate::read::input::Input;
-use crate::read::lines::{Lines, Words};
+use crate::read::lines::Lines;
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
-use std::io::{self, BufRead, BufReader, Read};
-use std::path::PathBuf;
+use binary::Binary;
+use header::{PlyElement, PlyEncoding, header};
+use std::io::BufReader;
+use text::{rest_of_text, text};
 
 /// The reader.
 pub(super) struct Ply {
@@ -22,32 +25,6 @@ pub(super) struct Ply {
     wanted: Vec<String>,
     strict: bool,
 }
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum PlyEncoding {
-    Text,
-    Binary { big: bool },
-}
-
-struct PlyElement {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-}
-
-struct Property {
-    name: String,
-    /// The type of a list's length.
-    length: Option<Scalar>,
-    scalar: Scalar,
-}
-
-/// The most properties, and the most bytes of a header.
-const MOST: usize = 4096;
-const LONGEST: usize = 1 << 20;
-
-/// The most bytes that are counted after the last element.
-const BEHIND: u64 = 1 << 29;
 
 impl Ply {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
@@ -124,281 +101,6 @@ impl Ply {
             None => Ok(layout),
             Some(k) => Err(wrong(format!("a vertex has no {}", ["x", "y", "z"][k]))),
         }
-    }
-}
-
-/// The header, up to its end.
-fn header(lines: &mut Lines<Input>) -> Result<(PlyEncoding, Vec<PlyElement>)> {
-    let (mut form, mut elements) = (None, Vec::<PlyElement>::new());
-    let (mut properties, mut bytes) = (0, 0);
-    if !lines.advance()? || lines.text().trim() != "ply" {
-        return Err(Error::scene(
-            lines.place(0).named("header"),
-            "this is not a polygon file",
-            "begin with the line ply",
-        ));
-    }
-    loop {
-        if !lines.advance()? {
-            let problem = "the file ends within its header";
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
-        }
-        bytes += lines.text().len() + 1;
-        if bytes > LONGEST {
-            let problem = format!("the header has more than {LONGEST} bytes");
-            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with end_header"));
-        }
-        let wrong = |what: &str| {
-            let problem = format!("{} {what}", quote(lines.text()));
-            Error::scene(lines.place(0).named("header"), problem, "write it as in the description of the format")
-        };
-        let words: Vec<&str> = lines.text().split_whitespace().take(8).collect();
-        let scalar = |name: &str| {
-            let big = form == Some(PlyEncoding::Binary { big: true });
-            Scalar::of_ply(name, big).ok_or_else(|| wrong("has an unknown type"))
-        };
-        match words[..] {
-            ["format", "ascii", _] => form = Some(PlyEncoding::Text),
-            ["format", "binary_little_endian", _] => form = Some(PlyEncoding::Binary { big: false }),
-            ["format", "binary_big_endian", _] => form = Some(PlyEncoding::Binary { big: true }),
-            ["comment" | "obj_info", ..] | [] => {}
-            ["element", name, count] if elements.len() < MOST => {
-                let count = count.parse().map_err(|_| wrong("needs a whole number of elements"))?;
-                if elements.iter().any(|element| element.name == name) {
-                    return Err(wrong("occurs twice"));
-                }
-                elements.push(PlyElement { name: name.to_owned(), count, properties: Vec::new() });
-            }
-            ["property", ref kind @ .., name] if properties < MOST && form.is_some() => {
-                let Some(element) = elements.last_mut() else { return Err(wrong("belongs to no element")) };
-                let (length, scalar) = match kind {
-                    ["list", length, item] => (Some(scalar(length)?).filter(|length| length.is_whole()), scalar(item)?),
-                    [kind] => (None, scalar(kind)?),
-                    _ => return Err(wrong("is not a property")),
-                };
-                if length.is_none() && kind.len() == 3 {
-                    return Err(wrong("has a length type that is not an integer type"));
-                }
-                element.properties.push(Property { name: name.to_owned(), length, scalar });
-                properties += 1;
-            }
-            ["end_header"] => break,
-            _ => return Err(wrong("is not a header line")),
-        }
-    }
-    match form {
-        Some(form) => Ok((form, elements)),
-        None => Err(Error::scene(
-            lines.place(0).named("header"),
-            "the format line is missing",
-            "add the line `format ascii 1.0`",
-        )),
-    }
-}
-
-fn text(lines: &mut Lines<Input>, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
-    let mut numbers = Vec::new();
-    for read in 0..element.count {
-        if !lines.advance()? {
-            return Err(truncated(lines.file(), read, element));
-        }
-        numbers.clear();
-        let mut words = Words::of(lines);
-        for property in &element.properties {
-            let need = || {
-                let place = lines.place(lines.text().len()).named(&property.name);
-                Error::scene(place, "the line ends before it", "give every property of the vertex")
-            };
-            let word = words.next().ok_or_else(need)?;
-            match property.length {
-                Some(_) => {
-                    // Each item is a word; items beyond the line are missing.
-                    let count = word.finite(&property.name)?;
-                    for _ in 0..count as u64 {
-                        words.next().ok_or_else(need)?;
-                    }
-                }
-                None => numbers.push(property.light(
-                    layout,
-                    numbers.len(),
-                    match layout.role(numbers.len()) {
-                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
-                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
-                        _ => word.number(&property.name)?,
-                    },
-                )),
-            }
-        }
-        if let Some(word) = words.next() {
-            let problem =
-                format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
-            let mend = "correct the number of vertices and the list of their properties";
-            return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
-        }
-        layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
-        lines.found();
-    }
-    Ok(())
-}
-
-/// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
-fn rest_of_text(
-    lines: &mut Lines<Input>,
-    vertices: &PlyElement,
-    behind: &[PlyElement],
-    particles: &mut Particles,
-) -> Result<()> {
-    for element in behind {
-        let passed = lines.pass(element.count)?;
-        if passed < element.count {
-            particles.skipped.assumed.push(short_of(lines.file(), passed, element));
-            return Ok(());
-        }
-    }
-    while lines.advance()? {
-        if !lines.text().trim().is_empty() {
-            return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
-        }
-    }
-    Ok(())
-}
-
-/// The warning about a skipped element with fewer entries than declared.
-fn short_of(file: Place, found: u64, element: &PlyElement) -> String {
-    let name = quote(&element.name);
-    format!(
-        "{file}: the file ends after {found} of {} elements {name}; its number of vertices may be wrong",
-        element.count
-    )
-}
-
-impl Property {
-    /// The value of a column: bytes of colours are converted from sRGB to linear.
-    fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
-        match layout.role(column) {
-            Role::Color(_) => self.scalar.light(number),
-            _ => number,
-        }
-    }
-}
-
-fn truncated(file: Place, read: u64, element: &PlyElement) -> Error {
-    let problem = format!("the file ends after {read} of {} vertices", element.count);
-    Error::scene(file.named("vertex"), problem, "give as many vertices as the header says")
-}
-
-/// The binary data after a header.
-struct Binary {
-    reader: BufReader<Input>,
-    path: PathBuf,
-}
-
-impl Binary {
-    /// A number; `None` at the end of the file.
-    fn number(&mut self, scalar: Scalar) -> Result<Option<f64>> {
-        let mut bytes = [0; 8];
-        match self.reader.read_exact(&mut bytes[..scalar.size()]) {
-            Ok(()) => Ok(Some(scalar.number(&bytes))),
-            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
-            Err(e) => Err(Error::read(&self.path, e)),
-        }
-    }
-
-    /// Skips bytes; returns the number skipped.
-    fn skip(&mut self, bytes: u64) -> Result<u64> {
-        let mut left = bytes;
-        while left > 0 {
-            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
-            if block == 0 {
-                break;
-            }
-            let passed = left.min(block as u64);
-            self.reader.consume(passed as usize);
-            left -= passed;
-        }
-        Ok(bytes - left)
-    }
-
-    /// Skips a property; `false` at the end of the file.
-    fn skip_property(&mut self, property: &Property) -> Result<bool> {
-        let size = property.scalar.size() as u64;
-        let bytes = match property.length {
-            None => size,
-            Some(length) => match self.number(length)? {
-                Some(count) => (count as u64).saturating_mul(size),
-                None => return Ok(false),
-            },
-        };
-        Ok(self.skip(bytes)? == bytes)
-    }
-
-    /// Skips an element's entries; returns the number skipped.
-    fn pass(&mut self, element: &PlyElement) -> Result<u64> {
-        if element.properties.iter().all(|property| property.length.is_none()) {
-            let size = element.properties.iter().map(|property| property.scalar.size() as u64).sum::<u64>();
-            let passed = self.skip(element.count.saturating_mul(size))?;
-            return Ok(passed.checked_div(size).unwrap_or(element.count));
-        }
-        for entry in 0..element.count {
-            for property in &element.properties {
-                if !self.skip_property(property)? {
-                    return Ok(entry);
-                }
-            }
-        }
-        Ok(element.count)
-    }
-
-    /// Checks that only the other elements follow the vertices.
-    fn rest(&mut self, vertices: &PlyElement, behind: &[PlyElement], particles: &mut Particles) -> Result<()> {
-        let file = Place::file(self.path.display().to_string());
-        for element in behind {
-            let passed = self.pass(element)?;
-            if passed < element.count {
-                particles.skipped.assumed.push(short_of(file, passed, element));
-                return Ok(());
-            }
-        }
-        let left = self.skip(BEHIND)?;
-        let numbers = vertices.properties.iter().map(|property| property.length.unwrap_or(property.scalar));
-        let size = numbers.map(|number| number.size() as u64).sum::<u64>().max(1);
-        if left < size {
-            return Ok(());
-        }
-        let what = format!("expected {} vertices, but {left} bytes follow the last element", vertices.count);
-        if behind.is_empty() && left.is_multiple_of(size) {
-            let problem = format!("{what}, the size of {} more vertices", left / size);
-            return Err(Error::scene(file.named("count"), problem, "correct the count"));
-        }
-        particles.skipped.assumed.push(format!("{file}: {what}; the number of vertices may be wrong"));
-        Ok(())
-    }
-
-    fn vertices(&mut self, element: &PlyElement, layout: &Layout, particles: &mut Particles) -> Result<()> {
-        let file = Place::file(self.path.display().to_string());
-        let mut numbers = Vec::new();
-        for read in 0..element.count {
-            numbers.clear();
-            for property in &element.properties {
-                let there = match property.length {
-                    Some(_) => self.skip_property(property)?,
-                    None => match self.number(property.scalar)? {
-                        Some(number) => {
-                            numbers.push(property.light(layout, numbers.len(), number));
-                            true
-                        }
-                        None => false,
-                    },
-                };
-                if !there {
-                    return Err(truncated(file, read, element));
-                }
-            }
-            let placed = |e| relocate(e, |field| file.clone().named(format!("vertex {read} {field}")));
-            layout.numbers(&numbers, particles).map_err(placed)?;
-            self.reader.get_ref().found();
-        }
-        Ok(())
     }
 }
 

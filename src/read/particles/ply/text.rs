@@ -1,0 +1,82 @@
+//! The vertices of a polygon file in text.
+
+use super::header::{PlyElement, short_of, truncated};
+use crate::error::{Error, Result, relocate};
+use crate::quote::quote;
+use crate::read::input::Input;
+use crate::read::lines::{Lines, Words};
+use crate::read::particles::Particles;
+use crate::read::particles::layout::{Layout, Role};
+use crate::read::particles::rows::surplus;
+
+pub(super) fn text(
+    lines: &mut Lines<Input>,
+    element: &PlyElement,
+    layout: &Layout,
+    particles: &mut Particles,
+) -> Result<()> {
+    let mut numbers = Vec::new();
+    for read in 0..element.count {
+        if !lines.advance()? {
+            return Err(truncated(lines.file(), read, element));
+        }
+        numbers.clear();
+        let mut words = Words::of(lines);
+        for property in &element.properties {
+            let need = || {
+                let place = lines.place(lines.text().len()).named(&property.name);
+                Error::scene(place, "the line ends before it", "give every property of the vertex")
+            };
+            let word = words.next().ok_or_else(need)?;
+            match property.length {
+                Some(_) => {
+                    // Each item is a word; items beyond the line are missing.
+                    let count = word.finite(&property.name)?;
+                    for _ in 0..count as u64 {
+                        words.next().ok_or_else(need)?;
+                    }
+                }
+                None => numbers.push(property.light(
+                    layout,
+                    numbers.len(),
+                    match layout.role(numbers.len()) {
+                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
+                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
+                        _ => word.number(&property.name)?,
+                    },
+                )),
+            }
+        }
+        if let Some(word) = words.next() {
+            let problem =
+                format!("{} is one number more than the {} properties", quote(word.text), element.properties.len());
+            let mend = "correct the number of vertices and the list of their properties";
+            return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
+        }
+        layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+        lines.found();
+    }
+    Ok(())
+}
+
+/// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
+pub(super) fn rest_of_text(
+    lines: &mut Lines<Input>,
+    vertices: &PlyElement,
+    behind: &[PlyElement],
+    particles: &mut Particles,
+) -> Result<()> {
+    for element in behind {
+        let passed = lines.pass(element.count)?;
+        if passed < element.count {
+            particles.skipped.assumed.push(short_of(lines.file(), passed, element));
+            return Ok(());
+        }
+    }
+    while lines.advance()? {
+        if !lines.text().trim().is_empty() {
+            return surplus(lines, vertices.count, "vertices", |lines| !lines.text().trim().is_empty());
+        }
+    }
+    Ok(())
+}
