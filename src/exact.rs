@@ -13,6 +13,7 @@ mod answer;
 mod decide;
 mod field;
 mod filter;
+mod ray;
 #[cfg(test)]
 mod tests;
 
@@ -20,39 +21,15 @@ use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
 use crate::scene::{Scene, Spheres, check_sphere};
+pub use answer::Truth;
 use answer::{DecidedHit, Path};
 pub use decide::Root;
-use decide::{ExactFrame, ExactLens, Line, Meeting};
+use decide::{ExactFrame, ExactLens, Meeting};
 use filter::{AxesDd, Body, FilterHit, FilterResult, Screen};
+use ray::RayForms;
 use rayon::prelude::*;
 use std::cell::OnceCell;
 use std::cmp::Ordering;
-
-/// The nearest hit of a ray.
-///
-/// `t`, `distance` and `depth` are within (1/2 + 2^-10) ulp of the real numbers. The hit point is known within 2^-64 of
-/// the smaller of distance and radius; `normal` (likewise relative to 1) and `position` are then rounded, each
-/// component to the nearest f64. All of this holds away from the limits of f64, where results become infinite or
-/// subnormal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Truth {
-    /// Index of the sphere in the scene's order.
-    pub id: u32,
-    /// The root that counts.
-    pub root: Root,
-    /// The parameter, for the lecture's direction u u + v v - d w or for the caller's.
-    pub t: f64,
-    /// Euclidean length from the ray's origin to the hit, t |direction|.
-    pub distance: f64,
-    /// Distance along the view axis, t d; NaN for a ray without a camera.
-    pub depth: f64,
-    /// Unit, in world space, against the ray.
-    pub normal: [f64; 3],
-    /// The hit point in world space.
-    pub position: [f64; 3],
-    /// The ray only touches the sphere: its discriminant is exactly 0.
-    pub tangent: bool,
-}
 
 /// Bytes per sphere in [`Judge`], without the digits of long numbers.
 pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>()) as u64;
@@ -159,34 +136,6 @@ pub(crate) fn power(center: [f64; 3], eye: [f64; 3], radius: f64, k: i32) -> Dd 
         Ordering::Less if near.hi > -f64::MIN_POSITIVE => Dd::from(-f64::MIN_POSITIVE),
         Ordering::Greater if near.hi < f64::MIN_POSITIVE => Dd::from(f64::MIN_POSITIVE),
         _ => near,
-    }
-}
-
-/// One ray in both arithmetics; the exact one is computed when it is first needed.
-struct RayForms {
-    quick: filter::FilterRay,
-    line: Line,
-    /// The factor from the real direction to the exact one.
-    stretch: Dyadic,
-    /// Whether the third component is a depth.
-    planar: bool,
-    exact: OnceCell<decide::ExactRay>,
-}
-
-impl RayForms {
-    /// A ray with a given direction; finite and not zero.
-    fn along(direction: [f64; 3]) -> Self {
-        Self {
-            quick: filter::FilterRay::along(direction),
-            line: Line { dir: dyadic::vector(direction), from: None },
-            stretch: Dyadic::from(1),
-            planar: false,
-            exact: OnceCell::new(),
-        }
-    }
-
-    fn exact(&self, frame: &ExactFrame) -> &decide::ExactRay {
-        self.exact.get_or_init(|| frame.ray(self.line.clone()))
     }
 }
 

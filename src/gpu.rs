@@ -4,11 +4,13 @@ mod clock;
 pub(crate) mod compose;
 pub(crate) mod device;
 pub(crate) mod dispatch;
+pub(crate) mod input;
 pub(crate) mod layout;
 pub(crate) mod selftest;
 pub(crate) mod submission_budget;
 #[cfg(test)]
 mod tests;
 pub(crate) mod transfers;
+mod validate;
 
 pub(crate) use dispatch::Gpu;

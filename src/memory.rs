@@ -4,8 +4,8 @@
 mod free;
 mod room;
 
-pub(crate) use free::{SPHERE, check_spheres, free};
-pub(crate) use room::{Ledger, check, check_ids, entries, extend_to, reserve};
+pub(crate) use free::free;
+pub(crate) use room::{Ledger, SPHERE, check, check_ids, check_spheres, entries, extend_to, reserve};
 
 use crate::error::{Error, Result};
 use std::any::Any;

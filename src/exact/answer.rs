@@ -3,9 +3,35 @@
 use super::decide::{ExactFrame, Meeting, Root};
 use super::field::FieldElement;
 use super::filter::{AxesDd, Body, FilterHit, TINY};
-use super::{RayForms, Truth};
+use super::ray::RayForms;
 use crate::double_double::{self as dd, Dd};
 use crate::dyadic::{Dyadic, Dyadic3};
+
+/// The nearest hit of a ray.
+///
+/// `t`, `distance` and `depth` are within (1/2 + 2^-10) ulp of the real numbers. The hit point is known within 2^-64 of
+/// the smaller of distance and radius; `normal` (likewise relative to 1) and `position` are then rounded, each
+/// component to the nearest f64. All of this holds away from the limits of f64, where results become infinite or
+/// subnormal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truth {
+    /// Index of the sphere in the scene's order.
+    pub id: u32,
+    /// The root that counts.
+    pub root: Root,
+    /// The parameter, for the lecture's direction u u + v v - d w or for the caller's.
+    pub t: f64,
+    /// Euclidean length from the ray's origin to the hit, t |direction|.
+    pub distance: f64,
+    /// Distance along the view axis, t d; NaN for a ray without a camera.
+    pub depth: f64,
+    /// Unit, in world space, against the ray.
+    pub normal: [f64; 3],
+    /// The hit point in world space.
+    pub position: [f64; 3],
+    /// The ray only touches the sphere: its discriminant is exactly 0.
+    pub tangent: bool,
+}
 
 /// The error of the hit point that [`Truth`] guarantees, before rounding: relative to the smaller of distance and
 /// radius.

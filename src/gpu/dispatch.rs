@@ -2,25 +2,21 @@
 
 use crate::answers::raw::Raw;
 use crate::error::{Error, Result};
-use crate::frame::report::Timings;
 use crate::gpu::clock::Clock;
 use crate::gpu::compose::compose;
 use crate::gpu::device::{self, AdapterSummary};
-use crate::gpu::layout::{Binding, bindings, validate};
+use crate::gpu::input::{GROUP, Input, Output};
+use crate::gpu::layout::{Binding, bindings};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
+use crate::gpu::validate::validate;
 use crate::kernel::{Kernel, KernelOutput, RaySource};
-use crate::search::tile_candidates::CandidateList;
-use crate::search::tree::Tree;
 use crate::tile::TILE;
-use crate::view::{View, ViewRecord};
+use crate::view::ViewRecord;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::time::Instant;
-
-/// Invocations per workgroup, rays per group: a test checks that they are equal.
-pub(crate) const GROUP: u32 = 64;
 
 /// An open device with its pipelines and buffers, kept between frames.
 pub(crate) struct Gpu {
@@ -41,38 +37,6 @@ struct Pipeline {
     compute: wgpu::ComputePipeline,
     bindings: Vec<Binding>,
     budget: SubmissionBudget,
-}
-
-/// The inputs of kernels besides the view, by binding name.
-pub(crate) struct Input<'a> {
-    pub(crate) view: &'a View,
-    /// Linear RGB per sphere.
-    pub(crate) colors: Option<&'a [[f32; 3]]>,
-    /// Records of given rays; empty for viewing rays.
-    pub(crate) rays: &'a [crate::view::ray::RayRecord],
-    /// The candidates per tile, which replace the view's spheres.
-    pub(crate) candidates: Option<CandidateList<'a>>,
-    /// The tree that given rays traverse.
-    pub(crate) tree: Option<&'a Tree>,
-}
-
-impl Input<'_> {
-    /// The view record, with the number of spheres that every ray tests.
-    fn record(&self) -> ViewRecord {
-        let record = self.view.record;
-        match &self.candidates {
-            Some(CandidateList::Uncertified(tile_candidates)) => {
-                ViewRecord { spheres: tile_candidates.generals() as u32, ..record }
-            }
-            _ => record,
-        }
-    }
-}
-
-/// The results of a run.
-pub(crate) struct Output<'a> {
-    pub(crate) raw: &'a mut Raw,
-    pub(crate) timings: &'a mut Timings,
 }
 
 impl Gpu {
@@ -389,14 +353,16 @@ pub(super) const READING: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.unio
 mod tests {
     use super::*;
     use crate::certify::binned::BinnedScene;
+    use crate::frame::report::Timings;
     use crate::gpu::device;
     use crate::intersect::Method;
     use crate::kernel::Sharing;
     use crate::memory::Pool;
     use crate::read::ReadOptions;
     use crate::scene::Scene;
-    use crate::search::tile_candidates::TileCandidates;
+    use crate::search::tile_candidates::{CandidateList, TileCandidates};
     use crate::shade::Shade;
+    use crate::view::View;
     use std::path::Path;
 
     /// All ways of sharing loaded spheres give the same bits.

@@ -1,10 +1,8 @@
 //! The bindings that naga finds in a shader; the shaders are their only declaration.
 
-use crate::error::{Error, Result};
-use crate::gpu::compose::Source;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, OUTPUTS};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::Capabilities;
 
 /// A buffer that the shader binds in group 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -37,21 +35,6 @@ pub(crate) fn buffers() -> impl Iterator<Item = &'static str> {
     INPUTS.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
 }
 
-/// Parses and validates a composed shader with the capabilities of the device.
-pub(crate) fn validate(source: &Source, capabilities: Capabilities) -> Result<(naga::Module, naga::valid::ModuleInfo)> {
-    let broken = |message: String| Error::Adapter {
-        problem: format!("a built-in shader does not compile: {message}"),
-        mend: "report this as a bug".into(),
-    };
-    let module = naga::front::wgsl::parse_str(&source.text)
-        .map_err(|e| broken(source.explain(e.location(&source.text), e.message())))?;
-    let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|e| {
-        let location = e.location(&source.text);
-        broken(source.explain(location, &format!("{:?}", e.into_inner())))
-    })?;
-    Ok((module, info))
-}
-
 /// The bindings that the entry point uses.
 pub(crate) fn bindings(module: &naga::Module, info: &naga::valid::ModuleInfo) -> Vec<Binding> {
     let used = info.get_entry_point(0);
@@ -77,7 +60,8 @@ mod tests {
     use crate::certify::general::GeneralRecord;
     use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
     use crate::gpu::compose::{Part, compose, files, parts};
-    use crate::gpu::dispatch::GROUP;
+    use crate::gpu::input::GROUP;
+    use crate::gpu::validate::validate;
     use crate::intersect::Method;
     use crate::kernel::{RaySource, Sharing};
     use crate::search::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};

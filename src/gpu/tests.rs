@@ -6,7 +6,7 @@ use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Error;
 use crate::frame::report::Timings;
-use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::input::{Input, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::Kernel;

@@ -1,6 +1,6 @@
 //! Uploads, readbacks and the division into bands: `halfline plan` prints them, dispatch.rs performs them.
 
-use super::dispatch::{GROUP, Input};
+use super::input::{GROUP, Input};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};

@@ -75,6 +75,33 @@ pub(crate) fn extend_to<T>(list: &mut Vec<T>, entries: usize) -> Result<()> {
     })
 }
 
+/// Bytes of a sphere in a scene: centre and radius, without a colour.
+pub(crate) const SPHERE: u64 = 32;
+const COLOR: u64 = 12;
+
+/// Refuses a scene of `spheres` spheres before they are read.
+///
+/// # Errors
+/// [`Error::Limits`] with the number that would fit.
+pub(crate) fn check_spheres(spheres: u64, colored: bool) -> Result<()> {
+    check_spheres_in(spheres, colored, || free(&Pool::default()))
+}
+
+fn check_spheres_in(spheres: u64, colored: bool, free: impl Fn() -> Option<u64>) -> Result<()> {
+    let each = SPHERE + if colored { COLOR } else { 0 };
+    let need = spheres.saturating_mul(each);
+    if need < GRAIN {
+        return Ok(());
+    }
+    match free() {
+        Some(free) if need > free => Err(Error::Limits {
+            problem: format!("{spheres} spheres need {need} bytes of memory, but only {free} are free"),
+            mend: format!("read at most {} spheres", free / each),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Refuses `bytes` for `what`, which begins the message, where they are not free.
 ///
 /// # Errors
@@ -120,6 +147,18 @@ impl Ledger {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_of_too_many_spheres_is_refused_with_the_number_that_fits() {
+        let check_spheres_in = |spheres, colored, free| check_spheres_in(spheres, colored, || free);
+        assert!(check_spheres_in(1000, true, Some(0)).is_ok(), "fewer than the system is asked about");
+        let million = 1_000_000;
+        assert!(check_spheres_in(million, true, Some(44_000_000)).is_ok());
+        assert!(check_spheres_in(u64::MAX, true, None).is_ok());
+        let error = check_spheres_in(million, true, Some(43_999_999)).expect_err("a byte too few").to_string();
+        assert!(error.contains("at most 999999 "), "{error}");
+        assert!(check_spheres_in(u64::MAX, false, Some(u64::MAX - 1)).is_err(), "no overflow");
+    }
 
     #[test]
     fn lists_double_while_there_is_room_and_then_grow_by_an_eighth() {

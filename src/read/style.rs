@@ -4,12 +4,12 @@ mod categories;
 pub(super) mod color;
 mod colormap;
 pub mod elements;
+mod numbers;
 mod scale;
 
-pub use categories::Category;
 pub use color::color;
 pub use colormap::ColorMap;
-pub use scale::{Legend, Scale};
+pub use scale::{Category, Legend, Scale};
 
 use super::particles::Particles;
 use crate::error::{Error, Place, Result};

@@ -13,7 +13,7 @@ use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
-use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::input::{Input, Output};
 use crate::memory;
 use crate::progress::Step;
 use crate::scene::Scene;

@@ -11,7 +11,7 @@ use crate::cpu;
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::frame::report::Timings;
-use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::input::{Input, Output};
 use crate::kernel::{Kernel, RaySource};
 use crate::scene::{Spheres, check_sphere};
 use crate::search::tree::{Shape, Slack, Tree, coherent};

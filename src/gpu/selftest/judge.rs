@@ -3,7 +3,7 @@
 
 use super::Check;
 use super::cases::{COUNT, ROUNDING, SPECIAL, SUBNORMAL, ahead, power, quadratic};
-use super::{DIV_ULP, SQRT_ULP};
+use super::verdict::{DIV_ULP, SQRT_ULP};
 use crate::double_double::Dd;
 use crate::intersect::double_float::Pair;
 use crate::number::Number;

@@ -92,7 +92,7 @@ fn shaders_validate_and_declare_their_words() {
         };
         let size = if trial.name == "f64" { 2 } else { 1 };
         assert_eq!([constant("WORDS_IN"), constant("WORDS_OUT")].map(|n| n * size), trial.words, "{}", trial.name);
-        assert_eq!(module.entry_points[0].workgroup_size, [super::super::dispatch::GROUP, 1, 1]);
+        assert_eq!(module.entry_points[0].workgroup_size, [super::super::input::GROUP, 1, 1]);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
-use crate::gpu::dispatch::{Input, Output};
+use crate::gpu::input::{Input, Output};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;

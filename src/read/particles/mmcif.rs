@@ -8,7 +8,7 @@ mod symmetry;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Names, Passed, more_models, not_assembled};
+use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Passed, more_models, not_assembled};
 use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
@@ -17,7 +17,7 @@ use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use operators::{OperatorItem, Operators};
-use row::{AtomColumns, AtomRow};
+use row::{AtomColumns, AtomRow, RowNames};
 use tokens::{Token, Tokens};
 
 /// The reader.
@@ -36,14 +36,6 @@ pub(super) struct Mmcif {
     told: bool,
     /// Whether another data block follows the one with the atoms.
     blocks: bool,
-}
-
-/// Numbered names of chains, asym units and entities.
-#[derive(Debug, Default)]
-struct RowNames {
-    chains: Names,
-    asyms: Names,
-    entities: Names,
 }
 
 /// The reader's state.

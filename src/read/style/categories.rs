@@ -3,23 +3,12 @@
 use super::color::linear;
 use super::colormap::ColorMap;
 use super::elements::element;
-use super::scale::{Colored, Legend, Scale};
+use super::scale::{Category, Colored, Legend, Scale};
 use crate::error::{Error, Result};
 use crate::read::particles::{Column, Particles};
 use crate::scene::Skipped;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// A category of particles.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Category {
-    /// Its name or number, as in the file.
-    pub label: String,
-    /// Its colour, 8-bit sRGB.
-    pub color: [u8; 3],
-    /// The number of its particles.
-    pub count: u64,
-}
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
 const NUMBERED: [&str; 6] = ["type", "mol", "molecule", "model", "copy", "cluster"];

@@ -3,7 +3,7 @@
 use super::explanation::{DeviceBuffer, ShaderFile};
 use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
-use crate::gpu::dispatch::Input;
+use crate::gpu::input::Input;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Bands, BindingLimits, Entries, uploads};
 use crate::kernel::{Kernel, KernelOutput};

@@ -2,7 +2,6 @@
 //! anonymous files (NFS, those of macOS and Windows). The unfinished file of a killed process is removed by the next
 //! process that writes the same file, if its lock shows that it is abandoned.
 
-use super::folder;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::Path;
@@ -95,4 +94,9 @@ fn is_at(_: &File, _: &Path) -> bool {
 fn bare(error: io::Error) -> io::Error {
     let system = error.get_ref().and_then(|named| named.source()?.downcast_ref::<io::Error>()?.raw_os_error());
     system.map_or(error, io::Error::from_raw_os_error)
+}
+
+/// The folder of a file.
+pub(super) fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -1,6 +1,5 @@
 //! A row of `_atom_site`: the meaning of its columns, and the values of an atom.
 
-use super::RowNames;
 use super::symmetry::Symmetry;
 use super::tokens::{Token, Tokens, number};
 use crate::error::{Error, Place, Result};
@@ -8,7 +7,15 @@ use crate::quote::quote;
 use crate::read::lines::Spot;
 use crate::read::options::Altloc;
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{AtomProperty, Model, MoleculeOptions};
+use crate::read::particles::molecule::{AtomProperty, Model, MoleculeOptions, Names};
+
+/// Numbered names of chains, asym units and entities.
+#[derive(Debug, Default)]
+pub(super) struct RowNames {
+    pub(super) chains: Names,
+    pub(super) asyms: Names,
+    pub(super) entities: Names,
+}
 
 /// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

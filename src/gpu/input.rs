@@ -1,0 +1,43 @@
+//! What a dispatch reads and where its results go.
+
+use crate::answers::raw::Raw;
+use crate::frame::report::Timings;
+use crate::search::tile_candidates::CandidateList;
+use crate::search::tree::Tree;
+use crate::view::ray::RayRecord;
+use crate::view::{View, ViewRecord};
+
+/// Invocations per workgroup, rays per group: a test checks that they are equal.
+pub(crate) const GROUP: u32 = 64;
+
+/// The inputs of kernels besides the view, by binding name.
+pub(crate) struct Input<'a> {
+    pub(crate) view: &'a View,
+    /// Linear RGB per sphere.
+    pub(crate) colors: Option<&'a [[f32; 3]]>,
+    /// Records of given rays; empty for viewing rays.
+    pub(crate) rays: &'a [RayRecord],
+    /// The candidates per tile, which replace the view's spheres.
+    pub(crate) candidates: Option<CandidateList<'a>>,
+    /// The tree that given rays traverse.
+    pub(crate) tree: Option<&'a Tree>,
+}
+
+impl Input<'_> {
+    /// The view record, with the number of spheres that every ray tests.
+    pub(super) fn record(&self) -> ViewRecord {
+        let record = self.view.record;
+        match &self.candidates {
+            Some(CandidateList::Uncertified(tile_candidates)) => {
+                ViewRecord { spheres: tile_candidates.generals() as u32, ..record }
+            }
+            _ => record,
+        }
+    }
+}
+
+/// The results of a run.
+pub(crate) struct Output<'a> {
+    pub(crate) raw: &'a mut Raw,
+    pub(crate) timings: &'a mut Timings,
+}

@@ -1,0 +1,106 @@
+//! Colours from columns of numbers.
+
+use super::categories;
+use super::scale::{Colored, Legend, Scale};
+use crate::error::{Error, Result};
+use crate::quote::{list, quote};
+use crate::read::particles::{Column, Particles};
+use crate::scene::Skipped;
+use rayon::prelude::*;
+
+impl Scale {
+    /// The colours, and the legend unless there are no values and no range.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for missing columns or columns that the scale does not fit.
+    pub(super) fn apply(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Colored> {
+        if let Some([a, b]) = self.range.filter(|ends| self.log && ends.iter().any(|end| *end <= 0.0)) {
+            let problem = format!("the range {a},{b} is not positive, so it has no logarithm");
+            return Err(Error::settings(problem, "use two positive numbers, or remove --log"));
+        }
+        let column = |name: &String| {
+            particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+                let mend = match &particles.has[..] {
+                    [] => "this file has no columns of numbers".to_owned(),
+                    has => format!("the file has {}", list(has)),
+                };
+                Error::settings(format!("the file has no column {} to colour by", quote(name)), mend)
+            })
+        };
+        let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;
+        if let Some(found) = categories::apply(self, &columns, particles, skipped)? {
+            return Ok(found);
+        }
+        let map = self.map.unwrap_or_default();
+        let n = particles.positions.len();
+        let value = |i: usize| match columns[..] {
+            [one] => one.values[i],
+            _ => columns.iter().map(|column| column.values[i].powi(2)).sum::<f64>().sqrt(),
+        };
+        let values: Vec<f64> = (0..n).into_par_iter().map(value).collect();
+        let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
+        let ends =
+            || values.iter().filter(shown).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+        let [low, high] = self.range.unwrap_or_else(ends);
+        let scaled = |x: f64| if self.log { x.ln() } else { x };
+        let (from, width) = (scaled(low), scaled(high) - scaled(low));
+        let color = |x: &f64| {
+            let part = (scaled(*x) - from) / width;
+            // If all values are equal or NaN: the map's first colour.
+            map.color(if part.is_nan() { 0.0 } else { part })
+        };
+        let name = match &self.columns[..] {
+            [one] => one.clone(),
+            several => format!("|{}|", several.join(", ")),
+        };
+        let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
+        if lost > 0 {
+            let why = if self.log { "are not positive numbers" } else { "are not numbers" };
+            skipped.assumed.push(format!(
+                "{lost} of {n} values of {name} {why}, so these particles have the first colour of the map"
+            ));
+        }
+        let legend = Legend { name, map, range: [low, high], log: self.log, categories: Vec::new() };
+        Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::colormap::ColorMap;
+    use super::*;
+
+    fn particles(n: usize) -> Particles {
+        Particles { positions: (0..n).map(|k| [k as f64, 0.0, 0.0]).collect(), ..Particles::default() }
+    }
+
+    #[test]
+    fn columns_are_coloured_between_the_ends_of_their_range() {
+        let mut p = particles(3);
+        p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
+        let scale = |range, log| Scale { columns: vec!["V".into()], map: Some(ColorMap::Viridis), range, log };
+        let middle = ColorMap::Viridis.color(0.5);
+        let apply = |scale: Scale, p: &Particles| {
+            let mut skipped = Skipped::default();
+            let (colors, legend) = scale.apply(p, &mut skipped)?;
+            Ok::<_, Error>((colors, legend, skipped.assumed))
+        };
+        let (colors, legend, _) = apply(scale(None, true), &p).expect("colours");
+        let legend = legend.expect("a legend");
+        assert_eq!(
+            (legend.range, colors[0], colors[2]),
+            ([1.0, 100.0], ColorMap::Viridis.color(0.0), ColorMap::Viridis.color(1.0))
+        );
+        assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
+        assert_eq!(apply(scale(Some([0.0, 20.0]), false), &p).expect("colours").0[1], middle);
+        let missing = Scale { columns: vec!["w".into()], ..scale(None, false) };
+        assert!(apply(missing, &p).expect_err("no such column").to_string().contains("`w`"));
+        apply(scale(Some([0.0, 20.0]), true), &p).expect_err("0 has no logarithm");
+        p.columns[0].values = vec![f64::NAN, -1.0, 5.0];
+        let (colors, legend, warnings) = apply(scale(None, true), &p).expect("colours");
+        assert_eq!((legend.map(|legend| legend.range), colors[0]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
+        assert!(warnings[0].starts_with("2 of 3 values of V "), "{warnings:?}");
+        p.columns[0].values = vec![f64::NAN; 3];
+        assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "nothing to tell");
+    }
+}
