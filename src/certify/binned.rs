@@ -1,12 +1,14 @@
 //! Host preparation for the certified kernel: each sphere in one of two forms, with bounds of the rounding errors in
 //! f32 and on the host. docs/certificate.md derives the bounds.
 
+use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
 use super::projection::cover::Cover;
 use super::projection::project::{Eight, LANES};
-use super::projection::{ProjectionBounds, Rotation, Staged};
+use super::projection::stage::Staged;
+use super::projection::{ProjectionBounds, Rotation};
+use super::terms::Terms;
 use super::tiles::{Bin, Filling, Lists, Placed, Placing};
-use super::{ProjectionRecord, Terms};
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;

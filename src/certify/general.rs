@@ -1,7 +1,8 @@
 //! A sphere that is not entirely in front of the eye plane, with a bound per ray: the twin of certify/general.wgsl.
 
+use super::answer::{Answer, Slopes};
 use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
-use super::{Answer, Slopes, Terms};
+use super::terms::Terms;
 use crate::number::Number;
 use crate::view::ray::{cross3, minus, negated, positive, times, unit3};
 use bytemuck::{Pod, Zeroable};

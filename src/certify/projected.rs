@@ -1,8 +1,9 @@
 //! A sphere entirely in front of the eye plane, represented by its projected centre: the twin of
 //! certify/projected.wgsl.
 
+use super::answer::{Answer, ProjectionRecord, Slopes};
 use super::constants::{DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
-use super::{Answer, ProjectionRecord, Slopes, Terms};
+use super::terms::Terms;
 use crate::number::Number;
 use crate::view::ray::{positive, unit3};
 use bytemuck::{Pod, Zeroable};

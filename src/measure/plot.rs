@@ -2,6 +2,7 @@
 
 mod axis;
 mod canvas;
+mod cells;
 mod crops;
 pub mod growth;
 mod heat;
@@ -37,7 +38,7 @@ struct Kind {
     caption: &'static str,
     /// Whether the record has the necessary data.
     applies: fn(&Record) -> bool,
-    draw: fn(&Record) -> canvas::Drawn<canvas::Drawing>,
+    draw: fn(&Record) -> look::Drawn<canvas::Drawing>,
 }
 
 /// The list of plots, and the data that each one needs.

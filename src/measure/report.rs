@@ -1,5 +1,6 @@
 //! The report of a measurement: a single HTML page without scripts, external files or network access.
 
+mod html;
 mod tables;
 
 use super::plot::{Plot, plots};
@@ -7,6 +8,7 @@ use super::record::{PlaceRecord, Record};
 use super::verdict::{broken, summary};
 use crate::error::Result;
 use crate::write::file;
+use html::{BADGE, escaped};
 use std::path::{Path, PathBuf};
 
 /// Writes every plot that the record has data for, as SVG and PNG, and `report.html`, into an existing folder. Files
@@ -64,9 +66,6 @@ pub fn page(record: &Record, plots: &[Plot]) -> String {
 
 const STYLE: &str = include_str!("report/style.css");
 
-/// The mark of a broken run.
-const BADGE: &str = "<strong class=\"broken\">BROKEN</strong>";
-
 /// A heading and its content; empty without content.
 fn section(title: &str, body: &str) -> String {
     if body.is_empty() { String::new() } else { format!("<section>\n<h2>{title}</h2>\n{body}</section>\n") }
@@ -89,23 +88,6 @@ fn places(places: &[PlaceRecord]) -> String {
         [escaped(&place.backend), escaped(&place.adapter), escaped(&place.driver), clock.into(), tested].to_vec()
     });
     tables::table(&["backend", "adapter", "driver", "clock", "self-test"], rows.collect())
-}
-
-/// Text escaped for HTML.
-fn escaped(text: &str) -> String {
-    let mut html = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '<' => html.push_str("&lt;"),
-            '>' => html.push_str("&gt;"),
-            '&' => html.push_str("&amp;"),
-            '"' => html.push_str("&quot;"),
-            '\'' => html.push_str("&#39;"),
-            c if c.is_control() && c != '\n' => html.push(' '),
-            c => html.push(c),
-        }
-    }
-    html
 }
 
 #[cfg(test)]

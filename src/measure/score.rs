@@ -33,6 +33,8 @@ use crate::intersect::predict::Prediction;
 use crate::progress::{Step, Watch};
 use crate::scene::Scene;
 use clearance::Sight;
+
+pub(super) use clearance::one_eye;
 use rayon::prelude::*;
 
 /// The most cells along the longer side of a map.
@@ -55,15 +57,6 @@ pub struct Truths<'a> {
     judge: Judge,
     sight: Sight,
     answers: Vec<Option<ExactAnswer>>,
-}
-
-/// Returns an error for cameras that the compared methods and the clearance computation do not support.
-pub(super) fn one_eye(scene: &Scene) -> Result<()> {
-    if scene.camera.lens.is_orthographic() {
-        let problem = "the methods that are measured have one eye, and this camera is orthographic";
-        return Err(Error::settings(problem, "give the camera a vfov instead of a height"));
-    }
-    Ok(())
 }
 
 /// The verdict on a pixel.

@@ -1,5 +1,5 @@
 //! Spheres in front of the eye plane: projected centre, bounds and tiles, computed eight at a time in loops that
-//! compilers vectorize. Spheres that are not clearly in front are handled by [`Lens::stage`].
+//! compilers vectorize. Spheres that are not clearly in front are handled by [`ProjectionBounds::stage`].
 
 use super::{
     INFLATE, LONG, LONGEST, ProjectionBounds, RANGE, ROUND, SIGNS, STEEPEST, SUBNORMAL, U, U64, WIDEN, WIDEST,

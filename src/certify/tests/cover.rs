@@ -2,8 +2,9 @@
 
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
+use crate::certify::projection::ProjectionBounds;
 use crate::certify::projection::cover::Cover;
-use crate::certify::projection::{ProjectionBounds, Staged};
+use crate::certify::projection::stage::Staged;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::scene::Scene;

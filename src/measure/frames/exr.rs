@@ -3,7 +3,7 @@
 //! with several parts the name of a buffer includes its part's name.
 
 use super::super::{Array, Values};
-use super::{FrameFile, NamedBuffer};
+use super::file::{FrameFile, NamedBuffer};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use exr::prelude::*;

@@ -1,7 +1,7 @@
 //! Archives of arrays, as written by halfline and numpy.savez, stored or deflated. Members that are not arrays are
 //! skipped.
 
-use super::{FrameFile, NamedBuffer};
+use super::file::{FrameFile, NamedBuffer};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
 use crate::write::npy;

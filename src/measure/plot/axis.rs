@@ -1,7 +1,7 @@
 //! Logarithmic axes with bands for zero and for unbounded values, and the chart between two of them.
 
-use super::canvas::{Area, Drawn};
-use super::look::{BAND, FAINT, GRID, INK, QUIET, centered, font};
+use super::canvas::Area;
+use super::look::{BAND, Drawn, FAINT, GRID, INK, QUIET, centered, font};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;

@@ -1,14 +1,12 @@
 //! The page that a plot is drawn on: header, marks, lines, and cells of colour.
 
-use super::look::{FAINT, Look, Mark, QUIET, bold, font};
+use super::cells::Cells;
+use super::look::{Drawn, FAINT, Look, Mark, QUIET, bold, font};
 use super::raster::{self, SvgAndPixels};
-use crate::error::Source;
 use crate::measure::record::Record;
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
-use std::collections::BTreeMap;
-use std::fmt::Write;
 use tiny_skia::Pixmap;
 
 /// plotters' area of a whole plot; its units are pixels of the PNG and halves of a CSS pixel of the SVG.
@@ -20,9 +18,6 @@ pub(super) struct Drawing {
     pub(super) svg: String,
     pub(super) png: Vec<u8>,
 }
-
-/// Drawing fails only if memory is short, or by a bug.
-pub(super) type Drawn<T = ()> = Result<T, Source>;
 
 /// Columns of every plot.
 pub(super) const WIDTH: i32 = 2000;
@@ -186,54 +181,4 @@ pub(super) fn line(area: &Area<'_>, look: &Look, points: &[(i32, i32)], width: u
 /// An empty frame for [`cells`].
 pub(super) fn frame(area: &Area<'_>, (x, y): (i32, i32), (width, height): (i32, i32)) -> Drawn {
     Ok(area.draw(&Rectangle::new([(x, y), (x + width, y + height)], FAINT.filled()))?)
-}
-
-/// A grid of square cells of colour.
-pub(super) struct Cells {
-    /// The upper left corner.
-    pub(super) at: (i32, i32),
-    /// The side of a cell.
-    pub(super) side: f64,
-    /// Columns and rows.
-    pub(super) size: [usize; 2],
-    /// sRGB, row by row.
-    pub(super) colors: Vec<[u8; 3]>,
-}
-
-impl Cells {
-    pub(super) fn new(at: (i32, i32), side: f64, size: [usize; 2], color: impl Fn(usize) -> [u8; 3]) -> Self {
-        Self { at, side, size, colors: (0..size[0] * size[1]).map(color).collect() }
-    }
-
-    /// The cells as SVG: the runs of a row in one path per colour, because a rectangle per cell would need megabytes.
-    pub(super) fn svg(&self) -> String {
-        let [columns, rows] = self.size;
-        let mut paths: BTreeMap<[u8; 3], (usize, String)> = BTreeMap::new();
-        for row in 0..rows {
-            let colors = &self.colors[row * columns..][..columns];
-            let mut first = 0;
-            while first < columns {
-                let run = colors[first..].iter().take_while(|color| **color == colors[first]).count();
-                let (covered, path) = paths.entry(colors[first]).or_default();
-                *covered += run;
-                // Writing to a String cannot fail.
-                let _ = write!(path, "M{first} {row}h{run}v1h-{run}z");
-                first += run;
-            }
-        }
-        let mut svg = format!(
-            "<g transform=\"translate({} {}) scale({:.5})\" shape-rendering=\"crispEdges\">\n",
-            self.at.0, self.at.1, self.side
-        );
-        // The most frequent colour is drawn first over the whole area, so that it needs no path.
-        let ground = paths.iter().max_by_key(|(_, (covered, _))| *covered).map(|(color, _)| *color);
-        let hex = |[r, g, b]: [u8; 3]| format!("#{r:02x}{g:02x}{b:02x}");
-        if let Some(ground) = ground {
-            let _ = writeln!(svg, "<path fill=\"{}\" d=\"M0 0h{columns}v{rows}h-{columns}z\"/>", hex(ground));
-        }
-        for (color, (_, path)) in paths.iter().filter(|(color, _)| Some(**color) != ground) {
-            let _ = writeln!(svg, "<path fill=\"{}\" d=\"{path}\"/>", hex(*color));
-        }
-        svg + "</g>\n"
-    }
 }

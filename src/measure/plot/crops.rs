@@ -1,8 +1,9 @@
 //! Crops of the pictures at growing distance, one row per method, with wrong pixels marked.
 
 use super::axis::rounded;
-use super::canvas::{Cells, Drawing, Drawn, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
-use super::look::{KINDS, QUIET, bold, centered, font, look};
+use super::canvas::{Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, mark, text};
+use super::cells::Cells;
+use super::look::{Drawn, KINDS, QUIET, bold, centered, font, look};
 use crate::measure::record::{Crop, Record, Run};
 use crate::measure::total::{main_place, methods};
 use crate::measure::verdict::percent;

@@ -2,8 +2,8 @@
 
 use super::Plot;
 use super::axis::{Axis, Chart, Unit, chart};
-use super::canvas::{Area, Drawing, Drawn, WIDTH, drawing, header, header_height, line, mark, text};
-use super::look::{Look, Mark, bold, font};
+use super::canvas::{Area, Drawing, WIDTH, drawing, header, header_height, line, mark, text};
+use super::look::{Drawn, Look, Mark, bold, font};
 use crate::error::{Error, Result};
 use crate::measure::record::{PlaceRecord, Record};
 use plotters::prelude::*;

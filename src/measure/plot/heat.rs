@@ -1,10 +1,9 @@
 //! Maps of the errors over the image, one per method, on a common scale.
 
 use super::axis::{Unit, number, rounded};
-use super::canvas::{
-    Area, Cells, Drawing, Drawn, MARGIN, WIDTH, drawing, frame, header, header_height, shortened, text,
-};
-use super::look::{INK, QUIET, bold, centered, font};
+use super::canvas::{Area, Drawing, MARGIN, WIDTH, drawing, frame, header, header_height, shortened, text};
+use super::cells::Cells;
+use super::look::{Drawn, INK, QUIET, bold, centered, font};
 use crate::measure::record::{Map, Record, Run};
 use crate::measure::total::main_place;
 use crate::measure::verdict::percent;

@@ -2,8 +2,8 @@
 //! coloured quantity.
 
 use super::Plot;
-use super::canvas::{Area, Drawing, Drawn, drawing, shortened, text};
-use super::look::{INK, bold, centered, font};
+use super::canvas::{Area, Drawing, drawing, shortened, text};
+use super::look::{Drawn, INK, bold, centered, font};
 use crate::error::{Error, Result};
 use crate::read::style::Legend;
 use plotters::prelude::*;

@@ -1,7 +1,11 @@
 //! The look of plots: one colour, mark and dash per method, one font, the greys, and the colours of wrong pixels.
 
+use crate::error::Source;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+/// Drawing fails only if memory is short, or by a bug.
+pub(super) type Drawn<T = ()> = Result<T, Source>;
 
 /// The PNG uses DejaVu Sans; a browser without it uses the next font.
 pub(super) const FONT: &str = "DejaVu Sans, Verdana, sans-serif";

@@ -1,7 +1,8 @@
 //! The plotters backend of every plot: each element is written as SVG and filled as pixels. Text is drawn from the outlines
 //! of DejaVu Sans, so that no PNG depends on the fonts of the machine.
 
-use super::canvas::{Cells, Drawn};
+use super::cells::Cells;
+use super::look::Drawn;
 use crate::write::png;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use plotters::prelude::{DrawingBackend, SVGBackend};

@@ -1,5 +1,5 @@
 use super::axis::{Axis, Unit, number, rounded};
-use super::canvas::Cells;
+use super::cells::Cells;
 use super::growth::{Curve, Growth, Panel};
 use super::plane::pareto;
 use super::sample;

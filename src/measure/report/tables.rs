@@ -1,6 +1,6 @@
 //! The tables of a report.
 
-use super::{BADGE, escaped};
+use super::html::{BADGE, escaped};
 use crate::measure::record::{Record, Run, SceneRecord, Spread};
 use crate::measure::total::{self, ns_per_ray, spread};
 use crate::measure::verdict::{broken, percent};

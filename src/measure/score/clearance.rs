@@ -1,10 +1,19 @@
 //! The distance between a ray and a sphere's centre, in double-double: at 1e12 radii f64 cannot decide hit or miss.
 
 use crate::double_double::{self as dd, Dd, Dd3, dot};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::scene::camera::Viewport;
 use crate::view::FromEye;
+
+/// Returns an error for cameras that the compared methods and the clearance computation do not support.
+pub(in crate::measure) fn one_eye(scene: &Scene) -> Result<()> {
+    if scene.camera.lens.is_orthographic() {
+        let problem = "the methods that are measured have one eye, and this camera is orthographic";
+        return Err(Error::settings(problem, "give the camera a vfov instead of a height"));
+    }
+    Ok(())
+}
 
 /// A camera with its basis in double-double.
 pub(super) struct Sight {
@@ -14,7 +23,7 @@ pub(super) struct Sight {
 
 impl Sight {
     pub(super) fn of(scene: &Scene) -> Result<Self> {
-        super::one_eye(scene)?;
+        one_eye(scene)?;
         let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
         Ok(Self { axes: scene.camera.axes()?, viewport })
     }

@@ -1,6 +1,6 @@
 //! Many spheres: overlapping, coincident, around the eye; and scenes from third parties.
 
-use super::{aslant, cloud, filled_by, one, picture};
+use super::parts::{aslant, cloud, filled_by, one, picture};
 use crate::error::{Error, Place, Result};
 use crate::measure::suite::Random;
 use crate::read::ReadOptions;

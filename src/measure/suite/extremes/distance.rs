@@ -1,6 +1,6 @@
 //! Far from the scene, or far from the origin.
 
-use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
+use super::parts::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::error::Result;
 use crate::measure::suite::Random;
 use crate::scene::Scene;

@@ -1,6 +1,6 @@
 //! Very small, very large, very wide and very narrow scenes.
 
-use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
+use super::parts::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::error::Result;
 use crate::measure::suite::Random;
 use crate::scene::camera::{Lens, Look};

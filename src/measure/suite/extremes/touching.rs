@@ -1,6 +1,6 @@
 //! Nearly or exactly touching: grazing rays, eyes on surfaces, observers on planets.
 
-use super::{aslant, cloud, decades, filled_by, one, picture, tangent};
+use super::parts::{aslant, cloud, decades, filled_by, one, picture, tangent};
 use crate::error::Result;
 use crate::exact::Judge;
 use crate::measure::suite::Random;

@@ -1,6 +1,6 @@
 //! Random scenes: every number is drawn over its whole range, to find combinations that no other case covers.
 
-use super::picture;
+use super::parts::picture;
 use crate::error::Result;
 use crate::measure::suite::Random;
 use crate::scene::camera::{Lens, Look};

@@ -1,0 +1,72 @@
+//! What the certificate of a pixel is computed from, and its answer.
+
+use crate::number::Number;
+use crate::view::ray::NONE;
+use bytemuck::{Pod, Zeroable};
+
+/// The kernel's second uniform buffer, declared in certify/projection.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct ProjectionRecord {
+    pub(crate) slope_x: f32,
+    pub(crate) slope_y: f32,
+    pub(crate) step_x: f32,
+    pub(crate) step_y: f32,
+    pub(crate) fixed_x: f32,
+    pub(crate) fixed_y: f32,
+    pub(crate) shift: u32,
+    pub(crate) unit: f32,
+    pub(crate) error0: f32,
+    pub(crate) error1: f32,
+    pub(crate) error2: f32,
+    pub(crate) edge: f32,
+    pub(crate) depth: f32,
+    pub(crate) tolerance: f32,
+    pub(crate) generals: u32,
+    pub(crate) cull_margin: f32,
+    pub(crate) size: f32,
+}
+
+/// The quantities of one ray: slopes, |d|^2 and its reciprocal, the pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slopes<R> {
+    pub(crate) x: R,
+    pub(crate) y: R,
+    pub(crate) a: R,
+    pub(crate) inverse: R,
+    pub(crate) row: i32,
+    pub(crate) column: i32,
+    pub(crate) fixed_row: i32,
+    pub(crate) fixed_column: i32,
+}
+
+/// The answer for a winner. The depth is the centre's depth (0 for a general sphere) plus the offset; it lies between
+/// low and high.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Answer<R> {
+    /// Hit, root, depth and normal are within the promised tolerance. Excludes the order of the hits.
+    pub(crate) sure: bool,
+    /// The hit is certain; nothing else need be.
+    pub(crate) hits: bool,
+    pub(crate) id: u32,
+    pub(crate) offset: R,
+    pub(crate) low: R,
+    pub(crate) high: R,
+    /// Bound of the error of the returned depth.
+    pub(crate) depth_interval: R,
+    pub(crate) normal: [R; 3],
+}
+
+impl<R: Number> Answer<R> {
+    /// The answer of a pixel that no sphere covers.
+    pub(crate) const MISS: Self = Self {
+        sure: true,
+        hits: true,
+        id: NONE,
+        offset: R::MISS,
+        low: R::ZERO,
+        high: R::ZERO,
+        depth_interval: R::ZERO,
+        normal: [R::ZERO; 3],
+    };
+}
