@@ -46,7 +46,6 @@ mod answers;
 mod certify;
 mod cpu;
 mod double_double;
-
 mod dyadic;
 pub mod error;
 pub mod exact;
