@@ -11,6 +11,7 @@ pub mod record;
 pub mod report;
 pub mod run;
 pub mod score;
+mod subject;
 pub mod suite;
 pub mod total;
 pub mod variant;

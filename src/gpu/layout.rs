@@ -67,8 +67,7 @@ mod tests {
     use crate::search::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
-    use crate::view::ray::NONE;
-    use crate::view::ray::RayRecord;
+    use crate::view::ray::{NONE, RayRecord};
     use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
     use std::collections::BTreeSet;
     use std::mem::offset_of;

@@ -10,8 +10,7 @@ use super::{Array, bytes_of};
 use crate::error::{Error, Place, Result};
 use crate::frame::provenance::Provenance;
 use crate::quote::{list, quote};
-use crate::write::npy;
-use crate::write::png;
+use crate::write::{npy, png};
 use std::io::Cursor;
 use std::path::Path;
 

@@ -3,9 +3,8 @@
 use super::compare::{Difference, distance_at, is_beyond};
 use super::{Array, Values};
 use crate::error::{Error, Result};
-use crate::write::file;
 use crate::write::format::FileFormat;
-use crate::write::png;
+use crate::write::{file, png};
 use rayon::prelude::*;
 use std::path::Path;
 

@@ -6,7 +6,7 @@
 
 use super::record::{PlaceRecord, Record, Run, SceneRecord, units};
 use super::score::{Score, Truths, one_eye};
-use super::suite::{extremes, ladder};
+use super::subject::{SceneGroup, SubjectKind};
 use super::variant::Variant;
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Frame};
@@ -16,7 +16,8 @@ use crate::render::Renderer;
 use crate::scene::Scene;
 use crate::settings::{Backend, Search, Settings, Tolerance};
 use glam::DVec3;
-use std::path::Path;
+
+pub use super::subject::Subject;
 
 /// The buffers of every timed frame, besides the ids.
 const AOVS: [Aov; 3] = [Aov::Color, Aov::Distance, Aov::Normal];
@@ -35,66 +36,6 @@ const LARGE: f64 = 1e8;
 
 /// The factor by which the estimate's picture is smaller each way.
 const SMALLER: u32 = 8;
-
-/// The scenes to measure.
-pub struct Subject {
-    name: String,
-    kind: SubjectKind,
-    cases: Vec<SceneGroup>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum SubjectKind {
-    Scene,
-    Extremes,
-    Ladder,
-}
-
-/// Scenes measured together under one name.
-struct SceneGroup {
-    name: String,
-    scenes: Vec<Scene>,
-}
-
-impl Subject {
-    /// One scene.
-    #[must_use]
-    pub fn scene(name: impl Into<String>, scene: Scene) -> Self {
-        let name = name.into();
-        Self { cases: vec![SceneGroup { name: name.clone(), scenes: vec![scene] }], name, kind: SubjectKind::Scene }
-    }
-
-    /// The families of extremes; `folder` contains the third-party data, if there is any.
-    ///
-    /// # Errors
-    /// Those of [`extremes::Family::scenes`].
-    pub fn extremes(folder: Option<&Path>) -> Result<Self> {
-        let case = |family: &extremes::Family| {
-            Ok(SceneGroup { name: family.name.into(), scenes: family.scenes(extremes::SEED, folder)? })
-        };
-        let cases: Vec<_> = extremes::FAMILIES.iter().map(case).collect::<Result<_>>()?;
-        Ok(Self { name: "suite extremes".into(), kind: SubjectKind::Extremes, cases })
-    }
-
-    /// The wall from near to far.
-    ///
-    /// # Errors
-    /// Those of [`ladder::scene`].
-    pub fn ladder() -> Result<Self> {
-        let case = |rung: f64| Ok(SceneGroup { name: ladder::name(rung), scenes: vec![ladder::scene(rung)?] });
-        let cases = ladder::RUNGS.into_iter().map(case).collect::<Result<_>>()?;
-        Ok(Self { name: "suite ladder".into(), kind: SubjectKind::Ladder, cases })
-    }
-
-    /// Sets the size of all its pictures.
-    #[must_use]
-    pub fn resized(mut self, [width, height]: [u32; 2]) -> Self {
-        for scene in self.cases.iter_mut().flat_map(|case| &mut case.scenes) {
-            (scene.image.width, scene.image.height) = (width, height);
-        }
-        self
-    }
-}
 
 /// The options of a measurement.
 #[derive(Debug, Clone)]

@@ -7,8 +7,7 @@
 use super::input::Input;
 use super::lines::{Lines, Spot};
 use super::options::ReadOptions;
-use crate::error::relocate;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere};

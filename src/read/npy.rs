@@ -6,8 +6,7 @@ mod records;
 
 use super::csv::COLUMNS;
 use super::input::{Counts, Input};
-use crate::error::relocate;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check_spheres, reserve};
 use crate::npy::{DType, Fault as HeaderFault, Header};
 use crate::progress::Watch;

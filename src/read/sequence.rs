@@ -10,9 +10,8 @@ use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::count;
-use crate::scene::Framing;
 use crate::scene::camera::Camera;
-use crate::scene::{Cell, ImagePlane, Scene};
+use crate::scene::{Cell, Framing, ImagePlane, Scene};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 

@@ -7,8 +7,6 @@
 use super::plan::Plan;
 use super::renderer::{Executor, Renderer};
 use crate::answers::raw::Raw;
-use crate::cpu;
-use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
 use crate::frame::report::Timings;
 use crate::gpu::input::{Input, Output};
@@ -18,6 +16,7 @@ use crate::search::tree::{Shape, Slack, Tree, coherent};
 use crate::settings::{Search, Settings};
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
+use crate::{cpu, double_double as dd};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;

@@ -1,8 +1,7 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
 use super::Npy;
-use crate::error::relocate;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::npy::{DType, Field, Header};
 use crate::read::input::Input;

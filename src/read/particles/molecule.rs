@@ -9,8 +9,7 @@ use crate::memory::{Ledger, reserve};
 use crate::progress::Watch;
 use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
-use crate::read::options::ReadOptions;
-use crate::read::options::{Altloc, FrameRange};
+use crate::read::options::{Altloc, FrameRange, ReadOptions};
 use crate::scene::Cell;
 use std::collections::HashMap;
 
