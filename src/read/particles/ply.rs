@@ -47,8 +47,7 @@ impl Ply {
                 "edge" => "edge",
                 _ => "other element",
             };
-            let options = ReadOptions { strict: self.strict, ..ReadOptions::default() };
-            particles.skipped.meet(kind, options.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
+            particles.skipped.meet(kind, self.strict, || lines.file().named(unquoted(&other.name).to_string()))?;
             if let Some((_, count)) = particles.skipped.kinds.iter_mut().find(|(found, _)| *found == kind) {
                 *count = count.saturating_add(other.count - 1);
             }
