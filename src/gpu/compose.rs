@@ -207,7 +207,9 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
         // does not pay off (docs/performance.md).
         Sharing::Subgroup4 if !kernel.is_wide() => broadcast(4, members),
         Sharing::Subgroup8 if !kernel.is_wide() => broadcast(8, members),
-        _ => shuffle(members),
+        Sharing::Subgroup4 => shuffle("4u", "4u", members),
+        Sharing::Subgroup8 => shuffle("8u", "8u", members),
+        _ => shuffle("lanes", "min(lanes, CHUNK)", members),
     });
 }
 
@@ -278,14 +280,15 @@ fn broadcast(lanes: usize, members: &[&str]) -> Part {
     emitted("emitted: broadcasts", test_chunk(&tests))
 }
 
-/// `test_chunk` for subgroups of any size.
-fn shuffle(members: &[&str]) -> Part {
+/// `test_chunk` by shuffles, for subgroups of `lanes` invocations, which share `records` of them at once. Constant numbers
+/// are a fifth faster in f64 on lavapipe (docs/performance.md).
+fn shuffle(lanes: &str, records: &str, members: &[&str]) -> Part {
     let of_lane = |member: &&str| format!("subgroupShuffle(mine.{member}, k)");
     let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");
     let tests = format!(
-        "    for (var part = 0u; part < CHUNK; part += lanes) {{
+        "    for (var part = 0u; part < CHUNK; part += {lanes}) {{
         let mine = load(first + part + lane);
-        for (var k = 0u; k < min(lanes, CHUNK); k++) {{
+        for (var k = 0u; k < {records}; k++) {{
             best = test(ray, best, Record({record}), first + part + k);
         }}
     }}
