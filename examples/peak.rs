@@ -50,7 +50,7 @@ fn adapter_peak(name: &str, step: &str) -> Result<f64> {
     let text = format!(
         "@group(0) @binding(0) var<storage, read_write> data: array<f32>;
         @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
-            let n = id.x + 2u; // nobody writes what all read
+            let n = id.x + 2u; // the elements that are read are not written
             let a = data[0];
             let b = data[1];
             {begin}
@@ -60,7 +60,9 @@ fn adapter_peak(name: &str, step: &str) -> Result<f64> {
     );
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(text.into()),
+        source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(
+            naga::front::wgsl::parse_str(&text).expect("valid WGSL"),
+        )),
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,

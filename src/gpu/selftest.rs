@@ -22,6 +22,7 @@ use crate::intersect::Method;
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
 use naga::valid::Capabilities;
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Evaluates the cases and answers of a trial.
@@ -157,7 +158,7 @@ impl Gpu {
     /// Runs a trial's shader on its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
         let source = Source::new(trial.parts.iter().cloned());
-        validate(&source, trial.capabilities)?;
+        let (parsed, _) = validate(&source, trial.capabilities)?;
         let device = &self.open.device;
         let count = trial.cases.len() / trial.words[0];
         let size = (count * trial.words[1] * size_of::<u32>()) as u64;
@@ -175,7 +176,7 @@ impl Gpu {
         self.open.queue.write_buffer(&cases, 0, input);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(trial.name),
-            source: wgpu::ShaderSource::Wgsl(source.text.as_str().into()),
+            source: wgpu::ShaderSource::Naga(Cow::Owned(parsed)),
         });
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(trial.name),
