@@ -1,14 +1,14 @@
-// The miss, and vectors of f32.
+// Constants of a miss, and vectors of f32.
 
-const MISS: f32 = 3.40282347e+38; // t of a ray that hits nothing: the largest f32, since infinity may be assumed away
+const MISS: f32 = 3.40282347e+38; // t of a miss: the largest f32, because WGSL has no reliable infinity
 const NONE: u32 = 0xffffffffu;    // id of a ray that hits nothing
 
-// x where it is positive, else 0; unlike max it says which zero.
+// x if it is positive, else +0; the sign of a zero from max is not defined.
 fn positive(x: f32) -> f32 {
     return select(0.0, x, x > 0.0);
 }
 
-// Spelled out: the order of the sum is part of the answer's last bit.
+// Written out, because the order of the sum decides the last bit.
 fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }

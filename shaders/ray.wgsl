@@ -1,6 +1,6 @@
-// Rays, spheres and hits in the Number of the kernel: f32, f64 or a sum of two f32. One text for all of them.
+// Rays, spheres and hits in the Number of the kernel: f32, f64 or a sum of two f32.
 
-// A viewing ray: origin 0, direction d of any length. Only t > 0 counts: a ray is half a line.
+// A viewing ray: origin 0, direction d of any length. Only t > 0 is a hit: a ray is half a line.
 struct Ray {
     d: Number3,
 }
@@ -10,16 +10,16 @@ struct Sphere {
     center: Number3,
     radius: Number,
     power: Number, // of the origin: |c|^2 - r^2
-    scale: f32,    // t in this unit times scale is t in the frame's
+    scale: f32,    // t in this unit times scale is t in the frame's unit
 }
 
-// The closest hit: t in the frame's unit, never rounded to f32 before hits are ordered, and which sphere.
+// The closest hit: t in the frame's unit, not rounded to f32 before hits are ordered, and the sphere's id.
 struct Hit {
     t: Number,
     id: u32,
 }
 
-// Whether a hit takes the place of another where spheres come in any order: it is closer, or as close and of the lower id.
+// Whether a replaces b if spheres come in any order: a is closer, or as close and of the lower id.
 fn is_before(a: Hit, b: Hit) -> bool {
     return less(a.t, from_f32(MISS)) && (less(a.t, b.t) || (!less(b.t, a.t) && a.id < b.id));
 }

@@ -1,4 +1,4 @@
-// The winner alone is judged: by its own bounds, and against the second smallest lower bound.
+// Only the winner is certified: by its own error bounds, and by comparison with the second smallest lower bound.
 
 fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
     var answer = Answer(true, true, NONE, MISS, 0.0, 0.0, 0.0, vec3<f32>(0.0, 0.0, 0.0));
@@ -8,8 +8,8 @@ fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
     return certify_general(s, k, answer);
 }
 
-// Hit, root and normal are certain, nobody else can be as near, and the depth is as sharp as promised. A depth that may
-// have lost bits below the normal numbers never is.
+// Whether hit, root and normal are certain, no other sphere can be as near, and the depth is within the tolerance. A
+// depth that may have been flushed as a subnormal is never certain.
 fn certain(answer: Answer, k: NearestTwo) -> bool {
     let depth = projection.depth + answer.low;
     let sharp = answer.depth_interval < projection.tolerance * depth && depth > VANISH;

@@ -1,18 +1,19 @@
-// Spheres that are not wholly in front, with a bound for each ray.
+// General spheres, with error bounds per ray.
 
-// Any other sphere: around the eye, beside it, close and large. Both p.d and the rest of the record are times 2^-k.
+// A sphere that is not completely in front: around the eye, beside it, or close and large. All lengths, and p.d, are
+// scaled by 2^-k.
 struct General {
     center_radius: vec4<f32>, // centre minus eye and radius
     power: f32,      // of the eye, 2^-2k; its sign is exact
-    scale: f32,      // depth of this record times scale is depth in the frame's unit
+    scale: f32,      // depth in this record's unit times scale is depth in the frame's unit
     form: u32,       // 0: a r^2 - |p x d|^2, 1: b^2 - a c
     id: u32,
-    column: i32,     // a pixel where p.d is nearly zero, and how p.d goes from there
+    column: i32,     // a pixel where p.d is nearly zero; p.d there, and its steps
     row: i32,
     start: f32,
     by_column: f32,
     by_row: f32,
-    blur: f32,       // what the host's rounding leaves in it
+    blur: f32,       // error of the host's rounding in p.d
 }
 
 fn general_at(n: u32) -> General {
@@ -67,12 +68,12 @@ fn general_weigh(s: Slopes, n: General) -> Weighed {
     return Weighed(b, b_error, disc, error * INFLATE + s.a * VANISH, g, sum);
 }
 
-// Root, sum, |d|^2, its reciprocal and the product.
+// The relative error of the root, the sum, |d|^2, its reciprocal and the product.
 fn sum_error(s: Slopes) -> f32 {
     return UNIT * (SUM + SUM_A * s.a);
 }
 
-// A lower bound of the depth of the hit, or MISS for a certain miss. Record's unit.
+// A lower bound of the depth of the hit in the record's unit, or MISS for a certain miss.
 fn general_below(s: Slopes, n: General, w: Weighed) -> f32 {
     if (n.power >= 0.0 && (w.disc < -w.error || w.b < -w.b_error)) {
         return MISS;
@@ -126,14 +127,14 @@ fn general_answer(s: Slopes, n: General) -> Answer {
         high = -n.power / q * (1.0 + rounding);
         hits = hits && q > CLEAR * least;
     }
-    // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, against the ray: upper sign outside.
+    // |d|^2 (hit - centre) = -+(d x g) - sqrt(D) d, facing the ray: upper sign if the eye is outside.
     let d = vec3<f32>(s.x, s.y, -1.0);
     let across = cross3(d, w.g);
     let normal = unit3(select(across, -across, n.power > 0.0) - root * d);
     let true_normal = w.g_error + (most - least) < NORMAL * (sqrt(s.a) * n.center_radius.w);
     let below = general_below(s, n, w);
     let low = below * n.scale;
-    // What is smaller may have been flushed, on one side and not on the other.
+    // A smaller bound may have been flushed to zero where the other bound was not.
     hits = hits && low > VANISH;
     let depth_interval = (high - below + rounding * high) * INFLATE * n.scale;
     return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal);
@@ -149,7 +150,7 @@ fn nearest_two_generals(s: Slopes, start: NearestTwo) -> NearestTwo {
     return k;
 }
 
-// The winner's answer, if it is a general sphere; else the one given.
+// The winner's answer if it is a general sphere, otherwise `other`.
 fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {
     if ((k.slot & GENERAL) != 0u && k.slot != NONE) {
         return general_answer(s, general_at(k.slot & ~GENERAL));

@@ -1,6 +1,6 @@
 // The search of the certified kernel.
 
-// The two smallest lower bounds of depth, and whose the smallest is.
+// The two smallest lower bounds of depth, and the slot of the smallest.
 struct NearestTwo {
     low: f32,
     second: f32,
@@ -13,7 +13,7 @@ fn with_candidate(k: NearestTwo, low: f32, slot: u32) -> NearestTwo {
     return NearestTwo(min(k.low, low), min(k.second, max(k.low, low)), select(k.slot, slot, low < k.low));
 }
 
-// Whether all that lies behind the chunk minimum is too far behind the winner to matter.
+// Whether every sphere at or behind the chunk's minimum depth is too far behind the winner to change the result.
 fn is_behind(s: Slopes, k: NearestTwo, chunk_min_depth: f32) -> bool {
     return chunk_min_depth - k.low > s.cull_margin * (s.depth + k.low);
 }
@@ -21,7 +21,7 @@ fn is_behind(s: Slopes, k: NearestTwo, chunk_min_depth: f32) -> bool {
 alias Searcher = Slopes;
 alias Best = NearestTwo;
 
-// A projected sphere as it is loaded and shared.
+// A projected sphere as loaded and shared by a subgroup.
 struct Record {
     bits: vec4<i32>,
 }
@@ -34,8 +34,9 @@ fn test(s: Slopes, k: NearestTwo, r: Record, n: u32) -> NearestTwo {
     return with_candidate(k, projected_low(s, projected_of(r.bits)), n);
 }
 
-// The general spheres and those of a tile, nearest first. Invocations that load together leave the list together: to those
-// that could leave earlier, what follows makes no difference, since all of it lies behind the chunk's least depth.
+// Tests the general spheres and the candidates of a tile, nearest chunk first. Invocations that share loads leave the
+// list together. For those that could leave earlier the remaining candidates change nothing: all of them are behind the
+// chunk's minimum depth.
 fn nearest_two(s: Slopes, range: vec2<u32>) -> NearestTwo {
     var k = nearest_two_generals(s, NearestTwo(BEYOND, BEYOND, NONE));
     for (var first = range.x; first < range.y; first += CHUNK) {

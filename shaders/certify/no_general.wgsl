@@ -1,4 +1,4 @@
-// Every sphere is wholly in front. Software adapters run what is written, entered or not, so the rest is not written.
+// For frames without general spheres. Software adapters execute branches that no lane enters, so the code is left out.
 fn nearest_two_generals(s: Slopes, k: NearestTwo) -> NearestTwo {
     return k;
 }

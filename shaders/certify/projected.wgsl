@@ -1,4 +1,4 @@
-// A sphere wholly in front of the eye plane, by its projected centre.
+// Projected spheres: spheres completely in front of the eye plane.
 
 // a rho^2 - |o|^2 - (slopes x o)^2: positive where the ray at offset o from the projected centre hits.
 fn projected_discriminant(s: Slopes, rho: f32, o: vec2<f32>) -> f32 {
@@ -11,14 +11,14 @@ fn projected_low(s: Slopes, f: Projected) -> f32 {
     let o = vec2<f32>(f32(s.fixed_column - f.x) * s.fixed.x, f32(f.y - s.fixed_row) * s.fixed.y);
     let disc = projected_discriminant(s, f.rho, o);
     let error = s.error.x + f.rho * (s.error.y + f.rho * s.error.z);
-    // Slope along the offset plus root, in the order that Mesa's compiler gives a sum which is used once.
+    // Slope along the offset plus root, in the order that Mesa's compiler gives a sum that is used once.
     let total = s.x * o.x + (s.y * o.y + sqrt(positive(disc + error)));
     let size = f.low * s.unit + s.size;
     let low = f.low - total * (size * s.inverse);
     return select(low, MISS, disc < -error);
 }
 
-// Offset, its square, slopes' square; the discriminant, and the bound of its error.
+// The offset, its square, the square of the slopes; the discriminant and its error bound.
 struct ProjectedWeighed {
     o: vec2<f32>,
     o2: f32,
@@ -27,7 +27,7 @@ struct ProjectedWeighed {
     error: f32,
 }
 
-// The same sphere with all it has, and a bound for this ray: docs/certificate.md, section 2.
+// The same test with the sphere's detail record and an error bound for this ray: docs/certificate.md, section 2.
 fn projected_weigh(s: Slopes, f: Projected, more: ProjectedDetail) -> ProjectedWeighed {
     let half = 1i << (projection.shift - 1u);
     let column = (f.x + half) >> projection.shift;
@@ -70,7 +70,7 @@ fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
     let k = (along + root) * s.inverse;
     let normal = unit3(vec3<f32>(dx - k * s.x, dy - k * s.y, k));
     let off = sqrt(s.a) * (mixed + (most - least)) * s.inverse + UNIT * TURN * (total + sqrt(o2)) + e;
-    // A root that is not surely ahead is not surely the hit.
+    // A root that is not certainly in front of the eye is not certainly the hit.
     let hits = crosses && projection.depth + low > VANISH;
     let depth_interval = (high - low + blur) * INFLATE;
     return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, depth_interval, normal);

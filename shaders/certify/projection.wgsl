@@ -1,46 +1,46 @@
-// The certified kernel's view of the scene: docs/certificate.md derives every bound that is used here.
-// The direction is (x, y, -1): slopes instead of u, v, d, so that t is the planar depth.
+// The projection for the certified kernel; docs/certificate.md derives every bound that is used here.
+// The direction is (x, y, -1), slopes instead of u, v, d, so that t is the planar depth.
 
 struct Projection {
     slope_x: f32,    // vw / (2 W d); 0 for parallel rays
     slope_y: f32,    // vh / (2 H d); 0
     step_x: f32,     // a pixel's width and height in the unit of rho
     step_y: f32,
-    fixed_x: f32,    // the same of a unit of the fixed-point projected centres
+    fixed_x: f32,    // width and height of a unit of the fixed-point projected centres
     fixed_y: f32,
-    shift: u32,      // a pixel is 2^shift of these
-    unit: f32,       // slope of the unit of rho: a power of two; 0 for parallel rays
-    error0: f32,     // bound of a candidate's discriminant: error0 + rho (error1 + rho error2)
+    shift: u32,      // a pixel is 2^shift of these units
+    unit: f32,       // the unit of rho as a slope: a power of two; 0 for parallel rays
+    error0: f32,     // error bound of a candidate's discriminant: error0 + rho (error1 + rho error2)
     error1: f32,
     error2: f32,
-    edge: f32,       // error of a winner's projected centre, unit of rho
-    depth: f32,      // the frame's reference depth: depths of projected spheres are kept relative to it
+    edge: f32,       // error of a winner's projected centre, in the unit of rho
+    depth: f32,      // the frame's reference depth: depths of projected spheres are relative to it
     tolerance: f32,  // promised relative error of t
-    generals: u32,   // spheres that are not wholly in front of the eye plane, or too near it
-    cull_margin: f32, // how far behind a winner, relative to its depth, a list may be left
-    size: f32,       // length of the unit of rho at the reference depth; at any for parallel rays
+    generals: u32,   // number of general spheres: not completely in front of the eye plane, or too near it
+    cull_margin: f32, // relative depth behind the winner at which the rest of a list is skipped
+    size: f32,       // length of the unit of rho at the reference depth; at any depth for parallel rays
 }
 
-// A sphere wholly in front, as every ray sees it: 16 bytes, since loading is what a test costs.
+// A projected sphere as every ray tests it: 16 bytes, because loads dominate the cost of a test.
 struct Projected {
-    x: i32,          // projected centre, fixed point: the difference to a pixel is exact, however far the sphere
+    x: i32,          // projected centre, fixed point: the difference to a pixel is exact at any distance
     y: i32,
     rho: f32,        // projected radius
-    low: f32,        // centre's depth minus the reference, minus the bound of all errors of a hit's depth
+    low: f32,        // centre's depth minus the reference depth, minus the bound of all errors of a hit's depth
 }
 
-// What only a winner's test reads.
+// Data that is read only to certify a winner.
 struct ProjectedDetail {
     subpixel_offset: vec2<f32>, // projected centre minus the nearest pixel, columns and rows (rows negated)
-    center: f32,     // centre's depth minus the reference
+    center: f32,     // centre's depth minus the reference depth
     id: u32,
 }
 
-// Few buffers, since adapters bind as few as ten; of vectors, since software adapters load a vector at once, a struct
-// number by number.
+// Few buffers, because some adapters bind only ten. Vectors, because software adapters load a vector at once but a
+// struct member by member.
 @group(0) @binding(BIND_PROJECTION) var<uniform> projection: Projection;
 @group(0) @binding(BIND_PROJECTED) var<storage, read> projected: array<vec4<i32>>;
-// The general spheres, four vectors each, and then, in the order of projected, their details, one each.
+// The general spheres, four vectors each, followed by the details of the projected spheres, one vector each.
 @group(0) @binding(BIND_OTHERS) var<storage, read> others: array<vec4<i32>>;
 
 fn projected_of(v: vec4<i32>) -> Projected {
@@ -52,7 +52,7 @@ fn projected_detail(n: u32) -> ProjectedDetail {
     return ProjectedDetail(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
 }
 
-// What one ray needs: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
+// The data of one ray: slopes, |d|^2 and its reciprocal, the pixel, and the pixel in fixed point.
 struct Slopes {
     x: f32,
     y: f32,
@@ -62,25 +62,25 @@ struct Slopes {
     column: i32,
     fixed_row: i32,
     fixed_column: i32,
-    // What every test reads: loaded once, since software adapters read a uniform lane by lane in a loop.
+    // Constants of every test: loaded once, because software adapters read a uniform lane by lane inside a loop.
     fixed: vec2<f32>,
     error: vec3<f32>,
     depth: f32,
     unit: f32,
     size: f32,
     cull_margin: f32,
-    chunk_min_depths: u32, // where they begin in lists
+    chunk_min_depths: u32, // their first index in lists
 }
 
-// A winner's answer. The depth is the centre's depth (0 for a general sphere) plus offset; it lies between low and high.
+// A winner's answer. The depth is the centre's depth (0 for a general sphere) plus offset, between low and high.
 struct Answer {
-    sure: bool,      // hit, root, depth and normal are within their promise; order is not part of it
-    hits: bool,      // the hit alone is certain
+    sure: bool,      // hit, root, depth and normal are within their tolerances; the order of hits is not included
+    hits: bool,      // the hit is certain, whether or not the rest is
     id: u32,
     offset: f32,
     low: f32,
     high: f32,
-    depth_interval: f32, // how far the depth given out may be from the true one
+    depth_interval: f32, // bound of the error of the written depth
     normal: vec3<f32>,
 }
 

@@ -1,5 +1,5 @@
-// The geometric intuition: t_m, the ray's closest approach to the centre; l_m, its distance there; delta t, half the
-// chord. d of unit length, and t/|d| for the ray as it came.
+// The geometric form: t_m is the ray's closest approach to the centre, l_m its distance there, delta t half the chord.
+// d has unit length; t/|d| is the parameter of the given ray.
 fn intersect(ray: Ray, s: Sphere) -> f32 {
     let p = -s.center;
     let length = sqrt(dot3(ray.d, ray.d));

@@ -1,4 +1,4 @@
-// The perpendicular form of stable.wgsl, operation for operation, in Numbers of more bits than f32.
+// The perpendicular form of stable.wgsl, operation for operation, in a Number of more bits than f32.
 fn is_positive(a: Number) -> bool {
     return less(from_f32(0.0), a);
 }
@@ -32,7 +32,7 @@ fn intersect(ray: Ray, s: Sphere) -> Number {
     return from_f32(MISS);
 }
 
-// As in stable.wgsl; rounded at the very end.
+// As in stable.wgsl; rounded at the end.
 fn normal_at(ray: Ray, s: Sphere, t: Number) -> vec3<f32> {
     let d = ray.d;
     let g = number_cross3(s.center, d);

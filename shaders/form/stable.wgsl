@@ -1,6 +1,7 @@
 // The perpendicular form. With p from the ray's origin to the centre, g = p x d and Lagrange's identity
-// (p.d)^2 = |p|^2 |d|^2 - |g|^2 the discriminant is a r^2 - g.g: no difference of two large squares. The power of the
-// origin, c = |p|^2 - r^2, comes from the host; the root whose sum does not cancel is taken first and the other is c/q.
+// (p.d)^2 = |p|^2 |d|^2 - |g|^2 the discriminant is a r^2 - g.g, which is no difference of two large squares. The host
+// computes the power of the origin, c = |p|^2 - r^2. The root whose sum does not cancel is computed first, the other
+// is c/q.
 fn discriminant(ray: Ray, s: Sphere, g: vec3<f32>) -> f32 {
     return dot3(ray.d, ray.d) * (s.radius * s.radius) - dot3(g, g);
 }
@@ -27,8 +28,8 @@ fn intersect(ray: Ray, s: Sphere) -> f32 {
     return MISS;
 }
 
-// The unit normal against the ray from the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d,
-// upper sign outside. Nothing cancels, however far the sphere; t is not used.
+// The unit normal, facing the ray's origin, from the perpendicular and half the chord:
+// |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, upper sign outside. Nothing cancels at any distance; t is not used.
 fn normal_at(ray: Ray, s: Sphere, t: f32) -> vec3<f32> {
     let g = cross3(s.center, ray.d);
     let root = sqrt(positive(discriminant(ray, s, g)));

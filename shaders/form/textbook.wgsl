@@ -1,4 +1,4 @@
-// The general quadratic: |p + t d|^2 = r^2 with p from the centre to the ray's origin, d of any length.
+// The general quadratic: |p + t d|^2 = r^2 with p from the centre to the ray's origin and d of any length.
 fn intersect(ray: Ray, s: Sphere) -> f32 {
     let p = -s.center;
     let a = dot3(ray.d, ray.d);

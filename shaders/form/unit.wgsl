@@ -1,4 +1,4 @@
-// The quadratic for d of unit length: t = -d.p +- sqrt((d.p)^2 - p.p + r^2), and t/|d| for the ray as it came.
+// The quadratic for d of unit length: t = -d.p +- sqrt((d.p)^2 - p.p + r^2); t/|d| is the parameter of the given ray.
 fn intersect(ray: Ray, s: Sphere) -> f32 {
     let p = -s.center;
     let length = sqrt(dot3(ray.d, ray.d));

@@ -1,11 +1,11 @@
-// The data's way, once per pixel, with a certificate: slopes, candidates, the winner's proof, outputs.
+// The certified kernel, once per pixel: slopes, candidates, the winner's certificate, outputs.
 
-const UNSURE: u32 = 0xfffffffeu; // the id where f32 cannot prove the answer: the host decides
+const UNSURE: u32 = 0xfffffffeu; // the id where f32 cannot prove the answer; the host settles the pixel
 
 var<private> answer: Answer;
 var<private> proved: bool;
 
-// Unit normal at the hit, in the canonical camera, against the ray.
+// Unit normal at the hit, in the canonical camera, facing the eye.
 fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
     return answer.normal;
 }
@@ -19,7 +19,7 @@ fn render(tile: vec3<u32>, index: u32) {
     let to = sample_position(at);
     let s = slopes(to.y, to.x);
     let k = nearest_two(s, tile_list(tile));
-    // Only now may invocations outside the crop leave: they carried spheres for their subgroup.
+    // Invocations outside the crop leave only now, because they loaded spheres for their subgroup.
     if (!in_crop(at)) {
         return;
     }

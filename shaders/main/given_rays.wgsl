@@ -1,8 +1,8 @@
-// Given rays instead of viewing rays: one per invocation, the same stages after that.
+// Given rays instead of viewing rays: one per invocation, then the same stages.
 
-// A given ray: direction scaled to a largest component in [1, 2), and its origin minus the view's eye in the frame's
-// unit, as a sum of two parts so that nothing is lost far away. The fourth numbers are what rounding took from the
-// direction's x, y, z.
+// A given ray: the direction, scaled so that its largest component is in [1, 2), and the origin minus the view's eye in
+// the frame's unit, as a sum of two f32 so that no precision is lost far from the eye. The w components are the rounding
+// errors of the direction's x, y, z.
 struct GivenRay {
     direction: vec4<f32>,
     origin: vec4<f32>,
@@ -14,7 +14,7 @@ struct GivenRay {
 var<private> given: GivenRay;
 var<private> local_index: u32; // of this ray in its workgroup
 
-// The view's width counts the rays of this dispatch and first_row the rays before it.
+// Here view.width is the number of rays of this dispatch, and view.first_row the number of rays before it.
 fn render(group: vec3<u32>, index: u32) {
     let n = group.x * GROUP + index;
     local_index = index;

@@ -1,5 +1,5 @@
-// A ray goes through one sample of its pixel: through the centre of a pixel of a finer frame, whose size is the view's.
-// The pixel is cut into strata, and a hash chooses one finer pixel in that of the sample.
+// A ray goes through one sample of its pixel: the centre of a pixel of a finer frame, whose size is the view's. The pixel
+// is divided into strata, and a hash chooses one finer pixel in the sample's stratum.
 fn sample_position(at: vec2<u32>) -> vec2<u32> {
     let stratum = vec2<u32>(view.sample % view.strata, view.sample / view.strata);
     let hash = pcg4d(vec4<u32>(at, view.sample, view.seed));

@@ -1,5 +1,5 @@
-// Numbers as sums of two f32, about 48 bits. Every single operation ends behind the barrier, because WGSL lets a
-// compiler reassociate and fuse; products are split, because its fma need not be fused.
+// Numbers as sums of two f32, about 48 bits. Every operation ends with the barrier, because WGSL lets a compiler
+// reassociate and fuse; products are split, because WGSL's fma need not be fused.
 //
 // Sources: Knuth (TwoSum), Dekker 1971 (FastTwoSum, split and product); Joldes, Muller, Popescu, ACM TOMS 44 (2017),
 // algorithms 6 (add), 7 and 10 (mul), 17 (div); Lefevre, Louvet, Muller, Picot, Rideau 2023 (square root).
@@ -16,8 +16,9 @@ struct Number3 {
 
 const SPLIT: f32 = 4097.0; // 2^12 + 1
 
-// The only barrier that was seen to hold everywhere: the bits XOR a zero that no compiler knows. A multiplication by one
-// or an identity bitcast is folded away. Whether it holds on this adapter is measured (src/gpu/selftest.rs).
+// The only barrier that held on every tested adapter: the bits XOR a zero that is unknown at compile time. A
+// multiplication by one or an identity bitcast is folded away. The self-test checks it on the adapter
+// (src/gpu/selftest.rs).
 fn fp_barrier(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ view.zero);
 }
@@ -129,7 +130,7 @@ fn root(a: Number) -> Number {
     return fast_two_sum(first, fp_barrier(rest / (2.0 * first)));
 }
 
-// a minus b times a power of two, each in two parts.
+// a minus b times a power of two, each as high and low part.
 fn difference(a: f32, a_lo: f32, b: f32, b_lo: f32, power: f32) -> Number {
     return sub(from_hi_lo(a, a_lo), scaled(from_hi_lo(b, b_lo), power));
 }

@@ -1,4 +1,4 @@
-// f32 itself. What rounding took from the inputs is not read, but where two positions are subtracted.
+// Plain f32. The low parts of the inputs are used only where two positions are subtracted.
 alias Number = f32;
 alias Number3 = vec3<f32>;
 
@@ -39,8 +39,8 @@ fn mul(a: Number, b: Number) -> Number {
     return a * b;
 }
 
-// a minus b times a power of two, each in two parts: the large parts are subtracted first and the small ones added to the
-// difference, so that two far things near each other keep their distance.
+// a minus b times a power of two, each as high and low part. The high parts are subtracted first and the low parts added
+// to the difference, so that the distance of two far points near each other stays accurate.
 fn difference(a: f32, a_lo: f32, b: f32, b_lo: f32, power: f32) -> Number {
     return (a - power * b) + (a_lo - power * b_lo);
 }

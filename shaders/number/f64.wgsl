@@ -1,4 +1,4 @@
-// f64, where shaders have it: no barrier, no transforms. WGSL itself has no f64; naga spells its literals 1.0lf.
+// f64, on adapters that support it: no barrier, no transforms. WGSL has no f64; naga writes its literals as 1.0lf.
 alias Number = f64;
 alias Number3 = vec3<f64>;
 
@@ -51,7 +51,7 @@ fn root(a: Number) -> Number {
     return sqrt(a);
 }
 
-// a minus b times a power of two, each in two parts.
+// a minus b times a power of two, each as high and low part.
 fn difference(a: f32, a_lo: f32, b: f32, b_lo: f32, power: f32) -> Number {
     return sub(from_hi_lo(a, a_lo), scaled(from_hi_lo(b, b_lo), power));
 }

@@ -10,7 +10,7 @@ fn nearest(ray: Ray, group: vec3<u32>) -> Hit {
     return hit;
 }
 
-// Past the end the last sphere once more, which is not closer than itself.
+// Past the end it repeats the last sphere, which is not closer than itself.
 fn load(n: u32) -> Record {
     return record_at(min(n, view.spheres - 1u));
 }

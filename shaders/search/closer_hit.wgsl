@@ -1,14 +1,14 @@
-// The spheres as the host moved them into the canonical camera, and which of two hits is the closer.
+// The spheres in the canonical camera, and the choice of the closer hit.
 
-// A sphere's record, scaled by its own power of two 2^-k, so that squares neither overflow nor vanish.
+// A sphere's record, scaled by its own power of two 2^-k, so that squares neither overflow nor underflow.
 struct SphereRecord {
     center_radius: vec4<f32>, // centre minus eye and radius, 2^-k
-    power: f32,               // of the eye: |c - e|^2 - r^2 in better arithmetic, 2^-2k
-    scale: f32,               // t of this record times scale is t in the frame's unit
+    power: f32,               // of the eye: |c - e|^2 - r^2 in higher precision, 2^-2k
+    scale: f32,               // t in this record's unit times scale is t in the frame's unit
     id: u32,
 }
 
-// What rounding to f32 took from it.
+// The errors of rounding a record to f32.
 struct SphereResiduals {
     center_radius: vec4<f32>,
     power: f32,
@@ -20,7 +20,7 @@ fn no_hit() -> Hit {
     return Hit(from_f32(MISS), NONE);
 }
 
-// For spheres in the order of their ids: the comparison is strict, so an equal t stays with the lower id.
+// For spheres in the order of their ids: the comparison is strict, so of equal t the lower id wins.
 fn closer_hit(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
     let t = intersect(ray, s);
     if (less(t, from_f32(MISS))) {
@@ -32,7 +32,7 @@ fn closer_hit(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
     return hit;
 }
 
-// For spheres in any order: of an equal t the lower id.
+// For spheres in any order: of equal t the lower id wins.
 fn closer_hit_any_order(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
     let t = intersect(ray, s);
     if (less(t, from_f32(MISS))) {
@@ -44,7 +44,7 @@ fn closer_hit_any_order(hit: Hit, ray: Ray, s: Sphere, id: u32) -> Hit {
     return hit;
 }
 
-// Unit normal at a hit, in the canonical camera, against the ray.
+// Unit normal at a hit, in the canonical camera, facing the ray's origin.
 fn surface_normal(ray: Ray, hit: Hit) -> vec3<f32> {
     return normal_at(ray, sphere_of(record_of(hit)), hit.t);
 }

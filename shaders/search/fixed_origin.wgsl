@@ -1,4 +1,4 @@
-// All rays leave from the origin of the canonical camera: the spheres are where the host moved them.
+// All rays start at the origin of the canonical camera, so spheres are used as the host transformed them.
 fn sphere_of(r: Record) -> Sphere {
     let residual = residuals_of(r);
     let c = r.center_radius;

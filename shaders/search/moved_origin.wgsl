@@ -1,4 +1,4 @@
-// Rays from many points: each sphere is moved once more, to its ray's origin.
+// Rays from many points: each sphere is translated by the ray's origin.
 fn sphere_of(r: Record) -> Sphere {
     let shrink = 1.0 / r.scale; // a power of two
     let c = r.center_radius;

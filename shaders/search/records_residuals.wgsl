@@ -1,4 +1,5 @@
-// A sphere's record as it is loaded and shared, with its residuals: for arithmetic beyond f32 and for rays from many points.
+// A sphere's record as loaded and shared by a subgroup, with its residuals: for arithmetic of more bits than f32 and for
+// rays from many points.
 struct Record {
     center_radius: vec4<f32>,
     power: f32,

@@ -1,7 +1,7 @@
-// The closest hit among the general spheres, which every ray tests, and those of the tile's list; both lie in spheres, in
-// whole chunks.
+// The closest hit among the general spheres, which every ray tests, and the candidates of the tile. Both are stored in
+// spheres, in whole chunks.
 
-// The closest hit so far, and where in spheres it is.
+// The closest hit so far, and its sphere's index in spheres.
 struct Found {
     hit: Hit,
     place: u32,
@@ -10,10 +10,10 @@ struct Found {
 alias Searcher = Ray;
 alias Best = Found;
 
-// Where in spheres the hit is.
+// The index of the hit sphere in spheres.
 var<private> place: u32;
 
-// Invocations that load together leave the list together: those that could leave earlier keep what they have.
+// Invocations that share loads leave the list together; those that could leave earlier keep their hit.
 fn nearest(ray: Ray, tile: vec3<u32>) -> Hit {
     let range = tile_list(tile);
     let limits = chunk_numbers();

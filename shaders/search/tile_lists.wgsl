@@ -1,7 +1,7 @@
 // The candidate lists of the tiles, in whole chunks.
 
-// Of every tile its first entry and the one past its last; then for every chunk how near its spheres, and those behind it
-// in its list, can be: for a certified kernel their least depth, relative to the reference depth; else their least t.
+// For every tile its first entry and the one past its last. Then for every chunk a lower bound for its spheres and all
+// later ones of the list: in a certified kernel of depth, relative to the reference depth; otherwise of t.
 @group(0) @binding(BIND_LISTS) var<storage, read> lists: array<u32>;
 
 // A tile's first entry, and the one past its last.
@@ -10,7 +10,7 @@ fn tile_list(tile: vec3<u32>) -> vec2<u32> {
     return vec2<u32>(lists[list], lists[list + 1u]);
 }
 
-// Where in lists the chunks' numbers begin.
+// The first index of the chunks' bounds in lists.
 fn chunk_numbers() -> u32 {
     return 2u * tile_columns() * tile_rows();
 }

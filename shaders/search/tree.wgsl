@@ -1,12 +1,12 @@
-// The boxes of a tree over the spheres, padded by the host so that no hit is outside of them, and a ray among them.
-const STACK: u32 = 32u;              // nodes that may wait; the host keeps every tree as shallow
-const IS_LEAF: u32 = 0x80000000u;    // of a link: to a leaf; then 4 bits say how many spheres, 27 which is the first
+// The closest hit by a tree of bounding boxes over the spheres. The host pads the boxes so that they contain every hit.
+const STACK: u32 = 32u;              // depth of the stack; the host builds no deeper tree
+const IS_LEAF: u32 = 0x80000000u;    // marks a link to a leaf: 4 bits for the number of spheres, 27 for the first
 const FIRST: u32 = 0x07ffffffu;
 const NOWHERE: u32 = 0xffffffffu;    // a link to nothing
-const LEAST: f32 = 2.3283064e-10;    // 2^-32: a smaller component of a direction is taken for this; nothing is divided by 0
+const LEAST: f32 = 2.3283064e-10;    // 2^-32: replaces smaller components of a direction, to avoid a division by 0
 
-// Bits of two boxes' corners, and in the fourth number of the low ones where they lead. Bits, because a link that
-// passes as an f32 may be flushed.
+// The corners of two boxes as bits, with the links to their children in the w components of the low corners. Bits,
+// because a link that is loaded as an f32 may be flushed to zero.
 struct Node {
     low_a: vec4<u32>,
     high_a: vec4<u32>,
@@ -17,7 +17,7 @@ struct Node {
 @group(0) @binding(BIND_NODES) var<storage, read> nodes: array<Node>;
 @group(0) @binding(BIND_ORDER) var<storage, read> order: array<u32>;
 
-// A ray as the boxes see it: origin, and one over each component of the direction.
+// A ray for slab tests: the origin, and the reciprocals of the direction's components.
 struct Slabs {
     origin: vec3<f32>,
     inverse: vec3<f32>,
@@ -28,7 +28,7 @@ fn slabs_of(direction: vec3<f32>, origin: vec3<f32>) -> Slabs {
     return Slabs(origin, 1.0 / select(direction, least, abs(direction) < vec3<f32>(LEAST)));
 }
 
-// Where the ray comes into the box, at least 0; MISS where it does not.
+// t where the ray enters the box, at least 0; MISS if it does not.
 fn entry(slabs: Slabs, low: vec4<u32>, high: vec4<u32>) -> f32 {
     let a = (bitcast<vec3<f32>>(low.xyz) - slabs.origin) * slabs.inverse;
     let b = (bitcast<vec3<f32>>(high.xyz) - slabs.origin) * slabs.inverse;
@@ -39,12 +39,12 @@ fn entry(slabs: Slabs, low: vec4<u32>, high: vec4<u32>) -> f32 {
     return select(MISS, near, near <= far);
 }
 
-// What every ray of the workgroup has still to visit: bits of where it comes in, and a link. Memory of the workgroup,
-// because software adapters turn an array of an invocation's own into a chain of comparisons.
+// The traversal stacks of the workgroup's rays: the bits of the entry t, and a link. In workgroup memory, because
+// software adapters compile a private array into a chain of comparisons.
 var<workgroup> waiting: array<vec2<u32>, GROUP * STACK>;
 
-// The last thing put aside that the hit has not put out of reach since; NOWHERE when there is none. depth says how
-// many wait.
+// Pops the last link whose box is not behind the current hit; NOWHERE if there is none. depth is the number of entries
+// on the stack.
 fn resume(depth: ptr<function, u32>, reach: f32) -> u32 {
     while (*depth > 0u) {
         *depth -= 1u;
@@ -56,16 +56,16 @@ fn resume(depth: ptr<function, u32>, reach: f32) -> u32 {
     return NOWHERE;
 }
 
-// The closest hit among the spheres of a tree: the nearer box first, and none behind the hit that is already there. A
-// box as near as the hit is still opened, for the lower id may be in it. t is rounded to f32 for this: the boxes' padding is
-// larger than that.
+// The closest hit among the spheres of a tree. The nearer box is visited first, and boxes behind the current hit are
+// skipped. A box as near as the hit is still visited, because it may contain a lower id. t is rounded to f32 for this
+// comparison; the boxes' padding is larger than that error.
 fn nearest(ray: Ray, group: vec3<u32>) -> Hit {
     let slabs = slabs_of(given.direction.xyz, given.origin.xyz);
     var hit = no_hit();
     var depth = 0u;
     var link = 0u;
     loop {
-        // Down to the next leaf: NOWHERE has a leaf's bit too.
+        // Descends to the next leaf; NOWHERE has the leaf bit too.
         while ((link & IS_LEAF) == 0u) {
             let node = nodes[link];
             let a = entry(slabs, node.low_a, node.high_a);

@@ -1,4 +1,4 @@
-// The composed operations of double_float.wgsl as its intersection inlines them. A case is a, b, c in high and low parts.
+// The composed operations of double_float.wgsl as intersect inlines them. A case is a, b, c in high and low parts.
 alias Word = f32;
 const WORDS_IN: u32 = 6u;
 const WORDS_OUT: u32 = 8u;

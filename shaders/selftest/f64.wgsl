@@ -1,4 +1,4 @@
-// The operations of f64, where shaders have it, one by one. A case is a, b.
+// The operations of f64 one by one, on adapters that support it. A case is a, b.
 alias Word = f64;
 const WORDS_IN: u32 = 2u;
 const WORDS_OUT: u32 = 5u;

@@ -1,5 +1,5 @@
-// One invocation per case, in workgroups like those of the kernels. Cases come from a buffer: of constants a compiler
-// would know the answers. Word is the type of the trial's numbers.
+// One invocation per case, in workgroups of the kernels' size. Cases are read from a buffer, because a compiler would
+// fold constants. Word is the type of the test's numbers.
 @group(0) @binding(BIND_CASES) var<storage, read> cases: array<Word>;
 @group(0) @binding(BIND_ANSWERS) var<storage, read_write> answers: array<Word>;
 

@@ -1,9 +1,9 @@
-// The operations one by one, and what becomes of numbers at the ends of the range. A case is a, b.
+// The operations one by one, and the treatment of numbers at the ends of the range. A case is a, b.
 alias Word = f32;
 const WORDS_IN: u32 = 2u;
 const WORDS_OUT: u32 = 11u;
 
-const EXPONENT: u32 = 0x7f800000u; // all ones: infinite or no number
+const EXPONENT: u32 = 0x7f800000u; // all ones: infinity or NaN
 
 fn is_special(x: f32) -> f32 {
     return select(0.0, 1.0, (bitcast<u32>(x) & EXPONENT) == EXPONENT);

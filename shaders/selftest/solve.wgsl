@@ -1,5 +1,5 @@
-// The double-float intersection as production composes it. A case is p, d, r of integers, so that the discriminant's
-// sign is known, and the power in high and low parts.
+// The double-float intersection as the kernels compose it. A case is p, d, r as integers, so that the sign of the
+// discriminant is known, and the power in high and low parts.
 alias Word = f32;
 const WORDS_IN: u32 = 9u;
 const WORDS_OUT: u32 = 2u;

@@ -1,5 +1,5 @@
-// Error-free transforms as a compiler would like them (plain) and behind the barrier; and what a compiler may do to sums
-// and products on its own. A case is a, b, c = RN(a b), and x, y, z for (x - y) z.
+// Error-free transforms without the barrier (plain) and with it; and sums and products that a compiler may reassociate
+// or fuse. A case is a, b, c = RN(a b), and x, y, z for (x - y) z.
 alias Word = f32;
 const WORDS_IN: u32 = 6u;
 const WORDS_OUT: u32 = 27u;

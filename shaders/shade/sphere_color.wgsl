@@ -1,4 +1,4 @@
-// Every sphere has its colour: linear RGB, three numbers each.
+// Colour per sphere: linear RGB, three numbers each.
 @group(0) @binding(BIND_COLORS) var<storage, read> colors: array<f32>;
 
 fn sphere_color(id: u32) -> vec3<f32> {

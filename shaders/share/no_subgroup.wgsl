@@ -1,5 +1,5 @@
-// Every invocation loads every record for itself: right on every adapter. A workgroup is a tile of 8 x 8 pixels, or a group of
-// given rays.
+// Every invocation loads every record itself, which works on every adapter. A workgroup is a tile of 8 x 8 pixels, or a
+// group of given rays.
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     render(group, index);
@@ -9,7 +9,7 @@ fn all_of_subgroup(yes: bool) -> bool {
     return yes;
 }
 
-// Tests some records, no more than a chunk.
+// Tests `count` records, at most a chunk.
 fn test_chunk(ray: Searcher, start: Best, first: u32, count: u32) -> Best {
     var best = start;
     for (var n = 0u; n < count; n++) {

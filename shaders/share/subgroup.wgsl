@@ -1,5 +1,5 @@
-// The invocations of a subgroup share what they load. A workgroup is a tile of 8 x 8 pixels, its rows the subgroups where they
-// are 8 wide.
+// The invocations of a subgroup share their loads. A workgroup is a tile of 8 x 8 pixels; subgroups of 8 invocations are
+// its rows.
 var<private> lane: u32;
 var<private> lanes: u32;
 
