@@ -44,7 +44,7 @@ fn every_input_of_the_corpus_is_read_or_refused() {
         }
         println!("{name}: {} inputs", inputs.len());
     }
-    // Only some targets make it.
+    // Only some targets create the folder.
     let _ = fs::remove_dir_all(harness::desk());
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }

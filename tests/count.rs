@@ -1,4 +1,4 @@
-//! The closing line of `tests/run`: a test that says that it was skipped counts as skipped, not as passed.
+//! The closing line of `tests/run`: a test that prints that it was skipped counts as skipped, not as passed.
 
 #![cfg(unix)]
 
@@ -75,7 +75,7 @@ fn a_test_that_checks_something_is_counted_as_passed() {
     assert_eq!(count(""), "0 passed, 0 failed, 0 skipped\n");
 }
 
-/// The lines above are those that libtest prints: this very binary, run again on one test.
+/// Compares the lines above with those of libtest: this binary runs itself for one test.
 #[test]
 fn the_log_of_libtest_is_understood() {
     const INNER: &str = "HALFLINE_TEST_COUNT";

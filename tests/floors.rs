@@ -122,7 +122,7 @@ fn inline(code: &str, names: &[String]) -> Vec<Vec<String>> {
     for name in names {
         for (place, _) in code.match_indices(&format!("{name}::")) {
             let before = &code[..place];
-            // `pub(in crate::room)` is no import.
+            // `pub(in crate::room)` is not an import.
             if !before.ends_with(|c: char| is_name(c) || c == ':' || c == '$') && !before.ends_with("pub(in ") {
                 let path = code[place..].split(|c: char| !is_name(c) && c != ':').next().unwrap_or_default();
                 found.push(path.split("::").filter(|name| !name.is_empty()).map(str::to_owned).collect());
@@ -283,5 +283,5 @@ fn a_circle_of_files_is_found() {
     assert_eq!(count("use super::D;", "use super::{self as room, A};"), 2, "by the names of the room");
     assert_eq!(count("fn f() { super::b::b() }", "fn b() { crate::room::a::f() }"), 2);
     assert_eq!(count("use super::b::B;", "use super::E;"), 0, "a name of the room's own file");
-    assert_eq!(count("struct A;", "pub use super::a::A;"), 0, "a re-export alone is no circle");
+    assert_eq!(count("struct A;", "pub use super::a::A;"), 0, "a re-export is not a circle by itself");
 }

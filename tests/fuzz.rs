@@ -1,6 +1,6 @@
-//! The promise: from any file a reader makes a scene or an error. It does not panic, its memory is bounded by the size of the
-//! file, and it ends in bounded time. Seeds are fixed; `HALFLINE_FUZZ_RUNS=100000` runs longer than the suite does, and
-//! `HALFLINE_FUZZ_FORMAT=ply` only one format.
+//! The promise: a reader returns a scene or an error for any file. It does not panic, its memory is bounded by the size
+//! of the file, and it ends in bounded time. Seeds are fixed. `HALFLINE_FUZZ_RUNS=100000` runs longer than the suite
+//! does, `HALFLINE_FUZZ_FORMAT=ply` only one format.
 
 #![expect(unsafe_code, reason = "a global allocator needs it")]
 
@@ -55,10 +55,10 @@ static ALLOCATOR: Counting = Counting;
 /// Bytes that a reader may hold beyond [`PER_BYTE`] for every byte of the file: buffers and decompressors.
 const FREE: usize = 64 << 20;
 const PER_BYTE: usize = 64;
-/// Longer than any file of this size takes.
+/// More time than any file of this size takes.
 const SLOWEST: Duration = Duration::from_secs(10);
 
-/// What a file's content is wrapped in.
+/// The compression of a file's content.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wrap {
     Plain,
@@ -264,7 +264,7 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
     }
 }
 
-/// The beginnings of real files, where there are any.
+/// The beginnings of real files, if there are any.
 fn real(format: Format) -> Vec<(Vec<u8>, Wrap)> {
     const NAMES: [&str; 9] = [
         "1IHM.pdb",
@@ -285,7 +285,7 @@ fn real(format: Format) -> Vec<(Vec<u8>, Wrap)> {
     NAMES.into_iter().filter(of_format).filter_map(start).collect()
 }
 
-/// Options under which readers do different things.
+/// Options that select different paths of the readers.
 fn options(format: Format, rng: &mut Rng) -> ReadOptions {
     let mut options = ReadOptions { frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
     options.format = (rng.below(4) > 0).then_some(format);
@@ -306,7 +306,7 @@ fn options(format: Format, rng: &mut Rng) -> ReadOptions {
     options
 }
 
-/// Reads all of a file; whether it has a frame.
+/// Reads a whole file; returns whether it has a frame.
 fn read(path: &Path, options: &ReadOptions) -> bool {
     let Ok(mut sequence) = Sequence::open(path, options) else { return false };
     let mut found = false;

@@ -1,5 +1,5 @@
-//! The promise: no dependency declares a newer Rust than Cargo.toml. A CI job builds with that Rust, for crates that declare
-//! none.
+//! The promise: no dependency declares a newer Rust version than Cargo.toml. For crates that declare none, a CI job
+//! builds with that version.
 
 use serde_json::Value;
 use std::process::Command;

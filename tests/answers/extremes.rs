@@ -10,7 +10,7 @@
 //! | distance, depth | `tolerance` x itself, and the bound | the promise; 2^-50 where settled |
 //! | normal | 1e-3 rad | the promise; the length is 1 within 2^-20, a handful of roundings in f32 |
 //! | position | bound + 2^-48 (|e| + distance) | the basis is good to 2^-52, three products and sums |
-//! | GPU against CPU | none on adapters known to be strict | the twin rounds alike |
+//! | GPU against CPU | none on adapters known to be strict | the twin rounds in the same way |
 //!
 //! A case that fails is printed with the bits of its scene, so that it can be rebuilt anywhere.
 
@@ -51,7 +51,7 @@ fn settings(accuracy: Accuracy, tolerance: f64) -> Settings {
     Settings { accuracy, tolerance, aovs: AOVS.to_vec(), ..Settings::default() }
 }
 
-/// The scenes of a family. Those that are read from files are read from files of the same kind, made here.
+/// The scenes of a family. Families that read files get generated files of the same kind.
 fn scenes(family: &Family, seed: u64) -> Vec<Scene> {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, content) in [("shells.nff", nff::shells()), ("solar_system.csv", planets::csv())] {
@@ -81,7 +81,7 @@ fn normal(frame: &Frame, pixel: usize) -> DVec3 {
     DVec3::new(f64::from(n[0]), f64::from(n[1]), f64::from(n[2]))
 }
 
-/// Whether `x` is at most `most`, which NaN is not.
+/// Whether `x` is at most `most`; false for NaN.
 fn within(x: f64, most: f64) -> bool {
     x <= most
 }
@@ -267,7 +267,7 @@ fn certified_is_exact_in_every_family() {
     for seed in SEEDS.into_iter().chain((1..=more).map(|n: u64| n.wrapping_mul(0x9e37_79b9_7f4a_7c15))) {
         let (total, hits, faulty) = walk(seed);
         assert!(faulty.is_empty(), "{} faults of seed {seed:x}:\n{}", faulty.len(), faulty.join("\n"));
-        // The CPU path alone has half as many pixels.
+        // With only the CPU path there are half as many pixels.
         assert!(hits > 80_000 && total.pixels > 300_000, "the families have hits: {hits}");
     }
 }
@@ -313,8 +313,8 @@ fn every_tolerance_is_kept() {
 
 /// Where every pixel is unsure, the lists of pixels and of pairs are complete and grow far beyond their first capacity.
 ///
-/// 2^-50 is beyond f32, so every hit is unsure; of spheres that coincide up to 1e-9 all are candidates there: 100 pairs
-/// a hit, where a GPU's first list holds 2^14 pairs and the first read 2^12 pixels.
+/// f32 cannot reach a tolerance of 2^-50, so every hit is unsure. Spheres that coincide within 1e-9 are all candidates:
+/// 100 pairs a hit, while a GPU's first list holds 2^14 pairs and the first read 2^12 pixels.
 #[test]
 fn a_frame_of_unsure_pixels_is_settled_completely() {
     let mut random = Rng::new(SEEDS[0]);
@@ -345,8 +345,8 @@ fn a_frame_of_unsure_pixels_is_settled_completely() {
     }
 }
 
-/// Long columns, and the longest rows that 65,535 workgroups of 8 write in one dispatch: where fixed-point centres have the
-/// fewest bits for a pixel.
+/// Long columns, and the longest rows that 65,535 workgroups of 8 write in one dispatch: there fixed-point centres have
+/// the fewest bits per pixel.
 #[test]
 fn the_longest_frames_are_exact() {
     let mut renderers = renderers();

@@ -3,7 +3,7 @@
 //! The fixture is made by `python3 tests/truth/frames.py`, which shares neither the camera's basis nor the exact arithmetic
 //! with the program. Its families, by the letter of the name:
 //!
-//! - A: `up` almost along the view, and a lens of 2e-17: the basis must be better than double-double.
+//! - A: `up` almost along the view, and a lens of 2e-17: the basis must be more accurate than double-double.
 //! - B: the eye is so near a surface that its power underflows in f64.
 //! - C: eye and `at` are some steps of the subnormal numbers apart, or the whole range.
 //! - D: everything is subnormal, or so large that squares overflow.

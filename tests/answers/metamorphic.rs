@@ -86,7 +86,8 @@ fn numbers(frame: &Frame) -> [&[f64]; 2] {
     [Aov::Distance, Aov::Bound].map(|aov| frame.f64(aov).expect("a requested buffer"))
 }
 
-/// The same ids (by `rename`) at the pixels that `place` names, and distances within both bounds.
+/// Checks that the ids (by `rename`) at the pixels that `place` returns are equal, and distances are within both
+/// bounds.
 fn assert_same(what: &str, a: &Frame, b: &Frame, place: impl Fn(usize) -> usize, rename: impl Fn(i32) -> i32) {
     let ([near, bound], [other, beyond]) = (numbers(a), numbers(b));
     for k in 0..a.ids().len() {
@@ -126,7 +127,7 @@ fn a_scaled_viewport_has_the_same_bits() {
     });
 }
 
-/// Only c - e enters, and these sums are exact.
+/// The answer depends only on c - e, and these sums are exact.
 #[test]
 fn a_scene_moved_with_its_eye_has_the_same_bits() {
     on_every_backend(|renderer, scene, frame| {
@@ -144,7 +145,7 @@ fn a_scene_moved_with_its_eye_has_the_same_bits() {
 fn a_mirrored_scene_gives_the_mirrored_frame() {
     on_every_backend(|renderer, scene, frame| {
         for mirror in [DVec3::new(-1.0, 1.0, 1.0), DVec3::new(1.0, -1.0, 1.0), DVec3::NEG_ONE] {
-            // The basis is right-handed on either side of a mirror: columns change places.
+            // The basis is right-handed on either side of a mirror, so the order of columns is reversed.
             let mirrored = certified(renderer, &turned(scene, |p| p * mirror));
             assert_same("mirrored", frame, &mirrored, |k| k / 64 * 64 + 63 - k % 64, |id| id);
         }

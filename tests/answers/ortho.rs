@@ -201,7 +201,7 @@ fn kernel_and_twin_agree_bit_for_bit_with_and_without_lists() {
     }
 }
 
-/// One sphere straight ahead: t = z - sqrt(r^2 - u^2 - v^2), in numbers that f64 holds.
+/// One sphere straight ahead: t = z - sqrt(r^2 - u^2 - v^2), in numbers that are exact in f64.
 #[test]
 fn a_sphere_ahead_has_its_closed_form() {
     let mut spheres = Spheres::default();

@@ -1,4 +1,4 @@
-//! The promise of a plan: it says what rendering does, and a tolerance chooses the cheapest method that keeps it.
+//! The promise of a plan: it states what rendering does, and for a tolerance it chooses the cheapest sufficient method.
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
 use crate::test_dir::{NO_ADAPTER, TestDir};
@@ -232,7 +232,7 @@ fn the_plan_is_what_is_rendered() {
                         });
                         let rendered = renderer.render(&scene, &settings).map(|frame| {
                             let mut r = frame.report;
-                            // Only rendering knows that nothing is hit.
+                            // Only rendering can find that nothing is hit.
                             r.warnings.retain(|warning| !warning.contains(" hits "));
                             let of_frame = (r.backend, r.adapter, r.accuracy, r.method, r.search, r.reason);
                             (of_frame, r.samples, r.rays, r.spheres, r.predicted, r.warnings)
@@ -248,7 +248,7 @@ fn the_plan_is_what_is_rendered() {
     println!("{compared} plans compared with frames");
 }
 
-/// The printed shader is whole: it is valid WGSL, and its banners are the files that the plan names.
+/// The printed shader is complete: it is valid WGSL, and its banners are the files of the plan.
 #[test]
 fn the_printed_shader_is_complete() {
     let colored = [Aov::Color, Aov::Distance, Aov::Id];

@@ -43,7 +43,7 @@ fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
     kinds.push(("certified, flat".into(), Settings { shade: Shade::Flat, ..kinds[0].1.clone() }));
     for method in admitted(renderer) {
-        // SwiftShader takes long to compile normals in better arithmetic.
+        // SwiftShader takes long to compile normals in wider arithmetic.
         let wide = [Method::Native64, Method::DoubleFloat].contains(&method);
         let shade = if wide { Shade::Flat } else { Shade::Headlight };
         for search in [Search::All, Search::Tiles] {
@@ -69,7 +69,7 @@ fn gpu_and_cpu_agree_on_samples() {
             let same = |aov: Aov| a.bits(aov) == b.bits(aov);
             // Certified frames have exact hits and misses on any adapter.
             assert!(same(Aov::Alpha) || !strict && a.report.accuracy == "fast", "{name}, {kind}");
-            // A certified cosine is of (x, y, -1), whose squares lavapipe's compiler adds in another order: some ten
+            // A certified cosine uses (x, y, -1), whose squares lavapipe's compiler adds in another order: some ten
             // roundings of 2^-23.
             let shaded = kind == "certified" && settings.shade == Shade::Headlight;
             let colors = [&a, &b].map(|frame| frame.f32(Aov::Color).expect("a requested buffer"));

@@ -1,8 +1,8 @@
-//! How far a frame is from the exact one.
+//! The errors of a frame against the exact frame.
 
 use halfline::frame::{Aov, Frame};
 
-/// What is counted of a frame, or of several.
+/// The errors of one frame, or of several together.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Score {
     pub(crate) pixels: usize,
@@ -38,7 +38,7 @@ impl Score {
         score
     }
 
-    /// Both together.
+    /// The errors of both together.
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             pixels: self.pixels + other.pixels,

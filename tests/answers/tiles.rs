@@ -15,7 +15,7 @@ use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
-/// The largest relative error of t that the rule covers, as src/search/tile_candidates.rs says.
+/// The largest relative error of t that the rule covers; see src/search/tile_candidates.rs.
 const MARGIN: f64 = 1.0 / 1024.0;
 
 const AOVS: [Aov; 4] = [Aov::Color, Aov::Distance, Aov::Normal, Aov::Id];
@@ -101,7 +101,7 @@ fn check(renderer: &mut Renderer, methods: &[Method]) {
             let tiles = frame(renderer, &scene, Accuracy::Fast, Some(method), Search::Tiles);
             let (broken, covered) = broken(&tiles, &all, &truth);
             assert!(broken.is_empty(), "{what}: {} pixels differ, first {:?}", broken.len(), broken.first());
-            // From far away, the lecture's methods are hardly ever right.
+            // From far away, the lecture's methods are almost always wrong.
             let able = matches!(method, Method::Stable | Method::Native64 | Method::DoubleFloat);
             assert!(!able || 10 * covered > 9 * truth.ids().len(), "{what}: the rule covers {covered} pixels");
             assert!(wrong(&tiles, &truth) <= wrong(&all, &truth), "{what}");

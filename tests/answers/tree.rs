@@ -72,14 +72,14 @@ fn cases() -> Vec<Case> {
     let spheres = cloud(random, 300, [5.0, 0.0, 0.0], 1.0, 0.5);
     let origins = many(random, [5.0, 0.0, 0.0], 0.5);
     add(random, "inside spheres", spheres, origins);
-    // Distances at which f32 leaves the lecture's methods no digit of a radius, and the stable one few.
+    // Distances at which in f32 the lecture's methods have no correct digit of a radius, and the stable one few.
     for far in [1e3, 1e5, 1e7] {
         let spheres = cloud(random, 500, [far, -0.3 * far, 0.5 * far], 20.0, 1.0);
         add(random, "far from one", spheres.clone(), vec![[0.0; 3]]);
         let origins = many(random, [0.0; 3], 20.0);
         add(random, "far from many", spheres, origins);
     }
-    // A lattice: boxes touch, and rays run in their planes.
+    // A lattice: boxes touch, and rays lie in their planes.
     let mut lattice = Spheres::default();
     for n in 0..729 {
         let place = [n % 9, n / 9 % 9, n / 81].map(|k| 2.0 * f64::from(k));
@@ -88,7 +88,7 @@ fn cases() -> Vec<Case> {
     add(random, "lattice from one", lattice.clone(), vec![[-3.0, 1.0, 2.0]]);
     let whole: Vec<_> = many(random, [8.0; 3], 9.0).into_iter().map(|o| o.map(f64::round)).collect();
     add(random, "lattice from many", lattice, whole);
-    // Ties: the same spheres again and again, in two orders; and all at one point.
+    // Ties: repeated spheres, in two orders; and all spheres at one point.
     let some = cloud(random, 40, [0.0; 3], 1.0, 0.1);
     let mut twice = Spheres::default();
     for n in (0..400).map(|n| if n % 80 < 40 { n % 40 } else { 39 - n % 40 }) {
@@ -117,7 +117,7 @@ fn cases() -> Vec<Case> {
         let spheres = cloud(random, 300, [size, 0.0, -3.0 * size], size, 0.05 * size);
         add(random, name, spheres, vec![[4.0 * size, 3.0 * size, 2.0 * size]]);
     }
-    // Fewer spheres than a leaf holds, and a range that no tree can hold: then all spheres are searched.
+    // Fewer spheres than a leaf holds; and a range too wide for a tree, for which all spheres are searched.
     let spheres = cloud(random, 3, [0.0; 3], 1.0, 0.3);
     add(random, "three", spheres, vec![[4.0, 0.0, 0.0]]);
     let mut wide = cloud(random, 60, [0.0; 3], 1e-30, 1e-31);

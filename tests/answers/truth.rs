@@ -1,7 +1,7 @@
-//! The judge, which decides in exact arithmetic, against answers with a thousand digits by the lecture's formulas, in Python.
+//! The judge compared with answers of a thousand digits, computed in Python by the lecture's formulas.
 //!
 //! The fixture is made by `python3 -m pip install mpmath==1.3.0 && python3 tests/truth/make.py`, which shares neither
-//! code nor algebra with `src/exact`. Where digits cannot decide, the answers are known by construction.
+//! code nor algebra with `src/exact`. Where a thousand digits do not suffice, the answers are known by construction.
 
 use halfline::camera::{Camera, Lens, Look};
 use halfline::exact::{Judge, Root, Truth, judge_ray};

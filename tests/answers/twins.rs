@@ -1,9 +1,9 @@
 //! The promise: a kernel and its CPU twin give the same answer, bit for bit where the adapter rounds as IEEE 754 does.
 //!
-//! Gold standard: the twin, in Rust's f32. Tolerance on adapters that are known to round so: none. On any other: ids differ at
-//! 2e-3 of the pixels at most (WGSL lets every operation round either way and division be off by 2.5 ulp, which moves
-//! silhouettes by fractions of a pixel), and where ids agree t differs by at most 1e-3 of itself (the lecture's methods lose
-//! half the digits).
+//! Gold standard: the twin, in Rust's f32. Tolerance on adapters that are known to do so: none. On any other: ids
+//! differ at 2e-3 of the pixels at most (WGSL lets every operation round either way and division be off by 2.5 ulp,
+//! which moves silhouettes by fractions of a pixel), and where ids agree t differs by at most 1e-3 of itself (the
+//! lecture's methods lose half the digits).
 
 use crate::adapter::{self, admitted, cpu, gpu_or_skip, is_strict};
 use crate::bits::Bits;
@@ -20,7 +20,7 @@ use halfline::settings::Settings;
 use halfline::shade::Shade;
 use std::path::Path;
 
-/// The buffers that a kernel writes, and those that follow from them.
+/// The buffers that a kernel writes, and those that are derived from them.
 const AOVS: [Aov; 7] = [Aov::Color, Aov::Distance, Aov::Depth, Aov::Normal, Aov::Position, Aov::Id, Aov::Mask];
 
 fn settings(method: Method, shade: Shade) -> Settings {
@@ -49,7 +49,7 @@ fn cloud(seed: u64, count: usize, at: [f64; 3], side: f64, r: f64, colored: bool
 }
 
 /// The project's own scenes, small, and random ones at many scales, with and without colours; sphere counts that are
-/// no multiple of any subgroup.
+/// not multiples of any subgroup size.
 fn scenes() -> Vec<(String, Scene)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let mut scenes = Vec::new();
@@ -76,7 +76,7 @@ fn frame(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> Frame {
     renderer.render(scene, settings).expect("a frame")
 }
 
-/// The number of values with different bits in all buffers, and the place of the first.
+/// The number of values with different bits in all buffers, and the position of the first.
 fn differing(a: &Frame, b: &Frame) -> (usize, String) {
     let mut count = 0;
     let mut first = String::new();

@@ -51,7 +51,7 @@ fn an_input_is_not_overwritten() {
     refused(&dir, "render s.toml --backend cpu -o a.png --aov depth=folder/spheres.npy", &["folder/spheres.npy", read]);
     dir.put("q.svg", dir.get("q.csv"));
     refused(&dir, "render q.svg --format csv --color-by q --legend q.svg --backend cpu -o a.png", &["q.svg", read]);
-    // By a numbered name that comes later.
+    // By a later frame of a numbered pattern.
     dir.put("frame7.npy", dir.get("7.xyz"));
     refused(&dir, "render frame7.npy --format xyz --frames 1-9 --backend cpu -o frame%d.npy", &["frame7.npy", read]);
     refused(&dir, "render frame7.npy --format xyz --frames 1- --backend cpu -o frame%d.npy", &["frame7.npy", read]);

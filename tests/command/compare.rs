@@ -1,4 +1,5 @@
-//! The promise of `halfline compare`: it finds each difference at its place, and the exit code says whether there is one.
+//! The promise of `halfline compare`: it finds each difference and its position, and the exit code is 1 if there is
+//! any.
 
 use crate::test_dir::TestDir;
 use halfline::frame::{Aov, Buffer, Data};
@@ -309,7 +310,7 @@ fn every_format_is_compared() {
         &frames,
         &format!("-o a.exr --aov {ALL} --aov {ALL}=a.npz --aov depth=a.npy --aov depth=a.pfm --aov normal=n.pfm"),
     );
-    // Misses are NaN in position, infinite in depth, -1 in id, and equal themselves.
+    // Misses are NaN in position, infinite in depth and -1 in id; all of these compare equal.
     for name in ["a.exr", "a.npz"] {
         let (code, out, _) = frames.compare(&[name, name]);
         assert_eq!((code, out.lines().next()), (0, Some("equal: 10 buffers")), "{out}");
@@ -355,7 +356,7 @@ fn a_buffer_that_one_file_lacks_is_named() {
     assert_eq!(report["missing"][2], serde_json::json!({ "buffer": "bound", "only_in": "b.npz" }));
     assert_eq!((&report["equal"], &report["buffers"][0]["equal"]), (&false.into(), &true.into()));
     assert_eq!(frames.compare(&["a.exr", "b.npz", "--tolerance", "1e-6", "--aov", "depth"]).0, 0);
-    assert_eq!(frames.compare(&["d.npy", "b.npz"]).0, 1, "the file with more has what the other lacks");
+    assert_eq!(frames.compare(&["d.npy", "b.npz"]).0, 1, "one file has buffers that the other lacks");
     for (arguments, word) in [
         (&["a.exr", "b.npz", "--aov", "bound"][..], "a.exr has no buffer `bound`; the file has color, depth, id"),
         (&["a.exr", "a.exr", "-o", "diff.png"], "choose one with --aov: color, depth, id"),

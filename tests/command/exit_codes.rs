@@ -11,7 +11,7 @@ fn dir() -> TestDir {
     TestDir::new(&[("scene.toml", SCENE)])
 }
 
-/// A .npy file whose header promises (rows, 4) of f64, with these `values`.
+/// A .npy file whose header declares the shape (rows, 4) of f64, with these `values`.
 fn npy_of(rows: usize, values: &[f64]) -> Vec<u8> {
     let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 4), }}");
     header += &" ".repeat(128 - 11 - header.len());
@@ -171,7 +171,7 @@ fn an_unreadable_or_unwritable_file_is_exit_code_8() {
     dir.refused(8, &["render", "folder.png", "-o", "out.png"], &["cannot read folder.png"]);
     for target in ["nowhere/out.png", "scene.toml/out.png", "folder.png"] {
         dir.refused(8, &["render", "scene.toml", "-o", target], &["cannot write", target]);
-        // Nor is the first target written, which is valid.
+        // The first target is valid, and is not written either.
         let both = format!("color={target}");
         dir.refused(8, &["render", "scene.toml", "--aov", "id=id.npy", "--aov", &both], &["cannot write", target]);
     }

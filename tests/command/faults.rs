@@ -1,9 +1,9 @@
-//! The promise under faults: whichever system call fails, the exit code says so, a file is written completely or not at all,
-//! nothing else is left behind, inputs are unchanged, and the same command succeeds afterwards.
+//! The promise under faults: if any system call fails, the exit code reports it, a file is written completely or not at
+//! all, nothing else is left behind, inputs are unchanged, and the same command succeeds afterwards.
 //!
-//! A preloaded library (`shim.c`) makes the n-th call of a kind fail, for every n, once alone and once with all that follow,
-//! as SQLite's tests do (<https://www.sqlite.org/testing.html>, 3.1 and 3.2). It covers calls of the C library; allocations
-//! smaller than FAULT_BYTES and direct system calls are not covered.
+//! A preloaded library (`shim.c`) makes the n-th call of a kind fail, for every n, once only this call and once all
+//! later calls too, as SQLite's tests do (<https://www.sqlite.org/testing.html>, 3.1 and 3.2). It covers calls of the C
+//! library; allocations smaller than FAULT_BYTES and direct system calls are not covered.
 
 use crate::skip::skip;
 use crate::test_dir::TestDir;
@@ -16,11 +16,11 @@ use std::process::Command;
 /// Names and contents of the files in a folder.
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// The kinds of calls, and the exit codes that a failure of one may lead to.
+/// The kinds of calls, and the exit codes that are allowed after a failure.
 const KINDS: [(&str, &[i32]); 12] = [
     ("write", &[0, 8]),
     ("stdout", &[0, 8]),
-    // Messages change nothing.
+    // Lost messages have no effect.
     ("stderr", &[0]),
     // A file that cannot be read to its end may be reported as invalid.
     ("read", &[0, 3, 8]),
@@ -135,7 +135,8 @@ impl Case {
         (again.code != Some(0) || again.files != self.after).then(|| format!("cannot be done again: {}", again.err))
     }
 
-    /// Makes every call of a kind fail, alone and with all that follow. The number of calls, of runs by exit code, and the errors.
+    /// Makes every call of a kind fail, once alone and once with all later ones. Returns the number of calls, the
+    /// number of runs by exit code, and the errors.
     fn every(&self, shim: &Path, kind: &str, codes: &[i32]) -> (u64, BTreeMap<i32, usize>, Vec<String>) {
         let whole = run(shim, self.command, &self.before, Some((kind, 0, 0)));
         assert_eq!((whole.code, &whole.files), (Some(0), &self.after), "{} counted: {}", self.name, whole.err);

@@ -109,7 +109,7 @@ fn a_legend_shows_the_ends_and_is_checked_before_any_work() {
         ("--color-by type --range 0,5 --map category --legend l.svg", 2, "no range"),
         ("--color-by type --log --map category", 2, "no logarithm"),
         ("--color-by type,kind --map category", 2, "no length"),
-        // Of a refused frame nothing is left behind, including its legend.
+        // A refused frame leaves no file behind, and no legend.
         ("--color-by vx --legend new.svg --crop 0,0,99999,1", 2, "99999"),
     ] {
         dir.refused_render(code, &format!("atoms.xyz -o new.png {options}"), &[expected]);

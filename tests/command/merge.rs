@@ -1,5 +1,5 @@
-//! The promise of `merge`: the merged file is byte for byte that of the full frame, and tiles that do not belong together are
-//! refused by name.
+//! The promise of `merge`: the merged file equals that of the full frame byte for byte, and tiles that do not belong
+//! together are refused with their names.
 
 use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;

@@ -1,4 +1,5 @@
-//! The promise of the options of `render`: each replaces what the scene file says, and standard input and output are files.
+//! The promise of the options of `render`: each replaces a value of the scene file, and standard input and output are
+//! files.
 
 use crate::nff;
 use crate::test_dir::{SCENE, TestDir};
@@ -50,7 +51,7 @@ fn an_orthographic_camera_by_file_and_by_option() {
     dir.put("ortho.toml", SCENE.replace("viewport = [1.5, 1.0]", "height = 3"));
     dir.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
-    // The ray of the middle pixel goes through the sphere's centre, three ahead.
+    // The ray of the middle pixel goes through the sphere's centre, at a distance of 3.
     let distance = Array::read(&dir.path("d.npy")).expect("an array");
     let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
     assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
@@ -107,7 +108,7 @@ fn buffers_of_answers_are_certified_and_equal_the_exact_ones() {
     let ids = |name: &str| npy::read(&dir.get(name), name).expect("a whole file").values().clone();
     assert_eq!(ids("a.npy"), ids("b.npy"));
     let settled = run(&["--aov", "id=d.npy", "--tolerance", "1e-14"]);
-    assert!(settled["settled"].as_u64() >= settled["hits"].as_u64(), "f32 proves no 1e-14: {settled}");
+    assert!(settled["settled"].as_u64() >= settled["hits"].as_u64(), "f32 cannot certify 1e-14: {settled}");
     assert_eq!(ids("d.npy"), ids("b.npy"));
     assert_eq!(run(&["--aov", "id=e.npy", "--method", "unit"])["accuracy"], "fast", "a method without a certificate");
     for bad in ["0", "-1", "1e-16", "nan", "much"] {

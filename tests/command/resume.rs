@@ -73,7 +73,7 @@ fn a_setting_that_changes_bytes_renders_again() {
         (&["--shade", "normal"], vec!["a.png".into()]),
         (&["--accuracy", "exact"], both()),
         (&["--tolerance", "1e-7", "--accuracy", "certified"], both()),
-        // The background is black as it is, so depth is of the same scene.
+        // The background is black anyway, so the provenance of depth is unchanged.
         (&["--transparent"], vec!["a.png".into()]),
         (&["--vfov", "61"], both()),
         (&["--size", "41x30"], both()),
@@ -108,7 +108,7 @@ fn standard_output_and_raw_files_are_always_rendered() {
     assert_eq!(raw.len(), 8 * 40 * 30);
     assert_eq!(renders.written(&["--aov", "depth=a.raw"]).1, ["a.raw"]);
     assert_eq!(renders.0.get("a.raw"), raw);
-    assert_eq!(renders.written(&["--aov", "depth=a.raw"]).1, ["a.raw"], "it cannot say where it comes from");
+    assert_eq!(renders.written(&["--aov", "depth=a.raw"]).1, ["a.raw"], "a raw file has no provenance");
 }
 
 #[test]
@@ -148,8 +148,8 @@ fn a_preview_is_blocks_on_standard_error() {
     assert!(!without.contains('\x1b') && without.contains("--preview=blocks"), "{without}");
 }
 
-/// Ended at any time by any signal, a render leaves whole files or none. Its exit code is 130 for SIGTERM, SIGINT and SIGHUP,
-/// unless it was finished; the others end it as they end any process.
+/// A render that is ended by any signal at any time leaves complete files or none. Its exit code is 130 for SIGTERM,
+/// SIGINT and SIGHUP, unless it had finished; other signals have the system's default effect.
 #[test]
 #[cfg(unix)]
 fn signals_leave_no_half_files() {

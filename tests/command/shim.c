@@ -38,7 +38,7 @@ __attribute__((constructor)) static void begin(void) {
     text = getenv("FAULT_BYTES");
     if (text) bytes = (size_t)atol(text);
     note = getenv("FAULT_NOTE");
-    /* Last: from here on calls are counted. */
+    /* Last, because calls are counted from here on. */
     kind = getenv("FAULT_KIND");
 }
 
@@ -164,7 +164,7 @@ int pthread_create(pthread_t *thread, const pthread_attr_t *with, void *(*run)(v
     return fails("thread", EAGAIN) ? EAGAIN : NEXT(pthread_create)(thread, with, run, given);
 }
 
-/* glibc's own names: looking others up would ask for memory. */
+/* glibc's own names, because a lookup of others would allocate memory. */
 void *__libc_malloc(size_t);
 void *__libc_calloc(size_t, size_t);
 void *__libc_realloc(void *, size_t);

@@ -1,5 +1,5 @@
-//! The promise of framing and of sequences: a scene without a camera is framed whole, and each frame of a sequence or of a
-//! spin is the one that is rendered alone.
+//! The promise of framing and of sequences: a scene without a camera is framed completely, and each frame of a sequence
+//! or of a spin equals the same frame rendered separately.
 
 use crate::test_dir::{Output, TestDir};
 use std::io::Write;
@@ -33,8 +33,8 @@ fn gaps(dir: &TestDir, name: &str) -> [(usize, usize); 4] {
     [(left, width), (right, width), (top, height), (bottom, height)]
 }
 
-/// The framed silhouettes touch 2 % of the side before the border, so that the first pixel centre within one is in the
-/// row there or in the next: the silhouettes are many pixels wide.
+/// Framed silhouettes keep a margin of 2 % of the side, so the first pixel centre inside one is in the row at the
+/// margin or in the next: the silhouettes are many pixels wide.
 fn is_tight((gap, side): (usize, usize)) -> bool {
     let free = side as f64 * 0.02;
     gap as f64 >= free - 0.5 && (gap as f64) < free + 1.5
@@ -110,11 +110,11 @@ fn every_frame_of_a_spin_shows_the_whole_scene() {
     let ((front, shape), (back, _)) = (dir.array("h1.npy"), dir.array("h2.npy"));
     let mirrored: Vec<f64> = front.chunks(shape[1]).flat_map(|row| row.iter().rev().copied()).collect();
     let other = mirrored.iter().zip(&back).filter(|(a, b)| a != b).count();
-    // A rounded direction moves outlines across a centre here and there.
+    // Rounding of a direction moves outlines across a few pixel centres.
     assert!(other * 500 < mirrored.len(), "{other} of {} pixels", mirrored.len());
 }
 
-/// A render farm renders each frame as a task of its own.
+/// A render farm renders each frame as a separate task.
 #[test]
 fn a_frame_rendered_alone_is_that_of_the_sequence() {
     let dir = dir();
@@ -127,7 +127,7 @@ fn a_frame_rendered_alone_is_that_of_the_sequence() {
         for n in [2, 3] {
             dir.render(&format!("frames.xyz --frames {n} {options} -o {name}.%03d.png"));
         }
-        assert!(dir.files() == together, "{options}: other bytes alone");
+        assert!(dir.files() == together, "{options}: frames rendered separately have other bytes");
         assert!(
             together.contains_key(&format!("{name}.002.png")) && !together.contains_key(&format!("{name}.001.png"))
         );
@@ -232,7 +232,7 @@ fn compressed_and_piped_scenes_give_the_same_frame() {
     let bz2 = coder.finish().expect("memory");
     dir.put("f.xyz.gz", &gz);
     dir.put("f.xyz.bz2", &bz2);
-    // Neither name nor content tells piped xyz from a table.
+    // Neither name nor content distinguishes piped xyz from a table.
     for (words, input) in [
         ("f.xyz.gz --frames 2", &b""[..]),
         ("f.xyz.bz2 --frames 2", b""),

@@ -1,5 +1,5 @@
-//! The promise of standard output and standard error: messages that cannot be written change nothing, a result that cannot be
-//! written is exit code 8, and nothing panics.
+//! The promise of standard output and standard error: messages that cannot be written have no effect, a result that
+//! cannot be written is exit code 8, and nothing panics.
 
 use crate::test_dir::{Output, SPHERE, TestDir};
 use std::io::{BufRead, BufReader, Read};

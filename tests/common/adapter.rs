@@ -11,7 +11,7 @@ use std::sync::Once;
 const STRICT: [&str; 2] = ["llvmpipe", "SwiftShader"];
 
 /// A renderer on the pinned adapter, or `None` where HALFLINE_NO_GPU is set. A missing adapter fails the test;
-/// HALFLINE_TEST_ADAPTER names what the adapter must be.
+/// HALFLINE_TEST_ADAPTER is a part of the required adapter's name.
 pub(crate) fn gpu() -> Option<Renderer> {
     if std::env::var_os("HALFLINE_NO_GPU").is_some() {
         println!("on the CPU path alone: HALFLINE_NO_GPU is set");

@@ -1,5 +1,5 @@
-//! Real files, where they are: the folder that HALFLINE_DATA names or else ../shared/data, and what `tests/real_files` took
-//! from the package MDAnalysisTests.
+//! Finds real files: in the folder HALFLINE_DATA, otherwise in ../shared/data, and among those that `tests/real_files`
+//! extracted from the package MDAnalysisTests.
 
 use crate::skip::skip;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ pub(crate) fn real(name: &str) -> Option<PathBuf> {
     [shared, package].into_iter().map(|folder| folder.join(name)).find(|path| path.is_file())
 }
 
-/// Those of these real files that are there. Where none is, the test is skipped.
+/// The files of this list that exist. If there are none, the test is skipped.
 pub(crate) fn real_or_skip(names: &[&'static str]) -> Vec<(&'static str, PathBuf)> {
     let found: Vec<_> = names.iter().filter_map(|name| Some((*name, real(name)?))).collect();
     if found.is_empty() {

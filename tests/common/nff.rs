@@ -1,4 +1,4 @@
-//! Scenes of the Standard Procedural Databases in NFF, made anew: E. Haines, *A proposal for standard graphics
+//! Generates scenes of the Standard Procedural Databases in NFF: E. Haines, *A proposal for standard graphics
 //! environments*, IEEE Computer Graphics and Applications 7 (11), 1987; the sea shell after C. A. Pickover, *A short recipe
 //! for seashell synthesis*, in the same journal, 9 (6), 1989.
 
@@ -24,13 +24,14 @@ fn sphere(center: DVec3, radius: f64) -> String {
     format!("s {} {} {} {radius}\n", center.x, center.y, center.z)
 }
 
-/// A sphereflake on a square: each sphere bears nine of a third of its radius, down to `depth`.
+/// A sphereflake on a square: each sphere has nine children of a third of its radius, down to `depth`.
 pub(crate) fn balls(depth: u32) -> String {
     let camera = ["2.1 1.3 1.7", "0 0 0", "0 0 1"];
     let lights = ["4 3 2", "1 -4 4", "-3 1 5"];
     let mut text = head("0.078 0.361 0.753", camera, ["45", "0.01", "512"], &lights, "1 0.75 0.33 0.8 0 100000 0 1");
     text += "p 4\n12 12 -0.5\n-12 12 -0.5\n-12 -12 -0.5\n12 -12 -0.5\nf 1 0.9 0.7 0.5 0.5 3.0827 0 1\n";
-    // Three directions of a cube's edges' middles, tilted so that their triangle is level, and two copies turned about z.
+    // Three directions to the midpoints of a cube's edges, tilted so that their triangle is horizontal, and two copies
+    // rotated about z.
     let tilt = DQuat::from_axis_angle(DVec3::new(1.0, -1.0, 0.0).normalize(), (2.0 / 6f64.sqrt()).asin());
     let trio = [DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.0, 0.0, -1.0), DVec3::new(0.0, 1.0, -1.0)];
     let nine = (0..3).flat_map(|turn| {
@@ -46,7 +47,7 @@ fn flake(depth: u32, center: DVec3, direction: DVec3, radius: f64, nine: &[DVec3
     if depth == 0 {
         return;
     }
-    // The turn that takes the z axis to the direction in which this sphere stands.
+    // The rotation from the z axis to the direction of this sphere.
     let axis = DVec3::Z.cross(direction);
     let turn = match axis.length() > 1e-9 {
         true => DQuat::from_axis_angle(axis.normalize(), direction.z.clamp(-1.0, 1.0).acos()),
@@ -71,7 +72,7 @@ pub(crate) fn shells() -> String {
     text
 }
 
-/// One jack: three crossed rods, which are cones to NFF, with a ball on each end.
+/// One jack: three crossed rods (cones in NFF) with a ball on each end.
 pub(crate) fn jacks() -> String {
     let camera = ["0 0 -8", "0 0 0", "0 1 0"];
     let mut text =

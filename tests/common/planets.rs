@@ -1,4 +1,4 @@
-//! The Sun, its planets, the Moon and Pluto as a table of spheres, about as far apart as they are.
+//! The Sun, its planets, the Moon and Pluto as a table of spheres, at about their real distances.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The one random generator of the tests: that of the library's suites, with draws of whole numbers.
+//! The random generator of all tests: that of the library's suites, extended by random integers.
 
 use halfline::measure::suite::Random;
 

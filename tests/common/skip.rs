@@ -1,7 +1,7 @@
-//! How a test says that it cannot check what it is for.
+//! Reports a test as skipped.
 
-/// Says that the running test checks nothing here, and why. `tests/count` counts such a test as skipped, never as passed, so
-/// that nothing but `return` may follow.
+/// Prints that the running test is skipped, and why. `tests/count` counts it as skipped, never as passed, so only
+/// `return` may follow.
 pub(crate) fn skip(reason: impl std::fmt::Display) {
     println!("SKIPPED: {reason}");
 }

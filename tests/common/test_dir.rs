@@ -1,4 +1,4 @@
-//! The command line under test: a temporary folder to run it in, and what a run left.
+//! The command line under test: a temporary folder to run it in, and the results of a run.
 
 use halfline::measure::{Array, ArrayValue};
 use serde_json::Value;
@@ -8,11 +8,11 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// No adapter, whatever the machine has.
+/// Variables that hide all adapters of the machine.
 pub(crate) const NO_ADAPTER: [(&str, &str); 2] =
     [("VK_DRIVER_FILES", "no-such-driver.json"), ("WGPU_BACKEND", "vulkan")];
 
-/// A scene of one unit sphere, three ahead of the eye.
+/// A scene of one unit sphere, its centre 3 in front of the eye.
 pub(crate) const SPHERE: &str =
     "[camera]\neye = [0.0, 0.0, 0.0]\nview = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n
 [image]\nsize = [40, 30]\n\n[[sphere]]\ncenter = [0.0, 0.0, -3.0]\nradius = 1.0\n";
@@ -78,7 +78,7 @@ impl Arguments for Vec<String> {
 /// A temporary folder.
 pub(crate) struct TestDir(tempfile::TempDir);
 
-/// What a command left: exit code, standard output, standard error.
+/// The result of a command: exit code, standard output, standard error.
 pub(crate) struct Output {
     pub(crate) code: i32,
     pub(crate) out: Vec<u8>,
@@ -86,7 +86,7 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Of a process that has ended; a signal that ended it fails the test.
+    /// The result of a process that has ended. If a signal ended it, the test fails.
     pub(crate) fn of(output: std::process::Output) -> Self {
         let err = String::from_utf8_lossy(&output.stderr).into_owned();
         let code = output.status.code().unwrap_or_else(|| panic!("{}: {err}", output.status));
@@ -141,7 +141,7 @@ impl TestDir {
         entries.map(|e| (e.file_name().to_string_lossy().into(), fs::read(e.path()).unwrap_or_default())).collect()
     }
 
-    /// `program` in the folder, away from the settings of the person who runs the tests, with nothing on standard input.
+    /// `program` in the folder, without the user's own settings and with an empty standard input.
     pub(crate) fn program(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("HALFLINE_")) {
@@ -191,8 +191,8 @@ impl TestDir {
         self.good(&on_cpu(arguments))
     }
 
-    /// Runs a command that must fail with `code`, name all of `words` on standard error, print nothing else and leave every
-    /// file as it was.
+    /// Runs a command that must fail with `code`, print all of `words` on standard error, print nothing else and leave
+    /// every file unchanged.
     pub(crate) fn refused_with(
         &self,
         code: i32,
@@ -210,7 +210,7 @@ impl TestDir {
             notes.iter().any(|note| line.starts_with(note)) || line.contains(": falling back to the CPU")
         };
         let lines: Vec<_> = err.lines().filter(|line| !is_note(line)).collect();
-        // The parser of arguments adds how the command is used; an error of the program is one line.
+        // The argument parser adds the usage; an error of the program is one line.
         let ours = lines.len() == 1 && lines[0].starts_with("halfline: ");
         assert!(ours || code == 2 && lines[0].starts_with("error: "), "{list:?}: {err}");
         words.iter().for_each(|word| assert!(err.contains(word), "{list:?}: no {word:?} in {err}"));

@@ -1,4 +1,4 @@
-//! The promise of the readers about broken files: they are refused with the place, the field and a way to mend them.
+//! The promise of the readers about broken files: they are refused with the position, the field and a remedy.
 
 use crate::damage::damage;
 use crate::rng::Rng;

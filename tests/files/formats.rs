@@ -60,7 +60,7 @@ fn samples(layer: &Layer) -> Vec<f64> {
     layer.bytes.chunks_exact(layer.kind.size()).map(number).collect()
 }
 
-/// IEC 61966-2-1 in so many levels.
+/// The transfer function of IEC 61966-2-1 in this number of levels.
 fn srgb(linear: f64, levels: f64) -> f64 {
     let x = linear.clamp(0.0, 1.0);
     (levels * if x <= 0.0031308 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }).round()
@@ -313,8 +313,8 @@ fn a_crop_stores_its_offset() {
     assert_eq!(header.shared_attributes.display_window.size, exr::math::Vec2(300, 8));
 }
 
-/// NumPy, where it is installed (python3, or what HALFLINE_PYTHON names): provenance behind and beside the arrays does not
-/// disturb it, mapped into memory or not.
+/// NumPy, if it is installed (for python3 or HALFLINE_PYTHON), reads the arrays, mapped into memory or not, despite the
+/// provenance after or beside them.
 #[test]
 fn numpy_reads_npy_and_npz_with_their_provenance() {
     let python = std::env::var("HALFLINE_PYTHON").unwrap_or_else(|_| "python3".into());

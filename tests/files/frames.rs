@@ -124,7 +124,7 @@ fn npy_has_version_1_the_documented_types_and_every_bit() {
     }
 }
 
-/// NumPy, where it is installed (python3, or what HALFLINE_PYTHON names).
+/// NumPy reads the arrays, if it is installed (for python3 or HALFLINE_PYTHON).
 #[test]
 fn numpy_reads_npy() {
     let python = std::env::var("HALFLINE_PYTHON").unwrap_or_else(|_| "python3".into());

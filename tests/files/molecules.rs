@@ -1,7 +1,7 @@
 //! The promise of the molecules' readers on entries of the Protein Data Bank: they read the atoms, positions and elements that
 //! gemmi 0.7.5 (github.com/project-gemmi/gemmi) reads, and build the assemblies that it builds.
 //!
-//! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), whichever is there.
+//! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), as far as present.
 
 use crate::data::real_or_skip;
 use halfline::read::style::{Coloring, Scale, Style, elements};

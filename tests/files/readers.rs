@@ -198,7 +198,7 @@ fn a_scene_is_read_from_standard_input() {
     }
 }
 
-/// Scenes of the Standard Procedural Databases, made here.
+/// Generated scenes of the Standard Procedural Databases.
 #[test]
 fn scenes_of_the_databases_have_their_spheres() {
     for (name, text) in nff::all() {
@@ -226,7 +226,7 @@ fn scenes_of_the_databases_have_their_spheres() {
     }
 }
 
-/// The scenes that are made here are the real ones within the six digits of their files.
+/// The generated scenes equal the real ones within the six digits of their files.
 #[test]
 fn the_databases_real_files_hold_the_same_scenes() {
     let made = nff::all();

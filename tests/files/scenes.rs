@@ -108,7 +108,7 @@ pub(crate) fn little(numbers: &[f64]) -> Vec<u8> {
     numbers.iter().flat_map(|x| x.to_le_bytes()).collect()
 }
 
-/// Checks that reading fails with an error of the scene at this place and field, and with a way to mend it.
+/// Checks that reading fails with an error of the scene at this position and field, and with a remedy.
 pub(crate) fn assert_refused(read: Result<Scene>, place: &str, field: &str, content: &str) {
     match read.map(drop) {
         Err(Error::Scene { place: found, problem, mend, .. }) => {

@@ -1,5 +1,5 @@
-# (x o_y - y o_x)^2 in D (section 2), in units of w^2, w = |x o_y| + |y o_x|. A is the exact difference, F what it is off by:
-# slope 1.5 u, offset 2.5 u, product and difference 1 u each, of w.
+# (x o_y - y o_x)^2 in D (section 2), in units of w^2, w = |x o_y| + |y o_x|. A is the exact difference, F its error:
+# slope 1.5 u, offset 2.5 u, product and difference 1 u each, times w.
 #: bound 17.2
 #: too small 16
 #: sum d = ball right up across error

@@ -1,4 +1,5 @@
-# b = p.d of a near sphere (section 3): start + columns * by_column + rows * by_row. A step's share; start has one unit less.
+# b = p.d of a general sphere (section 3): start + columns * by_column + rows * by_row. The error of a step; start has
+# one unit less.
 #: bound 3.5
 #: too small 3
 #: sum b = start right down

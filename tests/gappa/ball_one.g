@@ -1,4 +1,4 @@
-# a rho^2 in D = a rho^2 - |o|^2 - (x o_y - y o_x)^2 +- E (section 2): what does not depend on the slopes.
+# a rho^2 in D = a rho^2 - |o|^2 - (x o_y - y o_x)^2 +- E (section 2): the part that does not depend on the slopes.
 #: bound 9
 #: too small 8
 #: sum a = one xx yy

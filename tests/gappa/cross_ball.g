@@ -1,4 +1,4 @@
-# a r^2 in the same sum, before what |d|^2 is off by: 7 a + 2 >= (2 + 6 s) + 7 (1 + s) in units of r^2 a / (1 + s).
+# a r^2 in the same sum, before the error of |d|^2: 7 a + 2 >= (2 + 6 s) + 7 (1 + s) in units of r^2 a / (1 + s).
 #: bound 7
 #: too small 6
 #: sum d = ball gx gy gz error

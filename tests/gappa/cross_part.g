@@ -1,4 +1,4 @@
-# A component of g = p x d (section 3): each product's share.
+# A component of g = p x d (section 3): the error of each product.
 #: bound 4
 #: too small 3.5
 { |p| <= 1b-23 /\ |slope| <= 3b-24 /\ |product| <= 1b-23 /\ |minus| <= 1b-23

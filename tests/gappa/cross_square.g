@@ -1,4 +1,4 @@
-# g.g in D = a r^2 - g.g +- E (section 3), for g as it is computed.
+# g.g in D = a r^2 - g.g +- E (section 3), for the computed g.
 #: bound 5
 #: too small 4
 #: sum d = ball gx gy gz error

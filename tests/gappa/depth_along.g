@@ -1,4 +1,5 @@
-# The share of m = x o_x + y o_y of the depth (section 2), before what |d|^2 is off by: 12 - 2 of the whole and 6 of its own.
+# The share of m = x o_x + y o_y in the depth (section 2), before the error of |d|^2: 12 - 2 of the total and 6 of its
+# own.
 #: bound 16
 #: too small 14.5
 #: sum t = right up root

@@ -1,5 +1,5 @@
-# The root's share of the depth z_c - (m + sqrt(D +- E)) length - blur (section 2), before what |d|^2 is off by: 12 - 2 of the whole
-# and 6.2 of the root. Half of the unit of D +- E is in the root, and WGSL's sqrt is within 4.6 u.
+# The root's share in the depth z_c - (m + sqrt(D +- E)) length - blur (section 2), before the error of |d|^2: 12 - 2 of
+# the total and 6.2 of the root. The root contains half of the unit of D +- E, and WGSL's sqrt is within 4.6 u.
 #: bound 16.2
 #: too small 14.5
 #: sum t = right up root

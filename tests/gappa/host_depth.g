@@ -1,5 +1,5 @@
-# The same of a front sphere's depth, in units of that depth: |c - e| <= 64 z, so |c - e|_1 <= 64 sqrt(3) z, within `DEPTH` =
-# 2^-43, 1024 units of 2^-53.
+# The same for a projected sphere's depth, in units of that depth: |c - e| <= 64 z, so |c - e|_1 <= 64 sqrt(3) z, within
+# `DEPTH` = 2^-43, 1024 units of 2^-53.
 #: bound 1024
 #: too small 550
 #: unit 1b-53

@@ -1,4 +1,4 @@
-# The same of a near sphere, |c - e|_1 < 6 in its own unit: within `HOST` = 2^-48, 32 units of 2^-53.
+# The same for a general sphere, |c - e|_1 < 6 in its own unit: within `HOST` = 2^-48, 32 units of 2^-53.
 #: bound 32
 #: too small 29
 #: unit 1b-53

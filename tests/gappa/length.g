@@ -1,5 +1,5 @@
-# |d|^2 = 1 + x^2 + y^2 (section 1): the share of x^2 is within 6 u. x is a slope that the host rounded once to nearest, times
-# an integer.
+# |d|^2 = 1 + x^2 + y^2 (section 1): the error of x^2 is within 6 u. x is a slope that the host rounded once to nearest,
+# times an integer.
 #: bound 6
 #: too small 5
 #: sum a = one xx yy

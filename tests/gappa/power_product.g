@@ -1,4 +1,4 @@
-# a c in the same sum, before what |d|^2 is off by, (2 + 6 s) u: 6 a - 0.5 = 2 + 6 s + 3.5.
+# a c in the same sum, before the error of |d|^2, (2 + 6 s) u: 6 a - 0.5 = 2 + 6 s + 3.5.
 #: bound 3.5
 #: too small 3
 #: sum d = bb ac error

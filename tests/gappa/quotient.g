@@ -1,5 +1,5 @@
 # c/q (1 - QUOTIENT) is not above the true c/q, nor c/q (1 + QUOTIENT) below it (section 3), q = b + error + sqrt(D + E) of terms of
-# one sign: a sum of such terms is off by a mean of their factors, and the root has the largest.
+# one sign: the factor of error of such a sum is a mean of those of its terms, and the root's is the largest.
 #: bound 15
 #: too small 11
 #: sum q = b error root

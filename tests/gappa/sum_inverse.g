@@ -1,5 +1,5 @@
-# (b +- error + sqrt(D +- E)) / a (1 -+ sum) from inside (section 3), of terms of one sign: sum = (11 + 6 a) u. |d|^2 is off by k u of
-# itself, k = (2 + 6 s)/(1 + s), and 6 a >= k + 4.
+# (b +- error + sqrt(D +- E)) / a (1 -+ sum) from inside (section 3), of terms of one sign: sum = (11 + 6 a) u. The
+# relative error of |d|^2 is k u, k = (2 + 6 s)/(1 + s), and 6 a >= k + 4.
 #: bound 11
 #: too small 9.9
 #: sum q = start right down error root

@@ -1,4 +1,4 @@
-"""The elements that halfline finds, against those of gemmi, MDAnalysis and ParmEd, atom by atom.
+"""Compares the elements that halfline finds with those of gemmi, MDAnalysis and ParmEd, atom by atom.
 
     pip install gemmi MDAnalysis MDAnalysisTests parmed
     cargo build --example elements
@@ -67,12 +67,12 @@ VIRTUAL = r"MW|EP|DM\d"
 
 
 def plain(path):
-    """The name without what it is compressed by."""
+    """The name without the extension of its compression."""
     return re.sub(r"\.(gz|bz2)$", "", path)
 
 
 def unpacked(path, folder):
-    """The file, decompressed into a folder where need be."""
+    """The file, decompressed into a folder if needed."""
     if plain(path) == path:
         return path
     out = os.path.join(folder, os.path.basename(plain(path)))
@@ -111,7 +111,7 @@ def of_mdanalysis(path):
 def of_parmed(path):
     structure = parmed.load_file(path, structure=True) if not path.endswith(".gro") else parmed.load_file(path)
     for first in structure.atoms:
-        # Alternate locations are kept beside the first one.
+        # Alternate locations are stored beside the first one.
         for atom in (first, *first.other_locations.values()):
             symbol = parmed.periodic_table.Element[atom.atomic_number] if atom.atomic_number > 0 else ""
             yield [atom.xx, atom.xy, atom.xz], first.residue.name, atom.name, normal(symbol)
@@ -130,7 +130,7 @@ def place(position):
 
 
 def at(atoms, position):
-    """The atoms of that place; a step beside it where another program's single precision rounded to another decimal."""
+    """The atoms at that position, or one step beside it where another program's single precision rounded differently."""
     around = itertools.product((0, -1, 1), repeat=3)
     near = (tuple(map(sum, zip(place(position), step))) for step in around)
     return next((atoms[place] for place in near if atoms.get(place)), None)
@@ -142,7 +142,7 @@ def explanation(key):
 
 
 def compare(found, truth, key, differences):
-    """Atoms compared, those that differ, those of them that are explained, and what only one program has."""
+    """Atoms compared, those that differ, those of them that are explained, and those that only one program has."""
     theirs = collections.defaultdict(collections.deque)
     for position, residue, name, symbol in truth:
         theirs[place(position)].append((residue, name, symbol))
@@ -206,7 +206,7 @@ WEIGHTS = [(symbol, mass) for symbol, mass in parmed.periodic_table.Mass.items()
 
 
 def of_mass(mass):
-    """The element, "" for sites without mass and Drude particles, None for what no element weighs."""
+    """The element, "" for sites without mass and Drude particles, None for a mass of no element."""
     if mass < 0.9:
         return "" if mass <= 0 or mass > 0.2 else None
     symbol, weight = min(WEIGHTS, key=lambda known: abs(known[1] - mass))
@@ -287,7 +287,7 @@ def topologies(binary, folders, differences):
                         row["unknown"] += 1
                         continue
                     row["atoms"] += 1
-                    # A site that is left out, and one of no known element, are both no atom.
+                    # Neither a site that is left out nor one of unknown element is an atom.
                     ours = drawn.get(index, "")
                     if ours != element:
                         difference = (layout, os.path.basename(path), residue, name, ours, element)
@@ -332,7 +332,7 @@ def crystals(binary, folders):
                     places = [gemmi.Fractional(*place) for place in atoms.get_scaled_positions()]
                     theirs = list(zip(atoms.get_chemical_symbols(), places))
                     row += [len(theirs), unpaired(ours, theirs, cell)]
-                except Exception as error:  # Mixed occupancies, and what its space groups do not know.
+                except Exception as error:  # Mixed occupancies, and unknown space groups.
                     row += [type(error).__name__, ""]
             rows.append(row)
     return rows
@@ -387,7 +387,7 @@ def main():
 
 
 def report(differences, sites):
-    """Prints the differences, explained and not, and the atoms that one program alone has. How many are not explained."""
+    """Prints the differences, explained and not, and the atoms of one program only. Returns the number unexplained."""
     reasons, wrong = collections.defaultdict(list), []
     for key, count in differences.most_common():
         why = explanation(key)

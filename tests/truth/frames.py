@@ -1,4 +1,4 @@
-"""Writes frames.json: scenes at the ends of what f64 holds, and the id of the sphere that each pixel of them shows.
+"""Writes frames.json: scenes at the ends of the range of f64, and the id of the sphere that each of their pixels shows.
 
     python3 -m pip install mpmath==1.3.0
     python3 tests/truth/frames.py

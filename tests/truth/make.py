@@ -75,7 +75,7 @@ def ray(camera, i, j):
 
 
 def roots(e, direction, sphere):
-    """Both t; the discriminant counts as 0, and so does a root, where 400 digits vanish: `vanished` says so."""
+    """Both t. A discriminant or a root that cancels by 400 digits counts as 0; `vanished` tells whether one did."""
     oc = minus(e, exact(sphere[:3]))
     a, b, c = dot(direction, direction), 2 * dot(direction, oc), dot(oc, oc) - mpf(sphere[3]) ** 2
     disc, vanished = b * b - 4 * a * c, False
@@ -90,7 +90,7 @@ def roots(e, direction, sphere):
 
 
 def hit(camera, spheres, i, j, known):
-    """`known` is None, or the id that the construction leads to (-1 for none): then what vanishes is meant to."""
+    """`known` is None, or the id by construction (-1 for none): then a cancellation to 0 is intended."""
     e, direction = ray(camera, i, j)
     best, close = None, False
     for index, sphere in enumerate(spheres):
@@ -197,7 +197,7 @@ def lenses():
 
 
 def around():
-    """Inside, near a planet's ground, and on the surface, which digits cannot tell from near it."""
+    """Inside, near a planet's ground, and on the surface, which no number of digits distinguishes from near it."""
     eye = vector()
     camera = {"eye": eye, "view": vector(), "up": vector(), "size": [9, 9], "viewport": [4.0, 4.0]}
     spheres = [[x + y for x, y in zip(eye, vector(0.3))] + [1 + 0.1 * n] for n in range(4)]
@@ -206,7 +206,7 @@ def around():
     ground = {"eye": [r + 1.7, 0.3, -0.2], "view": [-0.05, 1.0, 0.3], "up": [1.0, 0.0, 0.0], "size": [40, 30]}
     spheres = [[0.0, 0.0, 0.0, r], [r, 40.0, 12.0, 1.5], [0.0, 0.0, 0.0, r * (1 + 2.0**-40)]]
     case("on a planet", ground | {"viewport": [1.5, 1.0]}, spheres, some([40, 30], 9))
-    # (2, 3, 6) is 7 long.
+    # (2, 3, 6) has length 7.
     eye = [0.5, -8.0, 3.0]
     surface = [eye[0] + 2, eye[1] + 3, eye[2] + 6, 7.0]
     inward = {"eye": eye, "view": [1.0, 2.0, 3.0], "size": [5, 5]}
@@ -239,7 +239,7 @@ def touches():
 
 
 def across(view):
-    """Whole vectors of whole length, orthogonal to the view."""
+    """Integer vectors of integer length, orthogonal to the view."""
     span = range(-30, 31)
     found = []
     for x in span:
