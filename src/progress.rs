@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn a_step_is_reported_at_both_ends() {
         let (watch, reported) = listener();
-        watch.begin(Step::Stage, 3).end().expect("nobody minds");
+        watch.begin(Step::Stage, 3).end().expect("no condition cancels it");
         let of = |done| Progress { step: Step::Stage, done, total: 3 };
         assert_eq!(*reported.lock().expect("an ear"), [of(0), of(3)]);
     }
@@ -278,6 +278,6 @@ mod tests {
         assert!(!doing.next(1) && matches!(doing.end(), Err(Error::Interrupted)));
         cancel.reset();
         assert!(watch.check().is_ok());
-        assert!(watch.while_true(|| false).check().is_err(), "others stay, and may be stricter");
+        assert!(watch.while_true(|| false).check().is_err(), "a further condition also cancels");
     }
 }

@@ -1,7 +1,8 @@
-//! Adversarial tests of the bounds. `wild` is f32 as the worst legal device computes it, `worlds` makes hard scenes, `claims` and
-//! `sound` compare certified claims with exact arithmetic, `bounds` and `first_order` compare each bound with the quantity that
-//! it bounds, and `sabotage` removes each constant in turn, which a test must detect. `corners` has single doubtful cases, `cover`
-//! what lists may leave out, `host` the rounding of the host. `axes` computes a camera's axes independently.
+//! Adversarial tests of the bounds. `wild` is f32 with the worst rounding that WGSL allows, `worlds` generates hard
+//! scenes, `claims` and `sound` compare certified claims with exact arithmetic, `bounds` and `first_order` compare each
+//! bound with the quantity that it bounds, and `sabotage` removes each constant in turn, which a test must detect.
+//! `corners` has single critical cases, `cover` tests which spheres lists may omit, `host` the rounding of the host.
+//! `axes` computes a camera's axes independently.
 
 mod axes;
 mod bounds;

@@ -94,7 +94,7 @@ mod tests {
             check(&[names[1], names[0]], last - 1).expect("not yet");
             check(&[names[1], names[0]], last).expect_err("the other way round");
         }
-        check(&["z%d.npy", "z%d.npy"], 9).expect("one name is one file: who writes it looks to that");
+        check(&["z%d.npy", "z%d.npy"], 9).expect("equal names are one file, which is checked elsewhere");
         check(&["z%d.npy", "y/z%d.npy"], 9).expect("two folders");
         check(&["z%d.npy", "y%d.npy", "z.npy", "z%dz.npy"], 99).expect("nothing in common");
     }

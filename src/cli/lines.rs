@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn frames_are_counted_and_pauses_kept() {
         let lines = told(ProgressOutput::Json, 2);
-        assert_eq!(lines.len(), 12, "a quarter of a step, just now, is not told: {lines:?}");
+        assert_eq!(lines.len(), 12, "a quarter of a step after so short a time is not reported: {lines:?}");
         assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
         assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
     }

@@ -1,4 +1,4 @@
-//! Decisions whose answer is known by construction, and the filter compared with the exact signs.
+//! Decisions whose answers are known by construction, and a comparison of the filter with the exact signs.
 
 mod parallel;
 
@@ -191,8 +191,7 @@ fn the_filter_says_what_exact_signs_say() {
                     continue;
                 };
                 assert_eq!((quick.id, quick.root, quick.tangent), (slow.id, slow.root, slow.tangent));
-                // Both round numbers that differ by a relative 2^-60; the vectors differ by as much relative to their
-                // scale.
+                // Both round numbers whose relative difference is 2^-60; for vectors it is relative to their scale.
                 let near =
                     |a: f64, b: f64, size: f64| (a - b).abs() <= 2f64.powi(-52) * b.abs() + 2f64.powi(-60) * size;
                 assert!(near(quick.t, slow.t, 0.0) && near(quick.distance, slow.distance, 0.0), "{quick:?} {slow:?}");
@@ -231,7 +230,7 @@ fn the_filter_leaves_close_calls_to_exact_signs() {
 
 #[test]
 fn an_eye_just_off_the_surface_is_on_its_side() {
-    // |p|^2 - r^2 is the square of the shift, which no double-double keeps beside 1.
+    // |p|^2 - r^2 is the square of the shift, which a double-double loses beside 1.
     for k in [-30, -60, -500] {
         let spheres = Spheres { centers: vec![[1.0, 2f64.powi(k), 0.0]], radii: vec![1.0], colors: None };
         let outside = judge_ray([0.0; 3], [1.0, 0.0, 0.0], &spheres).expect("looking in");

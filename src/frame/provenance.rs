@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn the_difference_is_named() {
         let whole = words().of_window(Window::full(30, 20));
-        assert_eq!(words().foreign(&whole), None, "another window is no other rendering");
+        assert_eq!(words().foreign(&whole), None, "another window is the same rendering");
         let mut other = whole.clone();
         other.set("driver", "6");
         assert_eq!(words().foreign(&other).map(|[key, ..]| key), Some("driver".into()));

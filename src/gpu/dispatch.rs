@@ -432,7 +432,7 @@ mod tests {
             answers[0].1.iter().all(|raw| raw.id.iter().filter(|id| **id != crate::view::ray::NONE).count() > 1000),
             "the scene shows something"
         );
-        assert!(answers[0].1[1].id.contains(&crate::view::ray::UNSURE), "something is left to settle");
+        assert!(answers[0].1[1].id.contains(&crate::view::ray::UNSURE), "some pixels are unsure");
         for (sharing, raws) in &answers[1..] {
             assert!(raws == &answers[0].1, "{sharing:?} differs");
         }

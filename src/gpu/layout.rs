@@ -124,7 +124,7 @@ mod tests {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
         let sampled = (Method::ALL.len() * 8 + 8) * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled, "the list is whole");
+        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled, "the list is complete");
         for kernel in &kernels {
             module(kernel);
         }

@@ -19,7 +19,7 @@ use crate::testing::adapter_or_skip;
 use crate::view::View;
 use std::cell::Cell;
 
-/// Columns and rows: neither a multiple of a tile's.
+/// Columns and rows, neither a multiple of a tile's side.
 const SIZE: [u32; 2] = [67, 45];
 
 /// A frame of weekend, cancelled after this many bands; and the number of its bands.
@@ -141,7 +141,7 @@ fn a_lost_device_is_reported() {
     }
 }
 
-/// An adapter that is listed and does not open is skipped, and the reason is kept.
+/// An adapter that is listed but does not open is skipped, and the reason is stored.
 #[test]
 fn an_adapter_that_does_not_open_is_skipped() {
     let Some(_) = adapter_or_skip() else { return };

@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn a_file_of_too_many_spheres_is_refused_with_the_number_that_fits() {
         let check_spheres_in = |spheres, colored, free| check_spheres_in(spheres, colored, || free);
-        assert!(check_spheres_in(1000, true, Some(0)).is_ok(), "fewer than the system is asked about");
+        assert!(check_spheres_in(1000, true, Some(0)).is_ok(), "too few for a query of the system");
         let million = 1_000_000;
         assert!(check_spheres_in(million, true, Some(44_000_000)).is_ok());
         assert!(check_spheres_in(u64::MAX, true, None).is_ok());

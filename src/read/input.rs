@@ -331,7 +331,7 @@ mod tests {
         let mut input = Input::of(Box::new(io::repeat(b'\n')), &watch).expect("opened");
         let mut block = vec![0; 1 << 20];
         for _ in 0..3 * (SILENCE >> 20) {
-            input.read_exact(&mut block).expect("found again and again");
+            input.read_exact(&mut block).expect("the stream is endless");
             input.found();
         }
         cancel.cancel();

@@ -130,7 +130,7 @@ def place(position):
 
 
 def at(atoms, position):
-    """The atoms at that position, or one step beside it where another program's single precision rounded differently."""
+    """The atoms at that position, or a step beside it where another program's single precision rounded differently."""
     around = itertools.product((0, -1, 1), repeat=3)
     near = (tuple(map(sum, zip(place(position), step))) for step in around)
     return next((atoms[place] for place in near if atoms.get(place)), None)

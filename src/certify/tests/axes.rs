@@ -7,12 +7,12 @@ use dashu_int::IBig;
 use dashu_int::ops::SquareRoot;
 use std::cell::Cell;
 
-/// Bits after the point.
+/// Bits after the binary point.
 const POINT: usize = 140;
 /// Additional bits of roots and quotients.
 const SPARE: usize = 60;
 
-/// x 2^1074: every finite f64 is one of these.
+/// x 2^1074, which is an integer for every finite f64.
 fn whole(x: f64) -> IBig {
     let bits = x.to_bits();
     let (field, fraction) = ((bits >> 52 & 0x7ff) as usize, bits & ((1 << 52) - 1));
@@ -43,7 +43,7 @@ fn unit(a: &Vector) -> Dd3 {
 }
 
 thread_local! {
-    /// The last camera and its axes: every pixel of a scene has the same.
+    /// The last camera and its axes, which are the same for every pixel of a scene.
     static LAST: Cell<Option<(Camera, [Dd3; 3])>> = const { Cell::new(None) };
 }
 

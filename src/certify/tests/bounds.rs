@@ -1,5 +1,6 @@
-//! Each bound against the quantity that it bounds. A shot is one sphere before one pixel. Shots and roundings are evolved
-//! together to bring the error as near to its bound as possible; a ratio above 1 is a false bound.
+//! Compares each bound with the quantity that it bounds. A shot is one sphere in front of one pixel. Shots and
+//! roundings are evolved together to bring the error as near to its bound as possible; a ratio above 1 is a false
+//! bound.
 
 use super::claims::Exact;
 use super::wild::{Mode, Value, Wild, climb, under};
@@ -23,21 +24,21 @@ const PATIENCE: usize = 400;
 pub(super) enum Quantity {
     /// The discriminant of a winner.
     FrontDisc,
-    /// Its depth between low and high.
+    /// The depth of a winner, between low and high.
     FrontDepth,
-    /// A candidate's lower bound of depth, by the share of its margin that is used; a hit must not be a miss.
+    /// A candidate's lower bound of depth: the used share of its margin. A hit must not become a miss.
     FrontLow,
-    /// p.d
+    /// p.d of a general sphere.
     NearAlong,
-    /// p x d
+    /// p x d of a general sphere.
     NearCross,
-    /// The discriminant by either form.
+    /// The discriminant of a general sphere in either form.
     NearDisc,
-    /// The depth between low and high.
+    /// The depth of a general sphere, between low and high.
     NearDepth,
 }
 
-/// One sphere before one pixel of a square image.
+/// One sphere in front of one pixel of a square image.
 #[derive(Debug, Clone)]
 pub(super) struct Shot {
     half: f64,
@@ -46,12 +47,12 @@ pub(super) struct Shot {
     /// Depth of the ray's point nearest to the centre.
     z: f64,
     r: f64,
-    /// How far the ray passes from the centre, in radii.
+    /// The distance of the ray from the centre, in radii.
     impact: f64,
     turn: f64,
     /// The camera's roll and tilt; 0 for the canonical camera, whose rotation is exact.
     oblique: f64,
-    /// Parallel rays: half is in the scene's unit.
+    /// Whether rays are parallel; then `half` is in the scene's unit.
     parallel: bool,
     /// Depth of a second, small sphere relative to this one's, which decides the reference depth; 0 for none.
     second: f64,
@@ -104,7 +105,7 @@ impl Shot {
         let unit = match binned.generals.first() {
             _ if self.parallel => dd::ldexp(binned.projection.size.into(), view.unit),
             Some(n) => dd::ldexp(1.0, dd::exponent(n.scale.into()) + view.unit),
-            // The front's unit of offsets is z times the slope of one.
+            // The unit of a projected sphere's offsets is z times the unit of slopes.
             None => f64::from(binned.projection.unit),
         };
         let length = if binned.generals.is_empty() && !self.parallel { e.p[2] * unit.into() } else { unit.into() };
@@ -130,7 +131,7 @@ impl Shot {
         })
     }
 
-    /// Numbers just above powers of two lose most where they are rounded.
+    /// Moves numbers to just above powers of two, where rounding loses most.
     fn snap(&mut self, rng: &mut Rng) {
         let width = f64::from(self.width);
         self.half = just_above_power(rng, self.half / width) * width;
@@ -150,7 +151,7 @@ impl Shot {
             _ => x * (1.0 + rng.between(-1.0, 1.0) * rng.decade(-6.0, -0.5)),
         };
         (next.half, next.z, next.r, next.turn) = (nudge(self.half), nudge(self.z), nudge(self.r), nudge(self.turn));
-        // Silhouettes stay silhouettes.
+        // A grazing ray stays a grazing ray.
         next.impact = 1.0 + nudge(self.impact - 1.0);
         let mut step = |k: u32| (k + rng.below(7)).saturating_sub(3).min(self.width - 1);
         next.pixel = self.pixel.map(&mut step);
@@ -171,7 +172,7 @@ impl Staged {
         dd::ldexp((5.0 * (x + y + z) + depth.abs()) / (1u64 << 53) as f64, -self.view.unit)
     }
 
-    /// Error over bound; NaN where the quantity is not there.
+    /// Error over bound; NaN if the quantity does not exist.
     fn ratio<R: Value>(&self, quantity: Quantity, terms: &Terms) -> f64 {
         use Quantity::*;
         let binned = &self.binned;
@@ -227,42 +228,42 @@ impl Staged {
     }
 }
 
-/// Where shots come from.
+/// The distributions of shots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Regime {
     /// The middle of a narrow lens: |d|^2 is nearly 1.
     Middle,
     /// The same with the sphere only a few radii away.
     Close,
-    /// Met at the centre, the reference depth its own: roundings of the centre's depth play no part.
+    /// Hit at the centre, at its own reference depth: roundings of the centre's depth have no effect.
     Pierced,
-    /// Missed by as much as a candidate may be.
+    /// Missed by as much as is possible for a candidate.
     Passed,
     /// The corners of a lens of up to 175 degrees.
     Wide,
-    /// The middle of its edges, met at the centre or missed by much.
+    /// The middle of the edges of such a lens; hit at the centre or missed by a large distance.
     Edge,
-    /// So far and small that the host's rounding of the projected centre counts.
+    /// So far and small that the host's rounding of the projected centre matters.
     Tiny,
     /// Across the eye plane or beside the eye.
     Beside,
-    /// Likewise, through a wide lens.
+    /// The same through a wide lens.
     BesideWide,
     /// Outside, close to a large surface.
     Ground,
     /// Inside the sphere.
     Inside,
-    /// Ahead, less than two radii away, and met nearly at the centre.
+    /// Ahead, less than two radii away, and hit near the centre.
     Ahead,
-    /// Small, in an image too wide for projected centres, and missed by much.
+    /// Small, in an image too wide for projected centres, and missed by a large distance.
     Missed,
-    /// The eye almost in the centre.
+    /// The eye near the centre of the sphere.
     Center,
     /// The eye close to a surface, looking to or from the centre through a long lens: p.d hardly changes.
     Axis,
-    /// Parallel rays: spheres of any size before them.
+    /// Parallel rays: spheres of any size in front of the plane.
     Parallel,
-    /// So small and far that the host's rounding of where they are counts.
+    /// Parallel rays: spheres so small and far that the host's rounding of their positions matters.
     ParallelTiny,
 }
 
@@ -291,7 +292,7 @@ impl Regime {
 
     pub(super) fn shot(self, rng: &mut Rng) -> Shot {
         use Regime::*;
-        // Through wide lenses only large images have offsets that are known better than they are rounded.
+        // With wide lenses, only in large images are the offsets known more exactly than they are rounded.
         let width = if matches!(self, Wide | Edge) { 500_000 + rng.below(500_000) } else { 2 + rng.below(2000) };
         let any = |rng: &mut Rng| [rng.below(width), rng.below(width)];
         let graze = |rng: &mut Rng| 1.0 + rng.sign() * rng.decade(-9.0, -5.5);
@@ -299,7 +300,7 @@ impl Regime {
         let impact = match rng.below(4) {
             0 => rng.decade(-6.0, -1.0),
             1 => rng.between(0.0, 0.999),
-            // Missed, yet within the zone where a candidate's bound is needed.
+            // Missed, but in the zone where a candidate's bound is needed.
             2 => rng.between(1.0, 1.4),
             _ => graze(rng),
         };
@@ -323,13 +324,13 @@ impl Regime {
             }
             Edge => {
                 let pixel = [width / 2, rng.below(2) * (width - 1)];
-                // As large as a projected sphere may be before so wide a lens: offsets of many pixels.
+                // As large as a projected sphere can be with such a wide lens: offsets of many pixels.
                 let half = rng.decade(0.5, 1.34);
                 let shot = shot(half, pixel, 1.0, rng.between(0.05, 0.25) / (half * half));
                 if rng.below(2) == 0 {
                     Shot { impact: rng.decade(-6.0, -0.5), second: 0.0, ..shot }
                 } else {
-                    // Sideways to the slope, where the ray's obliqueness counts most.
+                    // Perpendicular to the slope, where the ray's obliqueness matters most.
                     Shot { impact: rng.between(1.3, 1.41), turn: rng.decade(-6.0, -1.0), second: 0.0, ..shot }
                 }
             }
@@ -355,7 +356,7 @@ impl Regime {
             Ground => {
                 let z = rng.between(0.01, 1.0);
                 let mut shot = shot(rng.decade(-2.0, 0.5), any(rng), z, 1.0);
-                // So that the eye is outside by little: |centre|^2 = z^2 a + impact^2.
+                // Places the eye just outside: |centre|^2 = z^2 a + impact^2.
                 shot.impact = (1.0 - z * z).abs().sqrt() * (1.0 + rng.decade(-6.0, -0.5));
                 shot
             }
@@ -378,13 +379,13 @@ impl Regime {
                 let row = row as u32;
                 let z = 1.0 + rng.decade(-6.0, -1.0);
                 let mut shot = shot(half, [row, width / 2], z, r);
-                // Sideways and back to the axis, so that slopes decide all of p x d.
+                // Sideways and back to the axis, so that p x d is determined by the slopes.
                 let y = (1.0 - (2.0 * f64::from(row) + 1.0) / f64::from(width)) * half;
                 (shot.impact, shot.turn) = (-y * z * y.hypot(1.0) / r, 0.0);
                 shot
             }
             Center => {
-                // |d|^2 just below a power of two: its reciprocal has its largest ulp.
+                // |d|^2 just below a power of two, where the ulp of its reciprocal is largest.
                 let edge = [rng.below(width), rng.below(2) * (width - 1)];
                 let half = if rng.below(2) == 0 { rng.between(0.3, 1.1) } else { rng.decade(-3.0, -0.5) };
                 let mut shot = shot(half, edge, rng.decade(-4.0, -1.0), 1.0);
@@ -425,9 +426,9 @@ pub(super) fn worst(quantity: Quantity, regime: Regime, terms: &Terms, lineages:
     found
 }
 
-/// The best shot of one lineage, which starts from the best of a few and ends when it fails to improve.
+/// The best ratio of one lineage, which starts from the best of some shots and ends when it no longer improves.
 fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, rng: &mut Rng, enough: f64) -> f64 {
-    // Only a shot that is better under its parent's roundings is optimised.
+    // The roundings are optimised only for a shot that is better with those of its parent.
     let climbed = |shot: &Shot, chosen: &mut Vec<bool>, least: f64| match shot.staged(terms) {
         Some(staged) => {
             let probe = || staged.ratio::<Wild>(quantity, terms);
@@ -458,7 +459,7 @@ fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, rng: &mut Rng, eno
     best.0
 }
 
-/// The same in plain f32 and under the blind modes, over random shots.
+/// The largest ratios of random shots in plain f32 and in the modes that choose roundings blindly.
 fn ordinary(quantity: Quantity, regime: Regime) -> [f64; 2] {
     let mut rng = Rng(99);
     let mut found = [f64::NEG_INFINITY; 2];
@@ -478,14 +479,14 @@ fn table(quantities: &[Quantity], regimes: &[Regime]) {
         for &regime in regimes {
             let [plain, blind] = ordinary(quantity, regime);
             let worst = worst(quantity, regime, &TERMS, 4, f64::INFINITY).max(plain).max(blind);
-            // A sphere that is passed has no depth.
+            // A missed sphere has no depth.
             if worst.is_finite() {
                 println!("{quantity:10?} {regime:10?} f32 {plain:6.3} blind {blind:6.3} evolved {worst:6.3}");
                 seen = true;
             }
             assert!(worst <= 1.0, "a false bound: {quantity:?} {regime:?} {worst}");
         }
-        assert!(seen, "{quantity:?} was never there");
+        assert!(seen, "{quantity:?} never occurred");
     }
 }
 

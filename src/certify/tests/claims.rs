@@ -12,7 +12,7 @@ use crate::tile::TILE;
 use crate::view::View;
 use crate::view::ray::NONE;
 
-/// The tolerance, and the conditions of `certain`, which may be switched off.
+/// The conditions of `certain`, each of which can be switched off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Checks {
     pub(super) hit: bool,
@@ -25,7 +25,7 @@ impl Checks {
     pub(super) const ALL: Self = Self { hit: true, normal: true, order: true, sharp: true };
 }
 
-/// A scene, staged and judged at some pixels.
+/// A binned scene with the exact answers at some pixels.
 pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) view: View,
@@ -34,7 +34,7 @@ pub(super) struct Case {
     pub(super) judged: Vec<Judged>,
 }
 
-/// The exact answer at a pixel: the nearest hit, and the hit of every sphere alone.
+/// The exact answer at a pixel: the nearest hit, and the hit of every single sphere.
 pub(super) struct Judged {
     pub(super) at: [u32; 2],
     nearest: Option<Truth>,
@@ -42,7 +42,7 @@ pub(super) struct Judged {
 }
 
 impl Case {
-    /// `None` where the scene cannot be binned, so that every pixel is settled.
+    /// `None` if the scene cannot be binned, so that every pixel is settled.
     pub(super) fn new(scene: Scene, tolerance: f64, pixels: &[[u32; 2]], terms: &Terms) -> Option<Self> {
         let view = View::new(&scene).expect("a view");
         let binned =
@@ -57,7 +57,7 @@ impl Case {
         Some(Self { scene, view, binned, tolerance, judged })
     }
 
-    /// The scene binned for other constants.
+    /// The scene binned with other constants.
     pub(super) fn restaged(&self, terms: &Terms) -> BinnedScene {
         let binned =
             BinnedScene::new(&self.scene, &self.view, self.tolerance, terms, coarse(&self.scene), &Pool::default());
@@ -80,20 +80,21 @@ impl Case {
         dd::ldexp(truth.depth, -self.view.unit) - f64::from(self.binned.projection.depth)
     }
 
-    /// What the judge's own rounding may take, in the frame's unit: a step of f64 or two, also of its subnormal numbers, and
-    /// what f32 may flush.
+    /// The possible error of the judge's rounding, in the frame's unit: one or two ulps of f64, also of subnormal
+    /// numbers, and flushed subnormals of f32.
     fn spare(&self, truth: &Truth) -> f64 {
         let steps = f64::EPSILON * truth.depth + f64::from_bits(4);
         dd::ldexp(steps, -self.view.unit) + f64::from(f32::MIN_POSITIVE)
     }
 }
 
-/// The level of the lists at which a few squares make the image: its edges are tested, and many scenes fit into memory.
+/// The level of the lists at which the image consists of a few squares: their edges are tested, and many scenes fit
+/// into memory.
 pub(super) fn coarse(scene: &Scene) -> u32 {
     (scene.image.width.max(scene.image.height) / TILE).max(4).ilog2() - 2
 }
 
-/// Whether the pixel was certain; or the claim that is false.
+/// Returns whether the pixel is certain, or the claim that is false.
 pub(super) fn check<R: Value>(
     case: &Case,
     twin: &Certify<'_, R>,
@@ -108,7 +109,7 @@ pub(super) fn check<R: Value>(
             *place = Some(low.value());
         }
     }
-    // (a) A hit is found, and not too deep.
+    // (a) A hit is found, and its lower bound is not above its depth.
     for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {
         let Some(truth) = truth else { continue };
         let depth = case.depth(truth);
@@ -145,7 +146,8 @@ pub(super) fn check<R: Value>(
     } else {
         let sharp = answer.depth_interval < R::from_f32(lens.tolerance) * (R::from_f32(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };
-        // A wrong hit is a wrong answer, not a wrong normal: both conditions are left out.
+        // Without the condition on hits the one on normals is left out too, so that a wrong hit shows as a wrong
+        // answer.
         let hit = hit || !checks.hit;
         hit && (!checks.order || answer.high < kept.second) && (!checks.sharp || sharp)
     };
@@ -176,8 +178,8 @@ pub(super) fn check<R: Value>(
     Ok(true)
 }
 
-/// The ray of a pixel and a sphere before it, in double-double: x, y, |d|^2; centre (right, up, ahead) from where the ray
-/// begins, radius.
+/// The ray of a pixel and a sphere, in double-double: x, y, |d|^2; the centre (right, up, ahead) from the ray's origin,
+/// and the radius.
 pub(super) struct Exact {
     pub(super) x: Dd,
     pub(super) y: Dd,
@@ -226,7 +228,7 @@ impl Exact {
         self.a * self.r * self.r - dd::dot(g, g)
     }
 
-    /// How far the ray's line passes from the centre.
+    /// The distance of the ray's line from the centre.
     pub(super) fn passes(&self) -> f64 {
         let g = self.g();
         (dd::dot(g, g) / self.a).sqrt().value()

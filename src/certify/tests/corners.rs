@@ -1,4 +1,4 @@
-//! Doubtful steps of the derivation, each with a scene that would show it to be false.
+//! Critical steps of the derivation, each with a scene that would refute it.
 
 use super::claims::{Case, Checks};
 use super::sound::hold;
@@ -82,7 +82,7 @@ fn spheres_far_outside_the_image_are_not_lost() {
     }
 }
 
-/// Depths relative to a reference: spheres whose spread of size or depth is just below or just above its limit.
+/// Depths relative to a reference: spheres whose spread of size or depth is just below or above its limit.
 #[test]
 fn a_reference_depth_keeps_lows_below() {
     let mut rng = Rng(13);

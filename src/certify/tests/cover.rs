@@ -16,7 +16,7 @@ use crate::view::ray::NONE;
 use crate::{Camera, ImagePlane, Spheres};
 use glam::DVec3;
 
-/// Small and large spheres at all distances before an oblique camera.
+/// Small and large spheres at all distances in front of an oblique camera.
 fn scene(rng: &mut Rng) -> Scene {
     let mut spheres = Spheres::default();
     let camera = Camera { eye: DVec3::new(1e3, -20.0, 7.0), ..Camera::CANONICAL };
@@ -29,7 +29,7 @@ fn scene(rng: &mut Rng) -> Scene {
     Scene { camera, image, spheres, skipped: Default::default() }
 }
 
-/// The same before parallel rays, some across the plane of the eye.
+/// The same for parallel rays, some spheres across the plane of the eye.
 fn parallel_scene(rng: &mut Rng) -> Scene {
     let mut scene = scene(rng);
     scene.camera.lens = Orthographic { height: 100.0 };
@@ -41,7 +41,7 @@ fn parallel_scene(rng: &mut Rng) -> Scene {
     scene
 }
 
-/// Every closed pixel is hit, exactly, and no deeper than its limit.
+/// Every covered pixel is hit in exact arithmetic, no deeper than its limit.
 #[test]
 fn covered_pixels_are_hit() {
     let mut rng = Rng(5);
@@ -74,7 +74,7 @@ fn covered_pixels_are_hit() {
         }
     }
     assert!(closed > 10_000, "{closed} pixels were covered");
-    assert!(deep < 1.0, "the bound says something");
+    assert!(deep < 1.0, "the bound is not trivial");
 }
 
 /// A disc of 5.1 pixels about the corner of four tiles: in each it closes the pixels inside it, and none outside the image.
@@ -107,7 +107,7 @@ fn a_disc_closes_its_pixels_and_no_others() {
     }
 }
 
-/// Crowds that cover tiles: the sphere that each pixel's ray hits is still in its list, though most of the crowd is not.
+/// Clouds that cover tiles: the sphere that a pixel's ray hits is in its list, although most of the cloud is not.
 #[test]
 fn no_visible_sphere_is_culled() {
     let mut rng = Rng(77);

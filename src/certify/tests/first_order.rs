@@ -1,14 +1,14 @@
-//! Each bound against the worst that all roundings together can do, to first order and exactly: the sum of
-//! |d out / d e_i| over every operation and every rounded number of a record (`tape`), over random orders of every sum,
-//! over random shots and shots that are mutated towards the worst. A share above 1 is a false bound.
+//! Compares each bound with the largest error of all roundings together, exactly to first order: the sum of
+//! |d out / d e_i| over every operation and every rounded number of a record (`tape`). Orders of sums are random, shots
+//! are random or mutated towards larger errors. A share above 1 is a false bound.
 //!
-//! Sampled roundings come near such a sum only by luck: eleven units for c/q, which an order that WGSL allows exceeds, were
-//! found here in seconds and by no sampling.
+//! Sampled roundings come near such a sum only by chance. That 11 units for c/q do not suffice in one of the orders
+//! that WGSL allows was found here in seconds, and by no sampling.
 //!
-//! The bounds share the work, and so do these checks. *Discriminant*: what rounds in D, and in D plus and minus its error,
-//! stays within that error. *Depth* and *normal*: from there on D is exact and lies anywhere within its error, p.d
-//! likewise, and what rounds stays within what is taken off. Second orders and the bounds' own roundings are INFLATE's, and
-//! the host's errors are those of `host`: both are left out of every bound here.
+//! The checks are divided like the bounds. *Discriminant*: the roundings of D, and of D plus and minus its error, stay
+//! within that error. *Depth* and *normal*: D is taken as exact anywhere within its error, p.d likewise, and all
+//! further roundings stay within the subtracted margin. INFLATE covers second orders and the bounds' own roundings, and
+//! `host` tests the host's errors: both are removed from every bound here.
 
 use super::bounds::{Regime, Shot, Staged};
 use super::tape::{Given, Program, Traced, rewind};
@@ -24,7 +24,7 @@ use rayon::prelude::*;
 /// The quantity that is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Check {
-    /// The discriminant of a winner, with its error added, with it taken off.
+    /// The discriminant of a winner; with its error added; with its error subtracted.
     Disc,
     DiscMost,
     DiscLeast,
@@ -34,11 +34,11 @@ pub(super) enum Check {
     Shown,
     /// The normal, as a vector.
     Normal,
-    /// The discriminant of a candidate, with its error, and its lower bound of depth.
+    /// The discriminant of a candidate; with its error added; its lower bound of depth.
     CandidateDisc,
     CandidateMost,
     CandidateLow,
-    /// p.d, with its error added, with it taken off; the components of p x d.
+    /// p.d; with its error added; with its error subtracted; the components of p x d.
     Along,
     AlongMost,
     AlongLeast,
@@ -54,42 +54,43 @@ const OF_FRONT: [Check; 10] =
     [Disc, DiscMost, DiscLeast, Low, High, Shown, Normal, CandidateDisc, CandidateMost, CandidateLow];
 const OF_NEAR: [Check; 11] = [Along, AlongMost, AlongLeast, Cross, Disc, DiscMost, DiscLeast, Low, High, Shown, Normal];
 
-/// A share that is no more than this is within its bound: what rounds in the bound itself is INFLATE's, and is counted here.
+/// The largest share that counts as within a bound. The roundings of the bound itself, which INFLATE covers, are
+/// included in a share.
 pub(super) const WHOLE: f64 = 1.0 + 1.0 / 4096.0;
 /// The error of one rounding of the host: half an ulp.
 const ONCE: f64 = 0.5;
 /// The factor of the host's own bounds.
 const HOST_INFLATE: f64 = 1.0 + 1.0 / 512.0;
-/// Of a bound, what its own evaluation rounds: fewer than 100 units, which `INFLATE` pays for.
+/// The relative error of evaluating a bound: fewer than 100 units, which `INFLATE` covers.
 const OWN: f64 = 1.0 / (1u64 << 16) as f64;
-/// Radians of the normal's promise, of the 3e-5 that its bound leaves: for what it does not count. As much each is left to
-/// the length of the vector and to its rotation into the world.
+/// A third of the 3e-5 radians between the normal's bound and its promise, for the errors that the bound omits. The
+/// other thirds are for the length of the vector and for its rotation into the world.
 const ROTATED: f64 = 1e-5;
-/// Of DEPTH what the host may really take: 5 2^-53 |c - e|_1 with |c - e| at most 64 depths, of 2^-43.
+/// The share of DEPTH that the host's error can reach: 5 2^-53 |c - e|_1, with |c - e| at most 64 depths, of 2^-43.
 const HOST_DEPTH: f64 = 556.0 / 1024.0;
 
 /// One shot, in one order of its sums.
 struct Look<'a> {
     staged: &'a Staged,
     terms: &'a Terms,
-    /// `None`: as they are written.
+    /// `None`: the order of the source.
     order: Option<u64>,
 }
 
 impl Look<'_> {
-    /// The most that all roundings make of this combination of numbers.
+    /// The largest error of this combination of numbers by all roundings.
     fn worst(&self, given: &Given, of: &[(Traced, f64)]) -> f64 {
         self.worst_of(given, [of])
     }
 
-    /// The same of a vector.
+    /// The same for a vector.
     fn worst_of<const N: usize>(&self, given: &Given, of: [&[(Traced, f64)]; N]) -> f64 {
         let mut program = Program::new(given, self.order.map(Rng));
         let of = of.map(|of| of.iter().map(|(number, by)| (program.compute(*number), *by)).collect::<Vec<_>>());
         f64::from(UNIT) * program.worst(of.each_ref().map(Vec::as_slice))
     }
 
-    /// The share of a bound that a check finds; NaN where it does not apply.
+    /// The share of a bound that a check finds; NaN if the check does not apply.
     fn share(&self, check: Check) -> f64 {
         rewind();
         let Staged { view, binned, pixel: [i, j], .. } = self.staged;
@@ -143,7 +144,7 @@ impl Look<'_> {
         let (a, inflate, e) = (s.a.real(), f64::from(INFLATE), f64::from(lens.edge));
         let [dx, dy] = w.o.map(Traced::real);
         let (disc, o, slant) = (w.disc.real(), dx.hypot(dy), w.slant2.real().sqrt());
-        // The offset's own error is no rounding: what the bound has for it is left to it.
+        // The offset's own error is not a rounding, so its part of the bound is subtracted.
         let room = OWN * w.error.real() + (w.error.real() - a * f64::from(VANISH)) / inflate - a * e * (2.0 * o + e);
         let (most, least) = (w.disc + w.error, w.disc - w.error);
         match check {
@@ -170,7 +171,7 @@ impl Look<'_> {
             Shown => {
                 let shown = at(disc);
                 let widest = (farthest - shown).max(shown - nearest);
-                // The offset is given out, beside a centre in f64.
+                // The kernel writes the offset; the centre is added in f64.
                 let off = |sign: f64| self.worst(&given, &[(answer.offset, sign), (answer.depth_interval, -1.0)]);
                 (widest + off(1.0).max(off(-1.0))) / spare(answer.depth_interval.real() / inflate)
             }
@@ -188,7 +189,7 @@ impl Look<'_> {
         }
     }
 
-    /// A sum with a bound of its own error, less the unit of itself that is paid for with the root.
+    /// The error of a sum of a number and its error bound, less the unit of the sum that the root's constant covers.
     fn beside(&self, given: &Given, sum: Traced) -> f64 {
         self.worst(given, &[(sum, 1.0)]) - f64::from(UNIT) * sum.real().abs()
     }
@@ -214,7 +215,7 @@ impl Look<'_> {
         let record = &self.staged.view.record;
         let edge = |slope: f32, n: u32| f64::from(slope) * f64::from(n);
         let widest = 1.0 + edge(lens.slope_x, record.width).powi(2) + edge(lens.slope_y, record.height).powi(2);
-        // Farther away the margin of a miss is much larger than its rounding.
+        // Farther out, the margin of a miss is much larger than its rounding.
         if o > (2.0 * widest).sqrt() * rho + 16.0 * widest * e {
             return f64::NAN;
         }
@@ -231,13 +232,13 @@ impl Look<'_> {
         let along = s.x.real() * right.real() + s.y.real() * up.real();
         let length = (center * f64::from(lens.unit) + f64::from(lens.size)) / a;
         let real = center - (along + most.real().max(0.0).sqrt()) * length;
-        // The record's lower bound is made of the centre as f64 knows it.
+        // The record's lower bound is computed from the centre in f64.
         let host = self.staged.depth_error() + ONCE * f64::from(UNIT) * center.abs();
         let spare = (real - low.real() - host) / HOST_INFLATE - (a - 1.0).sqrt() * e * length;
         self.worst(&given, &[(low, 1.0)]) / spare
     }
 
-    /// Section 3.
+    /// A general sphere of section 3.
     fn near(&self, check: Check, mut given: Given, s: &Slopes<Traced>) -> f64 {
         let record = &self.staged.binned.generals[0];
         let n = General {
@@ -307,7 +308,7 @@ impl Look<'_> {
             true => {
                 let of = |disc: Traced| (disc.real().max(0.0) + a * power).sqrt();
                 let (large, small) = (ends[1].min(of(most)), ends[0].max(of(least)));
-                // No sphere has such numbers: the ray surely misses, though that is not said.
+                // No sphere has such numbers: the ray certainly misses, although the kernel does not prove it.
                 if large < (a * power).sqrt() || large < small {
                     return f64::NAN;
                 }
@@ -326,7 +327,7 @@ impl Look<'_> {
                 (widest + off(1.0).max(off(-1.0))) / (answer.depth_interval.real() / inflate)
             }
             _ => {
-                // The error of g is in the bound: what is made of it must fit beside.
+                // The bound contains the error of g, so only the roundings after g are counted.
                 let mut given = given.clone();
                 given.fix(&w.g, &[]);
                 let across = cross3([s.x, s.y, -Traced::ONE], w.g);
@@ -338,7 +339,7 @@ impl Look<'_> {
     }
 }
 
-/// The largest share of a bound in a regime: orders of random shots, and then of the worst of them, mutated.
+/// The largest share of a bound in a regime: over orders of random shots, then of mutations of the worst one.
 fn worst(check: Check, regime: Regime, terms: &Terms, shots: u32) -> (f64, Option<Shot>) {
     let mut rng = Rng(0x5eed_0061 ^ (check as u64) << 8 ^ (regime as u64) << 16);
     let look = |shot: &Shot, rng: &mut Rng| -> f64 {
@@ -365,7 +366,7 @@ fn worst(check: Check, regime: Regime, terms: &Terms, shots: u32) -> (f64, Optio
     best
 }
 
-/// Shots of each check in each regime; HALFLINE_SHOTS times as many.
+/// The number of shots of each check in each regime; HALFLINE_SHOTS is a factor.
 fn shots() -> u32 {
     let times = std::env::var("HALFLINE_SHOTS").map_or(1, |times| times.parse().expect("a number"));
     120 * times
@@ -380,7 +381,7 @@ fn table(checks: &[Check], regimes: &[Regime]) {
         let cells = row.iter().zip(regimes).filter(|((share, _), _)| share.is_finite());
         let cells: Vec<String> = cells.map(|((share, _), regime)| format!("{regime:?} {share:.3}")).collect();
         println!("{:13} {}", format!("{check:?}"), cells.join(", "));
-        assert!(!cells.is_empty(), "{check:?} was never there");
+        assert!(!cells.is_empty(), "{check:?} never applied");
         let above = row.iter().zip(regimes).filter(|((share, _), _)| *share > WHOLE);
         faulty.extend(above.map(|((share, shot), regime)| format!("{check:?} {regime:?} {share:.3}: {shot:?}")));
     }
@@ -397,14 +398,14 @@ fn no_roundings_together_leave_a_near_bound() {
     table(&OF_NEAR, &Regime::GENERAL);
 }
 
-/// The largest share of some checks in some regimes, looked at so many times as long as usual.
+/// The largest share of some checks in some regimes, with `times` as many shots as usual.
 pub(super) fn largest(aims: &[(Check, Regime)], terms: &Terms, times: u32) -> f64 {
     let share = |(check, regime): &(Check, Regime)| worst(*check, *regime, terms, times * shots()).0;
     aims.par_iter().map(share).reduce(|| 0.0, f64::max)
 }
 
-/// Negative control, once an error of the derivation: from inside, the quotient c/q takes more than eleven units where p.d
-/// almost vanishes and its terms are added one by one to the root.
+/// Negative control, and a former error of the derivation: from inside, the error of the quotient c/q exceeds 11 units
+/// if p.d is nearly zero and its terms are added one by one to the root.
 #[test]
 fn eleven_units_are_too_few_for_a_quotient() {
     let mut terms = TERMS;

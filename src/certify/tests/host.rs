@@ -1,5 +1,6 @@
-//! The records of the host against the numbers that it rounds, at every scale of f64 including the subnormal numbers. The
-//! exact values are double-double, scaled by a power of two before any product, along axes that are computed independently.
+//! Compares the host's records with the numbers that it rounds, at every scale of f64 including the subnormal numbers.
+//! The exact values are double-double, scaled by a power of two before any product, along axes that are computed
+//! independently.
 
 use super::axes::axes;
 use crate::certify::TERMS;
@@ -18,7 +19,7 @@ use glam::DVec3;
 /// Half an ulp of f32, as the host rounds.
 const HALF: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// One sphere before a camera somewhere in f64's range.
+/// One sphere in front of a camera, at any scale of f64.
 struct Sight {
     scene: Scene,
     /// The exponent of the larger of |c - e| and r.
@@ -33,10 +34,10 @@ fn vector(rng: &mut Rng) -> DVec3 {
 }
 
 impl Sight {
-    /// In a unit of 2^`scale`; `None` where rounding to it left no sphere.
+    /// In a unit of 2^`scale`; `None` if rounding to it leaves no sphere.
     fn new(rng: &mut Rng, scale: i32, parallel: bool) -> Option<Self> {
         let size = |x: DVec3| DVec3::from_array(x.to_array().map(|x| dd::ldexp(x, scale)));
-        // The eye from far outside to almost in the centre.
+        // The eye from far outside to near the centre.
         let eye = size(vector(rng) * rng.decade(-20.0, 6.0));
         let view = vector(rng);
         let up = view + vector(rng) * rng.decade(-13.0, 0.0);
@@ -50,7 +51,7 @@ impl Sight {
         let basis = camera.basis().ok()?;
         let aside = if parallel { 1.0 } else { half };
         let ahead = basis.u * rng.between(-aside, aside) + basis.v * rng.between(-aside, aside) - basis.w;
-        // Before the eye, or anywhere about it.
+        // In front of the eye, or in any direction from it.
         let way = if rng.below(3) > 0 { ahead } else { vector(rng) };
         let center = (eye + size(way)).to_array();
         let radius = dd::ldexp(rng.decade(-4.0, 0.4), scale);
@@ -99,7 +100,7 @@ impl Sight {
             assert_eq!(record.power.is_sign_positive(), power.hi > 0.0, "the sign of the power");
             worst = worst.max(off(record.power, power) / (power.hi.abs() * (HALF + 2f64.powi(-40))));
         } else {
-            assert!(power.hi == 0.0 || record.blur > 1e9, "a power of {:e} is forgotten", power.hi);
+            assert!(power.hi == 0.0 || record.blur > 1e9, "a power of {:e} is lost", power.hi);
         }
         let ImagePlane { width, height, .. } = self.scene.image;
         let [column, row] = [rng.below(width), rng.below(height)].map(f64::from);
@@ -113,7 +114,7 @@ impl Sight {
         worst.max((b - real).value().abs() / bound)
     }
 
-    /// The same of a projected sphere: its position, radius and depth.
+    /// The same for a projected sphere: its position, radius and depth.
     fn front(&self, view: &View, lens: &ProjectionBounds, reference: f64, staged: &Staged) -> f64 {
         let Staged::Projected(landed) = staged else { return 0.0 };
         let (front, more) = (&landed.placed.record, &landed.placed.detail);
@@ -146,7 +147,7 @@ impl Sight {
         let length = if parallel { Dd::from(dd::ldexp(unit, view.unit - self.k)) } else { ahead * unit.into() };
         let rho = Dd::from(self.r) / length;
         worst = worst.max((Dd::from(f64::from(front.rho)) - rho).value().abs() / (rho.hi * (HALF + 2f64.powi(-42))));
-        // Parallel rays: a sphere that may lie across the plane of the eye is given no depth.
+        // Parallel rays: a sphere that may cross the plane of the eye has no depth.
         if more.center > -1e37 {
             let depth = ahead.ldexp(self.k - view.unit);
             let shown = Dd::sum(f64::from(more.center), reference);
@@ -186,5 +187,5 @@ fn records_are_within_what_the_host_may_leave() {
     }
     println!("of its bound a near record is off by {:.3}, a front one by {:.3}; {staged_as:?}", worst[0], worst[1]);
     assert!(staged_as.iter().all(|n| *n > 5000), "{staged_as:?}");
-    assert!(worst.iter().all(|share| *share > 0.5), "the bounds say something: {worst:?}");
+    assert!(worst.iter().all(|share| *share > 0.5), "the bounds are not trivial: {worst:?}");
 }

@@ -1,4 +1,5 @@
-//! Predictions under the adversary: no rounding that WGSL allows makes a method worse than src/intersect/predict.rs predicts.
+//! Predictions with adversarial rounding: no rounding that WGSL allows makes a method worse than
+//! src/intersect/predict.rs predicts.
 
 use super::wild::{Mode, Wild, under};
 use crate::double_double as dd;
@@ -35,7 +36,8 @@ impl Visit for Shot<'_> {
     }
 }
 
-/// One sphere, from almost on its surface to far away, outside and inside; a lens as wide as it, aimed at its limb.
+/// One sphere, seen from near its surface to far away, from outside and inside; a lens as wide as the sphere, aimed at
+/// its limb.
 fn world(rng: &mut Rng) -> Scene {
     let gap = rng.decade(-5.0, 4.0);
     let outside = gap > 0.9 || rng.sign() > 0.0;
@@ -56,7 +58,7 @@ fn world(rng: &mut Rng) -> Scene {
     Scene { camera, image, spheres, skipped: Skipped::default() }
 }
 
-/// The sphere with the radius at which the pixel's ray passes it, within the smallest predicted outline of all methods.
+/// The sphere with a radius at which the pixel's ray grazes it, within the smallest predicted outline of all methods.
 fn grazed(mut scene: Scene, [i, j]: [u32; 2], rng: &mut Rng) -> Scene {
     let view = View::new(&scene).expect("a good scene");
     let off = Prediction::of(&scene, Method::Stable).expect("a good scene").expect("a sphere").outline;
@@ -111,6 +113,6 @@ fn no_legal_rounding_is_worse_than_predicted() {
     }
     for (method, [outline, distance]) in methods().zip(&worst) {
         println!("{:10} outline {outline:.3}, distance {distance:.3} of what was predicted", method.name());
-        assert!(*outline > 0.1 && *distance > 0.1, "the adversary finds the weak spots of {}", method.name());
+        assert!(*outline > 0.1 && *distance > 0.1, "the adversary finds large errors of {}", method.name());
     }
 }

@@ -1,5 +1,6 @@
-//! Every constant of the bounds is set to 0, halved and reduced by a tenth in turn: a claim must fail, a quantity leave its
-//! bound, or the sum of all roundings exceed its bound. Likewise every condition of `certain` is left out.
+//! Every constant of the bounds is set to 0, halved and reduced by a tenth in turn: then a claim must fail, a quantity
+//! exceed its bound, or the sum of all roundings exceed its bound. Every condition of `certain` is left out in the same
+//! way.
 
 use super::bounds::Quantity::{self, *};
 use super::bounds::Regime::{self, *};
@@ -11,8 +12,8 @@ use super::worlds::FAMILIES;
 use crate::certify::{TERMS, Terms};
 use rayon::prelude::*;
 
-/// A constant: its name, what it is in `Terms`, and where it counts: for an adversary who rounds, and for the sum of all
-/// roundings in any order, which is looked at so many times as long as usual.
+/// A constant: its name, its member of `Terms`, and the regimes where it matters: for the adversary's roundings, and
+/// for the sum of all roundings in any order, with a factor for the number of shots.
 struct Constant {
     name: &'static str,
     of: fn(&mut Terms) -> &mut f32,
@@ -79,13 +80,13 @@ const CONSTANTS: [Constant; 22] = [
     rarely(constant("root[0]", |t| &mut t.root[0], &[(NearDepth, Beside), (NearDepth, Axis)], SUM_ROOT)),
     rarely(constant("root[1]", |t| &mut t.root[1], &[(NearDepth, Center)], SUM_ROOT)),
     rarely(constant("root[2]", |t| &mut t.root[2], &[(NearDepth, Center)], SUM_ROOT)),
-    // No rounding: the offset that it bounds is the host's.
+    // Not a rounding of the kernel: it bounds the host's error of the offset.
     constant("host", |t| &mut t.host, &[(FrontDisc, Tiny), (FrontDisc, ParallelTiny), (FrontLow, Tiny)], &[]),
 ];
 
 /// Scenes of each family, answered without each constant and without each condition.
 const SCENES: [u64; 2] = [20, 60];
-/// Lineages of shots for each quantity and regime; `HALFLINE_LINEAGES` for more.
+/// Lineages of shots for each quantity and regime; `HALFLINE_LINEAGES` replaces the number.
 fn lineages() -> usize {
     std::env::var("HALFLINE_LINEAGES").map_or(4, |lineages| lineages.parse().expect("a number"))
 }
@@ -104,7 +105,7 @@ fn wrong_answer(cases: &[(&'static str, u64, Case)], terms: &Terms, checks: Chec
     cases.iter().find_map(wrong)
 }
 
-/// The first quantity that leaves its bound, or how near the worst came.
+/// The first quantity that exceeds its bound, or the largest ratio.
 fn false_bound(aims: &[(Quantity, Regime)], terms: &Terms) -> Result<String, f64> {
     let mut worst_of_all = f64::NEG_INFINITY;
     for &(quantity, regime) in aims {
@@ -156,8 +157,8 @@ const SURVIVORS: &[Survivor] = &[
     ),
 ];
 
-/// The result of a sabotage: the family with a false answer, the quantity out of its bound or the worst ratio, and the share
-/// of the bound that the sum of all roundings takes.
+/// The result of a sabotage: the family with a false answer, the quantity that exceeds its bound or the largest ratio,
+/// and the share of the bound that the sum of all roundings reaches.
 struct Caught {
     answer: Option<&'static str>,
     bound: Result<String, f64>,
@@ -185,7 +186,7 @@ fn every_constant_is_needed() {
         let terms = sabotaged(constant, factor);
         let (sums, times) = constant.sums;
         let share = largest(sums, &terms, times);
-        // Part of a constant is found by the sum of all roundings, and seldom by an adversary who rounds.
+        // The sum of all roundings detects a partly reduced constant; the adversary's roundings rarely do.
         if factor > 0.0 {
             return Caught { answer: None, bound: Err(f64::NAN), share };
         }
@@ -207,8 +208,8 @@ fn every_constant_is_needed() {
             let survives = SURVIVORS.iter().any(|s| s.name == *name && *factor >= s.from);
             let cell = caught.cell();
             assert!(caught.any() || survives, "{name} times {factor}: {cell}");
-            // A ratio very near 1 may exceed it on one platform and not on another.
-            assert!(!survives || caught.share < 1.02, "{name} times {factor} is no survivor: {cell}");
+            // A ratio near 1 may exceed 1 on some platforms only.
+            assert!(!survives || caught.share < 1.02, "{name} times {factor} is detected: {cell}");
         }
     }
 }
@@ -224,6 +225,6 @@ fn every_condition_of_certainty_is_needed() {
     ] {
         let caught = wrong_answer(&cases, &TERMS, checks);
         println!("without {name}: caught by {caught:?}");
-        assert!(caught.is_some(), "nobody misses the check of {name}");
+        assert!(caught.is_some(), "no claim fails without the check of {name}");
     }
 }

@@ -34,7 +34,7 @@ impl<R: Number> Certify<'_, R> {
             if chunk_min_depth - k.low
                 > R::from_f32(self.projection.cull_margin) * (R::from_f32(self.projection.depth) + k.low)
             {
-                // All further spheres of the list are behind.
+                // All further spheres of the list are behind the winner.
                 k.second = if chunk_min_depth < k.second { chunk_min_depth } else { k.second };
                 break;
             }
@@ -43,7 +43,7 @@ impl<R: Number> Certify<'_, R> {
         k
     }
 
-    /// Certifies the winner, with its own bounds.
+    /// Certifies the winner by its own bounds.
     pub(crate) fn certify_winner(&self, s: &Slopes<R>, k: &NearestTwo<R>) -> Answer<R> {
         self.answer(s, k.slot)
     }

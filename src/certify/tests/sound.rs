@@ -1,4 +1,4 @@
-//! Every claim at every sampled pixel, under every mode of the adversary and in plain f32.
+//! Checks every claim at every sampled pixel, in every mode of the adversary and in plain f32.
 
 use super::claims::{Case, Checks, check};
 use super::wild::{Mode, Wild, under};
@@ -7,7 +7,7 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::{TERMS, Terms};
 use crate::testing::Rng;
 
-/// Scenes of each family; `HALFLINE_SCENES` for more.
+/// Scenes of each family; `HALFLINE_SCENES` replaces the number.
 fn scenes() -> u64 {
     std::env::var("HALFLINE_SCENES").map_or(150, |scenes| scenes.parse().expect("a number"))
 }
@@ -60,8 +60,8 @@ fn family(k: usize) {
         (certain, all, staged) = (certain + some, all + every, staged + 1);
     }
     println!("{name:16} {staged:5} scenes {all:7} answers, certain {:5.1} %", 100.0 * certain as f64 / all as f64);
-    assert!(staged > scenes() / 2, "{name}: hardly a scene was staged");
-    assert!(certain > 0, "{name}: nothing was ever certain");
+    assert!(staged > scenes() / 2, "{name}: few scenes could be binned");
+    assert!(certain > 0, "{name}: no pixel was certain");
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Numbers that record their computation, and the largest error that all roundings together can cause.
 //!
-//! The twins run on [`Traced`] numbers and leave a graph of operations behind. Evaluated once more, each operation is
-//! a rounding of its own: out(e_1, e_2, ...) with |e_i| at most so many units. To first order the worst that they can do is
-//! the sum of |d out / d e_i| times those units, which one backward pass gives exactly. An adversary who samples roundings
-//! comes near it only by luck.
+//! The twins run on [`Traced`] numbers and record a graph of operations. In a second evaluation each operation has an
+//! independent rounding: out(e_1, e_2, ...) with |e_i| at most a number of units. To first order their largest effect
+//! is the sum of |d out / d e_i| times those units, which one backward pass computes exactly. An adversary that samples
+//! roundings comes near it only by chance.
 //!
-//! WGSL may add up a sum in any order and fuse products into it. So sums are taken apart into their terms, as far as they
-//! reach, and added up again along a random tree; each product in one may lose its own rounding.
+//! WGSL may evaluate a sum in any order and fuse products into it. Therefore nested sums are split into their terms and
+//! added along a random tree; each product in a sum may lose its rounding.
 
 use crate::number::Number;
 use crate::testing::Rng;
@@ -18,9 +18,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// How a number was computed, from earlier numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Op {
-    /// The bits of an f32 that the program knows: a constant, or a number of a record.
+    /// The bits of a given f32: a constant, or a number of a record.
     Known(u32),
-    /// A number of its own.
+    /// A number with its own error.
     Input(u32),
     Whole(i32),
     Add(u32, u32),
@@ -34,7 +34,7 @@ enum Op {
 #[derive(Default)]
 struct Tape {
     ops: Vec<(Op, f64)>,
-    /// The same operation on the same numbers is the same number.
+    /// Equal operations on equal numbers share an entry.
     known: HashMap<Op, u32>,
 }
 
@@ -42,20 +42,20 @@ thread_local! {
     static TAPE: RefCell<Tape> = RefCell::default();
 }
 
-/// A number on the tape of this thread: its place there, or one of the constants, which are on no tape.
+/// A number on the tape of this thread: its index, or one of the constants, which are not on a tape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced(u32);
 
-/// The places of the constants of [`Number`].
+/// The indices of the constants of [`Number`].
 const CONSTANTS: [(u32, f32); 4] =
     [(u32::MAX, f32::MAX), (u32::MAX - 1, 0.0), (u32::MAX - 2, 0.5), (u32::MAX - 3, 1.0)];
 
-/// Forgets all numbers.
+/// Clears the tape.
 pub(super) fn rewind() {
     TAPE.take();
 }
 
-/// How the number at a place was computed, and its value without any rounding.
+/// The operation of the number at an index, and its value without rounding.
 fn made(place: u32) -> (Op, f64) {
     let constant = CONSTANTS.into_iter().find(|constant| constant.0 == place);
     match constant {
@@ -83,7 +83,7 @@ impl Traced {
         Self::push(Op::Input(count), value.into())
     }
 
-    /// Its value without any rounding.
+    /// The value without rounding.
     pub(super) fn real(self) -> f64 {
         made(self.0).1
     }
@@ -166,39 +166,40 @@ pub(super) struct Given {
 }
 
 impl Given {
-    /// This number, and whatever it was made of: from here on it is off by so many units and no more.
+    /// From here on the error of this number is so many units, whatever it was computed from.
     pub(super) fn set(&mut self, number: Traced, units: f64) {
         self.inputs.insert(number.0, units);
     }
 
-    /// These numbers are exact from here on, whatever they were made of; those are off by one unit.
+    /// From here on the numbers `exact` have no error, and the numbers `off` an error of one unit, whatever they were
+    /// computed from.
     pub(super) fn fix(&mut self, exact: &[Traced], off: &[Traced]) {
         exact.iter().for_each(|number| self.set(*number, 0.0));
         off.iter().for_each(|number| self.set(*number, 1.0));
     }
 
-    /// Every use of this number of a record.
+    /// Sets the error of every use of this number of a record.
     pub(super) fn set_known(&mut self, number: f32, units: f64) {
-        // A power of two was not rounded; nor is it to be taken for a constant of the kernel.
+        // A power of two was not rounded, and may be equal to a constant of the kernel.
         if number.to_bits() << 9 != 0 {
             self.known.insert(number.to_bits(), units);
         }
     }
 }
 
-/// An operation, or a number that was given.
+/// An operation, or a given number.
 struct Step {
     value: f64,
-    /// Numbers that it is made of, by their steps, and its derivatives.
+    /// The steps of its operands, and its derivatives by them.
     of: [(usize, f64); 2],
-    /// What it is off by, in units of itself.
+    /// Its relative error, in units.
     units: f64,
 }
 
 /// One way to compute some numbers: an order for every sum.
 pub(super) struct Program<'a> {
     given: &'a Given,
-    /// `None`: as it is written.
+    /// `None`: the order of the source.
     rng: Option<Rng>,
     steps: Vec<Step>,
     done: HashMap<u32, usize>,
@@ -230,7 +231,7 @@ impl<'a> Program<'a> {
         step
     }
 
-    /// The same by its place; a product is `rounded` or not.
+    /// Computes the number at an index; `rounded` is the error of a product, 0 if it is fused.
     fn made(&mut self, place: u32, rounded: f64) -> usize {
         let (op, value) = made(place);
         if let Some(units) = self.given.inputs.get(&place) {
@@ -260,7 +261,7 @@ impl<'a> Program<'a> {
             Op::Sqrt(a) => {
                 let x = of(a);
                 let root = self.value(x).sqrt();
-                // The root of zero has no slope; an error under it is covered by another bound.
+                // The root of zero has no derivative; another bound covers an error under it.
                 let slope = if root > 0.0 { 0.5 / root } else { 0.0 };
                 self.step(root, [(x, slope), NOTHING], 4.6)
             }
@@ -268,7 +269,7 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// A sum along a random tree of all its terms; or as it is written.
+    /// A sum along a random tree of all its terms, or in the order of the source.
     fn sum(&mut self, place: u32) -> usize {
         let mut terms = Vec::new();
         let whole = self.rng.is_some();
@@ -303,7 +304,7 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// The terms of a sum, of sums in it too where it is taken apart as a whole, with their signs.
+    /// The terms of a sum with their signs; if `whole`, nested sums are split too.
     fn terms(&self, place: u32, sign: f64, whole: bool, to: &mut Vec<(u32, f64)>) {
         let mut next = |program: &Self, part: u32, sign: f64| match made(part).0 {
             Op::Neg(_) | Op::Add(..) | Op::Sub(..) if whole && !program.given.inputs.contains_key(&part) => {
@@ -334,8 +335,8 @@ impl<'a> Program<'a> {
         slopes
     }
 
-    /// The most that all roundings together make of each of these combinations of numbers, as a vector: the sum over the
-    /// roundings of the length of what each of them makes, in units.
+    /// The largest error of the vector of these combinations of numbers: the sum over all roundings of the length of
+    /// the error vector that each of them causes, in units.
     pub(super) fn worst<const N: usize>(&self, of: [&[(usize, f64)]; N]) -> f64 {
         let slopes = of.map(|of| self.slopes(of));
         let each = self.steps.iter().enumerate().filter(|(_, step)| step.units > 0.0);

@@ -1,4 +1,4 @@
-//! f32 as WGSL allows it at its worst, with an adversary that chooses every rounding.
+//! f32 with the worst rounding that WGSL allows: an adversary chooses every rounding.
 
 use crate::double_double::{self as dd, Dd};
 use crate::number::Number;
@@ -6,7 +6,7 @@ use crate::testing::Rng;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How the adversary rounds what is not exact.
+/// How the adversary rounds inexact results.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
     /// Up, always.
@@ -19,7 +19,7 @@ pub(super) enum Mode {
     Outward,
     /// Either way at random; quotients and roots by any amount within their bound.
     Random,
-    /// Operation by operation as chosen: what [`climb`] does.
+    /// As chosen for each operation by [`climb`].
     Chosen,
 }
 
@@ -39,13 +39,14 @@ thread_local! {
         const { RefCell::new(Adversary { mode: Mode::Random, rng: Rng(0), chosen: Vec::new(), count: 0 }) };
 }
 
-/// Runs `f` under a mode.
+/// Runs `f` in a mode.
 pub(super) fn under<T>(mode: Mode, seed: u64, f: impl FnOnce() -> T) -> T {
     ADVERSARY.with_borrow_mut(|a| (a.mode, a.rng, a.count) = (mode, Rng(seed), 0));
     f()
 }
 
-/// Coordinate ascent over all roundings: flips each choice that makes `probe` larger, in place. Returns the largest.
+/// Coordinate ascent over all roundings: flips each choice in place if that increases `probe`. Returns the largest
+/// value.
 pub(super) fn climb(chosen: &mut Vec<bool>, sweeps: usize, probe: impl Fn() -> f64) -> f64 {
     let take = |chosen: &mut Vec<bool>| ADVERSARY.with_borrow_mut(|a| std::mem::swap(&mut a.chosen, chosen));
     take(chosen);
@@ -114,7 +115,7 @@ fn rounded(exact: Dd) -> Wild {
     Wild(flushed(there))
 }
 
-/// A number within `ulps` of x, as far off as the adversary chooses.
+/// A number within `ulps` of x, with the error that the adversary chooses.
 fn off(x: f64, ulps: f64) -> Wild {
     let wish = push(x);
     let near = x as f32;

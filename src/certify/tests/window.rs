@@ -1,4 +1,4 @@
-//! A window's lists are those of the full frame, also where tiles share them.
+//! A window's lists equal those of the full frame, also if tiles share them.
 
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
@@ -10,7 +10,7 @@ use crate::view::raster::Raster;
 use crate::window::Window;
 use crate::{Camera, ImagePlane, Lens, Scene, Spheres};
 
-/// Spheres of this radius, one behind the other, before an image of 256 x 256 pixels.
+/// Spheres of this radius, one behind the other, in front of an image of 256 x 256 pixels.
 fn scene(count: usize, radius: f64) -> Scene {
     let mut spheres = Spheres::default();
     for n in 0..count {
@@ -52,6 +52,6 @@ fn the_lists_of_a_window_are_those_of_the_full_frame() {
             assert!(full == part, "row {row}, column {column}");
         }
         assert!(entries > 0, "the window shows something");
-        assert!(part.lists.projected.len() < full.lists.projected.len() / 4, "other lists were not made");
+        assert!(part.lists.projected.len() < full.lists.projected.len() / 4, "only the window's lists are built");
     }
 }

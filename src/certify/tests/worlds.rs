@@ -1,4 +1,4 @@
-//! Hard scenes: families of spheres and cameras, most of them placed so that a pixel's ray nearly grazes a sphere.
+//! Hard scenes: families of spheres and cameras, most of them placed so that a pixel's ray almost touches a sphere.
 
 mod parallel;
 mod perspective;
@@ -88,7 +88,7 @@ impl Site {
         self.scene.spheres.push(center, radius, None);
     }
 
-    /// A sphere of about that radius whose silhouette the pixel's ray just misses or meets: D = 2 delta a r^2.
+    /// A sphere of about that radius whose silhouette the pixel's ray just misses or hits: D = 2 delta a r^2.
     pub(super) fn aim(&mut self, rng: &mut Rng, pixel: [u32; 2], at: [f64; 3]) {
         let delta = rng.sign() * 2f64.powf(rng.between(-28.0, -15.0));
         self.aim_by(delta, pixel, at);
@@ -102,15 +102,15 @@ impl Site {
         }
     }
 
-    /// Where a ray passes at that depth: right, up, ahead.
+    /// The point of a ray at that depth: right, up, ahead.
     pub(super) fn on_ray(&self, pixel: [u32; 2], depth: f64) -> [f64; 3] {
-        // Of the eye itself, from where the ray begins.
+        // From the eye to the origin of the ray.
         let ray = Exact::of(&self.scene, pixel, self.scene.camera.eye.to_array(), 1.0);
         let [right, up, _] = ray.p.map(|x| x.value());
         [ray.x.value() * depth - right, ray.y.value() * depth - up, depth]
     }
 
-    /// The same, moved sideways by about `by`.
+    /// The same point, moved sideways by about `by`.
     fn near_ray(&self, rng: &mut Rng, pixel: [u32; 2], depth: f64, by: f64) -> [f64; 3] {
         let [x, y, _] = self.on_ray(pixel, depth);
         let turn = rng.between(0.0, std::f64::consts::TAU);
@@ -168,8 +168,8 @@ fn scaled(scene: &mut Scene, scale: f64) {
     }
 }
 
-/// `up` almost along the view, the eye so near the origin beside `at` that their difference has more than 100 bits, and a
-/// lens in which a turn of the image by 1e-17 rad shows. `at` is exactly on the axis.
+/// `up` almost along the view, the eye so near the origin compared with `at` that their difference has more than 100
+/// bits, and a lens that makes a rotation of the image by 1e-17 rad visible. `at` is exactly on the axis.
 fn rolled(rng: &mut Rng) -> World {
     let mut vector = |s: f64| DVec3::new(rng.between(-s, s), rng.between(-s, s), rng.between(-s, s));
     let (at, eye, side) = (vector(1.0), vector(1.0), vector(1.0));
@@ -180,7 +180,7 @@ fn rolled(rng: &mut Rng) -> World {
         _ => Lens::Orthographic { height: extent },
     };
     let camera = Camera { eye: eye * extent, look: Look::At(at), up, lens };
-    // After a turn almost about the view, `up` may be parallel to it.
+    // After a rotation almost about the view, `up` may be parallel to it.
     let camera = if camera.basis().is_ok() { camera } else { Camera { up: DVec3::new(at.z, at.x, at.y), ..camera } };
     let mut site = Site::new(camera, [2 + rng.below(40), 2 + rng.below(40)]);
     let mut pixels = Vec::new();
@@ -195,7 +195,7 @@ fn rolled(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Any family's scene where squares overflow, or among the subnormal numbers.
+/// A scene of any family, scaled to where squares overflow or to subnormal numbers.
 fn ends(rng: &mut Rng) -> World {
     let place = if rng.below(2) == 0 { rng.below(9) } else { 15 + rng.below(4) };
     let World { mut scene, pixels } = FAMILIES[place as usize].1(rng);
@@ -209,7 +209,7 @@ fn ends(rng: &mut Rng) -> World {
         [scene.spheres.radii.iter().fold(height, |least, r| least.min(*r)), largest.max(height)].map(dd::exponent)
     };
     let [least, most] = exponents(&scene);
-    // The least length keeps a few bits; the largest number stays where differences do not overflow.
+    // The smallest length keeps a few bits, and differences of the largest numbers do not overflow.
     let k = if rng.below(2) == 0 { -1070 + rng.below(40) as i32 - least } else { 990 - rng.below(300) as i32 - most };
     let scale = |x: &mut f64| *x = dd::ldexp(*x, k);
     if let Lens::Orthographic { height } = &mut scene.camera.lens {

@@ -39,7 +39,7 @@ fn a_parallel_ray_agrees_with_a_given_ray() {
 
 #[test]
 fn tangency_and_what_is_an_ulp_off_it() {
-    // The ray of row 0, column 2 leaves from right + up: 5 s - 1 = 4 and z - 1 = 3 are 5 together.
+    // The ray of row 0, column 2 starts at right + up: 5 s - 1 = 4 and z - 1 = 3 have the norm 5.
     for m in [3.0, 1000.0, 2f64.powi(40)] {
         let center = beside(m, 1.0, 4.0);
         let touch = slanted(EYE, &[(center, 5.0)]).pixel(0, 2).expect("the touch");
@@ -70,11 +70,11 @@ fn tangency_and_what_is_an_ulp_off_it() {
 
 #[test]
 fn ties_go_to_the_lower_index() {
-    // The ray of row 0, column 2 leaves from right + up. All pass through 4 views from there: a touch, from the front
-    // (3 aside, 4 of depth), and from within (4 aside, 3 of depth).
+    // The ray of row 0, column 2 starts at right + up. All spheres pass through the point 4 views from there: as a
+    // touch, from the front (3 aside, 4 of depth), and from inside (4 aside, 3 of depth).
     let balls = [(beside(4.0, 1.0, 4.0), 5.0), (beside(4.8, 1.0, -2.0), 41f64.sqrt()), (beside(4.8, 0.8, 1.0), 5.0)];
     assert_eq!(slanted(EYE, &balls[..1]).pixel(0, 2).expect("the touch").t, 20.0);
-    // 4.8, 0.8 and the root are rounded, so these two are not ties: the order of the list does not matter.
+    // 4.8, 0.8 and the root are rounded, so these two are not ties, and the order of the list has no effect.
     for n in [1, 2] {
         let [ahead, back] = [[0, n], [n, 0]].map(|order| {
             let id = slanted(EYE, &order.map(|k: usize| balls[k])).pixel(0, 2).expect("a hit").id;
@@ -82,7 +82,7 @@ fn ties_go_to_the_lower_index() {
         });
         assert_eq!(ahead, back, "{n}");
     }
-    // The middle column leaves from up alone: exact ties from the front, by a touch, and, nearer, at 2 views.
+    // The rays of the middle column start at up: exact ties from the front, by a touch, and, nearer, at 2 views.
     let along = [(beside(5.0, 0.0, 1.0), 5.0), (beside(4.0, 1.0, 1.0), 5.0), (beside(3.0, 0.0, 1.0), 5.0)];
     for first in 0..3 {
         for second in (0..3).filter(|second| *second != first) {
@@ -96,11 +96,11 @@ fn ties_go_to_the_lower_index() {
 
 #[test]
 fn the_plane_of_the_eye_is_where_rays_begin() {
-    // A sphere about the eye: from inside its far side, from its surface only what lies ahead.
+    // A sphere around the eye: from inside, its far side; from its surface, only points ahead.
     let see = |center: [f64; 3], r: f64| slanted(EYE, &[(center, r)]).pixel(1, 1);
     let inside = see(EYE, 2.0).expect("inside");
     assert_eq!((inside.root, inside.t), (Root::Far, 2.0));
-    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5.0), None, "t = 0 does not count");
+    assert_eq!(see(beside(-1.0, 0.0, 0.0), 5.0), None, "t = 0 is not a hit");
     let far = see(beside(1.0, 0.0, 0.0), 5.0).expect("looking in");
     assert_eq!((far.root, far.t), (Root::Far, 10.0));
     assert_eq!(see(beside(-1.0, 0.0, 0.0), 5f64.next_up()).map(|truth| truth.root), Some(Root::Far));

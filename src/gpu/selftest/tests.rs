@@ -8,7 +8,7 @@ fn gpu() -> Option<Gpu> {
     Some(Gpu::new(device::open(&found).expect("a device"), found.summary))
 }
 
-/// The known verdicts of the two software adapters; any other adapter only has to have one.
+/// The known verdicts of the two software adapters; any other adapter must only have a verdict.
 #[test]
 fn known_adapters_have_their_known_verdicts() {
     let Some(mut gpu) = gpu() else { return };
@@ -53,7 +53,7 @@ fn a_planted_wrong_answer_is_caught() {
             let after = (trial.judge)(&trial.cases, &planted);
             let numbers = |checks: &[Check]| checks.iter().map(|c| c.detail.clone()).collect::<Vec<_>>();
             let fell = before.iter().zip(&after).any(|(a, b)| a.passed && !b.passed);
-            // A check that this adapter fails anyway.
+            // This adapter fails the check anyway.
             let of = if word < 24 { word / 2 } else { word - 12 };
             let lost = trial.name == "transforms" && !before[of].passed;
             assert!(fell || lost, "{} word {word}: {:?}", trial.name, numbers(&after));
@@ -61,7 +61,7 @@ fn a_planted_wrong_answer_is_caught() {
     }
 }
 
-/// Answers of NaN, of all ones, and missing ones.
+/// Answers of NaN, of all ones, and missing answers.
 #[test]
 fn nonsense_fails_and_does_not_panic() {
     for trial in trials(true) {
@@ -77,7 +77,7 @@ fn nonsense_fails_and_does_not_panic() {
     assert!(!nothing.f32 && !nothing.strict_twin && nothing.f64.by.is_none() && nothing.double_float.by.is_none());
 }
 
-/// The shaders need no adapter to be checked: capabilities, words per case and answer, workgroups.
+/// Checks of the shaders that need no adapter: capabilities, words per case and answer, workgroups.
 #[test]
 fn shaders_validate_and_declare_their_words() {
     for trial in trials(true) {

@@ -25,7 +25,7 @@ fn buffers_of_one_name_are_compared() {
     let wanted = ["id".to_owned()];
     let error = FrameFile::pairs(&a, &b, &wanted).expect_err("b has none").to_string();
     assert!(error.contains("b.exr has no buffer `id`; the file has depth, bound, color"), "{error}");
-    // Single buffers are compared whatever their names; one without a name matches none of several.
+    // Single buffers are compared whatever their names; a buffer without a name matches none of several.
     let (one, nameless) = (frames("one.npy", &[(Some("depth"), 7.0)]), frames("x.npy", &[(None, 8.0)]));
     assert_eq!(FrameFile::pairs(&one, &nameless, &[]).expect("a pair").common[0].name, Some("depth"));
     let error = FrameFile::pairs(&nameless, &b, &[]).expect_err("which").to_string();

@@ -114,7 +114,7 @@ fn growth_is_fitted_over_its_last_two_decades() {
     let curve = |place, last| Curve { name: "cloud <of>".into(), place, points: points(last) };
     let [exponent, factor] = curve(0, 6).fit().expect("three points");
     assert!((exponent - 1.5).abs() < 1e-9 && (factor / 3e-7 - 1.0).abs() < 1e-6, "{factor} n^{exponent}");
-    assert_eq!(curve(0, 3).fit(), None, "two points are no law");
+    assert_eq!(curve(0, 3).fit(), None, "two points are not enough for a fit");
     let places = sample::scene().places;
     let panel = Panel { over: "spheres".into(), curves: (0..places.len()).map(|place| curve(place, 6)).collect() };
     let empty = Panel::default();

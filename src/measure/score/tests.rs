@@ -4,8 +4,8 @@ use crate::scene::camera::{Camera, Lens};
 use crate::scene::{ImagePlane, Spheres};
 use crate::settings::{Accuracy, Backend, Settings};
 
-/// Seen from the origin along -z in 3 x 3 rays of slopes -1, 0, 1: one sphere ahead, a smaller one before it, and one
-/// that only the middle ray of the right column hits.
+/// Seen from the origin along -z in 3 x 3 rays of slopes -1, 0, 1: one sphere ahead, a smaller one in front of it, and
+/// one that only the middle ray of the right column hits.
 fn scene() -> Scene {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -10.0], 2.0, None);
@@ -32,7 +32,7 @@ fn ids(frame: &mut Frame) -> &mut [i32] {
 }
 
 fn buffer(frame: &mut Frame, aov: Aov) -> &mut Buffer {
-    frame.buffers.iter_mut().find(|b| b.aov == aov).expect("asked for")
+    frame.buffers.iter_mut().find(|b| b.aov == aov).expect("a requested buffer")
 }
 
 fn distances(frame: &mut Frame) -> &mut [f64] {
@@ -75,7 +75,7 @@ fn planted_wrong_ids_are_classified_and_measured_in_radii() {
     // The middle ray passes through the centre: only a sphere of radius 0 is missed.
     let errors = after(|frame| ids(frame)[MIDDLE] = -1);
     assert_eq!((errors.false_miss, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
-    // Behind: the half-line is nearest at the eye, 5 from the centre.
+    // Behind: the point of the half-line nearest to the centre is the eye, at a distance of 5.
     let mut behind = scene();
     behind.spheres.centers[1] = [0.0, 0.0, 5.0];
     let mut frame = exact(&behind);
@@ -86,8 +86,8 @@ fn planted_wrong_ids_are_classified_and_measured_in_radii() {
 
 #[test]
 fn a_wrong_sphere_is_a_wrong_outline_or_a_wrong_order() {
-    // Sphere 0, which the ray does hit, instead of 1 at 4, more than twice as far: 1 was missed, and for that its
-    // radius would have to be 0.
+    // Sphere 0, which the ray also hits, instead of 1 at 4, more than twice as far: 1 was missed, which would need a
+    // radius of 0.
     let errors = after(|frame| (ids(frame)[MIDDLE], distances(frame)[MIDDLE]) = (0, 8.1));
     assert_eq!((errors.wrong_sphere, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
     assert_eq!(errors.relative.max, Some(0.0), "not counted as a distance");
@@ -103,7 +103,7 @@ fn a_wrong_sphere_is_a_wrong_outline_or_a_wrong_order() {
 
 #[test]
 fn a_planted_wrong_root_is_found() {
-    // Sphere 1 is met at 4 and at 6.
+    // Sphere 1 is hit at 4 and at 6.
     let errors = after(|frame| distances(frame)[MIDDLE] = 6.0);
     assert_eq!((errors.wrong_root, errors.wrong(), errors.relative.max), (1, 1, Some(0.5)));
     assert_eq!(after(|frame| distances(frame)[MIDDLE] = 4.9).wrong_root, 0, "nearer to 4");
@@ -112,12 +112,12 @@ fn a_planted_wrong_root_is_found() {
         let errors = after(|frame| distances(frame)[MIDDLE] = nothing);
         assert_eq!((errors.wrong_root, errors.relative.max), (1, None));
     }
-    // From inside the far root counts and the other one is behind.
+    // From inside, the far root is the hit, and the near one is behind.
     let mut inside = scene();
     inside.spheres.centers[1] = [0.0, 0.0, -0.5];
     let mut frame = exact(&inside);
     let truths = Truths::of(&inside).expect("truths");
-    assert_eq!(frame.f64(Aov::Distance).expect("asked for")[MIDDLE], 1.5);
+    assert_eq!(frame.f64(Aov::Distance).expect("a requested buffer")[MIDDLE], 1.5);
     distances(&mut frame)[MIDDLE] = 0.4;
     assert_eq!(truths.errors(&frame).expect("errors").wrong_root, 1, "nearer to -0.5");
     distances(&mut frame)[MIDDLE] = 0.6;

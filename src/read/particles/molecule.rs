@@ -433,7 +433,7 @@ mod tests {
                 let found = check(*format, &options);
                 assert_eq!(found.is_ok(), known, "{format:?} {word}");
                 assert!(found.is_ok() || found.is_err_and(|error| error.to_string().contains(word)));
-                check(*format, &plain).expect("nothing was asked");
+                check(*format, &plain).expect("no option is set");
             }
         }
     }

@@ -260,7 +260,7 @@ mod tests {
         let mut xyz = Xyz::new(SceneSource::of_text("1\n\nO 0 0 0\n\nVEC 1\n"), &ReadOptions::default()).expect("xyz");
         let frame = xyz.next().expect("read").expect("a frame");
         assert_eq!(frame.skipped.assumed, ["text:5:1: `VEC 1` after the 1 atoms does not begin a frame"]);
-        xyz.next().map(drop).expect_err("and it is none");
+        xyz.next().map(drop).expect_err("the rest is not a frame");
     }
 
     #[test]

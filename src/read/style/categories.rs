@@ -143,7 +143,7 @@ mod tests {
             .expect("categories");
         let categories = legend.expect("a legend").categories;
         let found: Vec<(&str, u64)> = categories.iter().map(|category| (&category.label[..], category.count)).collect();
-        assert_eq!(found, [("A", 2), ("(blank)", 1), ("D", 1)], "what is not there has no swatch");
+        assert_eq!(found, [("A", 2), ("(blank)", 1), ("D", 1)], "absent categories have no swatch");
         assert_eq!(colors, [0.0, 0.0, 3.0, 2.0].map(|k| ColorMap::Category.color(k)));
         assert_eq!(categories[2].color, ColorMap::Category.srgb(3.0));
         assert!(said.is_empty(), "{said:?}");
@@ -162,7 +162,7 @@ mod tests {
         assert!(!is("mass", &[1.0, 2.0], None) && !is("type", &[1.0, 2.5], None));
         assert!(!is("type", &[1.0, 2.0], Some(ColorMap::Viridis)));
         let numbers = Scale { range: Some([0.0, 5.0]), ..scale("type", None) };
-        assert!(colored("type", &[1.0], &[], &numbers).expect("numbers").is_none(), "a range asks for numbers");
+        assert!(colored("type", &[1.0], &[], &numbers).expect("numbers").is_none(), "a range needs numbers");
         let values = [2.0, f64::NAN, -1.0, 2.5, f64::INFINITY];
         let ((colors, legend), said) =
             colored("q", &values, &[], &scale("q", Some(ColorMap::Category))).expect("ok").expect("categories");

@@ -101,6 +101,6 @@ mod tests {
         assert_eq!((legend.map(|legend| legend.range), colors[0]), (Some([5.0, 5.0]), ColorMap::Viridis.color(0.0)));
         assert!(warnings[0].starts_with("2 of 3 values of V "), "{warnings:?}");
         p.columns[0].values = vec![f64::NAN; 3];
-        assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "nothing to tell");
+        assert_eq!(apply(scale(None, false), &p).expect("colours").1, None, "no legend without values");
     }
 }

@@ -1,4 +1,5 @@
-//! The padding of the boxes is needed: a tree with less of it, or traversed wrongly, loses hits. By the twin on the CPU; tests/answers/tree.rs holds trees against all spheres on adapters.
+//! The padding of the boxes is needed: a tree with less padding, or a wrong traversal, loses hits. Tested with the twin
+//! on the CPU; tests/answers/tree.rs compares trees with a search of all spheres on adapters.
 
 use super::*;
 use crate::answers::raw::Raw;
@@ -51,8 +52,8 @@ impl Case {
     }
 }
 
-/// Rays in planes that touch spheres of radius 1 about `far`, or almost touch them, and so their boxes: only the padding
-/// makes the rays hit. From the origin, or from points in those planes.
+/// Rays in planes that touch spheres of radius 1 about `far`, or almost touch them, and therefore their boxes: only
+/// with the padding do the rays enter. From the origin, or from points in those planes.
 fn grazing(method: Method, far: f64, kind: RaySource) -> Case {
     let random = &mut Random(21);
     let mut spheres = Spheres::default();

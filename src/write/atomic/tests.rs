@@ -31,7 +31,7 @@ fn a_link_is_followed_and_kept() {
     }
 }
 
-/// File systems without unnamed temporary files, or where these cannot be linked.
+/// File systems without unnamed temporary files, or on which these cannot be linked.
 #[test]
 fn named_temporary_files_are_renamed_into_place() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,7 +4,7 @@ use super::{FAMILIES, Site, World, scaled, size};
 use crate::scene::camera::{Camera, Lens};
 use crate::testing::Rng;
 
-/// Parallel rays of a view about as high as that, from somewhere within `unit`.
+/// Parallel rays of a view of about that height, from a point within `unit`.
 fn parallel_site(rng: &mut Rng, size: [u32; 2], height: f64, unit: f64) -> Site {
     let site = Site::random(rng, [1.0; 2], size, unit);
     let lens = Lens::Orthographic { height };
@@ -28,7 +28,7 @@ pub(super) fn parallel(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Across the plane of the eye, just before and just behind it; the eye within; something farther behind.
+/// Across the plane of the eye, just in front of it and just behind it; around the eye; and farther behind.
 pub(super) fn parallel_crossing(rng: &mut Rng) -> World {
     let size = size(rng);
     let mut site = parallel_site(rng, size, 2.0, 1.0);
@@ -53,7 +53,7 @@ pub(super) fn parallel_crossing(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Far from the plane, or far from the origin, which makes the order hard.
+/// Far from the plane or from the origin, where the order is hard to decide.
 pub(super) fn parallel_distant(rng: &mut Rng) -> World {
     let size = size(rng);
     let (depth, unit) = match rng.below(2) {
@@ -74,7 +74,7 @@ pub(super) fn parallel_distant(rng: &mut Rng) -> World {
     site.done(rng, vec![pixel; 2])
 }
 
-/// A pixel is larger than the sphere, and the host's rounding of where it is what grazes.
+/// A pixel is larger than the sphere, and the ray grazes it within the host's rounding of its position.
 pub(super) fn parallel_sub_pixel(rng: &mut Rng) -> World {
     let size = size(rng);
     let height = rng.decade(-5.0, 5.0);
@@ -92,7 +92,7 @@ pub(super) fn parallel_sub_pixel(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Any of these, 1e-30 to 1e30 times as large.
+/// A scene of any of these families, 1e-30 to 1e30 times as large.
 pub(super) fn parallel_scales(rng: &mut Rng) -> World {
     let World { mut scene, pixels } = FAMILIES[15 + rng.below(4) as usize].1(rng);
     let scale = 2f64.powi(rng.below(200) as i32 - 100);

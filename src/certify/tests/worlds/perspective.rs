@@ -34,7 +34,7 @@ pub(super) fn wide(rng: &mut Rng) -> World {
     aimed(rng, site, [0.1, 4.0], &[])
 }
 
-/// Down to a micro-radian and a billion units away.
+/// Angles down to a microradian, distances up to a billion units.
 pub(super) fn long(rng: &mut Rng) -> World {
     let size = size(rng);
     let half = rng.decade(-10.0, -3.0);
@@ -54,7 +54,7 @@ pub(super) fn planet(rng: &mut Rng) -> World {
     let center = [0.0, -r, 0.0];
     let pixel = site.pixel(rng);
     let passes = Exact::of(&site.scene, pixel, center, 1.0).passes();
-    // The horizon through a pixel, where that leaves the eye outside.
+    // The horizon goes through a pixel if that leaves the eye outside.
     let aimed = passes * (1.0 + rng.sign() * 2f64.powf(rng.between(-40.0, -18.0)));
     site.scene.spheres.push(center, if aimed < r + 0.99 * h { aimed } else { r }, None);
     for _ in 0..rng.below(4) {
@@ -101,7 +101,7 @@ pub(super) fn straddling(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Far away and at nearly equal depths, which makes the order hard.
+/// Far away and at nearly equal depths, where the order is hard to decide.
 pub(super) fn cluster(rng: &mut Rng) -> World {
     let size = size(rng);
     let depth = rng.decade(0.7, 8.0);
@@ -112,7 +112,7 @@ pub(super) fn cluster(rng: &mut Rng) -> World {
         let by = rng.between(0.0, 0.4);
         let back = rng.between(0.0, apart);
         let mut at = site.near_ray(rng, pixel, depth, by);
-        // Fronts nearly level along the ray.
+        // The hits are at nearly the same depth along the ray.
         let r = rng.between(0.5, 1.5);
         at[2] += (r * r - by * by).sqrt() + back;
         site.push(at, r);
@@ -131,7 +131,7 @@ pub(super) fn sub_pixel(rng: &mut Rng) -> World {
         let depth = rng.decade(0.3, 5.0);
         let radius = depth * half / f64::from(size[1]) * rng.decade(-6.5, 0.0);
         let at = site.near_ray(rng, pixel, depth, radius);
-        // Where the projected centre's own rounding is what grazes.
+        // The ray grazes within the rounding of the projected centre.
         let delta = if rng.below(2) == 0 { rng.sign() * rng.decade(-8.0, -1.0) } else { rng.decade(-2.0, 0.3) };
         site.aim_by(delta, pixel, at);
         pixels.push(pixel);
@@ -139,10 +139,10 @@ pub(super) fn sub_pixel(rng: &mut Rng) -> World {
     site.done(rng, pixels)
 }
 
-/// Any family's scene, 1e-30 to 1e30 times as large.
+/// A scene of any family, 1e-30 to 1e30 times as large.
 pub(super) fn scales(rng: &mut Rng) -> World {
     let World { mut scene, pixels } = FAMILIES[rng.below(9) as usize].1(rng);
-    // A power of two, so that rays graze as before.
+    // A power of two, so that rays still graze.
     let scale = 2f64.powi(rng.below(200) as i32 - 100);
     scaled(&mut scene, scale);
     World { scene, pixels }
@@ -196,7 +196,7 @@ pub(super) fn big_image(rng: &mut Rng) -> World {
     aimed(rng, site, [0.3, 6.0], &[])
 }
 
-/// Ahead by little, aside by much: in front, but not by a projected centre.
+/// Slightly ahead and far aside: in front of the eye plane, but not a projected sphere.
 pub(super) fn beside(rng: &mut Rng) -> World {
     let size = size(rng);
     let half = rng.decade(0.0, 2.5);

@@ -25,7 +25,7 @@ fn left_aligned_names_are_recognised_by_their_columns() {
     let (found, report) = symbols(true, protein);
     assert_eq!(found, "N C N C C H C C");
     assert!(report.astray && report.counts == [8, 0, 0, 0], "{report:?}");
-    // An unknown ligand in the same file; its names alone look like metals.
+    // An unknown ligand in the same file; without context its names look like metals.
     let (found, report) = symbols(true, &format!("{protein},CA  .LIG,CE  .LIG,ND  .LIG,CL1 .LIG,HG  .LIG,FE  .LIG"));
     assert_eq!(found, "N C N C C H C C C C N Cl H Fe");
     assert_eq!(report.counts, [8, 0, 0, 6]);
@@ -47,7 +47,7 @@ fn the_residue_decides_where_columns_do_not() {
     // Programs that begin every name in the second column write ions there too.
     let (found, report) = symbols(true, &format!("{aligned}, CL1.LIG, C1 .LIG, ZN . ZN, NA .NA+"));
     assert!(found.ends_with("Cl C Zn Na") && report.astray, "{found}");
-    // Haem in a file without ions, where only the name is evidence.
+    // Haem in a file without ions, where the name is the only evidence.
     let (found, _) = symbols(true, &format!("{aligned}, FE .HEM, NA .HEM, C1A.HEM"));
     assert!(found.ends_with("Fe N C"), "{found}");
 }

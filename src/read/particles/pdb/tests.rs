@@ -131,7 +131,7 @@ fn models_are_frames() {
     assert!(pdb.skip().expect("skipped") && pdb.skip().expect("skipped"));
     assert_eq!(xs(&pdb.next().expect("read").expect("the third")), [3.0]);
     assert!(!pdb.skip().expect("the end"));
-    // No numbers announced, models that END alone divides, and one that the file's end ends.
+    // Models without announced numbers, divided only by END, the last one by the end of the file.
     let bare = [1.0, 2.0].map(|x| atom(" C", "", "A", x, 1.0, "C"));
     let frames = read(&bare.join("END\n"), &options(&[])).expect("two");
     assert_eq!((frames.len(), xs(&frames[1])), (2, vec![2.0]));
@@ -187,7 +187,7 @@ fn assemblies_are_built() {
         let bad = text.replacen(old, new, 1).replace("REMARK 350                    AND CHAINS: B\n", "REMARK 350\n");
         let error = refused(&bad, &with("1"));
         assert!(error.contains(problem), "{error}");
-        read(&bad, &options(&[])).expect("nobody asked for it");
+        read(&bad, &options(&[])).expect("no assembly is requested");
     }
 }
 
@@ -231,7 +231,7 @@ fn bytes_that_are_not_utf_8_are_accepted() {
         let at = (seed >> 33) as usize % bytes.len();
         let old = bytes[at];
         bytes[at] = (seed >> 20) as u8;
-        // Read or refused, and neither is a panic.
+        // It is read or refused, without a panic.
         let _read = (with(bytes.clone(), &all), with(bytes.clone(), &options(&[])));
         bytes[at] = if seed & 7 == 0 { bytes[at] } else { old };
     }

@@ -51,7 +51,7 @@ fn filled(symmetry: &Symmetry, cell: &Cell, positions: &[[f64; 3]]) -> Result<Pa
     symmetry.fill(listed, cell, true, &Place::file("text"), &Watch::default())
 }
 
-/// P 63/m m c, number 194, from International Tables A: six-fold axis, mirrors, inversion; generated here from three of
+/// P 63/m m c, number 194, from International Tables A: six-fold axis, mirrors, inversion; generated from three of
 /// them, so that the test does not repeat a list of the program.
 fn hexagonal() -> Vec<String> {
     let generators = ["x-y,x,z+1/2", "-y,-x,z", "-x,-y,-z"].map(|text| parse(text).expect("a generator"));
