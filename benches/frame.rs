@@ -1,8 +1,8 @@
 //! Whole frames, colour with id, distance and normal, 512 x 512, without files.
 //!
 //! ```sh
-//! cargo bench -- cloud            # only what has "cloud" in its name
-//! cargo bench -- certified/gpu    # on the adapter halfline takes by itself
+//! cargo bench -- cloud            # only benchmarks with "cloud" in the name
+//! cargo bench -- certified/gpu    # on halfline's default adapter
 //! ```
 
 #[path = "../examples/cloud/mod.rs"]
@@ -40,7 +40,7 @@ fn frames(criterion: &mut Criterion) {
     for name in ["weekend", "cloud 1e4", "cloud 1e5"] {
         let scene = scene(name);
         let mut group = criterion.benchmark_group(name);
-        // A frame takes long compared with the clock's resolution: few samples, flat, for about two minutes in all.
+        // A frame takes long compared with the clock's resolution: few samples, flat, about two minutes in total.
         group.sample_size(10).sampling_mode(criterion::SamplingMode::Flat);
         group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(4));
         for backend in [&gpu, &cpu] {

@@ -1,5 +1,5 @@
-//! The kernel alone: ids of 512 spheres in 512 x 512 pixels, by the adapter's clock where it has one; on the CPU path
-//! the stage `trace`. Methods that test all spheres are also reported in ray-sphere tests per second.
+//! The time of the kernel only: ids of 512 spheres in 512 x 512 pixels, by the adapter's clock if it has one; on the
+//! CPU path the stage `trace`. Methods that test all spheres are also reported in ray-sphere tests per second.
 //!
 //! ```sh
 //! cargo bench --bench kernel             # a minute
@@ -26,7 +26,8 @@ fn kernels(criterion: &mut Criterion) {
             let settings = Settings { backend, ..settings.clone() };
             let Some(mut renderer) = stages::renderer(&settings) else { continue };
             let pixels = u64::from(SIDE) * u64::from(SIDE);
-            // A list is left behind its hit, so with tiles only pixels are counted.
+            // With tiles the number of tests is not known, because a list is left after its hit: only pixels are
+            // counted.
             let asked = if settings.search == Search::All { SPHERES as u64 } else { 1 };
             group.throughput(Throughput::Elements(pixels * asked));
             stages::bench(&mut group, name, &mut renderer, (&scene, &settings), |report| {

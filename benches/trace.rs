@@ -1,7 +1,8 @@
-//! Given rays, 1e5 of them, against spheres in a unit cube: by all spheres and by a tree, which is rebuilt every time.
+//! 1e5 given rays and spheres in a unit cube: by a search of all spheres and by a tree, which is rebuilt for every
+//! call.
 //!
 //! ```sh
-//! cargo bench --bench trace             # what takes more than some seconds a call is left out
+//! cargo bench --bench trace             # cases of more than some seconds a call are left out
 //! cargo bench --bench trace -- 1e4/tree
 //! ```
 
@@ -15,7 +16,7 @@ use std::time::Duration;
 
 const RAYS: usize = 100_000;
 
-/// The most ray-sphere tests of a call that is run.
+/// The limit of ray-sphere tests per call; larger cases are skipped.
 const PATIENCE: usize = 200_000_000;
 
 /// Points on a circle about the cube, and directions to points in it by the additive recurrence of the plastic number

@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --release --example growth -- target/growth          # minutes; 8192 x 8192 takes some 5 GB
-//! cargo run --release --example growth -- target/growth 1e5 cpu  # at most so many spheres, one backend
+//! cargo run --release --example growth -- target/growth 1e5 cpu  # at most 1e5 spheres, one backend
 //! ```
 //! Writes growth.csv, growth.svg and growth.png into the folder.
 
@@ -18,10 +18,10 @@ use std::fmt::Write;
 
 type Result<T = ()> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-/// Image side where spheres grow.
+/// The image's side when the number of spheres grows.
 const SIDE: u32 = 1024;
 
-/// Steady frames whose median is reported; fewer where they take long.
+/// Steady frames whose median is reported; fewer if they take long.
 const FRAMES: usize = 5;
 
 /// Milliseconds of steady frames after which no more are rendered.

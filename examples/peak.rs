@@ -33,8 +33,8 @@ const LANES: u32 = 1 << 14;
 /// differences, g.g 3 and 2, r r, a r r and their difference one each. d.d is the ray's; comparisons are not counted.
 const MISSED: f64 = 17.0;
 
-/// And for a possible hit, which software adapters compute for every ray: p.d takes 3 and 2; a root, two sums with it,
-/// three quotients, t times the sphere's scale.
+/// The same for a possible hit, which software adapters compute for every ray: p.d takes 3 and 2; a root, two sums with
+/// it, three quotients, t times the sphere's scale.
 const MET: f64 = 12.0;
 
 /// Gflop/s of multiply-adds written as `step` on the adapter with this name.
@@ -136,7 +136,7 @@ fn processor_peak(threads: usize) -> f64 {
     (0..TRIALS).map(|_| trial()).fold(0.0, f64::max)
 }
 
-/// Ray-sphere tests per second of `stable` against 512 spheres, 1024 x 1024 rays, ids alone.
+/// Ray-sphere tests per second of `stable` with 512 spheres, 1024 x 1024 rays, only ids.
 fn tests(renderer: &mut Renderer, settings: &Settings) -> Result<f64> {
     let mut scene = cloud(512);
     (scene.image.width, scene.image.height) = (1024, 1024);

@@ -4,7 +4,7 @@
 //!
 //! ```sh
 //! cargo run --release --example read -- 1000            # megabytes a file
-//! cargo run --release --example read -- 1000 csv xyz.gz # of these alone
+//! cargo run --release --example read -- 1000 csv xyz.gz # only these
 //! ```
 
 use flate2::{Compression, write::GzEncoder};

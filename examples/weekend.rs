@@ -1,5 +1,5 @@
-//! Writes scenes/weekend.toml: a ground of radius 1000, a field of small spheres and three big ones, in the spirit of
-//! the cover of *Ray Tracing in One Weekend* (Shirley, Black, Hollasch). Seeded, so the same file every time:
+//! Writes scenes/weekend.toml: a ground of radius 1000, a field of small spheres and three big ones, similar to the
+//! cover of *Ray Tracing in One Weekend* (Shirley, Black, Hollasch). The seed is fixed, so the file is always the same:
 //!
 //! ```sh
 //! cargo run --example weekend > scenes/weekend.toml

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # One frame as 16 tiles under GNU parallel on this machine or, with parallel's --sshlogin, on others; then the merge.
-# Run again after a failure, it renders what is missing.
+# After a failure, a second run renders only the missing tiles.
 #
 #   bash farm/parallel.sh capsid.pdb capsid --assembly 1 --size 2048x2048
 set -euo pipefail

@@ -7,7 +7,7 @@
 #SBATCH --job-name=halfline
 #SBATCH --requeue
 #SBATCH --signal=TERM@60
-# A task that is requeued finds what it finished (--resume); SIGTERM, a minute before the kill, leaves no half file.
+# A requeued task skips its finished tiles (--resume). SIGTERM, a minute before the kill, leaves no partial file.
 set -euo pipefail
 scene="$1" out="$2"
 shift 2

@@ -2,8 +2,8 @@
 //
 //   embree SCENE SIDE THREADS points|user medium|low FRAMES OUT
 //
-// SCENE is what benches/peers/run writes: eye, at, up and vfov as 10 f32, 6 of padding, then x y z r of each sphere.
-// OUT takes the raw depth, normal and id of the last frame; "" takes nothing. One line of JSON comes out.
+// SCENE is written by benches/peers/run: eye, at, up and vfov as 10 f32, 6 of padding, then x y z r of each sphere.
+// The raw depth, normal and id of the last frame are written to OUT, unless it is "". Prints one line of JSON.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -39,8 +39,8 @@ static void bounds(const RTCBoundsFunctionArguments* a) {
     *a->bounds_o = {s.x - s.r, s.y - s.r, s.z - s.r, 0, s.x + s.r, s.y + s.r, s.z + s.r, 0};
 }
 
-// A packet against one sphere: Embree's strongest form for coherent rays, because the compiler makes the loop 16 wide.
-// The directions are of unit length, so the quadratic's a is 1; the radial part keeps the discriminant's bits.
+// Intersects a packet with one sphere: Embree's fastest form for coherent rays, because the compiler makes the loop 16
+// wide. Directions have unit length, so the quadratic's a is 1; the radial part keeps the discriminant accurate.
 template <int N> static void test(const RTCIntersectFunctionNArguments* a) {
     const Sphere s = static_cast<const Sphere*>(a->geometryUserPtr)[a->primID];
     auto& rays = *reinterpret_cast<RTCRayHitNt<N>*>(a->rayhit);

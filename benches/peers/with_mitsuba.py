@@ -1,7 +1,7 @@
-"""Mitsuba's part: depth, normal and id of one primary ray per pixel; SCENE SIDE THREADS FRAMES."""
+"""Mitsuba's part: depth, normal and id of one primary ray per pixel. Arguments: SCENE SIDE THREADS FRAMES."""
 import glob, json, os, sys, time
 
-# Dr.Jit looks for libLLVM.so, which only Debian's development package brings.
+# Dr.Jit looks for libLLVM.so, which only Debian's development package contains.
 llvm = sorted(glob.glob("/usr/lib/*/libLLVM-*.so*") + glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*"))
 if llvm:
     os.environ.setdefault("DRJIT_LIBLLVM_PATH", llvm[-1])
@@ -29,7 +29,7 @@ step = 2 * np.tan(np.radians(vfov / 2)) / side
 
 
 def load(spheres):
-    """An ellipsoid ends at `extent` scales; its quaternion is x y z w."""
+    """An ellipsoid extends to `extent` scales; its quaternion is x y z w."""
     start = now()
     turns = np.tile(np.array([0, 0, 0, 1], np.float32), (len(spheres), 1))
     arrays = {"centers": spheres[:, :3].copy(), "scales": np.repeat(spheres[:, 3:], 3, axis=1), "quaternions": turns}
@@ -38,7 +38,7 @@ def load(spheres):
     return now() - start, scene
 
 
-load(spheres[:1])  # what Mitsuba compiles once per process is not this scene's build
+load(spheres[:1])  # Mitsuba compiles once per process, which is not part of this scene's build
 build, scene = load(spheres)
 
 

@@ -1,4 +1,4 @@
-"""OVITO's part: a picture by its standard renderer, first and again; SCENE SIDE THREADS FRAMES."""
+"""OVITO's part: the first and repeated pictures of its standard renderer. Arguments: SCENE SIDE THREADS FRAMES."""
 import json, sys, time
 
 import numpy as np, ovito
@@ -30,7 +30,7 @@ name = "standard renderer"
 try:
     times = [render() for _ in range(frames)]
 except RuntimeError:
-    # No Vulkan that Qt can use.
+    # Qt found no usable Vulkan.
     name = "its own Tachyon"
     how = TachyonRenderer(ambient_occlusion=False, antialiasing=False, shadows=False)
     times = [render(renderer=how) for _ in range(frames)]

@@ -1,4 +1,4 @@
-//! Times of a frame's stages for criterion, from the frame's report; for kernel.rs and search.rs.
+//! Times of a frame's stages for criterion, from the frame's report; used by kernel.rs and search.rs.
 
 #[path = "../../examples/cloud/mod.rs"]
 mod cloud;
@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Image side.
 pub(crate) const SIDE: u32 = 512;
 
-/// A cloud before 512 x 512 pixels.
+/// A cloud in front of 512 x 512 pixels.
 pub(crate) fn scene(count: usize) -> Scene {
     let mut scene = cloud::cloud(count);
     (scene.image.width, scene.image.height) = (SIDE, SIDE);
@@ -26,7 +26,7 @@ pub(crate) fn group<'a>(criterion: &'a mut Criterion, name: &str) -> BenchmarkGr
     group
 }
 
-/// A renderer, or why there is none.
+/// A renderer, or the reason why there is none.
 pub(crate) fn renderer(settings: &Settings) -> Option<Renderer> {
     Renderer::new(settings).map_err(|error| println!("SKIPPED {}: {error}", settings.backend.name())).ok()
 }

@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 /// The file that is read repeatedly, in memory where the system has such a folder.
 static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
     let folder = crate::harness::desk();
-    std::fs::create_dir_all(&folder).expect("a folder of our own");
+    std::fs::create_dir_all(&folder).expect("a private folder");
     let path = folder.join("config.toml");
     // SAFETY: no other thread reads the environment while the first input is run.
     unsafe { std::env::set_var("HALFLINE_CONFIG", &path) };
@@ -21,7 +21,7 @@ static PATH: LazyLock<PathBuf> = LazyLock::new(|| {
 
 /// Reads the file and passes its values to options of the same names.
 pub(crate) fn run(data: &[u8]) -> Result<(), Error> {
-    std::fs::write(&*PATH, data).expect("a file of our own");
+    std::fs::write(&*PATH, data).expect("a private file");
     let config = real::Config::load()?;
     let option = |name: &'static str| Arg::new(name).long(name);
     let number = |name: &'static str| option(name).value_parser(clap::value_parser!(f64));

@@ -13,7 +13,7 @@ fn more(bytes: usize) {
     PEAK.fetch_max(LIVE.fetch_add(bytes, Relaxed) + bytes, Relaxed);
 }
 
-// SAFETY: every call is handed on to the system's allocator as it is.
+// SAFETY: every call is passed to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         more(layout.size());
@@ -43,14 +43,14 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Begins to count; returns the bytes held now.
+/// Starts counting; returns the bytes allocated now.
 pub(crate) fn begin() -> usize {
     let live = LIVE.load(Relaxed);
     PEAK.store(live, Relaxed);
     live
 }
 
-/// The peak since then, less the bytes held then.
+/// The peak since then, less the bytes allocated then.
 pub(crate) fn most_since(begun: usize) -> usize {
     PEAK.load(Relaxed).saturating_sub(begun)
 }
