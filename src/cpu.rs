@@ -27,7 +27,8 @@ pub(crate) fn driver() -> String {
     format!("{CPU_DRIVER}, {} threads", rayon::current_num_threads())
 }
 
-/// Fills `raw` by `kernel`'s method. `go_on` is asked before every row; rows after a `false` are left alone.
+/// Fills `raw` by `kernel`'s method. `go_on` is called before every row; after `false` the
+/// remaining rows are left unchanged.
 pub(crate) fn render(
     kernel: &Kernel,
     view: &View,
@@ -57,7 +58,7 @@ impl Visit for Frame<'_> {
         let spheres: Vec<Sphere<V::Number>> = view.spheres_in(kernel.method.is_wide());
         let surface = Surface { view: &view.record, spheres: &spheres, colors };
         let (record, width) = (&view.record, view.record.columns as usize);
-        // t is what the normals of the lecture's forms start from, asked for or not.
+        // Normals of the lecture's forms are computed from t, even if t is not requested.
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
         // Of a row and a column of the window.

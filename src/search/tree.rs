@@ -130,7 +130,7 @@ impl Bounds {
 
 impl Tree {
     /// The boxes of `view` for rays whose origins are at most `reach` from its eye, in the frame's unit; `None` where
-    /// numbers are so large that slabs could overflow: then every sphere is asked.
+    /// numbers are so large that slabs could overflow: then every ray tests every sphere.
     pub(crate) fn new(shape: &Shape, view: &View, reach: f64, cull_margin: Slack) -> Option<Self> {
         let around = |&id: &u32| Bounds::of(&view.spheres[id as usize], reach, cull_margin);
         let bounds: Vec<Bounds> = shape.order.par_iter().map(around).collect::<Option<_>>()?;

@@ -101,7 +101,7 @@ fn shaders_validate_and_declare_their_words() {
 fn the_cache_is_used_only_for_the_same_adapter_and_version() {
     let adapter = device::AdapterSummary {
         index: 0,
-        name: "nobody's".into(),
+        name: "unknown adapter".into(),
         kind: "other",
         backend: "vulkan".into(),
         driver: "1".into(),
