@@ -131,7 +131,7 @@ impl SceneArgs {
         self.expected() > 1
     }
 
-    /// The number of pictures, as far as it is known before the file is read.
+    /// The number of pictures by the arguments alone: the selected frames, the turns, or one. The file may have fewer frames.
     pub(super) fn expected(&self) -> u32 {
         match (self.read.frames(), self.camera.spin) {
             (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
@@ -139,7 +139,7 @@ impl SceneArgs {
         }
     }
 
-    /// The numbers that go into names, as far as they are known before the file is read; only the first of very many.
+    /// The numbers that go into names, by the arguments alone; only the first of very many.
     fn numbers(&self) -> Vec<u64> {
         const MANY: usize = 1 << 16;
         match (self.read.frames(), self.camera.spin) {

@@ -10,11 +10,10 @@ use crate::gpu::layout::{Binding, bindings};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
-use crate::gpu::validate::validate;
+use crate::gpu::validate::{compile, validate};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::time::Instant;
@@ -176,22 +175,7 @@ impl Gpu {
         let source = compose(kernel);
         let (module, info) = validate(&source, crate::gpu::layout::capabilities(kernel))?;
         let bindings = bindings(&module, &info);
-        let shader = self.open.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(kernel.method.name()),
-            // The parsed module: parsing takes five times as long as validating and translating together.
-            source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
-        });
-        let compute = self.open.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(kernel.method.name()),
-            layout: None,
-            module: &shader,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[],
-                zero_initialize_workgroup_memory: false,
-            },
-            cache: None,
-        });
+        let compute = compile(&self.open.device, kernel.method.name(), module);
         self.pipelines.insert(*kernel, Pipeline { compute, bindings, budget: self.budget });
         Ok(())
     }

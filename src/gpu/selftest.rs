@@ -17,12 +17,11 @@ use crate::frame::report::milliseconds;
 use crate::gpu::Gpu;
 use crate::gpu::compose::{Part, Source, binding_numbers, compose, files};
 use crate::gpu::layout::buffers;
-use crate::gpu::validate::validate;
+use crate::gpu::validate::{compile, validate};
 use crate::intersect::Method;
 use crate::view::ViewRecord;
 use bytemuck::Zeroable;
 use naga::valid::Capabilities;
-use std::borrow::Cow;
 use std::time::Instant;
 
 /// Evaluates the cases and answers of a trial.
@@ -158,7 +157,7 @@ impl Gpu {
     /// Runs a trial's shader on its cases.
     fn answer(&mut self, trial: &Trial) -> Result<Vec<u32>> {
         let source = Source::new(trial.parts.iter().cloned());
-        let (parsed, _) = validate(&source, trial.capabilities)?;
+        let (module, _) = validate(&source, trial.capabilities)?;
         let device = &self.open.device;
         let count = trial.cases.len() / trial.words[0];
         let size = (count * trial.words[1] * size_of::<u32>()) as u64;
@@ -174,21 +173,7 @@ impl Gpu {
         let staging = buffer("read answers", size, wgpu::BufferUsages::MAP_READ | upload);
         self.open.queue.write_buffer(&view, 0, record);
         self.open.queue.write_buffer(&cases, 0, input);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(trial.name),
-            source: wgpu::ShaderSource::Naga(Cow::Owned(parsed)),
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(trial.name),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[],
-                zero_initialize_workgroup_memory: false,
-            },
-            cache: None,
-        });
+        let pipeline = compile(device, trial.name, module);
         let entries = [("view", &view), ("cases", &cases), ("answers", &answers)].map(|(name, buffer)| {
             let binding = buffers().position(|buffer| buffer == name).unwrap_or_default() as u32;
             wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }

@@ -158,7 +158,7 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// The report as far as it is known before the frame is computed.
+    /// The report of a frame before it is computed: what the plan decides; counts and times are 0 or empty.
     fn report(&self, plan: &Plan, scene: &Scene, samples: Option<Raster>) -> Report {
         Report {
             schema: "halfline-render",
