@@ -80,7 +80,7 @@ pub use gpu::selftest::{Check, Rounding, Usable, Verdict as AdapterVerdict, verd
 pub use intersect::{Method, predict};
 pub use progress::{Cancel, Progress, Step, Watch};
 pub use read::ReadOptions;
-pub use render::trace::trace;
+pub use render::trace::{Hits, Occlusion, Rays, Tracer, trace};
 pub use render::{Renderer, explain, plan, render, trace};
 pub use scene::camera::{self, Camera, Lens, Look};
 pub use scene::{ImagePlane, Scene, Skipped, Spheres};

@@ -13,7 +13,7 @@ use crate::gpu::input::{Input, Output};
 use crate::kernel::{Kernel, RaySource};
 use crate::scene::{Spheres, check_sphere};
 use crate::search::tree::{Shape, Slack, Tree, coherent};
-use crate::settings::{Search, Settings};
+use crate::settings::{Accuracy, Search, Settings};
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
 use crate::{cpu, double_double as dd};
@@ -21,17 +21,108 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The results of given rays, in their order.
+/// Rays given by the caller: origin + t direction, 0 < t < limit. All numbers are taken as exact.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Rays<'a> {
+    /// One point per direction, or a single one for all.
+    pub origins: &'a [[f64; 3]],
+    /// Of any length but zero.
+    pub directions: &'a [[f64; 3]],
+    /// One limit per direction, in units of the direction, or none at all. A hit at t counts only if t < limit; +inf
+    /// is no limit, and with a limit of 0 or less nothing is hit.
+    pub limits: &'a [f64],
+}
+
+/// The nearest hits of given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hits {
     /// Index of the sphere; -1 on a miss.
     pub id: Vec<i32>,
     /// The hit is at origin + t direction, in units of the given direction; +inf on a miss.
     pub t: Vec<f64>,
+    /// Euclidean length from the origin to the hit, t |direction|; +inf on a miss.
+    pub distance: Vec<f64>,
+    /// 0 proved by the kernel, 1 settled by the judge, 255 not certified; for misses too.
+    pub certainty: Vec<u8>,
     /// Unit normals against the ray, 0,0,0 on a miss; `None` unless [`crate::Aov::Normal`] is requested.
     pub normal: Option<Vec<[f32; 3]>>,
     /// How candidates were found; never `auto`. The answers do not depend on it.
     pub search: Search,
+}
+
+/// Whether given rays hit anything within their limits, in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Occlusion {
+    /// 1 where some sphere is hit at 0 < t < limit, else 0.
+    pub hit: Vec<u8>,
+    /// As that of [`Hits`].
+    pub certainty: Vec<u8>,
+}
+
+/// Spheres set up for given rays, which may come in any number of calls.
+pub struct Tracer<'a> {
+    renderer: &'a mut Renderer,
+    spheres: &'a Spheres,
+    settings: Settings,
+    build_ms: f64,
+}
+
+impl Tracer<'_> {
+    /// The nearest hit of each ray.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and those of the device.
+    pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
+        let mut hits = self.renderer.trace(self.spheres, rays.origins, rays.directions, &self.settings)?;
+        for (n, limit) in rays.limits.iter().enumerate() {
+            if hits.t[n] >= *limit {
+                (hits.id[n], hits.t[n], hits.distance[n]) = (-1, f64::INFINITY, f64::INFINITY);
+                if let Some(normal) = &mut hits.normal {
+                    normal[n] = [0.0; 3];
+                }
+            }
+        }
+        Ok(hits)
+    }
+
+    /// Whether each ray hits any sphere within its limit.
+    ///
+    /// # Errors
+    /// As [`Self::hits`].
+    pub fn occluded(&mut self, rays: &Rays) -> Result<Occlusion> {
+        let hits = self.hits(rays)?;
+        Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
+    }
+
+    /// The renderer that traces.
+    #[must_use]
+    pub fn renderer(&self) -> &Renderer {
+        self.renderer
+    }
+
+    /// The accuracy of the answers: fast, certified or exact.
+    #[must_use]
+    pub fn accuracy(&self) -> Accuracy {
+        Accuracy::Fast
+    }
+
+    /// The name of the method; `certified` and `exact` choose their own.
+    #[must_use]
+    pub fn method(&self) -> &'static str {
+        self.settings.method.unwrap_or(crate::Method::Stable).name()
+    }
+
+    /// How the spheres of a ray are found: all or tree.
+    #[must_use]
+    pub fn search(&self) -> Search {
+        Search::Tree
+    }
+
+    /// Time to set up the spheres, the tree included, in milliseconds.
+    #[must_use]
+    pub fn build_ms(&self) -> f64 {
+        self.build_ms
+    }
 }
 
 /// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
@@ -46,6 +137,16 @@ pub fn trace(spheres: &Spheres, origins: &[[f64; 3]], directions: &[[f64; 3]], s
 }
 
 impl Renderer {
+    /// Sets up `spheres` for any number of calls with given rays. Of `settings`, only `accuracy`, `method`, `search`
+    /// and, for normals, `aovs` are used.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction.
+    pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
+        check(spheres, &[], &[])?;
+        Ok(Tracer { renderer: self, spheres, settings: settings.clone(), build_ms: 0.0 })
+    }
+
     /// The closest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single
     /// one for all. Directions have any length but zero. Of `settings`, only `method`, `search` and, for normals,
     /// `aovs` are used.
@@ -65,6 +166,8 @@ impl Renderer {
         let mut hits = Hits {
             id: vec![-1; directions.len()],
             t: vec![f64::INFINITY; directions.len()],
+            distance: vec![f64::INFINITY; directions.len()],
+            certainty: vec![255; directions.len()],
             normal: plan.kernel.normal.then(|| vec![[0.0; 3]; directions.len()]),
             search: plan.search,
         };
@@ -111,6 +214,7 @@ impl Renderer {
                 }
                 hits.id[n] = raw.id[k] as i32;
                 hits.t[n] = dd::ldexp(raw.t(k), view.unit - scale(directions[n]));
+                hits.distance[n] = hits.t[n] * DVec3::from_array(directions[n]).length();
                 if let Some(normal) = &mut hits.normal {
                     normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
                 }
