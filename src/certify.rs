@@ -9,6 +9,7 @@ mod answer;
 pub(crate) mod binned;
 pub(crate) mod constants;
 pub(crate) mod general;
+pub(crate) mod given;
 pub(crate) mod projected;
 mod projection;
 mod terms;

@@ -116,13 +116,37 @@ impl Judge {
 ///
 /// A ray that is not finite or has no direction hits nothing, and an invalid sphere (see [`Scene::check`]) is not hit.
 pub fn judge_ray(origin: [f64; 3], direction: [f64; 3], spheres: &Spheres) -> Option<Truth> {
+    judge_ray_within(origin, direction, f64::INFINITY, spheres)
+}
+
+/// The nearest hit of a ray as that of [`judge_ray`], if its exact t is below `limit`.
+pub fn judge_ray_within(origin: [f64; 3], direction: [f64; 3], limit: f64, spheres: &Spheres) -> Option<Truth> {
+    judge_ray_among(origin, direction, limit, spheres, 0..spheres.len() as u32)
+}
+
+/// The same among the spheres with these indices, in ascending order.
+pub(crate) fn judge_ray_among(
+    origin: [f64; 3],
+    direction: [f64; 3],
+    limit: f64,
+    spheres: &Spheres,
+    ids: impl Iterator<Item = u32>,
+) -> Option<Truth> {
     let finite = origin.iter().chain(&direction).all(|x| x.is_finite());
-    if !finite || direction == [0.0; 3] {
+    if !finite || direction == [0.0; 3] || limit.is_nan() || limit <= 0.0 {
         return None;
     }
     let rays = RayForms::along(direction);
-    let bench = Bench::new(ExactFrame::world(origin), origin, spheres);
-    bench.nearest(&rays, 0..bench.bodies.len() as u32)
+    let sphere = |id: u32| (spheres.centers[id as usize], spheres.radii[id as usize]);
+    let near = |id: &u32| !rays.quick.passes_by(origin, sphere(*id));
+    let ids: Vec<u32> = ids.filter(near).collect();
+    let mut few = Spheres::default();
+    for (center, radius) in ids.iter().map(|id| sphere(*id)) {
+        few.push(center, radius, None);
+    }
+    let bench = Bench::new(ExactFrame::world(origin), origin, &few);
+    let truth = bench.nearest_within(&rays, 0..ids.len() as u32, limit)?;
+    Some(Truth { id: ids[truth.id as usize], ..truth })
 }
 
 /// The power |c - e|^2 - r^2 of the eye with respect to a sphere, times 2^2k, rounded from its exact value. It is zero
@@ -179,6 +203,23 @@ impl Bench {
     }
 
     fn nearest(&self, rays: &RayForms, ids: impl Iterator<Item = u32>) -> Option<Truth> {
+        self.truth(rays, &self.foremost(rays, ids)?)
+    }
+
+    /// The nearest hit, if its t is below `limit`.
+    fn nearest_within(&self, rays: &RayForms, ids: impl Iterator<Item = u32>, limit: f64) -> Option<Truth> {
+        let best = self.foremost(rays, ids)?;
+        let before = || {
+            let ray = rays.exact(&self.frame);
+            decide::before(&self.frame.field, ray, self.meeting(rays, &best), best.root, &Dyadic::of(limit))
+        };
+        if limit < f64::INFINITY && !before() {
+            return None;
+        }
+        self.truth(rays, &best)
+    }
+
+    fn foremost(&self, rays: &RayForms, ids: impl Iterator<Item = u32>) -> Option<Best<'_>> {
         let mut best: Option<Best> = None;
         for id in ids {
             if self.screens.get(id as usize).is_none_or(|screen| rays.quick.misses(screen)) {
@@ -190,7 +231,7 @@ impl Bench {
                 best = Some(next);
             }
         }
-        best.and_then(|best| self.truth(rays, &best))
+        best
     }
 
     /// The candidate hit of the sphere, if the ray hits it.

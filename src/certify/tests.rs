@@ -10,6 +10,7 @@ mod claims;
 mod corners;
 mod cover;
 mod first_order;
+mod given;
 mod host;
 mod predicted;
 mod sabotage;

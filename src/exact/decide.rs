@@ -249,6 +249,22 @@ pub(crate) fn root(power: Ordering) -> Root {
     if power == Ordering::Greater { Root::Near } else { Root::Far }
 }
 
+/// Whether t of that root, which is real, is below `limit`, for a ray with its own direction.
+///
+/// t = (b' -+ sqrt(D')) / a', so the sign of B -+ sqrt(D') with B = b' - a' limit decides.
+pub(crate) fn before(field: &Field, ray: &ExactRay, meeting: &Meeting, root: Root, limit: &Dyadic) -> bool {
+    let mut at_limit = FieldElement::ZERO;
+    at_limit.add(FieldBasis::One, &(&ray.a * limit));
+    let gap = meeting.b.minus(&at_limit);
+    let squares = || field.sign(&field.times(&gap, &gap).minus(&meeting.disc));
+    match (root, field.sign(&gap)) {
+        (Root::Near, Ordering::Less) => true,
+        (Root::Near, _) => squares() == Ordering::Less,
+        (Root::Far, Ordering::Less) => squares() == Ordering::Greater,
+        (Root::Far, _) => false,
+    }
+}
+
 /// The exact order of t between two hits of one ray, each by the root that counts.
 ///
 /// The sign of B + X with B = b1 - b2 and X = s1 sqrt(D1) - s2 sqrt(D2). Where they oppose, B^2 - X^2 =

@@ -216,6 +216,18 @@ impl FilterRay {
         self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
     }
 
+    /// The f64 pass for a ray with a given direction before its sphere is set up: whether the line certainly misses the
+    /// sphere. c - e is within 2^-53 of itself in each component, which [`SCREEN`] covers as it does for [`Body`].
+    pub(crate) fn passes_by(&self, origin: [f64; 3], (center, radius): ([f64; 3], f64)) -> bool {
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|n| center[n] - origin[n]);
+        let [u, v, d] = self.dir.map(|x| x.hi);
+        let (l, m, n) = (v * z - d * y, d * x - u * z, u * y - v * x);
+        let aside = l * l + m * m + n * n;
+        let reach = radius + SCREEN * ((x * x + y * y + z * z).sqrt() + power_of_two(-400));
+        // An overflow decides nothing, and products that underflow are below this.
+        aside.is_finite() && aside > self.a.hi * (reach * reach * COMPARE) + TINY
+    }
+
     /// The f64 pass: whether the line certainly misses the sphere.
     pub(crate) fn misses(&self, s: &Screen) -> bool {
         if let Some(([right, up], _)) = self.from {

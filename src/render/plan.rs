@@ -81,18 +81,6 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The plan for given rays: no pixels, no colour.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for a certificate or tiles.
-    pub(crate) fn for_given_rays(settings: &Settings, spheres: usize, rays: usize) -> Result<Self> {
-        let mut plan = Self::for_method(settings)?;
-        plan.search = search::for_given_rays(settings.search, spheres, rays)?;
-        plan.kernel.t = true;
-        plan.kernel.normal = settings.aovs.contains(&Aov::Normal);
-        Ok(plan)
-    }
-
     /// What the settings alone decide: a kernel that writes only ids.
     pub(crate) fn for_method(settings: &Settings) -> Result<Self> {
         let promised = matches!(settings.accuracy, Accuracy::Certified | Accuracy::Exact);
@@ -116,5 +104,49 @@ impl Plan {
         let without = |kernel: Kernel| Kernel { tiles: false, ..kernel };
         let (kernel, sampled) = (without(self.kernel), self.sampled.map(without));
         Self { search: Search::All, search_reason: search::NO_LENS, kernel, sampled, ..self }
+    }
+}
+
+/// The decisions for given rays.
+#[derive(Debug, Clone)]
+pub(crate) struct GivenPlan {
+    pub(crate) accuracy: Accuracy,
+    pub(crate) method: &'static str,
+    /// Tree or all.
+    pub(crate) search: Search,
+    /// Whether normals are requested.
+    pub(crate) normal: bool,
+    base: Plan,
+    requested: Search,
+}
+
+impl GivenPlan {
+    /// Without a method answers are certified unless the accuracy is fast: what rays hit is data, not a picture.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a method together with a certificate, and for tiles.
+    pub(crate) fn new(settings: &Settings) -> Result<Self> {
+        let mut base = Plan::for_method(settings)?;
+        base.kernel.t = true;
+        base.kernel.normal = settings.aovs.contains(&Aov::Normal);
+        let accuracy = match settings.accuracy {
+            Accuracy::Auto if settings.method.is_none() => Accuracy::Certified,
+            Accuracy::Auto => Accuracy::Fast,
+            requested => requested,
+        };
+        let method = if accuracy == Accuracy::Fast { base.method } else { accuracy.name() };
+        let search = search::for_given_rays(settings.search, usize::MAX, usize::MAX)?;
+        Ok(Self { accuracy, method, search, normal: base.kernel.normal, base, requested: settings.search })
+    }
+
+    /// Whether the answers are proved.
+    pub(crate) fn certifies(&self) -> bool {
+        matches!(self.accuracy, Accuracy::Certified | Accuracy::Exact)
+    }
+
+    /// The plan of one call by a method.
+    pub(crate) fn by_method(&self, spheres: usize, rays: usize) -> Plan {
+        let search = search::for_given_rays(self.requested, spheres, rays).unwrap_or(self.search);
+        Plan { search, ..self.base.clone() }
     }
 }

@@ -6,6 +6,8 @@ mod adapter;
 mod bits;
 #[path = "../common/data.rs"]
 mod data;
+#[path = "../common/given_families.rs"]
+mod given_families;
 #[path = "../common/nff.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod nff;
@@ -25,6 +27,7 @@ mod command;
 mod crop;
 mod extremes;
 mod frames;
+mod given;
 mod measure;
 mod metamorphic;
 mod ortho;

@@ -1,0 +1,229 @@
+//! The certificate of a given ray in f64: bounds of t for one ray and one sphere. docs/certificate.md, "Given rays",
+//! derives them.
+
+use crate::double_double::{self as dd, Dd};
+use crate::view::placement::Placement;
+
+/// Half an ulp of 1: what one rounding to nearest may change, relatively.
+const EPS: f64 = power_of_two(-53);
+
+/// The terms of the bounds: docs/certificate.md, "Given rays".
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GivenTerms {
+    /// Errors of the components of p x d and of b = p.d, of |p| |d|.
+    pub(crate) cross: f64,
+    /// Relative errors of a R^2, of |p x d|^2 beside those of p x d, and of their difference.
+    pub(crate) squares: f64,
+    /// Error of |p|^2 - R^2, of the sum of both.
+    pub(crate) power: f64,
+    /// The same in double-double.
+    pub(crate) power_dd: f64,
+    /// Relative error of the last sums, products and quotients.
+    pub(crate) quotient: f64,
+}
+
+/// Those that hold.
+pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
+    cross: 6.0 * EPS,
+    squares: 8.0 * EPS,
+    power: 8.0 * EPS,
+    power_dd: power_of_two(-94),
+    quotient: 8.0 * EPS,
+};
+
+/// A power whose relative error is larger is computed again in double-double.
+const FAINT: f64 = power_of_two(-20);
+/// A few roundings of the bounds themselves.
+const ROUNDED: f64 = 1.0 + power_of_two(-48);
+/// Far above what underflow may change in a product of two squares, and in a length.
+const TINY: f64 = power_of_two(-900);
+const SHORT: f64 = power_of_two(-500);
+
+/// 2^k for normal results.
+const fn power_of_two(k: i64) -> f64 {
+    f64::from_bits(((k + 1023) as u64) << 52)
+}
+
+/// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CertifiedRay {
+    placement: Placement,
+    /// In the world, exact.
+    pub(crate) origin: [f64; 3],
+    pub(crate) direction: [f64; 3],
+    /// |direction|^2
+    a: f64,
+    /// The caller's t is t 2^shift.
+    pub(crate) shift: i32,
+    /// The caller's limit lies between these.
+    pub(crate) limit: [f64; 2],
+}
+
+/// Bounds of the t at which a ray hits a sphere, by the root that counts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// The exact t lies between `low` and `high`, if the ray hits at all.
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    /// The computed t, between them.
+    pub(crate) t: f64,
+    /// The hit is certain.
+    pub(crate) sure: bool,
+    /// The ray starts outside, so that the near root counts; known if `sure`.
+    pub(crate) outside: bool,
+}
+
+/// What a hit is given out as.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HitNumbers {
+    pub(crate) t: f64,
+    pub(crate) distance: f64,
+    /// Unit, against the ray.
+    pub(crate) normal: [f64; 3],
+    /// The relative error of t and distance.
+    pub(crate) error: f64,
+    /// The error of the normal as an angle.
+    pub(crate) tilt: f64,
+}
+
+impl CertifiedRay {
+    /// A ray with finite numbers and a direction that is not zero.
+    #[inline(always)]
+    pub(crate) fn new(placement: &Placement, origin: [f64; 3], direction: [f64; 3], limit: f64) -> Self {
+        let largest = direction[0].abs().max(direction[1].abs()).max(direction[2].abs());
+        let f = dd::exponent(largest);
+        let direction = direction.map(|x| dd::ldexp(x, -f));
+        let shift = placement.k - f;
+        Self {
+            placement: *placement,
+            origin,
+            direction,
+            a: dot(direction, direction),
+            shift,
+            limit: scaled(limit, -shift),
+        }
+    }
+
+    /// The origin in the tree's coordinates.
+    #[inline(always)]
+    pub(crate) fn placed(&self) -> [f64; 3] {
+        self.placement.point(self.origin)
+    }
+
+    /// Bounds of the hit of a sphere; `None` if the ray certainly misses it. Numbers beyond f64 give bounds that decide
+    /// nothing.
+    #[inline(always)]
+    pub(crate) fn meet(&self, center: [f64; 3], radius: f64) -> Option<Bounds> {
+        self.meet_by(&GIVEN_TERMS, center, radius)
+    }
+
+    /// The same with other terms, for tests.
+    #[inline(always)]
+    pub(crate) fn meet_by(&self, terms: &GivenTerms, center: [f64; 3], radius: f64) -> Option<Bounds> {
+        let p: [f64; 3] = std::array::from_fn(|n| self.placement.difference(center[n], self.origin[n]));
+        let radius_scaled = self.placement.radius(radius);
+        let d = self.direction;
+        let (p2, r2) = (dot(p, p), radius_scaled * radius_scaled);
+        let b = dot(p, d);
+        let g = [p[1] * d[2] - p[2] * d[1], p[2] * d[0] - p[0] * d[2], p[0] * d[1] - p[1] * d[0]];
+        let (g2, ar2) = (dot(g, g), self.a * r2);
+        let e = terms.cross * ((p2 * self.a).sqrt() + SHORT);
+        let disc = ar2 - g2;
+        let error = ((2.0 * g2.sqrt() + e) * e + terms.squares * (ar2 + g2) + TINY) * ROUNDED;
+        let (mut power, mut power_error) = (p2 - r2, terms.power * (p2 + r2) + TINY);
+        if power > -power_error && (b < -e || disc < -error) {
+            // Outside or on the surface. Inside, D is at least b^2, and b may have any sign.
+            if power > power_error {
+                return None;
+            }
+            (power, power_error) = self.power(terms, center, radius);
+            if power > power_error {
+                return None;
+            }
+        } else if power.abs() * FAINT < power_error {
+            (power, power_error) = self.power(terms, center, radius);
+        }
+        let root = |x: f64| if x > 0.0 { x.sqrt() } else { 0.0 };
+        let (root_low, root_mid, root_high) = (root(disc - error), root(disc), root(disc + error));
+        // The quotients and products below take at most four roundings.
+        let (less, more) = (1.0 - terms.quotient, 1.0 + terms.quotient);
+        let outside = power > power_error;
+        let (low, t, high) = if outside {
+            let q_low = if b > e { b - e } else { 0.0 } + root_low;
+            let low = (power - power_error) / (b + e + root_high);
+            (low, power / (b + root_mid), (power + power_error) / q_low)
+        } else if power < -power_error {
+            if b >= 0.0 {
+                let least = (b - e + root_low) / self.a;
+                (if least > 0.0 { least } else { 0.0 }, (b + root_mid) / self.a, (b + e + root_high) / self.a)
+            } else {
+                let q_low = if -b > e { -b - e } else { 0.0 } + root_low;
+                let low = (-power - power_error) / (root_high + e - b);
+                (low, -power / (root_mid - b), (-power + power_error) / q_low)
+            }
+        } else {
+            return Some(Bounds::UNKNOWN);
+        };
+        let (low, high) = (low * less, high * more);
+        if !(low >= 0.0 && high <= f64::MAX) {
+            return Some(Bounds { low: if low >= 0.0 { low } else { 0.0 }, ..Bounds::UNKNOWN });
+        }
+        let sure = !outside || (disc > error && b > e);
+        Some(Bounds { low, high, t: t.max(low).min(high), sure, outside })
+    }
+
+    /// |p|^2 - R^2 in double-double, and its error.
+    #[cold]
+    fn power(&self, terms: &GivenTerms, center: [f64; 3], radius: f64) -> (f64, f64) {
+        let p: [Dd; 3] = std::array::from_fn(|n| self.placement.exact_difference(center[n], self.origin[n]));
+        let radius = self.placement.radius(radius);
+        let (p2, r2) = (dd::dot(p, p), Dd::product(radius, radius));
+        let power = (p2 - r2).value();
+        (power, (terms.power_dd * (p2.hi + r2.hi) + EPS * power.abs() + TINY) * ROUNDED)
+    }
+
+    /// What the hit of a sphere is given out as.
+    #[inline(always)]
+    pub(crate) fn numbers(&self, center: [f64; 3], radius: f64, bounds: &Bounds) -> HitNumbers {
+        let length = self.a.sqrt();
+        let r = self.placement.radius(radius);
+        let p: [f64; 3] = std::array::from_fn(|n| self.placement.difference(center[n], self.origin[n]));
+        let outward: [f64; 3] = std::array::from_fn(|n| bounds.t * self.direction[n] - p[n]);
+        let size = dot(outward, outward).sqrt();
+        let sign = if bounds.outside { 1.0 / size } else { -1.0 / size };
+        let along = bounds.t * length;
+        let width = bounds.high - bounds.low;
+        // The point is off by its t and by roundings of t d and p; scaling to unit length at most doubles the angle.
+        let shift = width * length + 8.0 * EPS * (along + dot(p, p).sqrt());
+        HitNumbers {
+            t: dd::ldexp(bounds.t, self.shift),
+            distance: dd::ldexp(along, self.placement.k),
+            normal: outward.map(|x| x * sign),
+            error: width / bounds.low + GIVEN_TERMS.quotient,
+            tilt: 2.0 * shift / r,
+        }
+    }
+}
+
+impl Bounds {
+    /// Anything may be.
+    const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY, t: 0.0, sure: false, outside: false };
+}
+
+#[inline(always)]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `limit` 2^k between two numbers, which differ where f64 cannot hold it.
+#[inline(always)]
+fn scaled(limit: f64, k: i32) -> [f64; 2] {
+    let there = dd::ldexp(limit, k);
+    match there {
+        _ if limit <= 0.0 => [0.0; 2],
+        _ if limit == f64::INFINITY => [f64::INFINITY; 2],
+        f64::INFINITY => [f64::MAX, f64::INFINITY],
+        _ if there < SHORT => [0.0, SHORT],
+        _ => [there; 2],
+    }
+}

@@ -1,0 +1,111 @@
+//! The bounds of given rays in f64 hold against exact arithmetic where roundings are at their worst, and their terms
+//! are needed.
+
+use crate::certify::given::{CertifiedRay, GIVEN_TERMS, GivenTerms};
+use crate::double_double as dd;
+use crate::exact::{Root, judge_ray};
+use crate::scene::Spheres;
+use crate::testing::Rng;
+use crate::view::placement::Placement;
+use glam::DVec3;
+
+struct Case {
+    center: [f64; 3],
+    radius: f64,
+    origin: [f64; 3],
+    direction: [f64; 3],
+}
+
+fn vector(random: &mut Rng) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)))
+}
+
+/// One ray and one sphere of family `kind`: far and tangent but for roundings; from points near the surface; from the
+/// middle; from anywhere.
+fn case(random: &mut Rng, kind: usize) -> Case {
+    let center = vector(random) * 10.0;
+    let radius = random.between(0.5, 2.0);
+    let (out, other) = (vector(random).normalize(), vector(random).normalize());
+    let aside = out.cross(other).normalize();
+    let (origin, direction) = match kind {
+        0 => {
+            let origin = center + out * 10f64.powf(random.between(0.5, 7.0));
+            // The tangent of the sphere in the plane of out and aside.
+            let distance = (origin - center).length();
+            let sine = radius / distance;
+            let rim = aside * (1.0 - sine * sine).sqrt() + out * sine;
+            let touch = center + rim * radius * (1.0 + random.between(-4.0, 4.0) * 1e-16 * distance);
+            (origin, touch - origin)
+        }
+        1 => {
+            let height = [0.0, 1e-16, -1e-16, 1e-12, -1e-9][random.bits() as usize % 5];
+            (center + out * radius * (1.0 + height), aside + out * random.between(-1e-3, 1e-3))
+        }
+        2 => (center + out * radius * 10f64.powf(random.between(-20.0, -1.0)), other),
+        _ => (center + other * random.between(0.0, 30.0), vector(random)),
+    };
+    let scale = 10f64.powf(random.between(-3.0, 3.0));
+    Case { center: center.to_array(), radius, origin: origin.to_array(), direction: (direction * scale).to_array() }
+}
+
+/// What bounds with these terms claim, compared with exact arithmetic: the number of false claims among `count` cases
+/// of a family, and the largest error of a t over its bound.
+fn false_claims(terms: &GivenTerms, kind: usize, count: usize) -> (usize, f64) {
+    let random = &mut Rng(5 + kind as u64);
+    let (mut wrong, mut worst) = (0, 0.0f64);
+    for _ in 0..count {
+        let Case { center, radius, origin, direction } = case(random, kind);
+        let mut spheres = Spheres::default();
+        spheres.push(center, radius, None);
+        let truth = judge_ray(origin, direction, &spheres);
+        let placement = Placement::new(&spheres.centers, &spheres.radii);
+        let ray = CertifiedRay::new(&placement, origin, direction, f64::INFINITY);
+        let claim = ray.meet_by(terms, center, radius);
+        let right = match (&truth, &claim) {
+            (Some(_), None) => false,
+            (None, Some(bounds)) => !bounds.sure,
+            (None, None) => true,
+            (Some(truth), Some(bounds)) => {
+                let [low, high, t] = [bounds.low, bounds.high, bounds.t].map(|t| dd::ldexp(t, ray.shift));
+                let root = if bounds.outside { Root::Near } else { Root::Far };
+                let off = (t - truth.t).abs() - f64::EPSILON * truth.t;
+                if bounds.sure && off > 0.0 {
+                    worst = worst.max(off / (high - t).max(t - low));
+                }
+                // The judge rounds its t once.
+                let holds = low <= truth.t.next_up() && high >= truth.t.next_down();
+                holds && (!bounds.sure || root == truth.root)
+            }
+        };
+        wrong += usize::from(!right);
+    }
+    (wrong, worst)
+}
+
+const COUNT: usize = 20_000;
+
+#[test]
+fn bounds_hold_at_their_worst() {
+    for kind in 0..4 {
+        let (wrong, worst) = false_claims(&GIVEN_TERMS, kind, COUNT);
+        println!("family {kind}: {COUNT} rays, {wrong} wrong, worst error {worst:.3} of its bound");
+        assert_eq!(wrong, 0, "family {kind}");
+        assert!(worst <= 1.0, "family {kind}: {worst}");
+    }
+}
+
+#[test]
+fn terms_of_the_bounds_are_needed() {
+    // `squares` is derived only: wherever the family's roundings reach it, `cross` or `quotient` is larger.
+    let without = [
+        ("cross", GivenTerms { cross: 0.0, ..GIVEN_TERMS }),
+        ("power", GivenTerms { power: 0.0, ..GIVEN_TERMS }),
+        ("power_dd", GivenTerms { power_dd: 0.0, ..GIVEN_TERMS }),
+        ("quotient", GivenTerms { quotient: 0.0, ..GIVEN_TERMS }),
+    ];
+    for (name, terms) in without {
+        let wrong: usize = (0..4).map(|kind| false_claims(&terms, kind, COUNT).0).sum();
+        println!("without {name}: {wrong} wrong");
+        assert!(wrong > 0, "without {name} no claim is false");
+    }
+}

@@ -1,0 +1,330 @@
+//! Certified answers of given rays on the CPU path: boxes and spheres of the tree in f32 vectors, then bounds in f64 for
+//! the few spheres that are left.
+
+use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
+use crate::search::bvh::lanes::{Lanes, Portable};
+use crate::search::bvh::walk::{Test, may_meet, walk};
+use crate::search::bvh::{BoxRay, Tree, WIDE};
+use crate::view::given::{GivenRay, Rays};
+use pulp::NullaryFnOnce;
+use rayon::prelude::*;
+
+/// The answer to the nearest hit of one ray.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum NearestHit {
+    Miss,
+    Hit { id: u32, numbers: HitNumbers },
+    Unsure,
+}
+
+/// The answer to whether one ray hits anything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AnyHit {
+    Free,
+    Blocked,
+    Unsure,
+}
+
+/// Rays and the spheres that they may hit.
+#[derive(Clone, Copy)]
+pub(crate) struct Given<'a> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) rays: &'a Rays<'a>,
+    /// Whether every ray tests all spheres, without the boxes.
+    pub(crate) all: bool,
+    /// The promised relative error of t.
+    pub(crate) tolerance: f64,
+}
+
+/// The error of a normal that is certified, in radians: less than the promised 1e-3 by what f32 rounds.
+const TILT: f64 = 0.97e-3;
+
+/// Rays that one task answers.
+const TASK: usize = 256;
+
+impl Given<'_> {
+    /// The answers to the rays with these numbers.
+    pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
+        let mut answers = vec![Q::NONE; numbers.len()];
+        let tasks = answers.par_chunks_mut(TASK).zip(numbers.par_chunks(TASK));
+        #[cfg(target_arch = "x86_64")]
+        if let Some(lanes) = pulp::x86::V3::try_new() {
+            tasks.for_each(|(answers, numbers)| lanes.vectorize(Task { given: self, numbers, answers, lanes }));
+            return answers;
+        }
+        tasks.for_each(|(answers, numbers)| Task { given: self, numbers, answers, lanes: Portable }.call());
+        answers
+    }
+
+    /// The ray in f64 and as the boxes see it; `None` if it certainly hits nothing.
+    #[inline(always)]
+    fn ray(&self, ray: &GivenRay) -> Option<(CertifiedRay, BoxRay)> {
+        let ray = CertifiedRay::new(&self.tree.placement, ray.origin, ray.direction, ray.limit);
+        if ray.limit[1] <= 0.0 {
+            return None;
+        }
+        let boxes = BoxRay::new(ray.placed(), ray.direction, 0.0)?;
+        Some((ray, boxes))
+    }
+
+    #[inline(always)]
+    fn nearest_of<L: Lanes>(&self, lanes: L, ray: &GivenRay) -> NearestHit {
+        let Some((ray, boxes)) = self.ray(ray) else {
+            return NearestHit::Miss;
+        };
+        let limit = boxes.limit(ray.limit[1]);
+        let mut search = NearestSearch { lanes, given: self, ray, boxes, limit, best: None, rival: f64::INFINITY };
+        self.search(lanes, &boxes, limit, &mut search);
+        match search.best {
+            None if search.rival == f64::INFINITY => NearestHit::Miss,
+            Some((place, bounds)) if search.rival > bounds.high => {
+                let [x, y, z, radius] = self.tree.spheres[place];
+                let numbers = ray.numbers([x, y, z], radius, &bounds);
+                let id = self.tree.ids[place];
+                let good = numbers.error <= self.tolerance && numbers.tilt <= TILT;
+                if good { NearestHit::Hit { id, numbers } } else { NearestHit::Unsure }
+            }
+            _ => NearestHit::Unsure,
+        }
+    }
+
+    #[inline(always)]
+    fn any_of<L: Lanes>(&self, lanes: L, ray: &GivenRay) -> AnyHit {
+        let Some((ray, boxes)) = self.ray(ray) else {
+            return AnyHit::Free;
+        };
+        let limit = boxes.limit(ray.limit[1]);
+        let mut search = AnySearch { lanes, given: self, ray, boxes, limit, found: AnyHit::Free };
+        self.search(lanes, &boxes, limit, &mut search);
+        search.found
+    }
+
+    /// The spheres that may be the nearest hit of a ray, in the scene's order.
+    pub(crate) fn candidates(&self, ray: &GivenRay) -> Vec<u32> {
+        let Some((ray, boxes)) = self.ray(ray) else {
+            return Vec::new();
+        };
+        let nearest = ray.limit[1];
+        let mut search = Candidates { given: self, ray, boxes, nearest, all: Vec::new() };
+        walk(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
+        let near = search.all.into_iter().filter(|(low, _)| *low <= search.nearest);
+        let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
+        ids.sort_unstable();
+        ids
+    }
+
+    #[inline(always)]
+    fn search<L: Lanes>(&self, lanes: L, boxes: &BoxRay, limit: f32, test: &mut impl Test) {
+        if self.all {
+            (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
+        } else {
+            walk(lanes, self.tree, boxes, limit, test);
+        }
+    }
+
+    /// The numbers of the rays in an order in which neighbours visit the same boxes: along the Morton curve through
+    /// their starts, then through their directions.
+    pub(crate) fn order(&self) -> Vec<u32> {
+        let count = self.rays.len() as u32;
+        if self.all || count < FEW {
+            return (0..count).collect();
+        }
+        let key = |n: u32| u64::from(self.key(&self.rays.ray(n as usize))) << 32 | u64::from(n);
+        let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
+        keys.par_sort_unstable();
+        keys.into_par_iter().map(|key| key as u32).collect()
+    }
+
+    fn key(&self, ray: &GivenRay) -> u32 {
+        let Some((ray, boxes)) = self.ray(ray) else {
+            return 0;
+        };
+        let step = |x: f32, bits: u32| ((x * 0.5 + 0.5).clamp(0.0, 1.0) * ((1u32 << bits) - 1) as f32) as u32;
+        // The directions unfold onto a square by an octahedron (Meyer et al. 2010).
+        let [x, y, z] = ray.direction.map(|x| x as f32);
+        let sum = x.abs() + y.abs() + z.abs();
+        let (u, v) = (x / sum, y / sum);
+        let folded = if z < 0.0 { [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v)] } else { [u, v] };
+        interleave(boxes.origin.map(|x| step(x, 7)), 7) << 10 | interleave(folded.map(|x| step(x, 5)), 5)
+    }
+
+    #[inline(always)]
+    fn meet(&self, ray: &CertifiedRay, place: usize) -> Option<Bounds> {
+        let [x, y, z, radius] = self.tree.spheres[place];
+        ray.meet([x, y, z], radius)
+    }
+
+    /// Whether two spheres are equal, so that the lower index wins.
+    fn same(&self, a: usize, b: usize) -> bool {
+        self.tree.spheres[a] == self.tree.spheres[b]
+    }
+}
+
+/// The bits of some numbers in turn, the highest first.
+fn interleave<const N: usize>(numbers: [u32; N], bits: u32) -> u32 {
+    (0..bits).rev().fold(0, |key, bit| numbers.iter().fold(key, |key, number| key << 1 | number >> bit & 1))
+}
+
+/// Fewer rays than this are not sorted.
+const FEW: u32 = 1 << 10;
+
+/// The search for the nearest hit of a ray.
+struct NearestSearch<'a, 'b, L> {
+    lanes: L,
+    given: &'a Given<'b>,
+    ray: CertifiedRay,
+    boxes: BoxRay,
+    limit: f32,
+    best: Option<(usize, Bounds)>,
+    /// The least t at which any other sphere may be hit.
+    rival: f64,
+}
+
+impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
+    #[inline(always)]
+    fn test(&mut self, block: u32) -> f32 {
+        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], &self.boxes, self.limit);
+        while mask != 0 {
+            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            if let Some(bounds) = self.given.meet(&self.ray, place) {
+                self.keep(place, bounds);
+            }
+        }
+        self.limit
+    }
+}
+
+impl<L> NearestSearch<'_, '_, L> {
+    #[inline(always)]
+    fn keep(&mut self, place: usize, bounds: Bounds) {
+        if bounds.low >= self.ray.limit[1] {
+            return;
+        }
+        if !bounds.sure || bounds.high >= self.ray.limit[0] {
+            self.rival = self.rival.min(bounds.low);
+            return;
+        }
+        if let Some((other, nearest)) = self.best {
+            // Of equal spheres the lower index is hit.
+            if bounds.low <= nearest.high && nearest.low <= bounds.high && self.given.same(place, other) {
+                let first = if self.given.tree.ids[place] < self.given.tree.ids[other] { place } else { other };
+                self.best = Some((first, nearest));
+                return;
+            }
+            if bounds.high >= nearest.high {
+                self.rival = self.rival.min(bounds.low);
+                return;
+            }
+            self.rival = self.rival.min(nearest.low);
+        }
+        self.best = Some((place, bounds));
+        self.limit = self.boxes.limit(bounds.high);
+    }
+}
+
+/// The search for any hit of a ray.
+struct AnySearch<'a, 'b, L> {
+    lanes: L,
+    given: &'a Given<'b>,
+    ray: CertifiedRay,
+    boxes: BoxRay,
+    limit: f32,
+    found: AnyHit,
+}
+
+impl<L: Lanes> Test for AnySearch<'_, '_, L> {
+    #[inline(always)]
+    fn test(&mut self, block: u32) -> f32 {
+        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], &self.boxes, self.limit);
+        while mask != 0 {
+            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            if let Some(bounds) = self.given.meet(&self.ray, place)
+                && bounds.low < self.ray.limit[1]
+            {
+                if bounds.sure && bounds.high < self.ray.limit[0] {
+                    self.found = AnyHit::Blocked;
+                    return -1.0;
+                }
+                self.found = AnyHit::Unsure;
+            }
+        }
+        self.limit
+    }
+}
+
+/// The search for all spheres that may be hit first.
+struct Candidates<'a, 'b> {
+    given: &'a Given<'b>,
+    ray: CertifiedRay,
+    boxes: BoxRay,
+    /// t of the nearest sure hit is at most this.
+    nearest: f64,
+    all: Vec<(f64, u32)>,
+}
+
+impl Test for Candidates<'_, '_> {
+    fn test(&mut self, block: u32) -> f32 {
+        for place in self.given.tree.places(block) {
+            if let Some(bounds) = self.given.meet(&self.ray, place) {
+                self.all.push((bounds.low, self.given.tree.ids[place]));
+                if bounds.sure {
+                    self.nearest = self.nearest.min(bounds.high);
+                }
+            }
+        }
+        self.boxes.limit(self.nearest)
+    }
+}
+
+/// A question to a ray, by its answer.
+pub(crate) trait Query: Copy + Send {
+    /// The answer of a ray that hits nothing.
+    const NONE: Self;
+    /// The answer of a ray that is not decided.
+    const UNSURE: Self;
+    fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self;
+}
+
+impl Query for NearestHit {
+    const NONE: Self = Self::Miss;
+    const UNSURE: Self = Self::Unsure;
+    #[inline(always)]
+    fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
+        given.nearest_of(lanes, ray)
+    }
+}
+
+impl Query for AnyHit {
+    const NONE: Self = Self::Free;
+    const UNSURE: Self = Self::Unsure;
+    #[inline(always)]
+    fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
+        given.any_of(lanes, ray)
+    }
+}
+
+/// Some rays, answered with the processor's widest vectors.
+struct Task<'a, 'b, Q, L> {
+    lanes: L,
+    given: &'a Given<'b>,
+    numbers: &'a [u32],
+    answers: &'a mut [Q],
+}
+
+impl<Q: Query, L: Lanes> NullaryFnOnce for Task<'_, '_, Q, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        // All at once, since in another order every ray is a wait for memory, and the processor can have many.
+        let mut rays = [GivenRay::default(); TASK];
+        for (ray, &n) in rays.iter_mut().zip(self.numbers) {
+            *ray = self.given.rays.ray(n as usize);
+        }
+        for (answer, ray) in self.answers.iter_mut().zip(&rays) {
+            *answer = Q::of(self.given, self.lanes, ray);
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Given rays by one method, uncertified.
+//!
+//! Rays that share an origin are traced with the spheres moved there in f64, like viewing rays. Rays from many points
+//! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
+//! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
+
+use super::{Hits, Rays};
+use crate::answers::raw::Raw;
+use crate::error::Result;
+use crate::frame::report::Timings;
+use crate::gpu::input::{Input, Output};
+use crate::kernel::{Kernel, RaySource};
+use crate::render::plan::Plan;
+use crate::render::renderer::{Executor, Renderer};
+use crate::scene::Spheres;
+use crate::search::tree::{Shape, Slack, Tree, coherent};
+use crate::settings::Search;
+use crate::view::View;
+use crate::view::ray::{NONE, RayRecord};
+use crate::{cpu, double_double as dd};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
+const GROUP: usize = 64;
+
+impl Renderer {
+    /// The closest hit of each ray by the plan's method.
+    pub(super) fn trace_by_method(
+        &mut self,
+        spheres: &Spheres,
+        shape: &mut Option<Option<Shape>>,
+        rays: &Rays,
+        plan: &Plan,
+    ) -> Result<Hits> {
+        let directions = rays.directions;
+        let origin = |n: usize| rays.ray(n).origin;
+        let mut hits = Hits { certainty: vec![255; rays.len()], ..Hits::none(rays.len(), plan.kernel.normal) };
+        hits.search = plan.search;
+        for mut group in groups(directions.len(), origin) {
+            let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
+            if group.kind == RaySource::Spread || plan.kernel.is_wide() {
+                view.keep_residuals(&spheres.centers, &spheres.radii);
+            }
+            let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
+            let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
+            let far = farthest(&records);
+            let tree = (plan.search == Search::Tree).then(|| {
+                // Built once for all groups: neighbouring spheres are the same from every origin.
+                let shape = shape.get_or_insert_with(|| Shape::new(&spheres.centers, &spheres.radii));
+                Tree::new(shape.as_ref()?, &view, far, Slack::of(plan.kernel.method))
+            });
+            let tree = tree.flatten();
+            if tree.is_some() {
+                let order = coherent(&records, far);
+                group.rays = order.par_iter().map(|&k| group.rays[k as usize]).collect();
+                records = order.par_iter().map(|&k| records[k as usize]).collect();
+            } else {
+                hits.search = Search::All;
+            }
+            let kernel = Kernel { rays: group.kind, tree: tree.is_some(), ..plan.kernel };
+            let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
+            match &mut self.place {
+                Executor::Gpu(gpu) => {
+                    gpu.check_method(kernel.method)?;
+                    let input =
+                        Input { view: &view, colors: None, rays: &records, candidates: None, tree: tree.as_ref() };
+                    let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
+                    gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
+                }
+                Executor::Cpu => {
+                    cpu::given_rays(&kernel, &view, &records, tree.as_ref(), &mut raw);
+                }
+            }
+            for (k, &n) in group.rays.iter().enumerate() {
+                let n = n as usize;
+                let t = dd::ldexp(raw.t(k), view.unit - scale(directions[n]));
+                if raw.id[k] == NONE || t >= rays.ray(n).limit {
+                    continue;
+                }
+                hits.id[n] = raw.id[k] as i32;
+                hits.t[n] = t;
+                hits.distance[n] = hits.t[n] * DVec3::from_array(directions[n]).length();
+                if let Some(normal) = &mut hits.normal {
+                    normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
+                }
+            }
+        }
+        Ok(hits)
+    }
+}
+
+/// Rays that are traced together.
+struct Group {
+    kind: RaySource,
+    eye: DVec3,
+    rays: Vec<u32>,
+}
+
+/// Groups by origin where that pays; the other rays form one group about the middle of their origins.
+fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
+    let mut by_origin: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
+    for n in 0..count {
+        // Adding 0.0 makes -0.0 and 0.0 the same origin.
+        by_origin.entry(origin(n).map(|x| (x + 0.0).to_bits())).or_default().push(n as u32);
+    }
+    if by_origin.len() == 1 || by_origin.len() * GROUP <= count {
+        let group = |(bits, rays): ([u64; 3], _)| Group {
+            kind: RaySource::SharedOrigin,
+            eye: DVec3::from_array(bits.map(f64::from_bits)),
+            rays,
+        };
+        let mut groups: Vec<_> = by_origin.into_iter().map(group).collect();
+        groups.sort_by_key(|g| g.rays[0]);
+        return groups;
+    }
+    let (low, high) = (0..count).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), n| {
+        let o = DVec3::from_array(origin(n));
+        (low.min(o), high.max(o))
+    });
+    let eye = low * 0.5 + high * 0.5;
+    (count > 0).then(|| Group { kind: RaySource::Spread, eye, rays: (0..count as u32).collect() }).into_iter().collect()
+}
+
+/// The exponent that brings a direction's largest component into [1, 2).
+fn scale(direction: [f64; 3]) -> i32 {
+    dd::exponent(DVec3::from_array(direction).abs().max_element())
+}
+
+/// A ray as the kernels read it in `view`.
+pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
+    let f = scale(direction);
+    let direction = direction.map(|x| dd::ldexp(x, -f));
+    let d = direction.map(|x| x as f32);
+    let d_low: [f32; 3] = std::array::from_fn(|k| (direction[k] - f64::from(d[k])) as f32);
+    let away: [f64; 3] = std::array::from_fn(|k| dd::ldexp(origin[k] - view.basis.e[k], -view.unit));
+    let high = away.map(|x| x as f32);
+    let low: [f32; 3] = std::array::from_fn(|k| (away[k] - f64::from(high[k])) as f32);
+    let four = |a: [f32; 3], k: usize| [a[0], a[1], a[2], d_low[k]];
+    RayRecord { direction: four(d, 0), origin: four(high, 1), origin_low: four(low, 2) }
+}
+
+/// The largest distance of an origin from the view's eye, in the frame's unit, rounded up.
+pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
+    let square = |r: &RayRecord| r.origin[..3].iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
+    rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
+}

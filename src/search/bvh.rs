@@ -1,0 +1,74 @@
+//! A complete tree of eight children per node over the spheres, for rays from anywhere.
+//!
+//! Eight spheres make a block, eight blocks a node, eight nodes a node above them; every node but the last of its level
+//! is full. So the place of a node tells the places of its children, the depth is the logarithm of the count, and the
+//! same spheres give the same tree for any number of threads. The boxes are f32 in the tree's own unit, see [`Placement`];
+//! docs/tree.md derives their padding.
+
+mod box_ray;
+mod build;
+pub(crate) mod lanes;
+#[cfg(test)]
+mod tests;
+pub(crate) mod walk;
+
+use crate::view::placement::Placement;
+pub(crate) use box_ray::BoxRay;
+
+/// Children of a node, and spheres of a block: the lanes of a vector.
+pub(crate) const WIDE: usize = 8;
+
+/// The most levels of nodes: blocks number at most 2^28, and eight of them make a node.
+pub(crate) const LEVELS: usize = 10;
+
+/// The most spheres of a tree.
+pub(crate) const MOST: usize = 1 << 31;
+
+/// Eight boxes: least x, y, z, then greatest x, y, z. A missing child has its least above its greatest.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Node {
+    pub(crate) planes: [[f32; WIDE]; 6],
+}
+
+/// Eight spheres in the tree's unit, rounded to f32, the radii upward. A missing sphere has the radius -[`ABSENT`], so that
+/// every ray certainly misses it.
+#[repr(C, align(64))]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Block {
+    pub(crate) center: [[f32; WIDE]; 3],
+    pub(crate) radius: [f32; WIDE],
+}
+
+/// Beyond every coordinate, and its square is finite.
+pub(crate) const ABSENT: f32 = (1u64 << 60) as f32;
+
+/// The tree.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    pub(crate) placement: Placement,
+    /// Level by level, the root first. Children of node n of a level are the nodes 8 n to 8 n + 7 of the next.
+    pub(crate) nodes: Vec<Node>,
+    /// The first node of each level, and at last the number of nodes.
+    pub(crate) firsts: Vec<u32>,
+    /// The children of the lowest nodes.
+    pub(crate) blocks: Vec<Block>,
+    /// The spheres of the blocks in their order; the last block may hold fewer than eight.
+    pub(crate) ids: Vec<u32>,
+    /// The same spheres as the scene states them: centre and radius. A copy, because a ray that needs one from the scene
+    /// would wait for three places of memory.
+    pub(crate) spheres: Vec<[f64; 4]>,
+}
+
+impl Tree {
+    /// Levels of nodes.
+    pub(crate) fn levels(&self) -> usize {
+        self.firsts.len() - 1
+    }
+
+    /// The places of a block's spheres in the order of the tree.
+    pub(crate) fn places(&self, block: u32) -> std::ops::Range<usize> {
+        let first = block as usize * WIDE;
+        first..self.ids.len().min(first + WIDE)
+    }
+}

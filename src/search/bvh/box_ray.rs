@@ -1,0 +1,108 @@
+//! A ray as the boxes of the tree see it.
+
+use crate::view::placement::PLACED;
+
+/// u of docs/certificate.md: WGSL rounds up or down.
+const U: f64 = 1.0 / (1u64 << 23) as f64;
+
+/// The roundings of a slab test in u, of the largest number in it: docs/tree.md.
+const SLABS: f64 = 8.0;
+
+/// Smallest component of a direction that the boxes see: smaller ones are replaced, so that nothing is divided by zero.
+/// It moves a point of the ray by less than 2^-32 of its way.
+const LEAST: f64 = 1.0 / (1u64 << 32) as f64;
+
+/// Origins farther than this from the middle, in the tree's unit, are moved along the ray to the scene.
+const NEAR: f64 = 4.0;
+
+/// Origins farther than this are so inaccurate beside the scene that every sphere is tested.
+const FARTHEST: f64 = (1u64 << 44) as f64;
+
+/// A ray as the boxes see it, in the tree's unit: f32, and so much larger than a line that no rounding loses a sphere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BoxRay {
+    /// The origin or a point ahead of it, moved back along each axis by the padding: for the planes where it enters.
+    pub(crate) enter: [f32; 3],
+    /// The same moved ahead: for the planes where it leaves.
+    pub(crate) leave: [f32; 3],
+    /// Reciprocals of the direction.
+    pub(crate) inverse: [f32; 3],
+    /// The point itself.
+    pub(crate) origin: [f32; 3],
+    pub(crate) direction: [f32; 3],
+    /// How far the line may pass by a point that is on it.
+    pub(crate) pad: f32,
+    /// t of that point on the ray.
+    pub(crate) start: f64,
+}
+
+impl BoxRay {
+    /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2). `extra`
+    /// is a padding beside that of the slabs. `None` if the ray certainly meets no sphere.
+    #[inline(always)]
+    pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], extra: f64) -> Option<Self> {
+        let far = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
+        if far.is_nan() || far > FARTHEST {
+            return Some(Self::EVERYTHING);
+        }
+        // What a rounded start moves a point far from the origin by.
+        let lost = far * PLACED * 4.0;
+        let start = if far <= NEAR { 0.0 } else { entry(origin, direction, 1.0 + lost + extra)? };
+        let from: [f64; 3] = std::array::from_fn(|n| origin[n] + start * direction[n]);
+        let near = if far <= NEAR { far } else { 4.0 };
+        let pad = SLABS * U * (1.0 + near) + lost + extra;
+        let inverse = direction.map(|d| (1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d }) as f32);
+        let aside = |n: usize| if inverse[n] < 0.0 { -pad } else { pad };
+        Some(Self {
+            enter: std::array::from_fn(|n| (from[n] + aside(n)) as f32),
+            leave: std::array::from_fn(|n| (from[n] - aside(n)) as f32),
+            inverse,
+            origin: from.map(|x| x as f32),
+            direction: direction.map(|x| x as f32),
+            pad: (pad as f32).next_up(),
+            start,
+        })
+    }
+
+    /// A ray that enters every box at its start.
+    const EVERYTHING: Self = Self {
+        enter: [ABOVE; 3],
+        leave: [-ABOVE; 3],
+        inverse: [1.0; 3],
+        origin: [0.0; 3],
+        direction: [1.0; 3],
+        pad: ABOVE,
+        start: 0.0,
+    };
+
+    /// `t` of the ray, as a limit in the boxes' f32, which start at [`Self::start`]: rounded up.
+    #[inline(always)]
+    pub(crate) fn limit(&self, t: f64) -> f32 {
+        let from = ((t - self.start) as f32).next_up();
+        if from < f32::MAX { from } else { f32::MAX }
+    }
+}
+
+/// Beyond the scene, and far from the end of f32.
+const ABOVE: f32 = (1u64 << 20) as f32;
+
+/// t at which the ray enters the cube of that half side, from outside; `None` if it certainly does not.
+fn entry(origin: [f64; 3], direction: [f64; 3], side: f64) -> Option<f64> {
+    let (mut first, mut last) = (0.0f64, f64::INFINITY);
+    for n in 0..3 {
+        let (o, d) = (origin[n], direction[n]);
+        if d.abs() < LEAST {
+            // Over the way to the scene such a component moves the ray by less than this.
+            let moved = 8.0 * LEAST * (1.0 + origin.iter().fold(0.0f64, |far, x| far.max(x.abs())));
+            if o.abs() > side + moved {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((-side - o) / d, (side - o) / d);
+        first = first.max(a.min(b));
+        last = last.min(a.max(b));
+    }
+    // Two quotients and differences of f64 in each.
+    (first * (1.0 - 1e-14) <= last * (1.0 + 1e-14)).then_some(first * (1.0 - 1e-14))
+}

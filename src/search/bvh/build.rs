@@ -1,0 +1,128 @@
+//! Builds the tree: halves the spheres at planes across their longest extent, each time so that full children come
+//! first.
+
+use super::{ABSENT, Block, MOST, Node, Tree, WIDE};
+use crate::view::placement::{PLACED, Placement};
+use rayon::prelude::*;
+
+/// A sphere while it is ordered: its centre in f32 in the tree's unit, and its index.
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    at: [f32; 3],
+    id: u32,
+}
+
+/// Fewer items than this are ordered by one thread.
+const ALONE: usize = 1 << 12;
+
+impl Tree {
+    /// The tree of these spheres; `None` for none or more than [`MOST`].
+    pub(crate) fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
+        let count = radii.len();
+        if count == 0 || count > MOST {
+            return None;
+        }
+        let placement = Placement::new(centers, radii);
+        let item = |(c, id): (&[f64; 3], u32)| Item { at: placement.point(*c).map(|x| x as f32), id };
+        let mut items: Vec<Item> = centers.par_iter().zip(0..count as u32).map(item).collect();
+        let mut sizes = vec![count.div_ceil(WIDE).div_ceil(WIDE)];
+        while sizes[sizes.len() - 1] > 1 {
+            sizes.push(sizes[sizes.len() - 1].div_ceil(WIDE));
+        }
+        sizes.reverse();
+        halve(&mut items, WIDE.pow(sizes.len() as u32));
+        let ids: Vec<u32> = items.par_iter().map(|item| item.id).collect();
+        drop(items);
+        let mut firsts = vec![0u32];
+        for size in &sizes {
+            firsts.push(firsts[firsts.len() - 1] + *size as u32);
+        }
+        let exact = |&id: &u32| {
+            let [x, y, z] = centers[id as usize];
+            [x, y, z, radii[id as usize]]
+        };
+        let spheres: Vec<[f64; 4]> = ids.par_iter().map(exact).collect();
+        let parts: Vec<(Block, [[f32; 3]; 2])> =
+            spheres.par_chunks(WIDE).map(|spheres| block(&placement, spheres)).collect();
+        let mut boxes: Vec<[[f32; 3]; 2]> = parts.par_iter().map(|(_, bounds)| *bounds).collect();
+        let blocks = parts.into_par_iter().map(|(block, _)| block).collect();
+        let mut nodes = vec![Node { planes: [[0.0; WIDE]; 6] }; firsts[sizes.len()] as usize];
+        for level in (0..sizes.len()).rev() {
+            let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];
+            let join = |(node, children): (&mut Node, &[[[f32; 3]; 2]])| {
+                let absent = [[ABSENT; 3], [-ABSENT; 3]];
+                let child = |lane: usize| children.get(lane).unwrap_or(&absent);
+                node.planes =
+                    std::array::from_fn(|plane| std::array::from_fn(|lane| child(lane)[plane / 3][plane % 3]));
+                children.iter().fold(absent, |all, one| {
+                    let [low, high] = [one[0], one[1]];
+                    [std::array::from_fn(|n| all[0][n].min(low[n])), std::array::from_fn(|n| all[1][n].max(high[n]))]
+                })
+            };
+            boxes = nodes.par_iter_mut().zip(boxes.par_chunks(WIDE)).map(join).collect();
+        }
+        Some(Self { placement, nodes, firsts, blocks, ids, spheres })
+    }
+}
+
+/// Orders `items` so that each run of `full` of them, of `full`/8 and so on down to a block is compact: halves them
+/// between such runs, across their longest extent. Ties go by index, so that the order is the same for any number of
+/// threads.
+fn halve(items: &mut [Item], full: usize) {
+    let mut run = full;
+    while run >= items.len() {
+        if run <= WIDE {
+            return;
+        }
+        run /= WIDE;
+    }
+    let middle = items.len().div_ceil(run).div_ceil(2) * run;
+    let axis = longest(items);
+    let key = |item: &Item| (item.at[axis], item.id);
+    items.select_nth_unstable_by(middle, |a, b| {
+        let ((x, i), (y, j)) = (key(a), key(b));
+        x.total_cmp(&y).then(i.cmp(&j))
+    });
+    let (a, b) = items.split_at_mut(middle);
+    if a.len() < ALONE {
+        halve(a, run * WIDE);
+        halve(b, run * WIDE);
+    } else {
+        rayon::join(|| halve(a, run * WIDE), || halve(b, run * WIDE));
+    }
+}
+
+/// The axis along which the items extend the farthest.
+fn longest(items: &[Item]) -> usize {
+    let none = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let join = |a: ([f32; 3], [f32; 3]), b: ([f32; 3], [f32; 3])| -> ([f32; 3], [f32; 3]) {
+        (std::array::from_fn(|n| least(a.0[n], b.0[n])), std::array::from_fn(|n| -least(-a.1[n], -b.1[n])))
+    };
+    let one = |items: &[Item]| items.iter().fold(none, |all, item| join(all, (item.at, item.at)));
+    let (low, high) =
+        if items.len() < ALONE { one(items) } else { items.par_chunks(ALONE).map(one).reduce(|| none, join) };
+    let extent: [f32; 3] = std::array::from_fn(|n| high[n] - low[n]);
+    (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0)
+}
+
+/// The lesser; of NaN the other.
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// A block and the box of its spheres, rounded outward.
+fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) {
+    let mut block = Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] };
+    let mut bounds = [[ABSENT; 3], [-ABSENT; 3]];
+    for (lane, &[x, y, z, radius]) in spheres.iter().enumerate() {
+        let at = placement.point([x, y, z]);
+        let reach = placement.radius(radius) + 2.0 * PLACED;
+        for n in 0..3 {
+            block.center[n][lane] = at[n] as f32;
+            bounds[0][n] = bounds[0][n].min(((at[n] - reach) as f32).next_down());
+            bounds[1][n] = bounds[1][n].max(((at[n] + reach) as f32).next_up());
+        }
+        block.radius[lane] = (reach as f32).next_up();
+    }
+    (block, bounds)
+}

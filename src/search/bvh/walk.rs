@@ -1,0 +1,110 @@
+//! The traversal on the CPU path: eight boxes or eight spheres at a time.
+
+use super::lanes::{LANE, Lanes};
+use super::{Block, BoxRay, LEVELS, Node, Tree, WIDE};
+
+/// What is done with the spheres of a block. A trait, because a closure would not be compiled with
+/// the vector instructions of its caller.
+pub(crate) trait Test {
+    /// Tests the spheres of a block. Returns the new limit, in the boxes' t; a negative one ends the traversal.
+    fn test(&mut self, block: u32) -> f32;
+}
+
+/// The children of one node that the ray enters, nearest first.
+#[derive(Debug, Clone, Copy)]
+struct Children {
+    /// Bits of t where the ray enters, the last three replaced by the child's lane.
+    keys: [u32; WIDE],
+    /// Those before this one were visited.
+    next: usize,
+    /// Those from here on are not entered.
+    end: usize,
+    /// The place of the first child among the nodes or blocks of its level.
+    first: u32,
+}
+
+/// Tests the blocks of spheres that the ray may meet before `limit`, roughly nearest first.
+///
+/// At most one node of every level has children that wait. They are sorted without branches, since whether a box is
+/// entered cannot be predicted.
+#[inline(always)]
+pub(crate) fn walk<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
+    let mut limit = limit;
+    let lowest = tree.levels() - 1;
+    let mut waiting = [Children { keys: [0; WIDE], next: 0, end: 0, first: 0 }; LEVELS];
+    let mut level = 0;
+    let mut place = 0;
+    loop {
+        let node = &tree.nodes[(tree.firsts[level] + place) as usize];
+        let now = &mut waiting[level];
+        (now.keys, now.end) = enter(l, node, ray, limit);
+        (now.next, now.first) = (0, place * WIDE as u32);
+        if level == lowest {
+            for key in &now.keys[..now.end] {
+                if f32::from_bits(key & !LANE) > limit {
+                    break;
+                }
+                limit = test.test(now.first + (key & LANE));
+            }
+            now.end = 0;
+        }
+        loop {
+            let now = &mut waiting[level];
+            if now.next < now.end {
+                let key = now.keys[now.next & LANE as usize];
+                if f32::from_bits(key & !LANE) <= limit {
+                    now.next += 1;
+                    place = now.first + (key & LANE);
+                    level += 1;
+                    break;
+                }
+            }
+            if level == 0 {
+                return;
+            }
+            level -= 1;
+        }
+    }
+}
+
+/// The children whose boxes the ray enters before `limit`, sorted as in [`Children`], and their number.
+#[inline(always)]
+fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> ([u32; WIDE], usize) {
+    let (mut near, mut far) = (l.splat(0.0), l.splat(limit));
+    for n in 0..3 {
+        let (low, high) = (&node.planes[n], &node.planes[n + 3]);
+        let (first, last) = if ray.inverse[n] < 0.0 { (high, low) } else { (low, high) };
+        let inverse = l.splat(ray.inverse[n]);
+        near = l.max(l.mul(l.sub(l.load(first), l.splat(ray.enter[n])), inverse), near);
+        far = l.min(l.mul(l.sub(l.load(last), l.splat(ray.leave[n])), inverse), far);
+    }
+    let mask = l.at_most(near, far);
+    if mask & mask.wrapping_sub(1) == 0 {
+        // At most one, which is visited next wherever it is entered.
+        return ([mask.trailing_zeros() & LANE; WIDE], mask.count_ones() as usize);
+    }
+    (l.sorted(near, mask), mask.count_ones() as usize)
+}
+
+/// The spheres of a block that the ray may meet before `limit`, one bit each.
+#[inline(always)]
+pub(crate) fn may_meet<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) -> u32 {
+    let d = ray.direction.map(|x| l.splat(x));
+    let [u, v, w] = ray.direction;
+    let a = (u * u + v * v + w * w) * (1.0 + ROUNDED);
+    let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
+    let reach = l.add(l.mul(l.load(&block.radius), l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
+    let dot =
+        |a: [L::Number; 3], b: [L::Number; 3]| l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]));
+    let minor = |m: usize, n: usize| l.sub(l.mul(p[m], d[n]), l.mul(p[n], d[m]));
+    let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
+    let b = dot(p, d);
+    let along = l.mul(reach, l.splat(a.sqrt()));
+    let aside = l.at_most(dot(g, g), l.mul(l.mul(reach, reach), l.splat(a)));
+    let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
+    let before = l.at_most(l.sub(b, along), l.splat(limit * a));
+    aside & ahead & before
+}
+
+/// Roundings of the numbers that are compared, of themselves.
+const ROUNDED: f32 = 1.0 / (1u32 << 16) as f32;
