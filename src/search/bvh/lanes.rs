@@ -6,6 +6,7 @@ use super::WIDE;
 /// Eight numbers, with every operation rounded as that of a single f32.
 pub(crate) trait Lanes: Copy + Send + Sync {
     type Number: Copy;
+    type Keys: Copy;
     fn load(self, numbers: &[f32; WIDE]) -> Self::Number;
     fn splat(self, number: f32) -> Self::Number;
     fn add(self, a: Self::Number, b: Self::Number) -> Self::Number;
@@ -17,13 +18,18 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn max(self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// One bit for each lane where a <= b.
     fn at_most(self, a: Self::Number, b: Self::Number) -> u32;
-    /// The numbers that `mask` selects, none of them negative, in ascending order: their bits, the last three of which
-    /// are replaced by the lane. Then others.
-    fn sorted(self, numbers: Self::Number, mask: u32) -> [u32; WIDE];
+    /// The numbers that `mask` selects, none of them negative, as keys that compare like them: their bits, the last
+    /// three of which are replaced by the lane. [`NEVER`] for the others.
+    fn keys(self, numbers: Self::Number, mask: u32) -> Self::Keys;
+    /// The least key, which is replaced by [`NEVER`].
+    fn take_least(self, keys: &mut Self::Keys) -> u32;
 }
 
 /// The bits of a key that tell the lane.
 pub(crate) const LANE: u32 = WIDE as u32 - 1;
+
+/// Above every key.
+pub(crate) const NEVER: u32 = u32::MAX;
 
 /// Lanes as arrays, for every processor.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +42,7 @@ fn each(a: [f32; WIDE], b: [f32; WIDE], f: impl Fn(f32, f32) -> f32) -> [f32; WI
 
 impl Lanes for Portable {
     type Number = [f32; WIDE];
+    type Keys = [u32; WIDE];
     #[inline(always)]
     fn load(self, numbers: &[f32; WIDE]) -> Self::Number {
         *numbers
@@ -69,18 +76,15 @@ impl Lanes for Portable {
         (0..WIDE).fold(0, |mask, lane| mask | u32::from(a[lane] <= b[lane]) << lane)
     }
     #[inline(always)]
-    fn sorted(self, numbers: Self::Number, mask: u32) -> [u32; WIDE] {
-        let mut sorted = [u32::MAX; WIDE];
-        for (count, lane) in (0..WIDE).filter(|lane| mask >> lane & 1 == 1).enumerate() {
-            let key = numbers[lane].to_bits() & !LANE | lane as u32;
-            let mut at = count;
-            while at > 0 && sorted[at - 1] > key {
-                sorted[at] = sorted[at - 1];
-                at -= 1;
-            }
-            sorted[at] = key;
-        }
-        sorted
+    fn keys(self, numbers: Self::Number, mask: u32) -> Self::Keys {
+        let key = |lane: usize| numbers[lane].to_bits() & !LANE | lane as u32;
+        std::array::from_fn(|lane| if mask >> lane & 1 == 1 { key(lane) } else { NEVER })
+    }
+    #[inline(always)]
+    fn take_least(self, keys: &mut Self::Keys) -> u32 {
+        let least = keys.iter().fold(NEVER, |least, key| least.min(*key));
+        *keys = keys.map(|key| if key == least { NEVER } else { key });
+        least
     }
 }
 
@@ -91,16 +95,9 @@ mod avx2 {
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, __m256i};
 
-    /// One step of Batcher's bitonic sort: every lane keeps the lesser of itself and its partner, or, in the lanes of
-    /// `UPPER`, the greater.
-    #[inline(always)]
-    fn exchange<const UPPER: i32>(simd: V3, keys: __m256i, partners: __m256i) -> __m256i {
-        let (less, more) = (simd.avx2._mm256_min_epu32(keys, partners), simd.avx2._mm256_max_epu32(keys, partners));
-        simd.avx2._mm256_blend_epi32::<UPPER>(less, more)
-    }
-
     impl Lanes for V3 {
         type Number = __m256;
+        type Keys = __m256i;
         #[inline(always)]
         fn load(self, numbers: &[f32; WIDE]) -> __m256 {
             cast(*numbers)
@@ -135,26 +132,23 @@ mod avx2 {
             self.avx._mm256_movemask_ps(self.avx._mm256_cmp_ps::<18>(a, b)) as u32
         }
         #[inline(always)]
-        fn sorted(self, numbers: __m256, mask: u32) -> [u32; WIDE] {
+        fn keys(self, numbers: __m256, mask: u32) -> __m256i {
             let lanes: __m256i = cast([0u32, 1, 2, 3, 4, 5, 6, 7]);
             let bits: __m256i = cast([1u32, 2, 4, 8, 16, 32, 64, 128]);
             let off = self.avx2._mm256_and_si256(self.avx._mm256_set1_epi32(!mask as i32), bits);
             // All ones where the lane is not selected.
             let absent = self.avx2._mm256_cmpeq_epi32(off, bits);
             let high = self.avx2._mm256_andnot_si256(self.avx._mm256_set1_epi32(LANE as i32), cast(numbers));
-            let keys = self.avx2._mm256_or_si256(self.avx2._mm256_or_si256(high, lanes), absent);
-            let swapped = self.avx2._mm256_shuffle_epi32::<0b10_11_00_01>(keys);
-            let keys = exchange::<0b1010_1010>(self, keys, swapped);
-            let swapped = self.avx2._mm256_shuffle_epi32::<0b00_01_10_11>(keys);
-            let keys = exchange::<0b1100_1100>(self, keys, swapped);
-            let swapped = self.avx2._mm256_shuffle_epi32::<0b10_11_00_01>(keys);
-            let keys = exchange::<0b1010_1010>(self, keys, swapped);
-            let swapped = self.avx2._mm256_permutevar8x32_epi32(keys, cast([7u32, 6, 5, 4, 3, 2, 1, 0]));
-            let keys = exchange::<0b1111_0000>(self, keys, swapped);
-            let swapped = self.avx2._mm256_shuffle_epi32::<0b01_00_11_10>(keys);
-            let keys = exchange::<0b1100_1100>(self, keys, swapped);
-            let swapped = self.avx2._mm256_shuffle_epi32::<0b10_11_00_01>(keys);
-            cast(exchange::<0b1010_1010>(self, keys, swapped))
+            self.avx2._mm256_or_si256(self.avx2._mm256_or_si256(high, lanes), absent)
+        }
+        #[inline(always)]
+        fn take_least(self, keys: &mut __m256i) -> u32 {
+            let avx2 = self.avx2;
+            let least = avx2._mm256_min_epu32(*keys, avx2._mm256_permute2x128_si256::<1>(*keys, *keys));
+            let least = avx2._mm256_min_epu32(least, avx2._mm256_shuffle_epi32::<0b01_00_11_10>(least));
+            let least = avx2._mm256_min_epu32(least, avx2._mm256_shuffle_epi32::<0b10_11_00_01>(least));
+            *keys = avx2._mm256_or_si256(*keys, avx2._mm256_cmpeq_epi32(*keys, least));
+            self.sse2._mm_cvtsi128_si32(self.avx._mm256_castsi256_si128(least)) as u32
         }
     }
 }

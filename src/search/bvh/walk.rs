@@ -1,6 +1,6 @@
 //! The traversal on the CPU path: eight boxes or eight spheres at a time.
 
-use super::lanes::{LANE, Lanes};
+use super::lanes::{LANE, Lanes, NEVER};
 use super::{Block, BoxRay, LEVELS, Node, Tree, WIDE};
 
 /// What is done with the spheres of a block. A trait, because a closure would not be compiled with
@@ -10,66 +10,48 @@ pub(crate) trait Test {
     fn test(&mut self, block: u32) -> f32;
 }
 
-/// The children of one node that the ray enters, nearest first.
-#[derive(Debug, Clone, Copy)]
-struct Children {
-    /// Bits of t where the ray enters, the last three replaced by the child's lane.
-    keys: [u32; WIDE],
-    /// Those before this one were visited.
-    next: usize,
-    /// Those from here on are not entered.
-    end: usize,
+/// The children of one node that the ray enters and that wait.
+#[derive(Clone, Copy)]
+struct Children<L: Lanes> {
+    /// t where the ray enters each of them.
+    keys: L::Keys,
     /// The place of the first child among the nodes or blocks of its level.
     first: u32,
 }
 
 /// Tests the blocks of spheres that the ray may meet before `limit`, roughly nearest first.
 ///
-/// At most one node of every level has children that wait. They are sorted without branches, since whether a box is
-/// entered cannot be predicted.
+/// At most one node of every level has children that wait. The nearest is found without branches, since which box is
+/// entered first cannot be predicted.
 #[inline(always)]
 pub(crate) fn walk<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
     let mut limit = limit;
     let lowest = tree.levels() - 1;
-    let mut waiting = [Children { keys: [0; WIDE], next: 0, end: 0, first: 0 }; LEVELS];
+    let root = Children::<L> { keys: enter(l, &tree.nodes[0], ray, limit), first: 0 };
+    let mut waiting = [root; LEVELS];
     let mut level = 0;
-    let mut place = 0;
     loop {
-        let node = &tree.nodes[(tree.firsts[level] + place) as usize];
         let now = &mut waiting[level];
-        (now.keys, now.end) = enter(l, node, ray, limit);
-        (now.next, now.first) = (0, place * WIDE as u32);
-        if level == lowest {
-            for key in &now.keys[..now.end] {
-                if f32::from_bits(key & !LANE) > limit {
-                    break;
-                }
-                limit = test.test(now.first + (key & LANE));
-            }
-            now.end = 0;
-        }
-        loop {
-            let now = &mut waiting[level];
-            if now.next < now.end {
-                let key = now.keys[now.next & LANE as usize];
-                if f32::from_bits(key & !LANE) <= limit {
-                    now.next += 1;
-                    place = now.first + (key & LANE);
-                    level += 1;
-                    break;
-                }
-            }
+        let key = l.take_least(&mut now.keys);
+        let place = now.first + (key & LANE);
+        if key == NEVER || f32::from_bits(key & !LANE) > limit {
             if level == 0 {
                 return;
             }
             level -= 1;
+        } else if level == lowest {
+            limit = test.test(place);
+        } else {
+            level += 1;
+            let node = &tree.nodes[(tree.firsts[level] + place) as usize];
+            waiting[level] = Children { keys: enter(l, node, ray, limit), first: place * WIDE as u32 };
         }
     }
 }
 
-/// The children whose boxes the ray enters before `limit`, sorted as in [`Children`], and their number.
+/// The children whose boxes the ray enters before `limit`.
 #[inline(always)]
-fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> ([u32; WIDE], usize) {
+fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
     let (mut near, mut far) = (l.splat(0.0), l.splat(limit));
     for n in 0..3 {
         let (low, high) = (&node.planes[n], &node.planes[n + 3]);
@@ -78,12 +60,7 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> ([u32; WIDE],
         near = l.max(l.mul(l.sub(l.load(first), l.splat(ray.enter[n])), inverse), near);
         far = l.min(l.mul(l.sub(l.load(last), l.splat(ray.leave[n])), inverse), far);
     }
-    let mask = l.at_most(near, far);
-    if mask & mask.wrapping_sub(1) == 0 {
-        // At most one, which is visited next wherever it is entered.
-        return ([mask.trailing_zeros() & LANE; WIDE], mask.count_ones() as usize);
-    }
-    (l.sorted(near, mask), mask.count_ones() as usize)
+    l.keys(near, l.at_most(near, far))
 }
 
 /// The spheres of a block that the ray may meet before `limit`, one bit each.
