@@ -232,7 +232,7 @@ impl Work<'_> {
         tracer: &mut Tracer<'_>,
         mut out: Option<&mut HitWriter<'_>>,
     ) -> Result<()> {
-        self.progress();
+        self.progress(self.total);
         threads::ahead(
             || source.next_block(BLOCK),
             cancel,
@@ -251,13 +251,15 @@ impl Work<'_> {
                     out.as_mut().map_or(Ok(()), |out| out.hits(&hits, &block.invalid))?;
                 }
                 self.tally.fault = self.tally.fault.take().or(block.fault);
-                self.progress();
+                self.progress(self.total);
                 Ok(())
             },
-        )
+        )?;
+        self.progress(self.tally.rays);
+        Ok(())
     }
 
-    fn progress(&self) {
-        self.bar.report(Progress { step: Step::Rays, done: self.tally.rays, total: self.total });
+    fn progress(&self, total: u64) {
+        self.bar.report(Progress { step: Step::Rays, done: self.tally.rays, total });
     }
 }

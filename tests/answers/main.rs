@@ -35,6 +35,7 @@ mod samples;
 mod score;
 mod selftest;
 mod tiles;
+mod trace;
 mod tree;
 mod truth;
 mod twins;

@@ -17,21 +17,30 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Rays")]
 pub(super) struct SourceArgs {
-    /// The rays: .npy, float64 of shape (n, 6) or (n, 7), or a table of text, which may have a header; - for standard
-    /// input. Also .gz or .bz2.
-    #[arg(long, value_name = "FILE", required_unless_present = "pattern", conflicts_with = "pattern")]
-    rays: Option<PathBuf>,
-    /// The beams of a spinning scanner at --eye, in degrees: lidar:rings=N,vfov=LOW..HIGH,step=AZIMUTH-STEP
-    /// [,azimuth=FROM..TO][,range=LENGTH]. Azimuths are clockwise from --view; ring 0 is the highest.
-    #[arg(long, value_name = "PATTERN")]
-    pattern: Option<Lidar>,
+    #[command(flatten)]
+    which: Which,
     /// Writes the beams of the pattern as rays in .npy.
-    #[arg(long, value_name = "FILE", requires = "pattern")]
+    #[arg(long, value_name = "FILE", conflicts_with = "rays")]
     rays_out: Option<PathBuf>,
     /// Counts invalid rows (NaN, a zero direction, missing columns) as misses of certainty 255; otherwise the first one is
     /// an error.
     #[arg(long, conflicts_with = "pattern")]
     skip_invalid: bool,
+}
+
+/// A file or a pattern.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Rays")]
+#[group(required = true, multiple = false)]
+struct Which {
+    /// The rays: .npy, float64 of shape (n, 6) or (n, 7), or a table of text, which may have a header; - for standard
+    /// input. Also .gz or .bz2.
+    #[arg(long, value_name = "FILE")]
+    rays: Option<PathBuf>,
+    /// The beams of a spinning scanner at --eye, in degrees: lidar:rings=N,vfov=LOW..HIGH,step=DEG and optionally
+    /// ,azimuth=FROM..TO and ,range=LENGTH. Azimuths are clockwise from --view; the highest ring comes first.
+    #[arg(long, value_name = "PATTERN")]
+    pattern: Option<Lidar>,
 }
 
 /// An opened source of rays.
@@ -48,7 +57,7 @@ pub(super) enum RaySource {
 impl SourceArgs {
     /// The file of the rays.
     pub(super) fn rays(&self) -> Option<&PathBuf> {
-        self.rays.as_ref()
+        self.which.rays.as_ref()
     }
 
     /// The file for the beams.
@@ -58,7 +67,7 @@ impl SourceArgs {
 
     /// Checks combinations of options.
     pub(super) fn check(&self, pose: &PoseArgs) -> Result<()> {
-        if self.pattern.is_none() && pose.is_given() {
+        if self.which.pattern.is_none() && pose.is_given() {
             let problem = "--eye, --at, --view and --up are the pose of a pattern, and --rays has origins of its own";
             return Err(Error::settings(problem, "remove them, or use --pattern"));
         }
@@ -73,7 +82,7 @@ impl SourceArgs {
 
     /// Opens the source; a pattern has the pose of the scene's camera with the options applied.
     pub(super) fn open(&self, pose: &PoseArgs, frame: &SceneFrame, watch: Watch) -> Result<RaySource> {
-        let lidar = match (&self.rays, self.pattern) {
+        let lidar = match (&self.which.rays, self.which.pattern) {
             (_, Some(lidar)) => lidar,
             (Some(path), None) => {
                 let options = RayOptions { skip_invalid: self.skip_invalid, watch };

@@ -1,7 +1,7 @@
 //! Rays from a NumPy array: float64 (or float32, converted exactly) of shape (n, 6) or (n, 7), row by row, in either
 //! byte order. Rows count from 0, as in NumPy.
 
-use super::{MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
+use super::block::{MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
 use crate::error::{Error, Result};
 use crate::npy::DType;
 use crate::read::input::Input;

@@ -2,7 +2,7 @@
 //! the columns in any order; without one they are in the order of a row. Blank lines and lines that begin with `#` are
 //! ignored.
 
-use super::{COLUMNS, MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
+use super::block::{COLUMNS, MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
