@@ -19,7 +19,6 @@ use halfline::read::style::Coloring;
 use halfline::read::{SceneFrame, Sequence};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
-use halfline::scene::Spheres;
 use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::write::file::{check_writable, is_standard};
 use halfline::write::hits::{HitFile, HitWriter, Query};
@@ -120,10 +119,12 @@ impl Trace {
         self.source.write_beams(&source)?;
 
         let skipped = frame.scene.skipped;
+        let mut spheres = frame.scene.spheres;
         // Colours take memory and are not used.
-        let spheres = Spheres { colors: None, ..frame.scene.spheres };
+        spheres.colors = None;
         let mut warnings = skipped.warnings();
         warnings.extend_from_slice(renderer.passed_over());
+        warn(&warnings);
         let bar = Bar::with_output(self.progress, 1);
         let mut tracer = renderer.tracer(&spheres, &settings)?;
         let start = Instant::now();
@@ -133,8 +134,9 @@ impl Trace {
             None => work.run(&mut source, &cancel, &mut tracer, None)?,
         }
         let tally = work.tally;
-        warnings.extend(tally.warnings(&spheres));
-        bar.aside(|| warnings.iter().for_each(|warning| say(format_args!("warning: {warning}"))));
+        let more = tally.warnings(&spheres);
+        bar.aside(|| warn(&more));
+        warnings.extend(more);
         let report = TraceReport {
             spheres: spheres.len() as u64,
             skipped: skipped.total(),
@@ -209,6 +211,10 @@ impl Trace {
         arrange(&self.read, &mut frame)?;
         Ok((frame, sequence.files().to_vec()))
     }
+}
+
+fn warn(warnings: &[String]) {
+    warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
 }
 
 /// The rays that are traced together. Their answers do not depend on it.

@@ -8,6 +8,8 @@ use flate2::write::GzEncoder;
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::process::{Command, Stdio};
+#[cfg(target_os = "linux")]
+use std::time::{Duration, Instant};
 
 /// Two unit spheres behind each other on -z, one on the right, and a camera for patterns.
 const SCENE: &str = "[camera]\neye = [0.0, 0.0, 0.0]\nview = [0.0, 0.0, -1.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n
@@ -445,6 +447,11 @@ fn a_failure_does_not_wait_for_more_rays() {
     let mut input = child.stdin.take().expect("a pipe");
     // A block and some more.
     let _ = input.write_all("0,0,0,0,0,-1\n".repeat(700_000).as_bytes());
+    let start = Instant::now();
+    while child.try_wait().expect("its status").is_none() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let _ = child.kill();
     let output = Output::of(child.wait_with_output().expect("halfline ends"));
     assert!(output.code == 8 && output.err.contains("cannot write /dev/full"), "{} {}", output.code, output.err);
     drop(input);

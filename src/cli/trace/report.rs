@@ -65,8 +65,11 @@ impl Tally {
         } else if spheres.is_empty() {
             warnings.push("the scene has no spheres, so no ray hits anything".into());
         } else if self.hits == 0 {
-            let spheres = format!("{}; {}", count(spheres.len() as u64, "sphere"), spheres.extent());
-            warnings.push(format!("no ray hits any of the scene's {spheres}"));
+            let which = match spheres.len() {
+                1 => "the 1 sphere".to_owned(),
+                n => format!("any of the {n} spheres"),
+            };
+            warnings.push(format!("no ray hits {which}; {}", spheres.extent()));
         }
         warnings
     }
