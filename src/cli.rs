@@ -20,6 +20,7 @@ mod scene_frames;
 mod shell;
 mod signals;
 mod threads;
+mod trace;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
@@ -49,6 +50,7 @@ enum Command {
     Merge(merge::Merge),
     Measure(Box<measure::Measure>),
     Plan(Box<plan::PlanArgs>),
+    Trace(Box<trace::Trace>),
     Completions(shell::Completions),
     Man(shell::Man),
 }
@@ -93,6 +95,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Merge(merge) => merge.run(),
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
+        Command::Trace(trace) => trace.run(),
         Command::Completions(completions) => completions.run(),
         Command::Man(man) => man.run(),
     }

@@ -17,7 +17,7 @@
 //! - [`frame`]: colour, distance, depth, normal, position, id, mask as plain buffers, and their provenance.
 //! - [`write`](mod@write): the files of frames, written, read back and merged.
 //! - [`render`](mod@render): renders one frame from scene to buffers; a [`Renderer`] keeps device and kernels for many.
-//! - [`trace`](mod@trace): traces given rays.
+//! - [`trace`](mod@trace): traces given rays, which [`read::rays`] reads, [`scene::lidar`] makes, and [`write::hits`] writes.
 //! - [`settings`]: the settings of a rendering.
 //! - [`plan`]: decides what a scene requires: method, accuracy, search.
 //! - [`quote`]: quotes text of files in messages.

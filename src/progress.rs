@@ -18,6 +18,8 @@ pub enum Step {
     /// Pixels are decided in exact arithmetic: those that a certified kernel could not prove, or all of them with
     /// [`crate::Accuracy::Exact`].
     Settle,
+    /// Given rays are traced. Where their number is not known beforehand, the total is 0.
+    Rays,
 }
 
 impl Step {
@@ -26,7 +28,7 @@ impl Step {
     pub fn name(self) -> &'static str {
         match self {
             Self::Stage => "stage",
-            Self::Trace => "trace",
+            Self::Trace | Self::Rays => "trace",
             Self::Settle => "settle",
         }
     }
@@ -37,6 +39,7 @@ impl Step {
         match self {
             Self::Stage => "spheres",
             Self::Trace | Self::Settle => "pixels",
+            Self::Rays => "rays",
         }
     }
 }
@@ -49,8 +52,16 @@ pub struct Progress {
     pub step: Step,
     /// How many are done; rows that threads are working on count as done.
     pub done: u64,
-    /// The total number of spheres or pixels, as [`Step::unit`] says.
+    /// The total number of spheres, pixels or rays, as [`Step::unit`] says.
     pub total: u64,
+}
+
+impl Progress {
+    /// The total, where it is known.
+    #[must_use]
+    pub fn known_total(&self) -> Option<u64> {
+        (self.step != Step::Rays || self.total > 0).then_some(self.total)
+    }
 }
 
 /// A token that cancels work, from another thread or from the progress callback. Clones are the same token.

@@ -1,5 +1,5 @@
 //! Readers of scene files. A file is a whole scene (TOML, NFF) or particles, frame by frame, that the style turns into
-//! spheres.
+//! spheres. Given rays are read block by block.
 
 mod csv;
 mod detect;
@@ -12,6 +12,7 @@ mod nff;
 mod npy;
 mod options;
 mod particles;
+pub mod rays;
 mod sequence;
 mod source;
 pub mod style;

@@ -5,6 +5,7 @@ pub mod arrange;
 pub mod camera;
 mod cell;
 mod fit;
+pub mod lidar;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};

@@ -1,4 +1,5 @@
-//! Files of frames: formats, encoding, atomic files; reading them back, and merging the files of tiles.
+//! Files of frames: formats, encoding, atomic files; reading them back, and merging the files of tiles. Files of
+//! hits and of rays.
 
 mod atomic;
 mod digest;
@@ -6,6 +7,7 @@ mod encode;
 mod exr;
 pub mod file;
 pub mod format;
+pub mod hits;
 pub mod image_file;
 mod layer;
 pub mod merge;
@@ -14,4 +16,5 @@ mod npz;
 mod pfm;
 mod plain;
 pub mod png;
+pub mod rays;
 mod rows;

@@ -3,6 +3,8 @@
 
 #[path = "pictures.rs"]
 mod pictures;
+#[path = "rays.rs"]
+mod rays;
 
 use halfline::error::Error;
 use halfline::read::style::{Coloring, Scale, Style};
@@ -24,8 +26,8 @@ enum Kind {
     /// A scene in this format, or in one detected from its content, compressed or not. The first byte selects the
     /// options.
     Scene(Option<Format>),
-    /// Files that halfline wrote.
-    Picture(Run),
+    /// Files that halfline wrote, or rays.
+    File(Run),
     #[cfg(fuzzing)]
     Config,
 }
@@ -63,9 +65,13 @@ impl Target {
         let scene = |format: &Format| Self { name: format.name(), kind: Kind::Scene(Some(*format)) };
         let mut all: Vec<Self> = Format::ALL.iter().map(scene).collect();
         all.push(Self { name: "any", kind: Kind::Scene(None) });
-        let pictures: [(_, Run); 3] =
-            [("compare", pictures::compare), ("merge", pictures::merge), ("resume", pictures::resume)];
-        all.extend(pictures.map(|(name, run)| Self { name, kind: Kind::Picture(run) }));
+        let files: [(_, Run); 4] = [
+            ("compare", pictures::compare),
+            ("merge", pictures::merge),
+            ("resume", pictures::resume),
+            ("rays", rays::read),
+        ];
+        all.extend(files.map(|(name, run)| Self { name, kind: Kind::File(run) }));
         #[cfg(fuzzing)]
         all.push(Self { name: "config", kind: Kind::Config });
         all
@@ -85,7 +91,7 @@ impl Target {
     pub(crate) fn run(&self, data: &[u8]) -> Allowed {
         match self.kind {
             Kind::Scene(format) => scene(format, data),
-            Kind::Picture(run) => run(data),
+            Kind::File(run) => run(data),
             #[cfg(fuzzing)]
             Kind::Config => {
                 if let Err(error) = crate::config::run(data) {

@@ -80,6 +80,15 @@ impl Bar {
         watch.on_progress(move |progress| notes.lock().unwrap_or_else(PoisonError::into_inner).record(progress))
     }
 
+    /// Reports progress that does not come from a renderer.
+    pub(super) fn report(&self, progress: Progress) {
+        if let Some(lines) = &self.lines {
+            lines.lock().unwrap_or_else(PoisonError::into_inner).record(progress);
+        } else if self.drawing.is_some() {
+            self.notes.lock().unwrap_or_else(PoisonError::into_inner).record(progress);
+        }
+    }
+
     /// Ends the line when all is rendered and written.
     pub(super) fn finish(self) {
         if let Some(lines) = &self.lines {
@@ -144,7 +153,7 @@ impl Artist {
         let shown = self.step.is_some();
         if self.step != Some((step, began)) {
             self.step = Some((step, began));
-            self.line.set_style(style(step));
+            self.line.set_style(style(progress));
             self.line.set_length(total);
         }
         self.line.set_message(words(progress, reported.duration_since(began), reported.elapsed()));
@@ -156,19 +165,27 @@ impl Artist {
     }
 }
 
-/// Staging reports only its beginning and its end, so it has no bar.
-fn style(step: Step) -> ProgressStyle {
-    let template = if step == Step::Stage { "{spinner} {msg}" } else { "{wide_bar} {percent:>3} %  {msg}" };
+/// Staging reports only its beginning and its end, so it has no bar, nor has a step without a known end.
+fn style(progress: Progress) -> ProgressStyle {
+    let template = if progress.step == Step::Stage || progress.known_total().is_none() {
+        "{spinner} {msg}"
+    } else {
+        "{wide_bar} {percent:>3} %  {msg}"
+    };
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// The step, its rate and the remaining time at that rate: `done` took `spent`, reported `since` ago.
-fn words(Progress { step, done, total }: Progress, spent: Duration, since: Duration) -> String {
+fn words(progress: Progress, spent: Duration, since: Duration) -> String {
+    let Progress { step, done, total } = progress;
     let (name, unit, since) = (step.name(), step.unit(), since.as_secs_f64());
     if step == Step::Stage || done == 0 {
         return format!("{name} {}{unit}, {}", quantity(total as f64), span(since));
     }
     let rate = done as f64 / spent.as_secs_f64().max(1e-9);
+    if progress.known_total().is_none() {
+        return format!("{name} {}{unit}/s, {}{unit}", quantity(rate), quantity(done as f64));
+    }
     format!("{name} {}{unit}/s, {} left", quantity(rate), span((total - done) as f64 / rate - since))
 }
 
@@ -205,6 +222,8 @@ mod tests {
         assert_eq!(words(at(Step::Settle, 90), two, none), "settle 45.0 pixels/s, 51:11:58 left");
         assert_eq!(words(at(Step::Trace, 0), none, two), "trace 8.29 Mpixels, 0:02");
         assert_eq!(words(at(Step::Stage, 0), none, two), "stage 8.29 Mspheres, 0:02");
+        let endless = Progress { step: Step::Rays, done: 3_000_000, total: 0 };
+        assert_eq!(words(endless, two, none), "trace 1.50 Mrays/s, 3.00 Mrays");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
-    let Some(path) = &args.read.legend else { return Ok(()) };
+    let Some(path) = &args.color.legend else { return Ok(()) };
     if !is_png(path) && !ends_in(path, "svg") {
         return Err(Error::settings(
             format!("a legend cannot be written to {}", path.display()),
@@ -21,7 +21,8 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "use another file for the legend"));
     }
-    if args.read.has_many_legends() {
+    // Without a range each frame has a legend of its own.
+    if !args.color.has_range() && args.read.frames().is_some_and(|frames| frames.count() > 1) {
         check_pattern(path)?;
     }
     Ok(())
@@ -29,7 +30,7 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
 
 /// The legend's file for picture `number`, if one is requested and can be written.
 pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
-    let path = args.read.legend.as_deref().map(|path| numbered(path, number));
+    let path = args.color.legend.as_deref().map(|path| numbered(path, number));
     path.as_deref().map_or(Ok(()), check_writable)?;
     Ok(path)
 }

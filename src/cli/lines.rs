@@ -72,20 +72,26 @@ impl ProgressLines {
         due
     }
 
-    fn lines(&self, Progress { step, done, total }: Progress) -> String {
+    fn lines(&self, progress: Progress) -> String {
+        let Progress { step, done, .. } = progress;
         let (name, unit) = (step.name(), step.unit());
+        let known = progress.known_total();
         if self.output == ProgressOutput::Json {
+            let total = known.map_or("null".into(), |total| total.to_string());
             return format!("{{\"step\":\"{name}\",\"done\":{done},\"total\":{total},\"frame\":{}}}\n", self.frame);
         }
         // The share of a frame at which a step begins and ends is an estimate.
         let (begin, end) = match step {
             Step::Stage => (0.0, 0.05),
             Step::Trace => (0.05, 0.75),
+            Step::Rays => (0.0, 0.95),
             _ => (0.75, 0.95),
         };
-        let share = begin + (end - begin) * done as f64 / (total as f64).max(1.0);
+        let part = known.map_or(0.0, |total| done as f64 / (total as f64).max(1.0));
+        let share = begin + (end - begin) * part;
         let percent = 100.0 * (f64::from(self.frame.saturating_sub(1)) + share) / f64::from(self.frames);
-        format!("openjd_progress: {:.1}\nopenjd_status: {name} {done} of {total} {unit}\n", percent.min(100.0))
+        let of = known.map_or(String::new(), |total| format!(" of {total}"));
+        format!("openjd_progress: {:.1}\nopenjd_status: {name} {done}{of} {unit}\n", percent.min(100.0))
     }
 }
 
@@ -121,6 +127,14 @@ mod tests {
         assert_eq!(lines.len(), 12, "a quarter of a step after so short a time is not reported: {lines:?}");
         assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
         assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
+    }
+
+    #[test]
+    fn an_unknown_total_is_null() {
+        let endless = Progress { step: Step::Rays, done: 7, total: 0 };
+        let lines = |output| ProgressLines { frame: 1, ..ProgressLines::new(output, 1) }.lines(endless);
+        assert_eq!(lines(ProgressOutput::Json), "{\"step\":\"trace\",\"done\":7,\"total\":null,\"frame\":1}\n");
+        assert_eq!(lines(ProgressOutput::Openjd), "openjd_progress: 0.0\nopenjd_status: trace 7 rays\n");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The heading of the options that change how the spheres look.
 const LOOK: &str = "Spheres and colours";
 
-/// The options for reading a file, and for the spheres in it.
+/// The options for reading a file that determine its spheres.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
@@ -47,26 +47,6 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
         allow_negative_numbers = true)]
     radius_scale: f64,
-    /// Colour of all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
-    #[arg(long, help_heading = LOOK, value_name = "C", value_parser = color, conflicts_with = "color_by")]
-    color: Option<[f32; 3]>,
-    /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
-    #[arg(long, help_heading = LOOK, value_name = "COLUMN,...")]
-    color_by: Option<String>,
-    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
-    /// category for names, else viridis].
-    #[arg(long, help_heading = LOOK, value_name = "M")]
-    map: Option<ColorMap>,
-    /// Values at the ends of the colour map [default: minimum and maximum].
-    #[arg(long, help_heading = LOOK, value_name = "A,B", value_parser = range, requires = "color_by",
-        allow_hyphen_values = true)]
-    range: Option<[f64; 2]>,
-    /// Uses a logarithmic colour scale.
-    #[arg(long, help_heading = LOOK, requires = "color_by")]
-    log: bool,
-    /// Writes the legend of the colours: .svg or .png; with %d for several frames without --range.
-    #[arg(long, help_heading = LOOK, value_name = "FILE", requires = "color_by")]
-    pub(super) legend: Option<PathBuf>,
     /// Periodic copies along the three edges of the file's cell, original included.
     #[arg(long, help_heading = LOOK, value_name = "A,B,C", value_parser = copies)]
     copies: Option<[u32; 3]>,
@@ -79,20 +59,35 @@ pub(super) struct ReadArgs {
     outline: Option<Option<f64>>,
 }
 
+/// The options for the colours of the spheres.
+#[derive(Debug, Args)]
+#[command(next_help_heading = LOOK)]
+pub(super) struct ColorArgs {
+    /// Colour of all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
+    #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
+    color: Option<[f32; 3]>,
+    /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
+    #[arg(long, value_name = "COLUMN,...")]
+    color_by: Option<String>,
+    /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:
+    /// category for names, else viridis].
+    #[arg(long, value_name = "M")]
+    map: Option<ColorMap>,
+    /// Values at the ends of the colour map [default: minimum and maximum].
+    #[arg(long, value_name = "A,B", value_parser = range, requires = "color_by",
+        allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Uses a logarithmic colour scale.
+    #[arg(long, requires = "color_by")]
+    log: bool,
+    /// Writes the legend of the colours: .svg or .png; with %d for several frames without --range.
+    #[arg(long, value_name = "FILE", requires = "color_by")]
+    pub(super) legend: Option<PathBuf>,
+}
+
 impl ReadArgs {
     /// The options for reading.
-    pub(super) fn options(&self) -> ReadOptions {
-        let coloring = match (&self.color, self.color_by.as_deref()) {
-            (Some(color), _) => Coloring::One(*color),
-            (None, Some("element")) => Coloring::Element,
-            (None, Some(names)) => Coloring::Column(Scale {
-                columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
-                map: self.map,
-                range: self.range,
-                log: self.log,
-            }),
-            (None, None) => Coloring::File,
-        };
+    pub(super) fn options(&self, coloring: Coloring) -> ReadOptions {
         ReadOptions {
             strict: self.strict,
             format: self.format,
@@ -111,15 +106,31 @@ impl ReadArgs {
         self.frames.as_ref()
     }
 
-    /// Whether several frames have a legend each.
-    pub(super) fn has_many_legends(&self) -> bool {
-        self.range.is_none() && self.frames.as_ref().is_some_and(|frames| frames.count() > 1)
-    }
-
     /// The arrangement of the spheres.
     pub(super) fn arrangement(&self) -> Arrangement {
         let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
         Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.outline.map(bead) }
+    }
+}
+
+impl ColorArgs {
+    pub(super) fn coloring(&self) -> Coloring {
+        match (&self.color, self.color_by.as_deref()) {
+            (Some(color), _) => Coloring::One(*color),
+            (None, Some("element")) => Coloring::Element,
+            (None, Some(names)) => Coloring::Column(Scale {
+                columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
+                map: self.map,
+                range: self.range,
+                log: self.log,
+            }),
+            (None, None) => Coloring::File,
+        }
+    }
+
+    /// Whether each of several frames has its own range of values.
+    pub(super) fn has_range(&self) -> bool {
+        self.range.is_some()
     }
 }
 

@@ -65,16 +65,7 @@ impl Render {
             settings.aovs.push(Aov::Color);
         }
         // Opening a device takes time, so it runs beside the reading of the scene.
-        let (opened, renderer) = std::thread::scope(|scope| {
-            let open = || Renderer::new(&settings);
-            let other = (!threads::is_alone()).then(|| std::thread::Builder::new().spawn_scoped(scope, open));
-            let first = self.first();
-            match other {
-                Some(Ok(opening)) => (first, opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
-                // The system allows no more threads.
-                _ => (first, open()),
-            }
-        });
+        let (opened, renderer) = threads::both(|| self.first(), || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));

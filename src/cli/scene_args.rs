@@ -2,11 +2,11 @@
 
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
-use super::read_args::{ReadArgs, numbers};
+use super::read_args::{ColorArgs, ReadArgs, numbers};
 use super::scene_frames::{SceneFrames, number_in};
 use clap::Args;
 use glam::DVec3;
-use halfline::camera::{Lens, Look};
+use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
 use halfline::scene::{Framing, Scene};
@@ -26,6 +26,8 @@ pub(super) struct SceneArgs {
     #[command(flatten)]
     pub(super) read: ReadArgs,
     #[command(flatten)]
+    pub(super) color: ColorArgs,
+    #[command(flatten)]
     pub(super) camera: CameraArgs,
     #[command(flatten)]
     pub(super) image: ImageArgs,
@@ -39,18 +41,8 @@ pub(super) struct SceneArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct CameraArgs {
-    /// Position of the eye.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub(super) eye: Option<DVec3>,
-    /// Point to look at.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "view")]
-    at: Option<DVec3>,
-    /// Direction to look in.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    view: Option<DVec3>,
-    /// Up direction of the scene.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    up: Option<DVec3>,
+    #[command(flatten)]
+    pub(super) pose: PoseArgs,
     /// Moves the eye so that all spheres are in view; the default for files without a camera.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
@@ -65,6 +57,24 @@ pub(super) struct CameraArgs {
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
+}
+
+/// The pose of a camera or of a scanner.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub(super) struct PoseArgs {
+    /// Position of the eye.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(super) eye: Option<DVec3>,
+    /// Point to look at.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "view")]
+    at: Option<DVec3>,
+    /// Direction to look in.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    view: Option<DVec3>,
+    /// Up direction of the scene.
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    up: Option<DVec3>,
 }
 
 /// The image options.
@@ -152,7 +162,7 @@ impl SceneArgs {
     /// are read.
     pub(super) fn check_outputs(&self) -> Result<()> {
         let mut names = self.files.names()?;
-        names.extend(self.read.legend.as_deref());
+        names.extend(self.color.legend.as_deref());
         names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
@@ -202,7 +212,7 @@ impl CameraArgs {
     /// How the scene is framed, if it is; a file without a camera always is, unless the eye is given.
     pub(super) fn framing(&self, has_camera: bool) -> Result<Option<Framing>> {
         let keep_height = !matches!(self.ortho, None | Some(None));
-        if self.eye.is_some() {
+        if self.pose.eye.is_some() {
             return match self.ortho {
                 Some(None) => Err(Error::settings("--ortho needs a height when --eye is given", "use --ortho HEIGHT")),
                 _ => Ok(None),
@@ -212,21 +222,9 @@ impl CameraArgs {
         Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
     }
 
-    /// Whether an up is given.
-    pub(super) fn has_up(&self) -> bool {
-        self.up.is_some()
-    }
-
-    /// Whether a direction is given.
-    pub(super) fn looks(&self) -> bool {
-        self.at.is_some() || self.view.is_some()
-    }
-
-    pub(super) fn apply(&self, scene: &mut Scene) {
-        let camera = &mut scene.camera;
-        camera.eye = self.eye.unwrap_or(camera.eye);
-        camera.up = self.up.unwrap_or(camera.up);
-        camera.look = self.at.map(Look::At).or(self.view.map(Look::View)).unwrap_or(camera.look);
+    /// Replaces what the options give; `has_camera` says whether the camera is that of a file.
+    pub(super) fn apply(&self, camera: &mut Camera, has_camera: bool) {
+        self.pose.apply(camera, has_camera);
         if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
@@ -237,6 +235,36 @@ impl CameraArgs {
         if let Some(height) = self.ortho {
             camera.lens = Lens::Orthographic { height: height.unwrap_or(1.0) };
         }
+    }
+}
+
+impl PoseArgs {
+    /// Whether an option is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.eye.is_some() || self.up.is_some() || self.looks()
+    }
+
+    /// Whether a direction is given.
+    pub(super) fn looks(&self) -> bool {
+        self.at.is_some() || self.view.is_some()
+    }
+
+    /// Replaces what the options give; a camera that is not a file's may get another up.
+    pub(super) fn apply(&self, camera: &mut Camera, has_camera: bool) {
+        camera.eye = self.eye.unwrap_or(camera.eye);
+        camera.up = self.up.unwrap_or(camera.up);
+        camera.look = self.at.map(Look::At).or(self.view.map(Look::View)).unwrap_or(camera.look);
+        if !has_camera && self.up.is_none() {
+            camera.up = upright(camera);
+        }
+    }
+}
+
+/// The up direction of a camera that was given a view but no up: its own, or z where it looks along its own.
+fn upright(camera: &Camera) -> DVec3 {
+    match camera.look {
+        Look::View(view) if view.cross(camera.up).length() <= 1e-6 * view.length() => DVec3::Z,
+        _ => camera.up,
     }
 }
 

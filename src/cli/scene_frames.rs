@@ -1,10 +1,11 @@
 //! The scenes of one command: a single one, the frames of a sequence, or the turns of `--spin`, each with the options
 //! applied.
 
+use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::watch;
-use glam::{DQuat, DVec3};
-use halfline::camera::{Camera, Look};
+use glam::DQuat;
+use halfline::camera::Look;
 use halfline::error::{Error, Result};
 use halfline::read::style::Legend;
 use halfline::read::{SceneFrame, Sequence};
@@ -32,7 +33,7 @@ pub(super) struct Numbered {
 impl<'a> SceneFrames<'a> {
     /// Opens the scene file.
     pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
-        let sequence = Sequence::open(&args.scene, &args.read.options())?;
+        let sequence = Sequence::open(&args.scene, &args.read.options(args.color.coloring()))?;
         Ok(Self { args, sequence, count: 0, standing: None })
     }
 
@@ -61,21 +62,14 @@ impl<'a> SceneFrames<'a> {
         let Some(mut frame) = frame else {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
+        arrange(&self.args.read, &mut frame)?;
         let scene = &mut frame.scene;
-        let read = scene.spheres.len();
-        self.args.read.arrangement().apply(&mut scene.spheres, frame.cell.as_ref(), &watch())?;
-        if read > 0 && scene.spheres.is_empty() {
-            scene.skipped.assumed.push(format!("--clip removes all {read} spheres of the file"));
-        }
         if let Some((width, height)) = self.args.image.size {
             (scene.image.width, scene.image.height) = (width, height);
         }
-        camera.apply(scene);
-        if !frame.has_camera && !camera.has_up() {
-            scene.camera.up = upright(&scene.camera);
-        }
+        camera.apply(&mut scene.camera, frame.has_camera);
         self.args.files.apply(scene);
-        if !frame.has_camera && camera.eye.is_some() && !camera.looks() {
+        if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {
             scene.camera.look = Look::At(scene.spheres.middle());
         }
         if let Some(framing) = camera.framing(frame.has_camera)? {
@@ -89,12 +83,14 @@ impl<'a> SceneFrames<'a> {
     }
 }
 
-/// The up direction of a camera that was given a view but no up: its own, or z where it looks along its own.
-fn upright(camera: &Camera) -> DVec3 {
-    match camera.look {
-        Look::View(view) if view.cross(camera.up).length() <= 1e-6 * view.length() => DVec3::Z,
-        _ => camera.up,
+/// Applies copies, clip planes and outline.
+pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, .. }: &mut SceneFrame) -> Result<()> {
+    let count = scene.spheres.len();
+    read.arrangement().apply(&mut scene.spheres, cell.as_ref(), &watch())?;
+    if count > 0 && scene.spheres.is_empty() {
+        scene.skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
     }
+    Ok(())
 }
 
 /// Rotates the camera about the up axis through the middle of all spheres, by a share of a full turn.

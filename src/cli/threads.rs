@@ -2,8 +2,10 @@
 //! the system allows the process.
 
 use super::say;
+use halfline::error::Result;
+use halfline::progress::Cancel;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::thread::{Builder, available_parallelism};
 
 /// More threads than this, or than there are cores if that is more, slow the work down.
@@ -38,8 +40,58 @@ pub(super) fn start() {
     };
 }
 
+/// Runs both, `beside` on another thread where the system allows one.
+pub(super) fn both<A, B: Send>(own: impl FnOnce() -> A, beside: impl Fn() -> B + Sync) -> (A, B) {
+    std::thread::scope(|scope| {
+        let other = (!is_alone()).then(|| Builder::new().spawn_scoped(scope, &beside));
+        let first = own();
+        match other {
+            Some(Ok(running)) => (first, running.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
+            _ => (first, beside()),
+        }
+    })
+}
+
+/// Calls `each` with what `next` gives, in order. `next` runs on another thread where the system allows one, one item
+/// ahead, and is cancelled when `each` fails.
+///
+/// # Errors
+/// The first error of either.
+pub(super) fn ahead<T: Send>(
+    mut next: impl FnMut() -> Result<Option<T>> + Send,
+    cancel: &Cancel,
+    mut each: impl FnMut(T) -> Result<()>,
+) -> Result<()> {
+    let done = std::thread::scope(|scope| {
+        // An item is handed over when the one before it is done, so there are at most two.
+        let (sender, receiver) = sync_channel(0);
+        let next = &mut next;
+        let make = move || loop {
+            let item = next().transpose();
+            let is_last = !matches!(item, Some(Ok(_)));
+            if sender.send(item).is_err() || is_last {
+                return;
+            }
+        };
+        if is_alone() || Builder::new().name("ahead".into()).spawn_scoped(scope, make).is_err() {
+            return None;
+        }
+        let done = receiver.iter().map_while(|item| item).try_for_each(|item| each(item?));
+        // The other thread may wait for a silent pipe, or for this one to take its item.
+        cancel.cancel();
+        drop(receiver);
+        Some(done)
+    });
+    done.unwrap_or_else(|| {
+        while let Some(item) = next()? {
+            each(item)?;
+        }
+        Ok(())
+    })
+}
+
 /// Whether this is the only thread of the pool; it must then not block on other threads.
-pub(super) fn is_alone() -> bool {
+fn is_alone() -> bool {
     rayon::current_thread_index().is_some()
 }
 

@@ -15,34 +15,42 @@ use crate::scene::{Spheres, check_color, check_sphere};
 use crate::trailer;
 use rayon::prelude::*;
 use std::io::{self, BufRead, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub(super) use records::Array;
 
+/// The remedy for spheres.
 const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.save";
 
 /// Appends the spheres of the file. Memory grows with the content of the file, not with the counts in its header.
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
-    let reader = Input::open(path, watch)?;
-    let bytes = reader.length();
-    let counts = reader.counts();
-    let mut npy = Npy { path, reader, bytes, counts };
+    let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
     let header = npy.header()?;
     npy.read(&header, &[4, 7], spheres).map(drop)
 }
 
 /// An array file while it is read.
-pub(super) struct Npy<'p, R> {
-    pub(super) path: &'p Path,
+pub(super) struct Npy<R> {
+    pub(super) path: PathBuf,
     pub(super) reader: R,
     /// The file's length, or a lower bound.
     pub(super) bytes: u64,
     /// The counters of the input.
     pub(super) counts: Arc<Counts>,
+    /// What to save instead of an array that cannot be used.
+    pub(super) mend: &'static str,
 }
 
-impl<R: BufRead> Npy<'_, R> {
+impl Npy<Input> {
+    /// The array at the beginning of `reader`.
+    pub(super) fn new(reader: Input, path: &Path, mend: &'static str) -> Self {
+        let (bytes, counts) = (reader.length(), reader.counts());
+        Self { path: path.to_path_buf(), reader, bytes, counts, mend }
+    }
+}
+
+impl<R: BufRead> Npy<R> {
     /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
     fn read(&mut self, header: &Header, widths: &[u64], spheres: &mut Spheres) -> Result<usize> {
         let (rows, width) = match header.shape[..] {
@@ -74,7 +82,7 @@ impl<R: BufRead> Npy<'_, R> {
     /// The header of the array.
     pub(super) fn header(&mut self) -> Result<Header> {
         Header::read(&mut self.reader).map_err(|fault| match fault {
-            HeaderFault::Io(error) => Error::read(self.path, error),
+            HeaderFault::Io(error) => Error::read(&self.path, error),
             fault => self.fail(fault.field(), fault.to_string()),
         })
     }
@@ -83,20 +91,29 @@ impl<R: BufRead> Npy<'_, R> {
     fn finish(&mut self, outcome: Result<(), Fault>, rows: u64) -> Result<()> {
         match outcome {
             Ok(()) => {}
-            Err(Fault::Numbers(found, e)) if e.kind() == io::ErrorKind::UnexpectedEof => {
-                return Err(self.fail("data", format!("the file ends after {found} of {rows} rows")));
-            }
-            Err(Fault::Numbers(_, e)) => return Err(Error::read(self.path, e)),
+            Err(Fault::Numbers(found, e)) => return Err(self.cut(e, found, rows)),
             Err(Fault::Row(row, error)) => {
                 return Err(relocate(error, |field| self.place(format!("row {row} {field}"))));
             }
         }
+        self.end(rows)
+    }
+
+    /// Checks that nothing follows the last row but a provenance.
+    pub(super) fn end(&mut self, rows: u64) -> Result<()> {
         let mut rest = Vec::new();
         match self.reader.by_ref().take(1 << 17).read_to_end(&mut rest) {
-            // A provenance may follow the array.
             Ok(_) if rest.is_empty() || trailer::json(&rest).is_some() => Ok(()),
             Ok(_) => Err(self.fail("data", format!("bytes follow the {rows} rows of the header"))),
-            Err(e) => Err(Error::read(self.path, e)),
+            Err(e) => Err(Error::read(&self.path, e)),
+        }
+    }
+
+    /// The error for an array of which only `found` rows could be read.
+    pub(super) fn cut(&self, error: io::Error, found: u64, rows: u64) -> Error {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => self.fail("data", format!("the file ends after {found} of {rows} rows")),
+            _ => Error::read(&self.path, error),
         }
     }
 
@@ -105,7 +122,7 @@ impl<R: BufRead> Npy<'_, R> {
     }
 
     pub(super) fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
-        Error::scene(self.place(field), problem, MEND)
+        Error::scene(self.place(field), problem, self.mend)
     }
 }
 

@@ -22,7 +22,7 @@ mod xyz;
 pub(super) use frame::{Column, ParticleFrames, Particles};
 pub(super) use layout::{Layout, Role, component, wanted};
 pub(super) use scalar::Scalar;
-pub(super) use table::{Table, axes};
+pub(super) use table::{Table, axes, delimiter, fields, has_content};
 
 use super::format::Format;
 use super::options::ReadOptions;

@@ -85,6 +85,15 @@ pub(super) fn write_anywhere(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io
     written.map_err(|error| told(path, error))
 }
 
+/// An anonymous file for parts of what will be written to `path`: in its folder, which has room for it, or in the
+/// system's folder of temporary files where `path` is a pipe or a device.
+pub(super) fn scratch(path: &Path) -> io::Result<File> {
+    match Destination::of(path)? {
+        Destination::File(file) => tempfile::tempfile_in(folder(&file)),
+        _ => tempfile::tempfile(),
+    }
+}
+
 /// The error of writing `path`, unless it wraps an [`Error`].
 fn told(path: &Path, error: io::Error) -> Error {
     error.downcast::<Error>().unwrap_or_else(|error| Error::write(path, error))

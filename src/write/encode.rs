@@ -111,7 +111,7 @@ fn missed(aov: Aov, style: &FormatOptions, x: f64) -> f64 {
 }
 
 /// The bytes of the values, where memory and file have the same byte order.
-fn plain<T: bytemuck::NoUninit + Sync, const N: usize>(
+pub(super) fn plain<T: bytemuck::NoUninit + Sync, const N: usize>(
     values: &[T],
     little: impl Fn(T) -> [u8; N] + Sync,
 ) -> Cow<'_, [u8]> {

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::frame::provenance::Provenance;
 use std::cell::Cell;
 use std::io::{self, Read, Write};
-use zip::write::SimpleFileOptions;
+use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
 /// The signature of ZIP archives with files.
@@ -20,36 +20,51 @@ const PROVENANCE: &str = "provenance.json";
 
 /// Writes every buffer and the provenance.
 pub(super) fn write(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -> io::Result<()> {
+    write_archive(out, |archive| {
+        for (layer, form) in head.forms.iter().enumerate() {
+            let bytes = head.row(layer) as u64 * head.size()[1] as u64;
+            npy::write_layer(head, layer, rows, archive.member(&member(form), bytes)?)?;
+        }
+        let json = head.provenance.to_json();
+        archive.member(PROVENANCE, json.len() as u64)?.write_all(json.as_bytes())
+    })
+}
+
+/// Writes an archive to `out` whose members `fill` adds.
+pub(super) fn write_archive(
+    out: &mut dyn Write,
+    fill: impl FnOnce(&mut Archive<'_>) -> io::Result<()>,
+) -> io::Result<()> {
     let failed = Cell::new(false);
-    let mut zip = ZipWriter::new_stream(UntilFailure { out, failed: &failed });
-    let options = |bytes: usize| {
+    let mut archive = Archive(ZipWriter::new_stream(UntilFailure { out, failed: &failed }));
+    // Dropping an unfinished writer would write the end of an incomplete archive; this discards it.
+    fill(&mut archive).inspect_err(|_| failed.set(true))?;
+    archive.0.finish()?;
+    Ok(())
+}
+
+/// An archive that is being written.
+pub(super) struct Archive<'a>(ZipWriter<StreamWriter<UntilFailure<'a>>>);
+
+impl Archive<'_> {
+    /// Begins a member whose data has this number of bytes; what is written to the result is its content.
+    pub(super) fn member(&mut self, name: &str, bytes: u64) -> io::Result<&mut dyn Write> {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
         // ZIP is limited to 2^32 bytes, ZIP64 is not; an array's header is short.
-        options
+        let options = options
             .last_modified_time(DateTime::DEFAULT)
             .system(System::Unix)
             .unix_permissions(0o644)
-            .large_file(bytes >= (1 << 32) - 4096)
-    };
-    let mut write = || {
-        for (layer, form) in head.forms.iter().enumerate() {
-            zip.start_file(member(form), options(head.row(layer) * head.size()[1]))?;
-            npy::write_layer(head, layer, rows, &mut zip)?;
-        }
-        let json = head.provenance.to_json();
-        zip.start_file(PROVENANCE, options(json.len()))?;
-        zip.write_all(json.as_bytes())
-    };
-    // Dropping an unfinished writer would write the end of an incomplete archive; this discards it.
-    write().inspect_err(|_| failed.set(true))?;
-    zip.finish()?;
-    Ok(())
+            .large_file(bytes >= (1 << 32) - 4096);
+        self.0.start_file(name, options)?;
+        Ok(&mut self.0)
+    }
 }
 
 /// Writes to `out` until a write fails, and discards the rest. A [`ZipWriter`] that could not finish tries again when
 /// it is dropped, and prints a second failure to standard error.
 struct UntilFailure<'a> {
-    out: &'a mut dyn Sink,
+    out: &'a mut dyn Write,
     failed: &'a Cell<bool>,
 }
 

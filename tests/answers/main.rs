@@ -38,6 +38,7 @@ mod samples;
 mod score;
 mod selftest;
 mod tiles;
+mod trace;
 mod tree;
 mod truth;
 mod twins;

@@ -210,9 +210,18 @@ fn a_failing_system_call_leaves_whole_files() {
     let merge = Case::new(shim, "merge of PNG", "merge 1.png 2.png -o whole.png", tiles.clone());
     let layers = Case::new(shim, "merge of EXR", "merge 1.exr 2.exr -o whole.exr", tiles);
 
+    let mut rays = scene();
+    rays.insert("rays.csv".into(), "0,0,9,0,0,-1\n0,0,9,0,0,0\n1,0,9,0,0,-1\n".into());
+    let trace = Case::new(
+        shim,
+        "trace",
+        "trace scene.toml --backend cpu --rays rays.csv --skip-invalid --json -o hits.npz",
+        rays,
+    );
+
     let mut faults = Vec::new();
     println!("command       kind    calls  runs by exit code");
-    for case in [&render, &resume, &merge, &layers] {
+    for case in [&render, &resume, &merge, &layers, &trace] {
         for (kind, codes) in KINDS {
             let (calls, ends, found) = case.every(shim, kind, codes);
             let ends: Vec<_> = ends.iter().map(|(code, runs)| format!("{runs} x {code}")).collect();

@@ -3,7 +3,8 @@
 
 use crate::test_dir::{Output, TestDir};
 
-const COMMANDS: [&str; 8] = ["render", "adapters", "compare", "merge", "measure", "plan", "completions", "man"];
+const COMMANDS: [&str; 9] =
+    ["render", "adapters", "compare", "merge", "measure", "plan", "trace", "completions", "man"];
 
 const RENDER: &str = "render --backend cpu one.xyz -o a.png";
 

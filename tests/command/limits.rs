@@ -89,6 +89,33 @@ fn too_little_memory_is_exit_code_5() {
     refused("compare 1.npy 1.npy", "none", (128..=1024).step_by(128));
 }
 
+/// The memory for many rays is that for some: blocks are read, traced and written one after the other.
+#[test]
+fn any_number_of_rays_needs_the_same_memory() {
+    let dir = dir();
+    // Rays of 24 bytes and hits of 33: 36 MB and 50 MB, or four times as many.
+    for (name, count) in [("some.npy", 1_500_000), ("many.npy", 6_000_000)] {
+        let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({count}, 6), }}");
+        header += &" ".repeat(117 - header.len());
+        let rays = [0.0f32, 0.0, 0.0, 0.0, 0.0, -1.0].into_iter().flat_map(f32::to_le_bytes).collect::<Vec<_>>();
+        dir.put(name, [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), b"\n", &rays.repeat(count)].concat());
+    }
+    for output in ["hits.npz", "hits.csv"] {
+        let traced = |name: &str, mib: u64| {
+            let words = format!("trace s.toml --backend cpu --rays {name} -o {output}");
+            let Output { code, err, .. } = run(&dir, &format!("ulimit -v {}", mib << 10), &words, &[]);
+            assert!(code == 0 || code == 5, "{name} in {mib} MiB: {code}: {err}");
+            assert_eq!(dir.path(output).exists(), code == 0, "{name} in {mib} MiB");
+            let _ = fs::remove_file(dir.path(output));
+            code == 0
+        };
+        let least = (96..2048).step_by(32).find(|mib| traced("some.npy", *mib)).expect("enough memory");
+        println!("{output}: {least} MiB");
+        // What lies where in the address space varies a little.
+        assert!(traced("many.npy", least + 32), "{output}: some rays are traced in {least} MiB");
+    }
+}
+
 #[test]
 fn a_file_beyond_the_size_limit_is_exit_code_8_and_not_written() {
     let dir = dir();
@@ -101,6 +128,12 @@ fn a_file_beyond_the_size_limit_is_exit_code_8_and_not_written() {
             dir.files().into_keys().filter(|name| !before.contains_key(name) && name != "a.png").collect();
         assert_eq!(left, [""; 0], "{words}");
         let _ = fs::remove_file(dir.path("a.png"));
+    }
+    for name in ["hits.npz", "hits.csv"] {
+        let words = format!("trace s.toml --backend cpu --pattern lidar:rings=1,step=0.01 -o {name}");
+        let ended = run(&dir, "ulimit -f 8", &words, &[]);
+        assert!(ended.code == 8 && ended.err.contains(&format!("cannot write {name}")), "{}", ended.err);
+        assert!(dir.files() == before, "{name}: {:?}", dir.files().keys());
     }
 }
 

@@ -27,3 +27,4 @@ mod resume;
 mod shots;
 #[cfg(unix)]
 mod streams;
+mod trace;

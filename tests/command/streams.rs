@@ -88,6 +88,8 @@ fn a_result_that_cannot_be_written_is_exit_code_8() {
         "render s.toml --backend cpu --aov depth=- --raw",
         "plan s.toml --backend cpu -o a.png",
         "plan s.toml --backend cpu -o a.png --json",
+        "trace s.toml --backend cpu --pattern lidar:rings=1,step=1 -o -",
+        "trace s.toml --backend cpu --pattern lidar:rings=1,step=1 --json",
         "compare 1.png 1.png",
         "compare 1.png 2.png --json",
         "compare 1.png 2.png -o -",

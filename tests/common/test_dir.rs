@@ -206,7 +206,7 @@ impl TestDir {
         assert!(out.is_empty(), "{list:?} printed {}", String::from_utf8_lossy(&out));
         assert!(!err.contains("panicked") && !err.contains('\x1b'), "{list:?}: {err}");
         let is_note = |line: &&str| {
-            let notes = ["rendering on ", "warning: "].map(|note| format!("halfline: {note}"));
+            let notes = ["rendering on ", "tracing on ", "warning: "].map(|note| format!("halfline: {note}"));
             notes.iter().any(|note| line.starts_with(note)) || line.contains(": falling back to the CPU")
         };
         let lines: Vec<_> = err.lines().filter(|line| !is_note(line)).collect();

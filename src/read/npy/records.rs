@@ -1,6 +1,6 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
-use super::Npy;
+use super::{MEND, Npy};
 use crate::error::{Error, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::npy::{DType, Field, Header};
@@ -26,8 +26,7 @@ impl Array {
 impl ParticleFrames for Array {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(SceneSource { reader, path, .. }) = self.source.take() else { return Ok(None) };
-        let (bytes, counts) = (reader.length(), reader.counts());
-        let mut npy = Npy { path: &path, reader, bytes, counts };
+        let mut npy = Npy::new(reader, &path, MEND);
         let header = npy.header()?;
         if let DType::Record(fields) = &header.dtype {
             return npy.records(&header, fields, &self.wanted).map(Some);
@@ -46,7 +45,7 @@ const MOST: usize = 1 << 16;
 /// Numbers per read.
 const BLOCK: usize = 1 << 16;
 
-impl Npy<'_, Input> {
+impl Npy<Input> {
     fn records(&mut self, header: &Header, fields: &[Field], wanted: &[String]) -> Result<Particles> {
         let rows = match header.shape[..] {
             [n] => n,
@@ -86,7 +85,7 @@ impl Npy<'_, Input> {
     }
 }
 
-impl<R: BufRead> Npy<'_, R> {
+impl<R: BufRead> Npy<R> {
     /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
     pub(in crate::read) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
         let DType::Plain(name) = &header.dtype else {
@@ -106,7 +105,7 @@ impl<R: BufRead> Npy<'_, R> {
             let wanted = (total - numbers.len() as u64).min(BLOCK as u64) * scalar.size() as u64;
             bytes.clear();
             self.counts.found();
-            (&mut self.reader).take(wanted).read_to_end(&mut bytes).map_err(|e| Error::read(self.path, e))?;
+            (&mut self.reader).take(wanted).read_to_end(&mut bytes).map_err(|e| Error::read(&self.path, e))?;
             reserve(&mut numbers, bytes.len() / scalar.size())?;
             numbers.extend(bytes.chunks_exact(scalar.size()).map(|number| scalar.number(number)));
             if (bytes.len() as u64) < wanted {
@@ -120,13 +119,6 @@ impl<R: BufRead> Npy<'_, R> {
             numbers = (0..rows * width).map(|at| numbers[at % width * rows + at / width]).collect();
         }
         Ok(numbers)
-    }
-
-    fn cut(&self, error: io::Error, found: u64, rows: u64) -> Error {
-        match error.kind() {
-            io::ErrorKind::UnexpectedEof => self.fail("data", format!("the file ends after {found} of {rows} rows")),
-            _ => Error::read(self.path, error),
-        }
     }
 }
 

@@ -50,7 +50,8 @@ impl Npz {
         let mut found = Arrays::default();
         while let Some(member) = archive.member()? {
             archive.open(&member, |path, reader| {
-                let mut npy = Npy { path, reader, bytes: 0, counts: Arc::clone(&counts) };
+                let (path, counts) = (path.to_path_buf(), Arc::clone(&counts));
+                let mut npy = Npy { path, reader, bytes: 0, counts, mend: MEND };
                 let header = npy.header()?;
                 found.take(member.name.trim_end_matches(".npy"), &header, &mut npy, &self.wanted)
             })?;
@@ -60,7 +61,7 @@ impl Npz {
 }
 
 impl Arrays {
-    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<'_, R>, wanted: &[String]) -> Result<()> {
+    fn take<R: BufRead>(&mut self, name: &str, header: &Header, npy: &mut Npy<R>, wanted: &[String]) -> Result<()> {
         let name = name.to_lowercase();
         let shape = header.shape.clone();
         if self.one.len() < MOST

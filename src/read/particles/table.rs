@@ -121,7 +121,7 @@ impl Table<Input> {
         if self.ahead {
             row(&self.lines, delimiter, &layout, &mut particles)?;
         }
-        rows(&mut self.lines, u64::MAX, &layout, &mut particles, |line, found| match says(line.text()) {
+        rows(&mut self.lines, u64::MAX, &layout, &mut particles, |line, found| match has_content(line.text()) {
             true => row(line, delimiter, &layout, found),
             false => Ok(()),
         })?;
@@ -144,7 +144,7 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
 }
 
 /// Whether a line is neither blank nor a comment.
-fn says(line: &str) -> bool {
+pub(crate) fn has_content(line: &str) -> bool {
     let text = line.trim_start();
     !text.is_empty() && !text.starts_with('#')
 }
@@ -152,7 +152,7 @@ fn says(line: &str) -> bool {
 /// Moves to the next line with content.
 fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
     while lines.advance()? {
-        if says(lines.text()) {
+        if has_content(lines.text()) {
             return Ok(true);
         }
     }
@@ -211,12 +211,12 @@ fn role(name: &str, unit: &str) -> Role {
 }
 
 /// The delimiter of a line.
-fn delimiter(line: &str) -> u8 {
+pub(crate) fn delimiter(line: &str) -> u8 {
     [b'\t', b';', b','].into_iter().find(|delimiter| line.as_bytes().contains(delimiter)).unwrap_or(b' ')
 }
 
 /// The fields of the current line from a byte on, without padding and quotes.
-fn fields<R: BufRead>(lines: &Lines<R>, start: usize, delimiter: u8) -> impl Iterator<Item = Word<'_, R>> {
+pub(crate) fn fields<R: BufRead>(lines: &Lines<R>, start: usize, delimiter: u8) -> impl Iterator<Item = Word<'_, R>> {
     let text = lines.text().as_bytes();
     let blank = move |byte: &u8| byte.is_ascii_whitespace() && (*byte != delimiter || delimiter == b' ');
     let ends = move |byte: &u8| if delimiter == b' ' { byte.is_ascii_whitespace() } else { *byte == delimiter };

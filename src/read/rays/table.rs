@@ -1,0 +1,156 @@
+//! Rays from text: one per line, separated by commas, semicolons, tabs or blanks. A header, also behind `#`, may name
+//! the columns in any order; without one they are in the order of a row. Blank lines and lines that begin with `#` are
+//! ignored.
+
+use super::block::{COLUMNS, MEND_ROW, REQUIRED, RayBlock, RayOptions, Row, flaw};
+use crate::error::{Error, Result};
+use crate::quote::quote;
+use crate::read::input::Input;
+use crate::read::lines::{Block, Lines};
+use crate::read::particles::{delimiter, fields, has_content};
+use rayon::prelude::*;
+use std::io::BufRead;
+use std::path::Path;
+
+const MEND: &str = "use the columns ox, oy, oz, dx, dy, dz and optionally tmax";
+
+pub(super) struct RayTable {
+    lines: Lines<Input>,
+    form: Form,
+    /// Whether the current line is a row that has not been parsed yet.
+    ahead: bool,
+    text: Block,
+}
+
+/// The form of the rows.
+struct Form {
+    /// The number of a row, from 0 to 6, in each column.
+    places: Vec<usize>,
+    delimiter: u8,
+}
+
+impl RayTable {
+    pub(super) fn open(reader: Input, path: &Path) -> Result<Self> {
+        let mut lines = Lines::new(reader, path);
+        let (mut places, mut ahead) = (None, false);
+        while !ahead && lines.advance()? {
+            let is_row = has_content(lines.text());
+            if places.is_some() {
+                // The row after the header shows the delimiter: numpy.savetxt uses any one in its header.
+                ahead = is_row;
+            } else if is_row
+                && fields(&lines, 0, delimiter(lines.text())).next().is_some_and(|word| is_number(word.text))
+            {
+                ahead = true;
+            } else {
+                let mark = lines.text().find(|c: char| c != '#' && !c.is_whitespace());
+                let header = named(&lines, if is_row { 0 } else { mark.unwrap_or_default() });
+                places = if is_row { Some(header?) } else { header.ok() };
+            }
+        }
+        if !ahead && places.is_none() {
+            return Err(Error::scene(lines.file(), "the file has no rays", MEND));
+        }
+        let delimiter = delimiter(lines.text());
+        let places = match places {
+            Some(places) => places,
+            None => match fields(&lines, 0, delimiter).count() {
+                count @ (6 | 7) => (0..count).collect(),
+                count => {
+                    let problem = format!("found {count} numbers in a row, expected 6 or 7");
+                    return Err(Error::scene(lines.place(0), problem, MEND));
+                }
+            },
+        };
+        Ok(Self { lines, form: Form { places, delimiter }, ahead, text: Block::default() })
+    }
+
+    /// The next rows; none after the last.
+    pub(super) fn block(&mut self, most: usize, options: &RayOptions) -> Result<RayBlock> {
+        let mut block = RayBlock::default();
+        if std::mem::take(&mut self.ahead) {
+            self.form.read(&self.lines, options, &mut block)?;
+        }
+        while block.rows() < most {
+            options.watch.check()?;
+            self.lines.block((most - block.rows()) as u64, &mut self.text)?;
+            if self.text.len() == 0 {
+                break;
+            }
+            let before = block.rows();
+            let parts: Vec<_> = self.text.parts().into_par_iter().map(|part| self.form.part(part, options)).collect();
+            parts.into_iter().try_for_each(|part| part.map(|part| block.append(part)))?;
+            if block.rows() > before {
+                self.lines.found();
+            }
+        }
+        Ok(block)
+    }
+}
+
+impl Form {
+    /// The rows of some lines.
+    fn part(&self, mut lines: Lines<&[u8]>, options: &RayOptions) -> Result<RayBlock> {
+        let mut block = RayBlock::default();
+        while lines.advance()? {
+            if has_content(lines.text()) {
+                self.read(&lines, options, &mut block)?;
+            }
+        }
+        Ok(block)
+    }
+
+    /// Adds the row in the current line.
+    fn read<R: BufRead>(&self, lines: &Lines<R>, options: &RayOptions, block: &mut RayBlock) -> Result<()> {
+        match self.row(lines) {
+            Ok(row) => block.push(row, self.places.len() > REQUIRED),
+            Err(Error::Scene { place, problem, source, .. }) => {
+                block.leave_out(options, || Error::Scene { place, problem, mend: MEND_ROW.into(), source })?
+            }
+            Err(other) => return Err(other),
+        }
+        Ok(())
+    }
+
+    fn row<R: BufRead>(&self, lines: &Lines<R>) -> Result<Row> {
+        let mut row = [f64::INFINITY; 7];
+        let mut words = fields(lines, 0, self.delimiter);
+        for (found, place) in self.places.iter().enumerate() {
+            let Some(word) = words.next() else {
+                let problem = format!("expected {} numbers, found {found}", self.places.len());
+                return Err(Error::scene(lines.place(lines.text().len()).named(COLUMNS[*place]), problem, MEND));
+            };
+            row[*place] = word.number(COLUMNS[*place])?;
+        }
+        if let Some(word) = words.next() {
+            let problem = format!("the row has more than the {} numbers of the others", self.places.len());
+            return Err(Error::scene(lines.place(word.at).named("row"), problem, MEND));
+        }
+        match flaw(&row) {
+            None => Ok(row),
+            Some((field, problem)) => Err(Error::scene(lines.place(0).named(field), problem, MEND)),
+        }
+    }
+}
+
+fn is_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok()
+}
+
+/// The number of a row in each column, by the header that begins at a byte of the current line.
+fn named<R: BufRead>(lines: &Lines<R>, start: usize) -> Result<Vec<usize>> {
+    let fail = |at: usize, problem: String| Error::scene(lines.place(at).named("header"), problem, MEND);
+    let mut places = Vec::new();
+    for word in fields(lines, start, delimiter(&lines.text()[start..])) {
+        let place = COLUMNS.iter().position(|name| name.eq_ignore_ascii_case(word.text));
+        let place = place.ok_or_else(|| fail(word.at, format!("unknown column {}", quote(word.text))))?;
+        if places.contains(&place) {
+            return Err(fail(word.at, format!("{} occurs twice", quote(word.text))));
+        }
+        places.push(place);
+    }
+    match (0..REQUIRED).find(|place| !places.contains(place)) {
+        Some(missing) => Err(fail(start, format!("column `{}` is missing", COLUMNS[missing]))),
+        None => Ok(places),
+    }
+}
