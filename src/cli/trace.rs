@@ -112,7 +112,6 @@ impl Trace {
         self.outputs().into_iter().try_for_each(check_writable)?;
         let cancel = Cancel::default();
         let mut source = self.source.open(&self.pose, &frame, watch().cancelled_by(&cancel))?;
-        say(format_args!("tracing on {} ({})", renderer.adapter(), renderer.driver()));
         if let Some(lidar) = source.lidar() {
             say(format_args!("{} rings x {} azimuths", lidar.rings(), lidar.azimuths()));
         }
@@ -127,6 +126,7 @@ impl Trace {
         warn(&warnings);
         let bar = Bar::with_output(self.progress, 1);
         let mut tracer = renderer.tracer(&spheres, &settings)?;
+        say(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
         let start = Instant::now();
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
         match &file {

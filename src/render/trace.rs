@@ -103,17 +103,22 @@ impl Tracer<'_> {
         self.renderer
     }
 
-    /// What traces: the adapter's name, or `cpu`. Certified and exact answers of given rays come from the CPU path
-    /// with every backend.
+    /// Whether an adapter traces. Certified and exact answers of given rays come from the CPU path with every backend.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        !self.plan.certifies() && self.renderer.is_gpu()
+    }
+
+    /// What traces: the adapter's name, or `cpu`.
     #[must_use]
     pub fn adapter(&self) -> &str {
-        if self.plan.certifies() { cpu::NAME } else { self.renderer.adapter() }
+        if self.is_gpu() { self.renderer.adapter() } else { cpu::NAME }
     }
 
     /// Driver and its version, threads for the CPU path.
     #[must_use]
     pub fn driver(&self) -> String {
-        if self.plan.certifies() { cpu::driver() } else { self.renderer.driver() }
+        if self.is_gpu() { self.renderer.driver() } else { cpu::driver() }
     }
 
     /// The accuracy of the answers: fast, certified or exact.

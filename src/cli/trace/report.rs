@@ -142,7 +142,7 @@ impl From<&Lidar> for Pattern {
 impl TraceReport {
     /// The report of what was counted.
     pub(super) fn new(tracer: &Tracer<'_>, tally: Tally, any: bool) -> Self {
-        let (renderer, seconds) = (tracer.renderer(), tally.trace_ms.iter().sum::<f64>() / 1e3);
+        let seconds = tally.trace_ms.iter().sum::<f64>() / 1e3;
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         Self {
             schema: "halfline-trace",
@@ -155,9 +155,9 @@ impl TraceReport {
             hits: tally.hits,
             invalid: tally.invalid,
             pattern: None,
-            adapter: renderer.adapter().to_owned(),
-            driver: renderer.driver(),
-            backend: if renderer.is_gpu() { "gpu" } else { "cpu" },
+            adapter: tracer.adapter().to_owned(),
+            driver: tracer.driver(),
+            backend: if tracer.is_gpu() { "gpu" } else { "cpu" },
             method: tracer.method(),
             accuracy: tracer.accuracy(),
             search: tracer.search().name(),

@@ -1,6 +1,6 @@
 //! The tree holds every sphere, is the same for any number of threads, and its padding is needed.
 
-use super::lanes::{LANE, Lanes, Portable};
+use super::lanes::{LANE, Lanes, NEVER, Portable};
 use super::walk::{Test, may_meet, walk};
 use super::*;
 use crate::double_double as dd;
@@ -165,11 +165,12 @@ fn compare_lanes<L: Lanes>(lanes: L) {
         let mask = lanes.at_most(a, b);
         assert_eq!(mask, Portable.at_most(numbers, others));
         for mask in [mask, 0, 255, random.bits() as u32 & 255] {
+            let (mut keys, mut plain) = (lanes.keys(a, mask), Portable.keys(numbers, mask));
+            let taken: Vec<u32> = (0..=WIDE).map(|_| lanes.take_least(&mut keys)).collect();
+            assert_eq!(taken, (0..=WIDE).map(|_| Portable.take_least(&mut plain)).collect::<Vec<_>>());
             let count = mask.count_ones() as usize;
-            let (sorted, plain) = (lanes.sorted(a, mask), Portable.sorted(numbers, mask));
-            assert_eq!(sorted[..count], plain[..count]);
-            assert!(plain[..count].iter().all(|key| mask >> (key & LANE) & 1 == 1));
-            assert!(plain[..count].is_sorted());
+            assert!(taken.is_sorted() && taken[count..].iter().all(|key| *key == NEVER));
+            assert!(taken[..count].iter().all(|key| mask >> (key & LANE) & 1 == 1));
         }
     }
 }
