@@ -1,57 +1,131 @@
-//! Times given rays: `rays SPHERES RAYS BACKEND ACCURACY REPEATS [OUT]`, files as of benches/peers/embree_rays.cpp.
-//! Prints one line of JSON, times in milliseconds; t (f64) and id (i32) go to OUT.
+//! Given rays, for measurements: makes files of spheres and rays, and times them. benches/peers/rays compares with Embree.
+//!
+//! ```sh
+//! cargo run --release --example rays -- make cloud 1e6 SPHERES    # equal spheres uniform in the unit cube
+//! cargo run --release --example rays -- make inside 1e6 RAYS      # from points in the cube, in any direction
+//! cargo run --release --example rays -- make outside 1e6 RAYS     # from points 3 away, to points in the cube
+//! cargo run --release --example rays -- time SPHERES RAYS cpu certified 4 [HITS]
+//! ```
+//!
+//! Files hold f32: x y z r, or ox oy oz dx dy dz. `time` prints a line of JSON with milliseconds: to set up the spheres,
+//! and of each call for the nearest hits and for any hits. HITS gets t (f64) and id (i32) of all rays.
+
+mod cloud;
 
 use halfline::{Accuracy, Backend, Rays, Renderer, Settings, Spheres};
+use std::error::Error;
+use std::f64::consts::TAU;
 use std::io::Write;
 use std::time::Instant;
 
-fn floats(name: &str) -> Vec<f64> {
-    let bytes = std::fs::read(name).expect("a file of f32");
-    bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect()
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Outcome<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["make", kind, count, file] => make(kind, count.parse::<f64>()? as usize, file),
+        ["time", spheres, rays, backend, accuracy, repeats] => {
+            time([spheres, rays], backend.parse()?, accuracy.parse()?, repeats.parse()?, None)
+        }
+        ["time", spheres, rays, backend, accuracy, repeats, hits] => {
+            time([spheres, rays], backend.parse()?, accuracy.parse()?, repeats.parse()?, Some(hits))
+        }
+        _ => Err("see the head of examples/rays.rs".into()),
+    }
 }
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let mut spheres = Spheres::default();
-    for s in floats(&arguments[0]).chunks_exact(4) {
-        spheres.push([s[0], s[1], s[2]], s[3], None);
+fn make(kind: &str, count: usize, file: &str) -> Outcome<()> {
+    let mut state = 77u64;
+    // xorshift64* (Vigna 2016).
+    let mut next = || {
+        state ^= state >> 12;
+        state ^= state << 25;
+        state ^= state >> 27;
+        (state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut on_sphere = |next: &mut dyn FnMut() -> f64| {
+        let (z, angle) = (2.0 * next() - 1.0, TAU * next());
+        let r = (1.0 - z * z).sqrt();
+        [r * angle.cos(), r * angle.sin(), z]
+    };
+    let mut out = std::io::BufWriter::new(std::fs::File::create(file)?);
+    let mut row = |numbers: &[f64]| numbers.iter().try_for_each(|x| out.write_all(&(*x as f32).to_le_bytes()));
+    match kind {
+        "cloud" => {
+            let spheres = cloud::cloud(count).spheres;
+            for (c, r) in spheres.centers.iter().zip(&spheres.radii) {
+                row(&[c[0], c[1], c[2], *r])?;
+            }
+        }
+        "inside" => {
+            for _ in 0..count {
+                let origin = [next(), next(), next()];
+                row(&origin)?;
+                row(&on_sphere(&mut next))?;
+            }
+        }
+        "outside" => {
+            for _ in 0..count {
+                let origin = on_sphere(&mut next).map(|x| 0.5 + 3.0 * x);
+                let to = [next(), next(), next()];
+                let way: [f64; 3] = std::array::from_fn(|k| to[k] - origin[k]);
+                let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+                row(&origin)?;
+                row(&way.map(|x| x / length))?;
+            }
+        }
+        _ => return Err(format!("no kind {kind}: cloud, inside, outside").into()),
     }
-    let rays = floats(&arguments[1]);
+    Ok(out.flush()?)
+}
+
+fn floats(name: &str) -> Outcome<Vec<f64>> {
+    let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    Ok(std::fs::read(name)?.chunks_exact(4).map(number).collect())
+}
+
+fn time(
+    [spheres, rays]: [&str; 2],
+    backend: Backend,
+    accuracy: Accuracy,
+    repeats: usize,
+    file: Option<&str>,
+) -> Outcome<()> {
+    let mut scene = Spheres::default();
+    for s in floats(spheres)?.chunks_exact(4) {
+        scene.push([s[0], s[1], s[2]], s[3], None);
+    }
+    let rays = floats(rays)?;
     let origins: Vec<[f64; 3]> = rays.chunks_exact(6).map(|r| [r[0], r[1], r[2]]).collect();
     let directions: Vec<[f64; 3]> = rays.chunks_exact(6).map(|r| [r[3], r[4], r[5]]).collect();
-    let backend: Backend = arguments[2].parse().expect("a backend");
-    let accuracy: Accuracy = arguments[3].parse().expect("an accuracy");
-    let repeats: usize = arguments[4].parse().expect("a count");
-    let settings = Settings { backend, accuracy, ..Settings::default() };
-    let mut renderer = Renderer::new(&settings).expect("a renderer");
-    let mut tracer = renderer.tracer(&spheres, &settings).expect("a tracer");
     let rays = Rays { origins: &origins, directions: &directions, limits: &[] };
+    let settings = Settings { backend, accuracy, ..Settings::default() };
+    let mut renderer = Renderer::new(&settings)?;
+    let mut tracer = renderer.tracer(&scene, &settings)?;
     let (mut nearest, mut any) = (Vec::new(), Vec::new());
-    let mut hits = None;
+    let mut hits = tracer.hits(&Rays::default())?;
     for _ in 0..repeats {
         let start = Instant::now();
-        hits = Some(tracer.hits(&rays).expect("hits"));
+        hits = tracer.hits(&rays)?;
         nearest.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    for _ in 0..repeats {
         let start = Instant::now();
-        tracer.occluded(&rays).expect("answers");
+        tracer.occluded(&rays)?;
         any.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    let hits = hits.expect("hits");
     let settled = hits.certainty.iter().filter(|c| **c == 1).count();
     let met = hits.id.iter().filter(|id| **id >= 0).count();
     println!(
-        "{{\"build_ms\": {:.1}, \"nearest_ms\": {nearest:.1?}, \"any_ms\": {any:.1?}, \"hits\": {met}, \"settled\": {settled}}}",
+        "{{\"adapter\": {:?}, \"build_ms\": {:.1}, \"nearest_ms\": {nearest:.1?}, \"any_ms\": {any:.1?}, \"hits\": {met}, \
+         \"settled\": {settled}}}",
+        tracer.adapter(),
         tracer.build_ms()
     );
-    if let Some(out) = arguments.get(5) {
-        let mut file = std::io::BufWriter::new(std::fs::File::create(out).expect("a file"));
-        for t in &hits.t {
-            file.write_all(&t.to_le_bytes()).expect("space");
-        }
-        for id in &hits.id {
-            file.write_all(&id.to_le_bytes()).expect("space");
-        }
+    if let Some(file) = file {
+        let mut out = std::io::BufWriter::new(std::fs::File::create(file)?);
+        hits.t.iter().try_for_each(|t| out.write_all(&t.to_le_bytes()))?;
+        hits.id.iter().try_for_each(|id| out.write_all(&id.to_le_bytes()))?;
+        out.flush()?;
     }
+    Ok(())
 }

@@ -18,9 +18,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn max(self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// One bit for each lane where a <= b.
     fn at_most(self, a: Self::Number, b: Self::Number) -> u32;
-    /// The numbers that `mask` selects, none of them negative, as keys that compare like them: their bits, the last
-    /// three of which are replaced by the lane. [`NEVER`] for the others.
-    fn keys(self, numbers: Self::Number, mask: u32) -> Self::Keys;
+    /// The numbers of `near`, none of them negative, as keys that compare like them: their bits, the last three of
+    /// which are replaced by the lane. [`NEVER`] where `near` is not at most `far`.
+    fn keys(self, near: Self::Number, far: Self::Number) -> Self::Keys;
     /// The least key, which is replaced by [`NEVER`].
     fn take_least(self, keys: &mut Self::Keys) -> u32;
 }
@@ -76,9 +76,9 @@ impl Lanes for Portable {
         (0..WIDE).fold(0, |mask, lane| mask | u32::from(a[lane] <= b[lane]) << lane)
     }
     #[inline(always)]
-    fn keys(self, numbers: Self::Number, mask: u32) -> Self::Keys {
-        let key = |lane: usize| numbers[lane].to_bits() & !LANE | lane as u32;
-        std::array::from_fn(|lane| if mask >> lane & 1 == 1 { key(lane) } else { NEVER })
+    fn keys(self, near: Self::Number, far: Self::Number) -> Self::Keys {
+        let key = |lane: usize| near[lane].to_bits() & !LANE | lane as u32;
+        std::array::from_fn(|lane| if near[lane] <= far[lane] { key(lane) } else { NEVER })
     }
     #[inline(always)]
     fn take_least(self, keys: &mut Self::Keys) -> u32 {
@@ -132,13 +132,11 @@ mod avx2 {
             self.avx._mm256_movemask_ps(self.avx._mm256_cmp_ps::<18>(a, b)) as u32
         }
         #[inline(always)]
-        fn keys(self, numbers: __m256, mask: u32) -> __m256i {
+        fn keys(self, near: __m256, far: __m256) -> __m256i {
             let lanes: __m256i = cast([0u32, 1, 2, 3, 4, 5, 6, 7]);
-            let bits: __m256i = cast([1u32, 2, 4, 8, 16, 32, 64, 128]);
-            let off = self.avx2._mm256_and_si256(self.avx._mm256_set1_epi32(!mask as i32), bits);
-            // All ones where the lane is not selected.
-            let absent = self.avx2._mm256_cmpeq_epi32(off, bits);
-            let high = self.avx2._mm256_andnot_si256(self.avx._mm256_set1_epi32(LANE as i32), cast(numbers));
+            // 22: not less or equal, quiet, true for NaN. All ones in the lanes that are absent.
+            let absent: __m256i = cast(self.avx._mm256_cmp_ps::<22>(near, far));
+            let high = self.avx2._mm256_andnot_si256(self.avx._mm256_set1_epi32(LANE as i32), cast(near));
             self.avx2._mm256_or_si256(self.avx2._mm256_or_si256(high, lanes), absent)
         }
         #[inline(always)]

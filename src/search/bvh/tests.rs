@@ -164,14 +164,12 @@ fn compare_lanes<L: Lanes>(lanes: L) {
         let (a, b) = (lanes.load(&numbers), lanes.load(&others));
         let mask = lanes.at_most(a, b);
         assert_eq!(mask, Portable.at_most(numbers, others));
-        for mask in [mask, 0, 255, random.bits() as u32 & 255] {
-            let (mut keys, mut plain) = (lanes.keys(a, mask), Portable.keys(numbers, mask));
-            let taken: Vec<u32> = (0..=WIDE).map(|_| lanes.take_least(&mut keys)).collect();
-            assert_eq!(taken, (0..=WIDE).map(|_| Portable.take_least(&mut plain)).collect::<Vec<_>>());
-            let count = mask.count_ones() as usize;
-            assert!(taken.is_sorted() && taken[count..].iter().all(|key| *key == NEVER));
-            assert!(taken[..count].iter().all(|key| mask >> (key & LANE) & 1 == 1));
-        }
+        let (mut keys, mut plain) = (lanes.keys(a, b), Portable.keys(numbers, others));
+        let taken: Vec<u32> = (0..=WIDE).map(|_| lanes.take_least(&mut keys)).collect();
+        assert_eq!(taken, (0..=WIDE).map(|_| Portable.take_least(&mut plain)).collect::<Vec<_>>());
+        let count = mask.count_ones() as usize;
+        assert!(taken.is_sorted() && taken[count..].iter().all(|key| *key == NEVER));
+        assert!(taken[..count].iter().all(|key| mask >> (key & LANE) & 1 == 1));
     }
 }
 

@@ -60,7 +60,7 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
         near = l.max(l.mul(l.sub(l.load(first), l.splat(ray.enter[n])), inverse), near);
         far = l.min(l.mul(l.sub(l.load(last), l.splat(ray.leave[n])), inverse), far);
     }
-    l.keys(near, l.at_most(near, far))
+    l.keys(near, far)
 }
 
 /// The spheres of a block that the ray may meet before `limit`, one bit each.
