@@ -5,6 +5,7 @@
 //! cargo run --release --example rays -- make inside 1e6 RAYS      # from points in the cube, in any direction
 //! cargo run --release --example rays -- make outside 1e6 RAYS     # from points 3 away, to points in the cube
 //! cargo run --release --example rays -- time SPHERES RAYS cpu certified 4 [HITS]
+//! cargo run --release --example rays -- check SPHERES RAYS        # certified against exact, asked about every sphere
 //! ```
 //!
 //! Files hold f32: x y z r, or ox oy oz dx dy dz. `time` prints a line of JSON with milliseconds: to set up the spheres,
@@ -12,7 +13,7 @@
 
 mod cloud;
 
-use halfline::{Accuracy, Backend, Rays, Renderer, Settings, Spheres};
+use halfline::{Accuracy, Aov, Backend, Hits, Rays, Renderer, Search, Settings, Spheres};
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -31,6 +32,7 @@ fn main() -> Outcome<()> {
         ["time", spheres, rays, backend, accuracy, repeats, hits] => {
             time([spheres, rays], backend.parse()?, accuracy.parse()?, repeats.parse()?, Some(hits))
         }
+        ["check", spheres, rays] => check([spheres, rays]),
         _ => Err("see the head of examples/rays.rs".into()),
     }
 }
@@ -85,20 +87,57 @@ fn floats(name: &str) -> Outcome<Vec<f64>> {
     Ok(std::fs::read(name)?.chunks_exact(4).map(number).collect())
 }
 
-fn time(
-    [spheres, rays]: [&str; 2],
-    backend: Backend,
-    accuracy: Accuracy,
-    repeats: usize,
-    file: Option<&str>,
-) -> Outcome<()> {
+/// Spheres, and origins and directions of rays.
+type Input = (Spheres, Vec<[f64; 3]>, Vec<[f64; 3]>);
+
+fn input([spheres, rays]: [&str; 2]) -> Outcome<Input> {
     let mut scene = Spheres::default();
     for s in floats(spheres)?.chunks_exact(4) {
         scene.push([s[0], s[1], s[2]], s[3], None);
     }
     let rays = floats(rays)?;
-    let origins: Vec<[f64; 3]> = rays.chunks_exact(6).map(|r| [r[0], r[1], r[2]]).collect();
-    let directions: Vec<[f64; 3]> = rays.chunks_exact(6).map(|r| [r[3], r[4], r[5]]).collect();
+    let three = |first: usize| rays.chunks_exact(6).map(|r| [r[first], r[first + 1], r[first + 2]]).collect();
+    Ok((scene, three(0), three(3)))
+}
+
+/// Compares certified answers with exact ones, for which every ray asks every sphere.
+fn check(files: [&str; 2]) -> Outcome<()> {
+    let (scene, origins, directions) = input(files)?;
+    let mut renderer = Renderer::new(&Settings { backend: Backend::Cpu, ..Settings::default() })?;
+    let mut trace = |accuracy, search, origins: &[[f64; 3]], directions: &[[f64; 3]]| {
+        let settings = Settings { accuracy, search, aovs: vec![Aov::Normal], ..Settings::default() };
+        let rays = Rays { origins, directions, limits: &[] };
+        let mut tracer = renderer.tracer(&scene, &settings)?;
+        Ok::<_, halfline::Error>((tracer.hits(&rays)?, tracer.occluded(&rays)?))
+    };
+    let (mut wrong, mut settled, mut hits, mut worst) = (0, 0, 0, [0.0f64; 2]);
+    for (origins, directions) in origins.chunks(1 << 18).zip(directions.chunks(1 << 18)) {
+        let (ours, any) = trace(Accuracy::Certified, Search::Tree, origins, directions)?;
+        let (truth, _) = trace(Accuracy::Exact, Search::All, origins, directions)?;
+        for n in 0..truth.id.len() {
+            let hit = truth.id[n] >= 0;
+            settled += usize::from(ours.certainty[n] == 1);
+            hits += usize::from(hit);
+            wrong += usize::from(ours.id[n] != truth.id[n] || any.hit[n] != u8::from(hit));
+            if hit {
+                worst[0] = worst[0].max((ours.t[n] - truth.t[n]).abs() / truth.t[n]);
+                let normal = |hits: &Hits| hits.normal.as_ref().map_or([0.0; 3], |normals| normals[n]);
+                let off: f64 = normal(&ours).iter().zip(normal(&truth)).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+                worst[1] = worst[1].max(off.sqrt());
+            }
+        }
+    }
+    println!(
+        "{{\"rays\": {}, \"hits\": {hits}, \"wrong\": {wrong}, \"settled\": {settled}, \"worst_t\": {:e}, \"worst_normal\": {:e}}}",
+        origins.len(),
+        worst[0],
+        worst[1]
+    );
+    Ok(())
+}
+
+fn time(files: [&str; 2], backend: Backend, accuracy: Accuracy, repeats: usize, file: Option<&str>) -> Outcome<()> {
+    let (scene, origins, directions) = input(files)?;
     let rays = Rays { origins: &origins, directions: &directions, limits: &[] };
     let settings = Settings { backend, accuracy, ..Settings::default() };
     let mut renderer = Renderer::new(&settings)?;
