@@ -46,7 +46,7 @@ fn make(kind: &str, count: usize, file: &str) -> Outcome<()> {
         state ^= state >> 27;
         (state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
     };
-    let mut on_sphere = |next: &mut dyn FnMut() -> f64| {
+    let on_sphere = |next: &mut dyn FnMut() -> f64| {
         let (z, angle) = (2.0 * next() - 1.0, TAU * next());
         let r = (1.0 - z * z).sqrt();
         [r * angle.cos(), r * angle.sin(), z]
