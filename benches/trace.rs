@@ -1,4 +1,4 @@
-//! 1e5 given rays and spheres in a unit cube: by a search of all spheres and by a tree, which is rebuilt for every
+//! 1e5 given rays and spheres in a unit cube: by a method, by a search of all spheres and by a tree, which is rebuilt for every
 //! call.
 //!
 //! ```sh
@@ -11,7 +11,7 @@ mod cloud;
 
 use cloud::cloud;
 use criterion::{Criterion, criterion_group, criterion_main};
-use halfline::{Backend, Renderer, Search, Settings};
+use halfline::{Backend, Method, Renderer, Search, Settings};
 use std::time::Duration;
 
 const RAYS: usize = 100_000;
@@ -50,7 +50,7 @@ fn traces(criterion: &mut Criterion) {
                     println!("SKIPPED {count}/all/{}: more than {PATIENCE} tests", backend.name());
                     continue;
                 }
-                let settings = Settings { backend, search, ..Settings::default() };
+                let settings = Settings { backend, search, method: Some(Method::Stable), ..Settings::default() };
                 for (name, spread) in [("shared", false), ("spread", true)] {
                     let (origins, directions) = rays(spread);
                     group.bench_function(format!("{}/{name}/{}", search.name(), backend.name()), |bencher| {

@@ -166,6 +166,28 @@ fn a_tree_changes_no_answer_on_the_gpu() {
     }
 }
 
+/// Rays that run side by side on a device wait for each other, but answer alone.
+#[test]
+fn the_order_of_rays_changes_no_answer_of_a_method() {
+    let gpu = gpu_or_skip();
+    for mut renderer in gpu.into_iter().chain([cpu()]) {
+        for case in
+            cases().into_iter().filter(|case| ["many", "all about one point", "duplicates"].contains(&case.name))
+        {
+            let settings = Settings { method: Some(Method::Stable), search: Search::Tree, ..Settings::default() };
+            let mut traced = |origins: &[[f64; 3]], directions: &[[f64; 3]]| {
+                let hits = renderer.trace(&case.spheres, origins, directions, &settings).expect("hits");
+                hits.id.into_iter().zip(hits.t.into_iter().map(f64::to_bits)).collect::<Vec<_>>()
+            };
+            let answers = traced(&case.origins, &case.directions);
+            let reversed = |of: &[[f64; 3]]| of.iter().rev().copied().collect::<Vec<_>>();
+            let mut other = traced(&reversed(&case.origins), &reversed(&case.directions));
+            other.reverse();
+            assert!(answers == other && answers.iter().any(|(id, _)| *id >= 0), "{}", case.name);
+        }
+    }
+}
+
 #[test]
 fn few_spheres_or_few_rays_are_searched_without_a_tree() {
     let random = &mut Rng::new(12);

@@ -26,7 +26,7 @@ pub(super) fn for_viewing_rays(requested: Search, certified: bool, spheres: usiz
 /// Up to this number of spheres testing all of them is cheaper than walking a tree. Clouds, 1e5 rays, both ways of
 /// origins, CPU milliseconds per call by all and by a tree: lavapipe 33 and 41, 71 and 80 with 32 spheres, 47 and 42,
 /// 91 and 83 with 64; the CPU path 20 and 24, 70 and 58 with 32, 34 and 24, 128 and 59 with 64 (Mesa 22.3.6, 2 shared
-/// cores).
+/// cores; an earlier tree of two boxes per node, as for the next number).
 const FEW_SPHERES: usize = 48;
 
 /// Up to this number of rays testing all spheres is cheaper than building a tree, for any number of spheres: 1e5

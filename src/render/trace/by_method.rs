@@ -73,15 +73,18 @@ impl Tracer<'_> {
                 }
                 Executor::Cpu => cpu::given_rays(&kernel, &view, &records, in_tree, &mut raw),
             }
-            for (k, &n) in group.rays.iter().enumerate() {
+            let there = |(k, n): (usize, &u32)| {
+                let d = directions[*n as usize];
+                let t = dd::ldexp(raw.t(k), view.unit - scale(d));
+                (t, t * DVec3::from_array(d).length())
+            };
+            let there: Vec<(f64, f64)> = group.rays.par_iter().enumerate().map(there).collect();
+            for (k, (&n, (t, distance))) in group.rays.iter().zip(there).enumerate() {
                 let n = n as usize;
-                let t = dd::ldexp(raw.t(k), view.unit - scale(directions[n]));
                 if raw.id[k] == NONE || t >= rays.ray(n).limit {
                     continue;
                 }
-                hits.id[n] = raw.id[k] as i32;
-                hits.t[n] = t;
-                hits.distance[n] = hits.t[n] * DVec3::from_array(directions[n]).length();
+                (hits.id[n], hits.t[n], hits.distance[n]) = (raw.id[k] as i32, t, distance);
                 if let Some(normal) = &mut hits.normal {
                     normal[n] = [raw.normal[3 * k], raw.normal[3 * k + 1], raw.normal[3 * k + 2]];
                 }
