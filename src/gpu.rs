@@ -10,6 +10,7 @@ pub(crate) mod selftest;
 pub(crate) mod submission_budget;
 #[cfg(test)]
 mod tests;
+pub(crate) mod texture;
 pub(crate) mod transfers;
 mod validate;
 

@@ -1,18 +1,6 @@
 // The closest hit among the general spheres, which every ray tests, and the candidates of the tile. Both are stored in
 // spheres, in whole chunks.
 
-// The closest hit so far, and its sphere's index in spheres.
-struct Found {
-    hit: Hit,
-    place: u32,
-}
-
-alias Searcher = Ray;
-alias Best = Found;
-
-// The index of the hit sphere in spheres.
-var<private> place: u32;
-
 // Invocations that share loads leave the list together; those that could leave earlier keep their hit.
 fn nearest(ray: Ray, tile: vec3<u32>) -> Hit {
     let range = tile_list(tile);
@@ -32,17 +20,4 @@ fn nearest(ray: Ray, tile: vec3<u32>) -> Hit {
     }
     place = found.place;
     return found.hit;
-}
-
-fn load(n: u32) -> Record {
-    return record_at(n);
-}
-
-fn test(ray: Ray, found: Found, r: Record, n: u32) -> Found {
-    let hit = closer_hit_any_order(found.hit, ray, sphere_of(r), r.id);
-    return Found(hit, select(found.place, n, hit.id != found.hit.id));
-}
-
-fn record_of(hit: Hit) -> Record {
-    return record_at(place);
 }

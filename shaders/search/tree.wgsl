@@ -1,109 +1,174 @@
-// The closest hit by a tree of bounding boxes over the spheres. The host pads the boxes so that they contain every hit.
-const STACK: u32 = 32u;              // depth of the stack; the host builds no deeper tree
-const IS_LEAF: u32 = 0x80000000u;    // marks a link to a leaf: 4 bits for the number of spheres, 27 for the first
-const FIRST: u32 = 0x07ffffffu;
-const NOWHERE: u32 = 0xffffffffu;    // a link to nothing
-const LEAST: f32 = 2.3283064e-10;    // 2^-32: replaces smaller components of a direction, to avoid a division by 0
+// The closest hit by a complete tree of bounding boxes over the spheres, eight children to a node, which lie in spheres in
+// its order. The host pads the rays so that they enter every box of a hit (docs/tree.md).
+const LEVELS: u32 = 10u;           // the most levels of nodes
+const FIRSTS: u32 = 0x49249249u;   // its lowest 3 l bits are the place of the first node of level l, (8^l - 1)/7
+const LANE: u32 = 7u;              // the bits of a key that tell the child
+const NEVER: u32 = 0xffffffffu;    // the key of a child that the ray does not enter
+const NOWHERE: u32 = 0xffffffffu;  // a level beyond all others
+const ROW_BITS: u32 = 10u;         // a row of the texture holds 2^10 nodes
 
-// The corners of two boxes as bits, with the links to their children in the w components of the low corners. Bits,
-// because a link that is loaded as an f32 may be flushed to zero.
+// Eight boxes on a grid of 8 bits.
 struct Node {
-    low_a: vec4<u32>,
-    high_a: vec4<u32>,
-    low_b: vec4<u32>,
-    high_b: vec4<u32>,
+    origin: vec3<f32>,             // least x, y, z of all
+    grid: u32,                     // from the lowest bits: the exponents of its steps in x, y, z; which children exist
+    planes: array<vec2<u32>, 6>,   // steps from the origin, one byte for each child: least x, y, z, greatest x, y, z
 }
 
-@group(0) @binding(BIND_NODES) var<storage, read> nodes: array<Node>;
-@group(0) @binding(BIND_ORDER) var<storage, read> order: array<u32>;
-
-// A ray for slab tests: the origin, and the reciprocals of the direction's components.
-struct Slabs {
-    origin: vec3<f32>,
-    inverse: vec3<f32>,
+// A ray in the tree's unit.
+struct BoxRay {
+    enter: vec4<f32>,              // a point of the line, moved back by the padding; w: its t
+    leave: vec4<f32>,              // the same moved ahead; w: the frame's unit of t in the tree's
+    inverse: vec4<f32>,            // of the direction's components; w unused
 }
 
-fn slabs_of(direction: vec3<f32>, origin: vec3<f32>) -> Slabs {
-    let least = select(vec3<f32>(LEAST), vec3<f32>(-LEAST), direction < vec3<f32>(0.0));
-    return Slabs(origin, 1.0 / select(direction, least, abs(direction) < vec3<f32>(LEAST)));
+@group(0) @binding(BIND_NODES) var nodes: texture_2d<u32>;  // four texels each
+@group(0) @binding(BIND_BOXES) var<storage, read> boxes: array<BoxRay>;
+
+fn node_at(n: u32) -> Node {
+    let first = vec2<u32>((n << 2u) & ((4u << ROW_BITS) - 1u), n >> ROW_BITS);
+    let a = textureLoad(nodes, first, 0);
+    let b = textureLoad(nodes, first + vec2<u32>(1u, 0u), 0);
+    let c = textureLoad(nodes, first + vec2<u32>(2u, 0u), 0);
+    let d = textureLoad(nodes, first + vec2<u32>(3u, 0u), 0);
+    return Node(bitcast<vec3<f32>>(a.xyz), a.w, array<vec2<u32>, 6>(b.xy, b.zw, c.xy, c.zw, d.xy, d.zw));
 }
 
-// t where the ray enters the box, at least 0; MISS if it does not.
-fn entry(slabs: Slabs, low: vec4<u32>, high: vec4<u32>) -> f32 {
-    let a = (bitcast<vec3<f32>>(low.xyz) - slabs.origin) * slabs.inverse;
-    let b = (bitcast<vec3<f32>>(high.xyz) - slabs.origin) * slabs.inverse;
-    let first = min(a, b);
-    let last = max(a, b);
-    let near = max(max(first.x, first.y), max(first.z, 0.0));
-    let far = min(min(last.x, last.y), last.z);
-    return select(MISS, near, near <= far);
+// The children that wait, of one node of each level for each ray of the workgroup: four bits each, the nearest lowest, and
+// t where the ray enters the nearest. In workgroup memory, because software adapters compile a private array into a
+// chain of comparisons.
+var<workgroup> waiting: array<vec2<u32>, GROUP * LEVELS>;
+
+// A node or a sphere of the tree.
+struct Position {
+    level: u32,
+    place: u32, // in its level
+    open: u32,  // the levels, one bit each, of which children wait
 }
 
-// The traversal stacks of the workgroup's rays: the bits of the entry t, and a link. In workgroup memory, because
-// software adapters compile a private array into a chain of comparisons.
-var<workgroup> waiting: array<vec2<u32>, GROUP * STACK>;
+// Four numbers of a byte each.
+fn bytes(word: u32) -> vec4<f32> {
+    return vec4<f32>(vec4<i32>((vec4<u32>(word) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u)));
+}
 
-// Pops the last link whose box is not behind the current hit; NOWHERE if there is none. depth is the number of entries
-// on the stack.
-fn resume(depth: ptr<function, u32>, reach: f32) -> u32 {
-    while (*depth > 0u) {
-        *depth -= 1u;
-        let next = waiting[*depth * GROUP + local_index];
-        if (bitcast<f32>(next.x) <= reach) {
-            return next.y;
+// The keys of four children: t where the ray enters the box, the last bits replaced by the number of the child.
+fn keys(near: vec4<f32>, far: vec4<f32>, first: u32, exists: u32) -> vec4<u32> {
+    let lanes = vec4<u32>(0u, 1u, 2u, 3u);
+    let entered = (near <= far) & (((vec4<u32>(exists) >> lanes) & vec4<u32>(1u)) == vec4<u32>(1u));
+    return select(vec4<u32>(NEVER), (bitcast<vec4<u32>>(near) & vec4<u32>(~LANE)) | (lanes + first), entered);
+}
+
+// A child that waits: its number and a bit that tells it from none.
+fn waits(key: u32) -> u32 {
+    return select(0u, (key & LANE) | 8u, key != NEVER);
+}
+
+// The nearest child that waits and is not behind the hit; the others of a level are farther.
+fn resume(at: Position, limit: f32) -> Position {
+    var open = at.open;
+    while (open != 0u) {
+        let level = firstLeadingBit(open);
+        let slot = level * GROUP + local_index;
+        let next = waiting[slot];
+        let left = next.x >> 4u;
+        let near = bitcast<f32>(next.y) <= limit;
+        if (!near || left == 0u) {
+            open &= ~(1u << level);
+        }
+        if (near) {
+            waiting[slot].x = left;
+            let parent = at.place >> (3u * (at.level - level));
+            return Position(level + 1u, 8u * parent + (next.x & LANE), open);
         }
     }
-    return NOWHERE;
+    return Position(NOWHERE, 0u, 0u);
 }
 
-// The closest hit among the spheres of a tree. The nearer box is visited first, and boxes behind the current hit are
-// skipped. A box as near as the hit is still visited, because it may contain a lower id. t is rounded to f32 for this
-// comparison; the boxes' padding is larger than that error.
+// The nearest child of a node that the ray enters before `limit`; the others wait.
+fn descend(at: Position, ray: BoxRay, limit: f32) -> Position {
+    let node = node_at((FIRSTS & ((1u << (3u * at.level)) - 1u)) + at.place);
+    let exponents = vec3<u32>(node.grid, node.grid >> 8u, node.grid >> 16u) & vec3<u32>(255u);
+    let step = bitcast<vec3<f32>>(exponents << vec3<u32>(23u)) * ray.inverse.xyz;
+    let enter = (node.origin - ray.enter.xyz) * ray.inverse.xyz;
+    let leave = (node.origin - ray.leave.xyz) * ray.inverse.xyz;
+    let back = ray.inverse.xyz < vec3<f32>(0.0);
+    let near_x = select(node.planes[0], node.planes[3], back.x);
+    let near_y = select(node.planes[1], node.planes[4], back.y);
+    let near_z = select(node.planes[2], node.planes[5], back.z);
+    let far_x = select(node.planes[3], node.planes[0], back.x);
+    let far_y = select(node.planes[4], node.planes[1], back.y);
+    let far_z = select(node.planes[5], node.planes[2], back.z);
+    let none = vec4<f32>(0.0);
+    let last = vec4<f32>(limit);
+    let low = keys(
+        max(max(bytes(near_x.x) * step.x + enter.x, bytes(near_y.x) * step.y + enter.y), max(bytes(near_z.x) * step.z + enter.z, none)),
+        min(min(bytes(far_x.x) * step.x + leave.x, bytes(far_y.x) * step.y + leave.y), min(bytes(far_z.x) * step.z + leave.z, last)),
+        0u, node.grid >> 24u,
+    );
+    let high = keys(
+        max(max(bytes(near_x.y) * step.x + enter.x, bytes(near_y.y) * step.y + enter.y), max(bytes(near_z.y) * step.z + enter.z, none)),
+        min(min(bytes(far_x.y) * step.x + leave.x, bytes(far_y.y) * step.y + leave.y), min(bytes(far_z.y) * step.z + leave.z, last)),
+        4u, node.grid >> 28u,
+    );
+    // The keys in ascending order, by a network of 19 comparisons (Knuth 5.3.4).
+    let a = vec4<u32>(low.xy, high.xy);
+    let b = vec4<u32>(low.zw, high.zw);
+    let c = min(a, b);
+    let d = max(a, b);
+    let e = vec4<u32>(c.xy, d.xy);
+    let f = vec4<u32>(c.zw, d.zw);
+    let g = min(e, f);
+    let h = max(e, f);
+    let i = vec4<u32>(g.x, g.z, h.x, h.z);
+    let j = vec4<u32>(g.y, g.w, h.y, h.w);
+    let even = min(i, j);
+    let odd = max(i, j);
+    let k = min(vec2<u32>(even.y, odd.y), vec2<u32>(even.z, odd.z));
+    let l = max(vec2<u32>(even.y, odd.y), vec2<u32>(even.z, odd.z));
+    let m = min(vec2<u32>(odd.x, k.y), vec2<u32>(l.x, even.w));
+    let n = max(vec2<u32>(odd.x, k.y), vec2<u32>(l.x, even.w));
+    let o = min(vec3<u32>(m.x, m.y, l.y), vec3<u32>(k.x, n.x, n.y));
+    let p = max(vec3<u32>(m.x, m.y, l.y), vec3<u32>(k.x, n.x, n.y));
+    if (even.x == NEVER) {
+        return resume(at, limit);
+    }
+    var open = at.open;
+    if (o.x != NEVER) {
+        let order = waits(o.x) | (waits(p.x) << 4u) | (waits(o.y) << 8u) | (waits(p.y) << 12u)
+            | (waits(o.z) << 16u) | (waits(p.z) << 20u) | (waits(odd.w) << 24u);
+        waiting[at.level * GROUP + local_index] = vec2<u32>(order, o.x & ~LANE);
+        open |= 1u << at.level;
+    }
+    return Position(at.level + 1u, 8u * at.place + (even.x & LANE), open);
+}
+
+// The level of the spheres: the lowest nodes have eight of them, and there are at least two levels of nodes.
+fn level_of_spheres() -> u32 {
+    var level = 2u;
+    for (var blocks = (view.spheres - 1u) >> 6u; blocks > 0u; blocks >>= 3u) {
+        level++;
+    }
+    return level;
+}
+
+// The closest hit among the spheres of a tree. The nearest box is visited first, and boxes behind the current hit are
+// skipped. A box as near as the hit is still visited, because it may contain a lower id.
 fn nearest(ray: Ray, group: vec3<u32>) -> Hit {
-    let slabs = slabs_of(given.direction.xyz, given.origin.xyz);
-    var hit = no_hit();
-    var depth = 0u;
-    var link = 0u;
+    let seen = boxes[ray_number];
+    let spheres_level = level_of_spheres();
+    var found = Found(no_hit(), NONE);
+    var limit = MISS;
+    var at = Position(0u, 0u, 0u);
     loop {
-        // Descends to the next leaf; NOWHERE has the leaf bit too.
-        while ((link & IS_LEAF) == 0u) {
-            let node = nodes[link];
-            let a = entry(slabs, node.low_a, node.high_a);
-            let b = entry(slabs, node.low_b, node.high_b);
-            let swap = b < a;
-            let near = select(a, b, swap);
-            let far = select(b, a, swap);
-            if (far < MISS && far <= to_hi(hit.t)) {
-                waiting[depth * GROUP + local_index] = vec2<u32>(bitcast<u32>(far), select(node.low_b.w, node.low_a.w, swap));
-                depth++;
-            }
-            if (near < MISS && near <= to_hi(hit.t)) {
-                link = select(node.low_a.w, node.low_b.w, swap);
-            } else {
-                link = resume(&depth, to_hi(hit.t));
-            }
+        while (at.level < spheres_level) {
+            at = descend(at, seen, limit);
         }
-        if (link == NOWHERE) {
+        if (at.level == NOWHERE) {
             break;
         }
-        let first = link & FIRST;
-        hit = test_chunk(ray, hit, first, (link >> 27u) & 15u);
-        link = resume(&depth, to_hi(hit.t));
+        found = test(ray, found, load(at.place), at.place);
+        limit = select(MISS, to_hi(found.hit.t) * seen.leave.w - seen.enter.w, found.hit.id != NONE);
+        at = resume(at, limit);
     }
-    return hit;
-}
-
-alias Searcher = Ray;
-alias Best = Hit;
-
-fn load(n: u32) -> Record {
-    return record_at(order[n]);
-}
-
-fn test(ray: Ray, hit: Hit, r: Record, n: u32) -> Hit {
-    return closer_hit_any_order(hit, ray, sphere_of(r), r.id);
-}
-
-fn record_of(hit: Hit) -> Record {
-    return record_at(hit.id);
+    place = found.place;
+    return found.hit;
 }

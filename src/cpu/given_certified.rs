@@ -2,9 +2,9 @@
 //! the few spheres that are left.
 
 use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
-use crate::search::bvh::lanes::{Lanes, Portable};
-use crate::search::bvh::walk::{Test, may_meet, walk};
-use crate::search::bvh::{BoxRay, Tree, WIDE};
+use crate::search::tree::lanes::{Lanes, Portable};
+use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::{BoxRay, Tree, WIDE, order};
 use crate::view::given::{GivenRay, Rays};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -123,30 +123,13 @@ impl Given<'_> {
         }
     }
 
-    /// The numbers of the rays in an order in which neighbours visit the same boxes: along the Morton curve through
-    /// their starts, then through their directions.
+    /// The numbers of the rays in an order in which neighbours visit the same boxes.
     pub(crate) fn order(&self) -> Vec<u32> {
         let count = self.rays.len() as u32;
-        if self.all || count < FEW {
+        if self.all {
             return (0..count).collect();
         }
-        let key = |n: u32| u64::from(self.key(&self.rays.ray(n as usize))) << 32 | u64::from(n);
-        let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
-        keys.par_sort_unstable();
-        keys.into_par_iter().map(|key| key as u32).collect()
-    }
-
-    fn key(&self, ray: &GivenRay) -> u32 {
-        let Some((ray, boxes)) = self.ray(ray) else {
-            return 0;
-        };
-        let step = |x: f32, bits: u32| ((x * 0.5 + 0.5).clamp(0.0, 1.0) * ((1u32 << bits) - 1) as f32) as u32;
-        // The directions unfold onto a square by an octahedron (Meyer et al. 2010).
-        let [x, y, z] = ray.direction.map(|x| x as f32);
-        let sum = x.abs() + y.abs() + z.abs();
-        let (u, v) = (x / sum, y / sum);
-        let folded = if z < 0.0 { [(1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v)] } else { [u, v] };
-        interleave(boxes.origin.map(|x| step(x, 7)), 7) << 10 | interleave(folded.map(|x| step(x, 5)), 5)
+        order(count, |n| self.ray(&self.rays.ray(n as usize)).map(|(_, boxes)| boxes))
     }
 
     #[inline(always)]
@@ -160,14 +143,6 @@ impl Given<'_> {
         self.tree.spheres[a] == self.tree.spheres[b]
     }
 }
-
-/// The bits of some numbers in turn, the highest first.
-fn interleave<const N: usize>(numbers: [u32; N], bits: u32) -> u32 {
-    (0..bits).rev().fold(0, |key, bit| numbers.iter().fold(key, |key, number| key << 1 | number >> bit & 1))
-}
-
-/// Fewer rays than this are not sorted.
-const FEW: u32 = 1 << 10;
 
 /// The search for the nearest hit of a ray.
 struct NearestSearch<'a, 'b, L> {

@@ -28,12 +28,12 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 48] = files![
+const FILES: [(&str, &str); 49] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
-    "search/moved_origin.wgsl" "search/all.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
+    "search/moved_origin.wgsl" "search/all.wgsl" "search/found.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
     "share/no_subgroup.wgsl" "share/subgroup.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
@@ -164,12 +164,12 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     }
     let records = if kernel.reads_residuals() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
     let origin = if kernel.rays == RaySource::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
-    let nearest = match (kernel.tree, kernel.tiles) {
-        (true, _) => "search/tree.wgsl",
-        (false, true) => "search/tile.wgsl",
-        (false, false) => "search/all.wgsl",
-    };
-    parts.extend(files([form, "search/closer_hit.wgsl", records, origin, nearest]));
+    parts.extend(files([form, "search/closer_hit.wgsl", records, origin]));
+    match (kernel.tree, kernel.tiles) {
+        (true, _) => parts.extend(files(["search/found.wgsl", "search/tree.wgsl"])),
+        (false, true) => parts.extend(files(["search/found.wgsl", "search/tile.wgsl"])),
+        (false, false) => parts.extend(files(["search/all.wgsl"])),
+    }
     if kernel.rays == RaySource::Camera {
         parts.extend(files(["main/viewing_rays.wgsl"]));
     }

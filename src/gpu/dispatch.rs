@@ -9,6 +9,7 @@ use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings};
 use crate::gpu::selftest::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
+use crate::gpu::texture::is_texture;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::gpu::validate::{compile, validate};
 use crate::kernel::{Kernel, KernelOutput, RaySource};
@@ -25,6 +26,7 @@ pub(crate) struct Gpu {
     pub(crate) limits: wgpu::Limits,
     pipelines: HashMap<Kernel, Pipeline>,
     buffers: HashMap<&'static str, wgpu::Buffer>,
+    pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
     clock: Option<Clock>,
     /// Output buffers are read in place.
     direct: bool,
@@ -43,7 +45,7 @@ impl Gpu {
     pub(crate) fn new(open: device::Open, summary: AdapterSummary) -> Self {
         let limits = open.device.limits();
         let clock = Clock::new(&open);
-        let (pipelines, buffers) = (HashMap::new(), HashMap::new());
+        let (pipelines, buffers, textures) = (HashMap::new(), HashMap::new(), HashMap::new());
         let direct = open.is_direct(&summary);
         Self {
             clock,
@@ -52,6 +54,7 @@ impl Gpu {
             limits,
             pipelines,
             buffers,
+            textures,
             direct,
             budget: SubmissionBudget::default(),
             verdict: None,
@@ -181,7 +184,10 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match is_texture(name) {
+            true => self.fill_texture(name, bytes),
+            false => self.fill(name, bytes),
+        })
     }
 
     fn dispatch(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {
@@ -274,8 +280,11 @@ impl Gpu {
         self.open.device.poll(wait).map(drop).map_err(|e| Error::DeviceLost(e.to_string()))
     }
 
-    /// The part of a buffer that this dispatch uses. Buffers are kept between frames, so they may be larger.
+    /// A texture, or the part of a buffer that this dispatch uses. Buffers are kept between frames, so they may be larger.
     fn bound(&self, name: &'static str, kernel: &Kernel, pixels: u64) -> wgpu::BindingResource<'_> {
+        if let Some((_, view)) = self.textures.get(name) {
+            return wgpu::BindingResource::TextureView(view);
+        }
         let buffer = &self.buffers[name];
         let size = KernelOutput::of(kernel).find(|o| o.name == name).and_then(|o| NonZeroU64::new(pixels * o.bytes()));
         wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })

@@ -3,7 +3,7 @@
 use crate::answers::raw::Raw;
 use crate::frame::report::Timings;
 use crate::search::tile_candidates::CandidateList;
-use crate::search::tree::Tree;
+use crate::search::tree::device::{BoxRayRecord, NodeRecord};
 use crate::view::ray::RayRecord;
 use crate::view::{View, ViewRecord};
 
@@ -20,7 +20,14 @@ pub(crate) struct Input<'a> {
     /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
     /// The tree that given rays traverse.
-    pub(crate) tree: Option<&'a Tree>,
+    pub(crate) tree: Option<TreeInput<'a>>,
+}
+
+/// A tree, and the given rays as its boxes see them. The spheres of the view lie in its order.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TreeInput<'a> {
+    pub(crate) nodes: &'a [NodeRecord],
+    pub(crate) boxes: &'a [BoxRayRecord],
 }
 
 impl Input<'_> {

@@ -4,7 +4,7 @@ use crate::intersect::Method;
 use crate::kernel::{Kernel, OUTPUTS};
 use naga::valid::Capabilities;
 
-/// A buffer that the shader binds in group 0.
+/// A buffer or a texture that the shader binds in group 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Binding {
     /// Its name in WGSL.
@@ -13,7 +13,7 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// The input buffers of kernels, by their WGSL names; the last two belong to the self-test.
+/// The inputs of kernels, buffers but for texture.rs, by their WGSL names; the last two belong to the self-test.
 const INPUTS: [&str; 13] = [
     "view",
     "spheres",
@@ -21,7 +21,7 @@ const INPUTS: [&str; 13] = [
     "colors",
     "rays",
     "nodes",
-    "order",
+    "boxes",
     "projection",
     "projected",
     "others",
@@ -64,7 +64,8 @@ mod tests {
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
     use crate::kernel::{RaySource, Sharing};
-    use crate::search::tree::{FIRST, IS_LEAF, LEAST, NOWHERE, NodeRecord, STACK};
+    use crate::search::tree::device::{BoxRayRecord, DEVICE_LEVELS, NodeRecord, first};
+    use crate::search::tree::lanes::{LANE, NEVER};
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
     use crate::view::ray::{NONE, RayRecord};
@@ -152,7 +153,7 @@ mod tests {
                 (kernel.colors, "colors"),
                 (given, "rays"),
                 (kernel.tree, "nodes"),
-                (kernel.tree, "order"),
+                (kernel.tree, "boxes"),
                 (kernel.rays == RaySource::Spread || kernel.is_wide(), "residuals"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
@@ -205,11 +206,16 @@ mod tests {
         same!(module "SphereRecord", SphereRecord, center_radius power scale id);
         same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
-        same!(module "Node", NodeRecord, low_a high_a low_b high_b);
-        for (name, ours) in [("STACK", STACK), ("IS_LEAF", IS_LEAF), ("FIRST", FIRST), ("NOWHERE", NOWHERE)] {
+        same!(module "Node", NodeRecord, origin grid planes);
+        same!(module "BoxRay", BoxRayRecord, enter leave inverse);
+        for (name, ours) in [("LEVELS", DEVICE_LEVELS), ("LANE", LANE), ("NEVER", NEVER)] {
             assert_eq!(constant(&module, name), f64::from(ours), "{name}");
         }
-        assert_eq!(constant(&module, "LEAST"), f64::from(LEAST));
+        assert_eq!((4u32 << constant(&module, "ROW_BITS") as u32), crate::gpu::texture::ROW);
+        for level in 0..=DEVICE_LEVELS {
+            let firsts = constant(&module, "FIRSTS") as u32;
+            assert_eq!((firsts & ((1 << (3 * level)) - 1)) as usize, first(level as usize), "level {level}");
+        }
         assert_eq!(constant(&module, "NONE"), f64::from(NONE));
         assert_eq!(constant(&module, "MISS"), f64::from(f32::MAX));
         assert_eq!(constant(&module, "GROUP"), f64::from(GROUP));

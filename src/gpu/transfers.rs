@@ -264,8 +264,8 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
         all.push(("rays", bytemuck::cast_slice(input.rays)));
     }
     if let (true, Some(tree)) = (kernel.tree, input.tree) {
-        all.push(("nodes", bytemuck::cast_slice(&tree.nodes)));
-        all.push(("order", bytemuck::cast_slice(&tree.order)));
+        all.push(("nodes", bytemuck::cast_slice(tree.nodes)));
+        all.push(("boxes", bytemuck::cast_slice(tree.boxes)));
     }
     if kernel.reads_residuals() && !kernel.tiles {
         all.push(("residuals", bytemuck::cast_slice(&input.view.residuals)));

@@ -9,14 +9,14 @@ use crate::cpu;
 use crate::error::{Place, Result};
 use crate::frame::report::milliseconds;
 use crate::scene::{Spheres, check_sphere};
-use crate::search::bvh;
-use crate::search::tree::Shape;
+use crate::search::tree::Tree;
+use crate::search::tree::device::NodeRecord;
 use crate::settings::{Accuracy, Search, Settings};
 pub use crate::view::given::Rays;
 use std::time::Instant;
 
 #[cfg(test)]
-pub(crate) use by_method::{farthest, ray_record};
+pub(crate) use by_method::ray_record;
 
 /// The nearest hits of given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,8 +63,9 @@ pub struct Tracer<'a> {
     renderer: &'a mut Renderer,
     spheres: &'a Spheres,
     plan: GivenPlan,
-    tree: Option<bvh::Tree>,
-    shape: Option<Option<Shape>>,
+    tree: Option<Tree>,
+    /// The tree as devices read it, once one needs it.
+    nodes: Vec<NodeRecord>,
     tolerance: f64,
     build_ms: f64,
 }
@@ -80,8 +81,16 @@ impl Tracer<'_> {
         if self.plan.certifies() {
             return self.certified_hits(rays);
         }
-        let plan = self.plan.by_method(self.spheres.len(), rays.len());
-        self.renderer.trace_by_method(self.spheres, &mut self.shape, rays, &plan)
+        self.hits_by_method(rays)
+    }
+
+    /// Builds the tree, unless it is built.
+    fn build_tree(&mut self) {
+        if self.tree.is_none() {
+            let start = Instant::now();
+            self.tree = Tree::new(&self.spheres.centers, &self.spheres.radii);
+            self.build_ms += milliseconds(start);
+        }
     }
 
     /// Whether each ray hits any sphere within its limit.
@@ -140,7 +149,7 @@ impl Tracer<'_> {
         self.plan.search
     }
 
-    /// Time to set up the spheres, the tree included, in milliseconds.
+    /// Time to build the tree in milliseconds; a method has it built when rays first need it.
     #[must_use]
     pub fn build_ms(&self) -> f64 {
         self.build_ms
@@ -166,12 +175,14 @@ impl Renderer {
         for (index, (c, r)) in spheres.centers.iter().zip(&spheres.radii).enumerate() {
             check_sphere(*c, *r, || Place::field(format!("sphere {index}")))?;
         }
-        let start = Instant::now();
         let plan = GivenPlan::new(settings)?;
-        let tree = plan.certifies().then(|| bvh::Tree::new(&spheres.centers, &spheres.radii)).flatten();
-        let build_ms = milliseconds(start);
         let tolerance = settings.promise().relative();
-        Ok(Tracer { renderer: self, spheres, plan, tree, shape: None, tolerance, build_ms })
+        let (tree, nodes) = (None, Vec::new());
+        let mut tracer = Tracer { renderer: self, spheres, plan, tree, nodes, tolerance, build_ms: 0.0 };
+        if tracer.plan.certifies() {
+            tracer.build_tree();
+        }
+        Ok(tracer)
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

@@ -1,10 +1,13 @@
 //! The closest hit among all spheres or among those of a tree: the twin of search/.
 
-use super::tree::{NOWHERE, STACK, Slabs, Tree, leaf};
+use super::tree::lanes::Lanes;
+use super::tree::walk::{Test, may_meet, walk};
+use super::tree::{BoxRay, MethodRays, Tree, WIDE};
 use crate::intersect::Intersect;
 use crate::number::Number;
 use crate::view::Sphere;
 use crate::view::ray::{Hit, Ray};
+use std::marker::PhantomData;
 
 /// Keeps the closer hit. Spheres are visited in id order and the comparison is strict, so the lower id wins a tie.
 fn closer_hit<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
@@ -49,47 +52,51 @@ pub(crate) fn closer_hit_any_order<V: Intersect, R: Number>(
     hit
 }
 
-/// The closest hit among the spheres of `tree`. The nearer child is visited first, and boxes behind the current hit are
-/// skipped. A box at the same distance as the hit is visited, since it may hold a lower id. The twin of
-/// search/tree.wgsl.
-pub(crate) fn nearest_in<V: Intersect, R: Number>(
-    ray: &Ray<R>,
-    slabs: &Slabs,
-    tree: &Tree,
-    sphere: impl Fn(usize) -> Sphere<R>,
-) -> Hit<R> {
-    // Rounded to f32 if R is wider; the padding of the boxes is larger than this error.
-    let reach = |hit: &Hit<R>| hit.t.to_hi_lo().0;
-    let mut waiting = [(0.0, 0); STACK as usize];
-    let mut depth = 0;
-    let mut hit = Hit::NONE;
-    let mut link = 0;
-    loop {
-        if let Some(leaf) = leaf(link) {
-            for &id in &tree.order[leaf] {
-                hit = closer_hit_any_order::<V, R>(hit, ray, &sphere(id as usize), id);
-            }
-            link = NOWHERE;
-        } else {
-            let node = &tree.nodes[link as usize];
-            let a = (slabs.entry(node.low_a, node.high_a), node.low_a[3]);
-            let b = (slabs.entry(node.low_b, node.high_b), node.low_b[3]);
-            let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
-            let open = |entry: f32| entry < f32::MAX && entry <= reach(&hit);
-            if open(far.0) {
-                waiting[depth] = far;
-                depth += 1;
-            }
-            link = if open(near.0) { near.1 } else { NOWHERE };
-        }
-        while link == NOWHERE {
-            if depth == 0 {
-                return hit;
-            }
-            depth -= 1;
-            if waiting[depth].0 <= reach(&hit) {
-                link = waiting[depth].1;
+/// The search for the closest hit among the spheres of a tree, in any order.
+struct TreeSearch<'a, V, R, L, F> {
+    lanes: L,
+    tree: &'a Tree,
+    rays: &'a MethodRays,
+    ray: &'a Ray<R>,
+    boxes: BoxRay,
+    sphere: F,
+    limit: f32,
+    hit: Hit<R>,
+    place: usize,
+    method: PhantomData<V>,
+}
+
+impl<V: Intersect, R: Number, L: Lanes, F: Fn(usize) -> Sphere<R>> Test for TreeSearch<'_, V, R, L, F> {
+    #[inline(always)]
+    fn test(&mut self, block: u32) -> f32 {
+        let mut mask = may_meet(self.lanes, &self.tree.blocks[block as usize], &self.boxes, self.limit);
+        while mask != 0 {
+            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let hit = closer_hit_any_order::<V, R>(self.hit, self.ray, &(self.sphere)(place), self.tree.ids[place]);
+            if hit.id != self.hit.id {
+                (self.hit, self.place) = (hit, place);
+                let (high, low) = hit.t.to_hi_lo();
+                self.limit = self.rays.limit(&self.boxes, f64::from(high) + f64::from(low));
             }
         }
+        self.limit
     }
+}
+
+/// The closest hit among the spheres of `tree`, which `sphere` gives by their places in it, and the place of the sphere
+/// that is hit. `boxes` is the ray in the tree. The same answer as that of search/tree.wgsl.
+#[inline(always)]
+pub(crate) fn nearest_in<V: Intersect, R: Number, L: Lanes>(
+    lanes: L,
+    (tree, rays): (&Tree, &MethodRays),
+    ray: &Ray<R>,
+    boxes: BoxRay,
+    sphere: impl Fn(usize) -> Sphere<R>,
+) -> (Hit<R>, usize) {
+    let (hit, limit) = (Hit::NONE, f32::MAX);
+    let mut search =
+        TreeSearch { lanes, tree, rays, ray, boxes, sphere, limit, hit, place: 0, method: PhantomData::<V> };
+    walk(lanes, tree, &boxes, limit, &mut search);
+    (search.hit, search.place)
 }

@@ -4,16 +4,15 @@
 //! carry their origins as a high and a low f32 part, and so do the centres: the kernel subtracts high from high and low
 //! from low. Rays are grouped by origin where the groups are large enough to pay for moving the spheres.
 
-use super::{Hits, Rays};
+use super::{Hits, Rays, Tracer};
 use crate::answers::raw::Raw;
 use crate::error::Result;
 use crate::frame::report::Timings;
-use crate::gpu::input::{Input, Output};
+use crate::gpu::input::{Input, Output, TreeInput};
 use crate::kernel::{Kernel, RaySource};
-use crate::render::plan::Plan;
-use crate::render::renderer::{Executor, Renderer};
-use crate::scene::Spheres;
-use crate::search::tree::{Shape, Slack, Tree, coherent};
+use crate::render::renderer::Executor;
+use crate::search::tree::device::BoxRayRecord;
+use crate::search::tree::{MethodRays, order};
 use crate::settings::Search;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
@@ -25,19 +24,19 @@ use std::collections::HashMap;
 /// A smaller group does not pay for moving the spheres: its rays fill one workgroup.
 const GROUP: usize = 64;
 
-impl Renderer {
+impl Tracer<'_> {
     /// The closest hit of each ray by the plan's method.
-    pub(super) fn trace_by_method(
-        &mut self,
-        spheres: &Spheres,
-        shape: &mut Option<Option<Shape>>,
-        rays: &Rays,
-        plan: &Plan,
-    ) -> Result<Hits> {
+    pub(super) fn hits_by_method(&mut self, rays: &Rays) -> Result<Hits> {
+        let plan = self.plan.by_method(self.spheres.len(), rays.len());
+        if plan.search == Search::Tree {
+            self.build_tree();
+        }
+        let (spheres, tree) = (self.spheres, self.tree.as_ref().filter(|_| plan.search == Search::Tree));
+        let method = plan.kernel.method;
         let directions = rays.directions;
         let origin = |n: usize| rays.ray(n).origin;
         let mut hits = Hits { certainty: vec![255; rays.len()], ..Hits::none(rays.len(), plan.kernel.normal) };
-        hits.search = plan.search;
+        hits.search = if tree.is_some() { Search::Tree } else { Search::All };
         for mut group in groups(directions.len(), origin) {
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
             if group.kind == RaySource::Spread || plan.kernel.is_wide() {
@@ -45,33 +44,34 @@ impl Renderer {
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
             let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
-            let far = farthest(&records);
-            let tree = (plan.search == Search::Tree).then(|| {
-                // Built once for all groups: neighbouring spheres are the same from every origin.
-                let shape = shape.get_or_insert_with(|| Shape::new(&spheres.centers, &spheres.radii));
-                Tree::new(shape.as_ref()?, &view, far, Slack::of(plan.kernel.method))
-            });
-            let tree = tree.flatten();
-            if tree.is_some() {
-                let order = coherent(&records, far);
+            let in_tree = tree.map(|tree| (tree, MethodRays::new(tree, &view, method)));
+            if let Some((tree, in_tree)) = &in_tree {
+                let order = order(records.len() as u32, |n| in_tree.ray(&records[n as usize]));
                 group.rays = order.par_iter().map(|&k| group.rays[k as usize]).collect();
                 records = order.par_iter().map(|&k| records[k as usize]).collect();
-            } else {
-                hits.search = Search::All;
+                view.sort_spheres(&tree.ids);
             }
-            let kernel = Kernel { rays: group.kind, tree: tree.is_some(), ..plan.kernel };
-            let mut raw = Raw::new(&kernel, records.len(), &self.pool)?;
-            match &mut self.place {
+            let kernel = Kernel { rays: group.kind, tree: in_tree.is_some(), ..plan.kernel };
+            let mut raw = Raw::new(&kernel, records.len(), &self.renderer.pool)?;
+            match &mut self.renderer.place {
                 Executor::Gpu(gpu) => {
-                    gpu.check_method(kernel.method)?;
-                    let input =
-                        Input { view: &view, colors: None, rays: &records, candidates: None, tree: tree.as_ref() };
+                    gpu.check_method(method)?;
+                    if let (Some((tree, _)), true) = (&in_tree, self.nodes.is_empty()) {
+                        self.nodes = tree.device_nodes();
+                    }
+                    let boxes: Vec<_> = match &in_tree {
+                        Some((_, rays)) => {
+                            let boxes = |r| BoxRayRecord::new(rays.ray(r), rays.ratio);
+                            records.par_iter().map(boxes).collect()
+                        }
+                        None => Vec::new(),
+                    };
+                    let tree = in_tree.is_some().then_some(TreeInput { nodes: &self.nodes, boxes: &boxes });
+                    let input = Input { view: &view, colors: None, rays: &records, candidates: None, tree };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
-                    gpu.run(&kernel, &input, &mut output, &|_| self.watch.goes_on())?;
+                    gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
                 }
-                Executor::Cpu => {
-                    cpu::given_rays(&kernel, &view, &records, tree.as_ref(), &mut raw);
-                }
+                Executor::Cpu => cpu::given_rays(&kernel, &view, &records, in_tree, &mut raw),
             }
             for (k, &n) in group.rays.iter().enumerate() {
                 let n = n as usize;
@@ -101,11 +101,15 @@ struct Group {
 /// Groups by origin where that pays; the other rays form one group about the middle of their origins.
 fn groups(count: usize, origin: impl Fn(usize) -> [f64; 3]) -> Vec<Group> {
     let mut by_origin: HashMap<[u64; 3], Vec<u32>> = HashMap::new();
+    let pay = |groups: usize| groups == 1 || groups * GROUP <= count;
     for n in 0..count {
         // Adding 0.0 makes -0.0 and 0.0 the same origin.
         by_origin.entry(origin(n).map(|x| (x + 0.0).to_bits())).or_default().push(n as u32);
+        if !pay(by_origin.len()) {
+            break;
+        }
     }
-    if by_origin.len() == 1 || by_origin.len() * GROUP <= count {
+    if pay(by_origin.len()) {
         let group = |(bits, rays): ([u64; 3], _)| Group {
             kind: RaySource::SharedOrigin,
             eye: DVec3::from_array(bits.map(f64::from_bits)),
@@ -139,10 +143,4 @@ pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> 
     let low: [f32; 3] = std::array::from_fn(|k| (away[k] - f64::from(high[k])) as f32);
     let four = |a: [f32; 3], k: usize| [a[0], a[1], a[2], d_low[k]];
     RayRecord { direction: four(d, 0), origin: four(high, 1), origin_low: four(low, 2) }
-}
-
-/// The largest distance of an origin from the view's eye, in the frame's unit, rounded up.
-pub(crate) fn farthest(rays: &[RayRecord]) -> f64 {
-    let square = |r: &RayRecord| r.origin[..3].iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
-    rays.par_iter().map(square).reduce(|| 0.0, f64::max).sqrt() * (1.0 + f64::from(f32::EPSILON))
 }

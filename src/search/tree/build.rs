@@ -50,11 +50,8 @@ impl Tree {
         for level in (0..sizes.len()).rev() {
             let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];
             let join = |(node, children): (&mut Node, &[[[f32; 3]; 2]])| {
-                let absent = [[ABSENT; 3], [-ABSENT; 3]];
-                let child = |lane: usize| children.get(lane).unwrap_or(&absent);
-                node.planes =
-                    std::array::from_fn(|plane| std::array::from_fn(|lane| child(lane)[plane / 3][plane % 3]));
-                children.iter().fold(absent, |all, one| {
+                *node = Node::of(children.iter().copied());
+                children.iter().fold([[ABSENT; 3], [-ABSENT; 3]], |all, one| {
                     let [low, high] = [one[0], one[1]];
                     [std::array::from_fn(|n| all[0][n].min(low[n])), std::array::from_fn(|n| all[1][n].max(high[n]))]
                 })
@@ -110,19 +107,30 @@ fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// A block and the box of its spheres, rounded outward.
+/// The box of a sphere, rounded outward.
+pub(super) fn bounds(placement: &Placement, &[x, y, z, radius]: &[f64; 4]) -> [[f32; 3]; 2] {
+    let (at, reach) = (placement.point([x, y, z]), reach(placement, radius));
+    [at.map(|x| ((x - reach) as f32).next_down()), at.map(|x| ((x + reach) as f32).next_up())]
+}
+
+/// How far a sphere reaches from its centre as f64 has it.
+fn reach(placement: &Placement, radius: f64) -> f64 {
+    placement.radius(radius) + 2.0 * PLACED
+}
+
+/// A block and the box of its spheres.
 fn block(placement: &Placement, spheres: &[[f64; 4]]) -> (Block, [[f32; 3]; 2]) {
     let mut block = Block { center: [[0.0; WIDE]; 3], radius: [-ABSENT; WIDE] };
-    let mut bounds = [[ABSENT; 3], [-ABSENT; 3]];
-    for (lane, &[x, y, z, radius]) in spheres.iter().enumerate() {
-        let at = placement.point([x, y, z]);
-        let reach = placement.radius(radius) + 2.0 * PLACED;
+    let mut all = [[ABSENT; 3], [-ABSENT; 3]];
+    for (lane, sphere) in spheres.iter().enumerate() {
+        let at = placement.point([sphere[0], sphere[1], sphere[2]]);
+        let [low, high] = bounds(placement, sphere);
         for n in 0..3 {
             block.center[n][lane] = at[n] as f32;
-            bounds[0][n] = bounds[0][n].min(((at[n] - reach) as f32).next_down());
-            bounds[1][n] = bounds[1][n].max(((at[n] + reach) as f32).next_up());
+            all[0][n] = all[0][n].min(low[n]);
+            all[1][n] = all[1][n].max(high[n]);
         }
-        block.radius[lane] = (reach as f32).next_up();
+        block.radius[lane] = (reach(placement, sphere[3]) as f32).next_up();
     }
-    (block, bounds)
+    (block, all)
 }

@@ -18,6 +18,9 @@ const NEAR: f64 = 4.0;
 /// Origins farther than this are so inaccurate beside the scene that every sphere is tested.
 const FARTHEST: f64 = (1u64 << 44) as f64;
 
+/// With more padding than this boxes leave out so few spheres that every sphere is tested.
+const WIDEST: f64 = 0.25;
+
 /// A ray as the boxes see it, in the tree's unit: f32, and so much larger than a line that no rounding loses a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BoxRay {
@@ -42,11 +45,11 @@ pub(crate) struct BoxRay {
 
 impl BoxRay {
     /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2). `extra`
-    /// is a padding beside that of the slabs. `None` if the ray certainly meets no sphere.
+    /// is a padding beside that of the slabs, for what a method may report. `None` if the ray certainly meets no sphere.
     #[inline(always)]
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], extra: f64) -> Option<Self> {
         let far = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
-        if far.is_nan() || far > FARTHEST {
+        if far.is_nan() || far > FARTHEST || extra.is_nan() || extra > WIDEST {
             return Some(Self::EVERYTHING);
         }
         // What a rounded start moves a point far from the origin by.
@@ -72,7 +75,7 @@ impl BoxRay {
     }
 
     /// A ray that enters every box at its start.
-    const EVERYTHING: Self = Self {
+    pub(super) const EVERYTHING: Self = Self {
         enter: [ABOVE; 3],
         leave: [-ABOVE; 3],
         inverse: [1.0; 3],

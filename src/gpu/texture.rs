@@ -1,0 +1,65 @@
+//! Inputs that kernels read as textures of four u32 a texel: llvmpipe gives eight invocations a texel each at once, but reads
+//! numbers of a buffer one by one (docs/performance.md).
+
+use super::Gpu;
+use crate::error::{Error, Result};
+
+/// Texels in a row; search/tree.wgsl counts them.
+pub(crate) const ROW: u32 = 1 << 12;
+
+/// Bytes of a texel.
+const TEXEL: usize = 16;
+
+/// Whether an input is a texture.
+pub(super) fn is_texture(name: &str) -> bool {
+    name == "nodes"
+}
+
+impl Gpu {
+    /// Fills the texture `name` row by row. A larger one of an earlier call is kept.
+    pub(super) fn fill_texture(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        let row = ROW as usize * TEXEL;
+        let rows = bytes.len().div_ceil(row).max(1);
+        let most = self.limits.max_texture_dimension_2d;
+        if rows > most as usize || ROW > most {
+            return Err(Error::Limits {
+                problem: format!(
+                    "{} bytes of {name} exceed the largest texture of {} ({most} rows)",
+                    bytes.len(),
+                    self.summary.name
+                ),
+                mend: "trace fewer spheres, or use --backend cpu".into(),
+            });
+        }
+        if self.textures.get(name).is_none_or(|(texture, _)| (texture.height() as usize) < rows) {
+            let texture = self.open.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(name),
+                size: wgpu::Extent3d { width: ROW, height: rows as u32, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Rgba32Uint,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            self.textures.insert(name, (texture, view));
+        }
+        let texture = &self.textures[name].0;
+        let (whole, rest) = bytes.split_at(bytes.len() / row * row);
+        for (part, first) in [(whole, 0), (rest, whole.len() / row)] {
+            if part.is_empty() {
+                continue;
+            }
+            let (width, height) = ((part.len() / TEXEL).min(ROW as usize) as u32, part.len().div_ceil(row) as u32);
+            let origin = wgpu::Origin3d { x: 0, y: first as u32, z: 0 };
+            self.open.queue.write_texture(
+                wgpu::TexelCopyTextureInfo { origin, ..texture.as_image_copy() },
+                part,
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row as u32), rows_per_image: None },
+                wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            );
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,125 @@
+//! The tree as devices read it: eight boxes in 64 bytes, and rays. Traversed by shaders/search/tree.wgsl.
+//!
+//! The levels of the tree are followed by one more: its nodes are the blocks, and their children are single spheres, because
+//! a sphere costs a device about as much as eight boxes. Node n of level l lies at (8^l - 1)/7 + n, which leaves unused nodes
+//! at the ends of the levels, at most as many as there are blocks, and needs neither links nor a table.
+
+use super::build::bounds;
+use super::{BoxRay, Node, Tree, WIDE};
+use crate::double_double as dd;
+use bytemuck::{Pod, Zeroable};
+use rayon::prelude::*;
+
+/// The most levels of nodes: bindings of 2^32 bytes hold at most 2^27 spheres, and ten levels 2^30.
+#[cfg(test)]
+pub(crate) const DEVICE_LEVELS: u32 = 10;
+
+/// Eight boxes on a grid; search/tree.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct NodeRecord {
+    /// The least x, y, z of all boxes.
+    pub(crate) origin: [f32; 3],
+    /// The biased exponents of the grid's steps in x, y, z, 8 bits each from the lowest, and one bit for each child that
+    /// exists.
+    pub(crate) grid: u32,
+    /// Steps from the origin to the planes of the children, one byte each: least x, y, z, greatest x, y, z.
+    pub(crate) planes: [[u32; 2]; 6],
+}
+
+/// The finest grid of a node, 2^-30: far less than the padding of rays.
+const FINEST: i32 = -30;
+
+/// The bias of exponents of f32.
+const BIAS: i32 = 127;
+
+impl NodeRecord {
+    /// The boxes of a node, rounded outward to its grid.
+    pub(super) fn new(node: &Node) -> Self {
+        let exists = |lane: &usize| node.planes[0][*lane] <= node.planes[3][*lane];
+        let mut record = Self::zeroed();
+        for n in 0..3 {
+            let (lows, highs) = (&node.planes[n], &node.planes[n + 3]);
+            let lanes = || (0..WIDE).filter(exists);
+            let low = lanes().map(|lane| lows[lane]).fold(f32::MAX, f32::min);
+            let high = lanes().map(|lane| highs[lane]).fold(low, f32::max);
+            let from = |plane: f32| f64::from(plane) - f64::from(low);
+            let exponent = finest(from(high));
+            let steps = |plane: f32| dd::ldexp(from(plane), -exponent);
+            record.origin[n] = low;
+            record.grid |= ((exponent + BIAS) as u32) << (8 * n);
+            for lane in lanes() {
+                let (word, shift) = (lane / 4, lane % 4 * 8);
+                record.planes[n][word] |= (steps(lows[lane]).floor() as u32) << shift;
+                record.planes[n + 3][word] |= (steps(highs[lane]).ceil() as u32) << shift;
+                record.grid |= 1 << (24 + lane);
+            }
+        }
+        record
+    }
+}
+
+/// The exponent of the smallest step of which 255 are at least `extent`.
+fn finest(extent: f64) -> i32 {
+    let least = dd::exponent(extent / 255.0).max(FINEST);
+    if 255.0 * dd::ldexp(1.0, least) < extent { least + 1 } else { least }
+}
+
+/// The place of the first node of a level.
+pub(crate) fn first(level: usize) -> usize {
+    ((1 << (3 * level)) - 1) / 7
+}
+
+impl Tree {
+    /// The nodes for devices.
+    pub(crate) fn device_nodes(&self) -> Vec<NodeRecord> {
+        let blocks = first(self.levels());
+        let mut records = vec![NodeRecord::zeroed(); blocks + self.blocks.len()];
+        for level in 0..self.levels() {
+            let nodes = &self.nodes[self.firsts[level] as usize..self.firsts[level + 1] as usize];
+            records[first(level)..]
+                .par_iter_mut()
+                .zip(nodes)
+                .for_each(|(record, node)| *record = NodeRecord::new(node));
+        }
+        let spheres = self.spheres.par_chunks(WIDE).map(|spheres| spheres.iter().map(|s| bounds(&self.placement, s)));
+        let lowest = spheres.map(|boxes| NodeRecord::new(&Node::of(boxes)));
+        records[blocks..].par_iter_mut().zip(lowest).for_each(|(record, lowest)| *record = lowest);
+        records
+    }
+}
+
+/// A ray as the boxes see it, on devices; search/tree.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct BoxRayRecord {
+    /// As of [`BoxRay`]. The fourth number is the start.
+    pub(crate) enter: [f32; 4],
+    /// The fourth number times t in the frame's unit is t in the tree's.
+    pub(crate) leave: [f32; 4],
+    /// The fourth number is unused.
+    pub(crate) inverse: [f32; 4],
+}
+
+impl BoxRayRecord {
+    /// A ray as the boxes see it, or one that meets nothing; `ratio` is the frame's unit of t in the tree's.
+    pub(crate) fn new(ray: Option<BoxRay>, ratio: f64) -> Self {
+        let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        let Some(ray) = ray else {
+            return Self::NOTHING;
+        };
+        // A limit of 0 leaves nothing out where every box is entered at 0.
+        let ratio = if ray == BoxRay::EVERYTHING { 0.0 } else { ratio as f32 };
+        Self {
+            enter: four(ray.enter, ray.start as f32),
+            leave: four(ray.leave, ratio),
+            inverse: four(ray.inverse, 0.0),
+        }
+    }
+
+    /// A ray that leaves every box before it enters it.
+    const NOTHING: Self = Self { enter: [-ASIDE; 4], leave: [ASIDE; 4], inverse: [1.0; 4] };
+}
+
+/// Beyond the scene.
+const ASIDE: f32 = (1u32 << 20) as f32;
