@@ -73,7 +73,8 @@ impl Given<'_> {
             return NearestHit::Miss;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let mut search = NearestSearch { lanes, given: self, ray, boxes, limit, best: None, rival: f64::INFINITY };
+        let mut search =
+            NearestSearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, best: None, rival: f64::INFINITY };
         self.search(lanes, &boxes, limit, &mut search);
         match search.best {
             None if search.rival == f64::INFINITY => NearestHit::Miss,
@@ -94,7 +95,7 @@ impl Given<'_> {
             return AnyHit::Free;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let mut search = AnySearch { lanes, given: self, ray, boxes, limit, found: AnyHit::Free };
+        let mut search = AnySearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, found: AnyHit::Free };
         self.search(lanes, &boxes, limit, &mut search);
         search.found
     }
@@ -105,7 +106,7 @@ impl Given<'_> {
             return Vec::new();
         };
         let nearest = ray.limit[1];
-        let mut search = Candidates { given: self, ray, boxes, nearest, all: Vec::new() };
+        let mut search = Candidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
         walk(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
         let near = search.all.into_iter().filter(|(low, _)| *low <= search.nearest);
         let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
@@ -147,8 +148,8 @@ impl Given<'_> {
 struct NearestSearch<'a, 'b, L> {
     lanes: L,
     given: &'a Given<'b>,
-    ray: CertifiedRay,
-    boxes: BoxRay,
+    ray: &'a CertifiedRay,
+    boxes: &'a BoxRay,
     limit: f32,
     best: Option<(usize, Bounds)>,
     /// The least t at which any other sphere may be hit.
@@ -158,11 +159,11 @@ struct NearestSearch<'a, 'b, L> {
 impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], &self.boxes, self.limit);
+        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], self.boxes, self.limit);
         while mask != 0 {
             let place = block as usize * WIDE + mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            if let Some(bounds) = self.given.meet(&self.ray, place) {
+            if let Some(bounds) = self.given.meet(self.ray, place) {
                 self.keep(place, bounds);
             }
         }
@@ -202,8 +203,8 @@ impl<L> NearestSearch<'_, '_, L> {
 struct AnySearch<'a, 'b, L> {
     lanes: L,
     given: &'a Given<'b>,
-    ray: CertifiedRay,
-    boxes: BoxRay,
+    ray: &'a CertifiedRay,
+    boxes: &'a BoxRay,
     limit: f32,
     found: AnyHit,
 }
@@ -211,11 +212,11 @@ struct AnySearch<'a, 'b, L> {
 impl<L: Lanes> Test for AnySearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], &self.boxes, self.limit);
+        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], self.boxes, self.limit);
         while mask != 0 {
             let place = block as usize * WIDE + mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            if let Some(bounds) = self.given.meet(&self.ray, place)
+            if let Some(bounds) = self.given.meet(self.ray, place)
                 && bounds.low < self.ray.limit[1]
             {
                 if bounds.sure && bounds.high < self.ray.limit[0] {
@@ -232,8 +233,8 @@ impl<L: Lanes> Test for AnySearch<'_, '_, L> {
 /// The search for all spheres that may be hit first.
 struct Candidates<'a, 'b> {
     given: &'a Given<'b>,
-    ray: CertifiedRay,
-    boxes: BoxRay,
+    ray: &'a CertifiedRay,
+    boxes: &'a BoxRay,
     /// t of the nearest sure hit is at most this.
     nearest: f64,
     all: Vec<(f64, u32)>,
@@ -242,7 +243,7 @@ struct Candidates<'a, 'b> {
 impl Test for Candidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
-            if let Some(bounds) = self.given.meet(&self.ray, place) {
+            if let Some(bounds) = self.given.meet(self.ray, place) {
                 self.all.push((bounds.low, self.given.tree.ids[place]));
                 if bounds.sure {
                     self.nearest = self.nearest.min(bounds.high);

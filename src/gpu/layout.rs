@@ -13,7 +13,12 @@ pub(crate) struct Binding {
     pub(crate) binding: u32,
 }
 
-/// The inputs of kernels, buffers but for texture.rs, by their WGSL names; the last two belong to the self-test.
+/// Whether an input is a texture, see texture.rs.
+pub(super) fn is_texture(name: &str) -> bool {
+    name == "nodes"
+}
+
+/// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
 const INPUTS: [&str; 13] = [
     "view",
     "spheres",

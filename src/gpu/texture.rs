@@ -10,11 +10,6 @@ pub(crate) const ROW: u32 = 1 << 12;
 /// Bytes of a texel.
 const TEXEL: usize = 16;
 
-/// Whether an input is a texture.
-pub(super) fn is_texture(name: &str) -> bool {
-    name == "nodes"
-}
-
 impl Gpu {
     /// Fills the texture `name` row by row. A larger one of an earlier call is kept.
     pub(super) fn fill_texture(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {

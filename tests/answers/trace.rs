@@ -32,10 +32,14 @@ fn every_backend_and_search_gives_the_same_hits() {
     let cpu = traced("--backend cpu");
     let hits = cpu.iter().filter(|row| row[0] >= 0.0).count();
     assert!((200..1900).contains(&hits), "{hits} hits");
-    let mut others =
-        vec!["--backend cpu --search all", "--backend cpu --search tree", "--backend cpu --accuracy exact"];
+    let mut others = vec![
+        "--backend cpu --search all",
+        "--backend cpu --search tree",
+        "--backend cpu --accuracy exact",
+        "--backend cpu --accuracy fast",
+    ];
     if gpu().is_some() {
-        others.extend(["--backend gpu", "--backend gpu --search all", "--backend gpu --accuracy certified"]);
+        others.extend(["--backend gpu", "--backend gpu --accuracy fast", "--backend gpu --accuracy fast --search all"]);
     }
     for words in others {
         let other = traced(words);
@@ -48,7 +52,9 @@ fn every_backend_and_search_gives_the_same_hits() {
         assert!(any.iter().zip(&cpu).all(|(any, row)| (any[0] == 1.0) == (row[0] >= 0.0)), "{words} --any");
     }
     if let Some(renderer) = gpu() {
-        let report = dir.good("trace s.csv --rays rays.csv --backend gpu --json").json();
+        let report = dir.good("trace s.csv --rays rays.csv --backend gpu --accuracy fast --json").json();
         assert_eq!((&report["backend"], &report["adapter"]), (&"gpu".into(), &renderer.adapter().into()));
+        let report = dir.good("trace s.csv --rays rays.csv --backend gpu --json").json();
+        assert_eq!((&report["backend"], &report["adapter"]), (&"cpu".into(), &"cpu".into()), "certified");
     }
 }

@@ -33,6 +33,10 @@ pub(crate) struct BoxRay {
     /// The point itself.
     pub(crate) origin: [f32; 3],
     pub(crate) direction: [f32; 3],
+    /// At least |direction|^2, by no more than a few roundings.
+    pub(crate) a: f32,
+    /// The root of it.
+    pub(crate) length: f32,
     /// How far the line may pass by a point that is on it.
     pub(crate) pad: f32,
     /// t of that point on the ray.
@@ -54,6 +58,7 @@ impl BoxRay {
         let from: [f64; 3] = std::array::from_fn(|n| origin[n] + start * direction[n]);
         let near = if far <= NEAR { far } else { 4.0 };
         let pad = SLABS * U * (1.0 + near) + lost + extra;
+        let a = (direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]) * ROUNDED;
         let inverse = direction.map(|d| (1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d }) as f32);
         let aside = |n: usize| if inverse[n] < 0.0 { -pad } else { pad };
         Some(Self {
@@ -62,6 +67,8 @@ impl BoxRay {
             inverse,
             origin: from.map(|x| x as f32),
             direction: direction.map(|x| x as f32),
+            a: a as f32,
+            length: a.sqrt() as f32,
             pad: (pad as f32).next_up(),
             start,
         })
@@ -74,6 +81,8 @@ impl BoxRay {
         inverse: [1.0; 3],
         origin: [0.0; 3],
         direction: [1.0; 3],
+        a: 3.001,
+        length: 1.733,
         pad: ABOVE,
         start: 0.0,
     };
@@ -85,6 +94,9 @@ impl BoxRay {
         if from < f32::MAX { from } else { f32::MAX }
     }
 }
+
+/// Above what rounding takes from |direction|^2 and from its root.
+const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 16) as f64;
 
 /// Beyond the scene, and far from the end of f32.
 const ABOVE: f32 = (1u64 << 20) as f32;

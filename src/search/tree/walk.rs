@@ -67,8 +67,6 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
 #[inline(always)]
 pub(crate) fn may_meet<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) -> u32 {
     let d = ray.direction.map(|x| l.splat(x));
-    let [u, v, w] = ray.direction;
-    let a = (u * u + v * v + w * w) * (1.0 + ROUNDED);
     let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
     let reach = l.add(l.mul(l.load(&block.radius), l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
     let dot =
@@ -76,10 +74,10 @@ pub(crate) fn may_meet<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) 
     let minor = |m: usize, n: usize| l.sub(l.mul(p[m], d[n]), l.mul(p[n], d[m]));
     let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
     let b = dot(p, d);
-    let along = l.mul(reach, l.splat(a.sqrt()));
-    let aside = l.at_most(dot(g, g), l.mul(l.mul(reach, reach), l.splat(a)));
+    let along = l.mul(reach, l.splat(ray.length));
+    let aside = l.at_most(dot(g, g), l.mul(l.mul(reach, reach), l.splat(ray.a)));
     let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
-    let before = l.at_most(l.sub(b, along), l.splat(limit * a));
+    let before = l.at_most(l.sub(b, along), l.splat(limit * ray.a));
     aside & ahead & before
 }
 
