@@ -138,7 +138,10 @@ pub(crate) fn judge_ray_among(
     }
     let rays = RayForms::along(direction);
     let sphere = |id: u32| (spheres.centers[id as usize], spheres.radii[id as usize]);
-    let near = |id: &u32| !rays.quick.passes_by(origin, sphere(*id));
+    let near = |id: &u32| {
+        let (center, radius) = sphere(*id);
+        !rays.quick.misses(&Screen::from(origin, center, radius))
+    };
     let ids: Vec<u32> = ids.filter(near).collect();
     let mut few = Spheres::default();
     for (center, radius) in ids.iter().map(|id| sphere(*id)) {

@@ -2,11 +2,10 @@
 //! the few spheres that are left.
 
 use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
-use crate::search::tree::lanes::{Lanes, Portable};
+use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, walk};
-use crate::search::tree::{BoxRay, Tree, WIDE, order};
+use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 /// The answer to the nearest hit of one ray.
@@ -39,20 +38,12 @@ pub(crate) struct Given<'a> {
 /// The error of a normal that is certified, in radians: less than the promised 1e-3 by what f32 rounds.
 const TILT: f64 = 0.97e-3;
 
-/// Rays that one task answers.
-const TASK: usize = 256;
-
 impl Given<'_> {
     /// The answers to the rays with these numbers.
     pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
         let mut answers = vec![Q::NONE; numbers.len()];
         let tasks = answers.par_chunks_mut(TASK).zip(numbers.par_chunks(TASK));
-        #[cfg(target_arch = "x86_64")]
-        if let Some(lanes) = pulp::x86::V3::try_new() {
-            tasks.for_each(|(answers, numbers)| lanes.vectorize(Task { given: self, numbers, answers, lanes }));
-            return answers;
-        }
-        tasks.for_each(|(answers, numbers)| Task { given: self, numbers, answers, lanes: Portable }.call());
+        tasks.for_each(|(answers, numbers)| dispatch(Task { given: self, numbers, answers }));
         answers
     }
 
@@ -159,10 +150,7 @@ struct NearestSearch<'a, 'b, L> {
 impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], self.boxes, self.limit);
-        while mask != 0 {
-            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
-            mask &= mask - 1;
+        for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
             if let Some(bounds) = self.given.meet(self.ray, place) {
                 self.keep(place, bounds);
             }
@@ -212,10 +200,7 @@ struct AnySearch<'a, 'b, L> {
 impl<L: Lanes> Test for AnySearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let mut mask = may_meet(self.lanes, &self.given.tree.blocks[block as usize], self.boxes, self.limit);
-        while mask != 0 {
-            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
-            mask &= mask - 1;
+        for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
             if let Some(bounds) = self.given.meet(self.ray, place)
                 && bounds.low < self.ray.limit[1]
             {
@@ -281,26 +266,23 @@ impl Query for AnyHit {
     }
 }
 
-/// Some rays, answered with the processor's widest vectors.
-struct Task<'a, 'b, Q, L> {
-    lanes: L,
+/// Some rays and the places of their answers.
+struct Task<'a, 'b, Q> {
     given: &'a Given<'b>,
     numbers: &'a [u32],
     answers: &'a mut [Q],
 }
 
-impl<Q: Query, L: Lanes> NullaryFnOnce for Task<'_, '_, Q, L> {
-    type Output = ();
-
+impl<Q: Query> Work for Task<'_, '_, Q> {
     #[inline(always)]
-    fn call(self) {
+    fn work<L: Lanes>(self, lanes: L) {
         // All at once, since in another order every ray is a wait for memory, and the processor can have many.
         let mut rays = [GivenRay::default(); TASK];
         for (ray, &n) in rays.iter_mut().zip(self.numbers) {
             *ray = self.given.rays.ray(n as usize);
         }
         for (answer, ray) in self.answers.iter_mut().zip(&rays) {
-            *answer = Q::of(self.given, self.lanes, ray);
+            *answer = Q::of(self.given, lanes, ray);
         }
     }
 }

@@ -5,12 +5,11 @@ use crate::intersect::{Intersect, Visit};
 use crate::kernel::{Kernel, RaySource};
 use crate::number::Number;
 use crate::search::nearest::{nearest_in, nearest_of};
-use crate::search::tree::lanes::{Lanes, Portable};
+use crate::search::tree::lanes::{Lanes, TASK, Work, dispatch};
 use crate::search::tree::{MethodRays, Tree};
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, RayRecord, dot3};
 use crate::view::{Sphere, SphereRecord, SphereResiduals, View};
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 
@@ -26,9 +25,6 @@ fn moved<R: Number>(s: &SphereRecord, residuals: &SphereResiduals, ray: &RayReco
         scale: R::from_f32(s.scale),
     }
 }
-
-/// Rays that one task answers.
-const TASK: usize = 256;
 
 /// A tree, and how the rays of a view lie in it.
 pub(crate) type InTree<'a> = (&'a Tree, MethodRays);
@@ -69,12 +65,7 @@ impl Visit for Traced<'_> {
                 }
                 return;
             };
-            let task = Task::<V, _, _> { tree, rays: in_tree, out, sphere_of: &sphere_of, method: PhantomData };
-            #[cfg(target_arch = "x86_64")]
-            if let Some(lanes) = pulp::x86::V3::try_new() {
-                return lanes.vectorize(InLanes { lanes, task });
-            }
-            InLanes { lanes: Portable, task }.call();
+            dispatch(Task::<V, _, _> { tree, rays: in_tree, out, sphere_of: &sphere_of, method: PhantomData });
         });
         if kernel.normal {
             let hits = raw.id.par_iter().zip(raw.t.par_iter().zip(&raw.t_low)).zip(rays);
@@ -112,27 +103,18 @@ struct Task<'a, V, O, F> {
     method: PhantomData<V>,
 }
 
-/// The same with vectors of the processor.
-struct InLanes<L, T> {
-    lanes: L,
-    task: T,
-}
-
 /// Place and both parts of t, and the ray.
 type Place<'a> = ((&'a mut u32, (&'a mut f32, &'a mut f32)), &'a RayRecord);
 
-impl<'a, L, V, O, F> NullaryFnOnce for InLanes<L, Task<'_, V, O, F>>
+impl<'a, V, O, F> Work for Task<'_, V, O, F>
 where
-    L: Lanes,
     V: Intersect,
     O: Iterator<Item = Place<'a>>,
     F: Fn(&RayRecord, usize) -> Sphere<V::Number>,
 {
-    type Output = ();
-
     #[inline(always)]
-    fn call(self) {
-        let Self { lanes, task: Task { tree, rays, out, sphere_of, .. } } = self;
+    fn work<L: Lanes>(self, lanes: L) {
+        let Self { tree, rays, out, sphere_of, .. } = self;
         for ((place, t), r) in out {
             let Some(boxes) = rays.ray(r) else {
                 (*place, (*t.0, *t.1)) = (NONE, Hit::<V::Number>::NONE.t.to_hi_lo());

@@ -123,8 +123,7 @@ impl Body {
 
     /// The data for the f64 pass.
     pub(crate) fn screen(&self) -> Screen {
-        let reach = self.r + SCREEN * self.size;
-        Screen { p: self.p.map(|x| x.hi), reach2: reach * reach * COMPARE }
+        Screen::new(self.p.map(|x| x.hi), self.r, self.size)
     }
 }
 
@@ -151,6 +150,21 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
+    /// `size` is at least |p|.
+    fn new(p: [f64; 3], r: f64, size: f64) -> Self {
+        let reach = r + SCREEN * size;
+        Self { p, reach2: reach * reach * COMPARE }
+    }
+
+    /// The data of a sphere that is not set up, for rays with a given direction, in the world's unit. c - e is within
+    /// 2^-53 of itself in each component, which [`SCREEN`] covers. Where a square overflows, `reach2` does too, and
+    /// nothing is missed.
+    pub(crate) fn from(eye: [f64; 3], center: [f64; 3], radius: f64) -> Self {
+        let p: [f64; 3] = std::array::from_fn(|n| center[n] - eye[n]);
+        let size = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt() + power_of_two(-400);
+        Self::new(p, radius, size)
+    }
+
     /// A sphere that no ray hits.
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
 
@@ -214,18 +228,6 @@ impl FilterRay {
     /// The origin of a parallel ray in the plane of the eye, times 2^-k.
     pub(crate) fn start(&self, k: i32) -> Option<[Dd; 2]> {
         self.from.map(|(from, own)| from.map(|x| x.ldexp(own - k)))
-    }
-
-    /// The f64 pass for a ray with a given direction before its sphere is set up: whether the line certainly misses the
-    /// sphere. c - e is within 2^-53 of itself in each component, which [`SCREEN`] covers as it does for [`Body`].
-    pub(crate) fn passes_by(&self, origin: [f64; 3], (center, radius): ([f64; 3], f64)) -> bool {
-        let [x, y, z]: [f64; 3] = std::array::from_fn(|n| center[n] - origin[n]);
-        let [u, v, d] = self.dir.map(|x| x.hi);
-        let (l, m, n) = (v * z - d * y, d * x - u * z, u * y - v * x);
-        let aside = l * l + m * m + n * n;
-        let reach = radius + SCREEN * ((x * x + y * y + z * z).sqrt() + power_of_two(-400));
-        // An overflow decides nothing, and products that underflow are below this.
-        aside.is_finite() && aside > self.a.hi * (reach * reach * COMPARE) + TINY
     }
 
     /// The f64 pass: whether the line certainly misses the sphere.

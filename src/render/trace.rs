@@ -106,12 +106,6 @@ impl Tracer<'_> {
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
     }
 
-    /// The renderer that traces.
-    #[must_use]
-    pub fn renderer(&self) -> &Renderer {
-        self.renderer
-    }
-
     /// Whether an adapter traces. Certified and exact answers of given rays come from the CPU path with every backend.
     #[must_use]
     pub fn is_gpu(&self) -> bool {

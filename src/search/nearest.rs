@@ -2,7 +2,7 @@
 
 use super::tree::lanes::Lanes;
 use super::tree::walk::{Test, may_meet, walk};
-use super::tree::{BoxRay, MethodRays, Tree, WIDE};
+use super::tree::{BoxRay, MethodRays, Tree};
 use crate::intersect::Intersect;
 use crate::number::Number;
 use crate::view::Sphere;
@@ -69,10 +69,7 @@ struct TreeSearch<'a, V, R, L, F> {
 impl<V: Intersect, R: Number, L: Lanes, F: Fn(usize) -> Sphere<R>> Test for TreeSearch<'_, V, R, L, F> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let mut mask = may_meet(self.lanes, &self.tree.blocks[block as usize], &self.boxes, self.limit);
-        while mask != 0 {
-            let place = block as usize * WIDE + mask.trailing_zeros() as usize;
-            mask &= mask - 1;
+        for place in may_meet(self.lanes, self.tree, block, &self.boxes, self.limit) {
             let hit = closer_hit_any_order::<V, R>(self.hit, self.ray, &(self.sphere)(place), self.tree.ids[place]);
             if hit.id != self.hit.id {
                 (self.hit, self.place) = (hit, place);

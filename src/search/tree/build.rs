@@ -42,10 +42,8 @@ impl Tree {
             [x, y, z, radii[id as usize]]
         };
         let spheres: Vec<[f64; 4]> = ids.par_iter().map(exact).collect();
-        let parts: Vec<(Block, [[f32; 3]; 2])> =
-            spheres.par_chunks(WIDE).map(|spheres| block(&placement, spheres)).collect();
-        let mut boxes: Vec<[[f32; 3]; 2]> = parts.par_iter().map(|(_, bounds)| *bounds).collect();
-        let blocks = parts.into_par_iter().map(|(block, _)| block).collect();
+        let (blocks, mut boxes): (Vec<Block>, Vec<[[f32; 3]; 2]>) =
+            spheres.par_chunks(WIDE).map(|spheres| block(&placement, spheres)).unzip();
         let mut nodes = vec![Node { planes: [[0.0; WIDE]; 6] }; firsts[sizes.len()] as usize];
         for level in (0..sizes.len()).rev() {
             let nodes = &mut nodes[firsts[level] as usize..firsts[level + 1] as usize];

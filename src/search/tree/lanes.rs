@@ -3,6 +3,25 @@
 
 use super::WIDE;
 
+/// Rays that one task answers.
+pub(crate) const TASK: usize = 256;
+
+/// Work that is compiled for vectors of each kind. A trait, because a closure would not be compiled with
+/// the vector instructions of its caller.
+pub(crate) trait Work {
+    fn work<L: Lanes>(self, lanes: L);
+}
+
+/// Does the work with the processor's widest vectors.
+#[inline(always)]
+pub(crate) fn dispatch(work: impl Work) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(lanes) = pulp::x86::V3::try_new() {
+        return lanes.vectorize(avx2::Vectorized { lanes, work });
+    }
+    work.work(Portable);
+}
+
 /// Eight numbers, with every operation rounded as that of a single f32.
 pub(crate) trait Lanes: Copy + Send + Sync {
     type Number: Copy;
@@ -90,10 +109,24 @@ impl Lanes for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::{LANE, Lanes, WIDE};
-    use pulp::cast;
+    use super::{LANE, Lanes, WIDE, Work};
     use pulp::x86::V3;
+    use pulp::{NullaryFnOnce, cast};
     use std::arch::x86_64::{__m256, __m256i};
+
+    /// Work as pulp takes it.
+    pub(super) struct Vectorized<W> {
+        pub(super) lanes: V3,
+        pub(super) work: W,
+    }
+
+    impl<W: Work> NullaryFnOnce for Vectorized<W> {
+        type Output = ();
+        #[inline(always)]
+        fn call(self) {
+            self.work.work(self.lanes);
+        }
+    }
 
     impl Lanes for V3 {
         type Number = __m256;

@@ -98,9 +98,8 @@ struct Found<'a> {
 
 impl Test for Found<'_> {
     fn test(&mut self, block: u32) -> f32 {
-        let mask = may_meet(Portable, &self.tree.blocks[block as usize], &self.ray, self.limit);
-        let first = block as usize * WIDE;
-        self.ids.extend((0..WIDE).filter(|lane| mask >> lane & 1 == 1).map(|lane| self.tree.ids[first + lane]));
+        let places = may_meet(Portable, self.tree, block, &self.ray, self.limit);
+        self.ids.extend(places.map(|place| self.tree.ids[place]));
         self.limit
     }
 }

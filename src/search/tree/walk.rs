@@ -63,9 +63,34 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
     l.keys(near, far)
 }
 
-/// The spheres of a block that the ray may meet before `limit`, one bit each.
+/// Places of spheres in the order of the tree.
+pub(crate) struct Places {
+    /// The place of the block's first sphere.
+    first: usize,
+    /// One bit for each sphere of the block that is left.
+    mask: u32,
+}
+
+impl Iterator for Places {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.mask.trailing_zeros();
+        self.mask &= self.mask.wrapping_sub(1);
+        (lane < WIDE as u32).then_some(self.first + lane as usize)
+    }
+}
+
+/// The spheres of a block that the ray may meet before `limit`.
 #[inline(always)]
-pub(crate) fn may_meet<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) -> u32 {
+pub(crate) fn may_meet<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, limit: f32) -> Places {
+    Places { first: block as usize * WIDE, mask: mask(l, &tree.blocks[block as usize], ray, limit) }
+}
+
+/// The same, one bit each.
+#[inline(always)]
+fn mask<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) -> u32 {
     let d = ray.direction.map(|x| l.splat(x));
     let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
     let reach = l.add(l.mul(l.load(&block.radius), l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
