@@ -47,16 +47,19 @@ pub(crate) struct Kernel {
     pub(crate) t: bool,
     /// Writes normals.
     pub(crate) normal: bool,
-    /// Certifies its answers; `method` is unused.
+    /// Certifies its answers; `method` is unused. Given rays are then [`RaySource::Spread`], and only ids are written:
+    /// places in the order of the tree.
     pub(crate) certify: bool,
     /// Some spheres are not entirely in front of the eye plane. Known only after binning.
     pub(crate) generals: bool,
-    /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for a certified kernel.
+    /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for certified viewing rays.
     pub(crate) tiles: bool,
     /// Writes the width of the depth interval.
     pub(crate) depth_interval: bool,
     /// Given rays traverse a tree instead of testing every sphere.
     pub(crate) tree: bool,
+    /// Certified given rays: whether anything is hit, instead of what is hit first.
+    pub(crate) any: bool,
     /// Viewing rays pass through samples of the pixels instead of the pixel centres.
     pub(crate) samples: bool,
 }
@@ -77,6 +80,7 @@ impl Kernel {
             tiles: false,
             depth_interval: false,
             tree: false,
+            any: false,
             samples: false,
         }
     }
@@ -108,7 +112,7 @@ impl Kernel {
 
     /// Whether the kernel reads the rounding residuals of the spheres.
     pub(crate) fn reads_residuals(&self) -> bool {
-        self.rays == RaySource::Spread || self.is_wide()
+        !self.certify && (self.rays == RaySource::Spread || self.is_wide())
     }
 
     /// The sphere records that the kernel reads, besides those of candidate lists.

@@ -1,4 +1,4 @@
-// The closest hit by a complete tree of bounding boxes over the spheres, eight children to a node, which lie in spheres in
+// The traversal of a complete tree of bounding boxes over the spheres, eight children to a node, which lie in spheres in
 // its order. The host pads the rays so that they enter every box of a hit (docs/tree.md).
 const LEVELS: u32 = 10u;           // the most levels of nodes
 const FIRSTS: u32 = 0x49249249u;   // its lowest 3 l bits are the place of the first node of level l, (8^l - 1)/7
@@ -148,27 +148,4 @@ fn level_of_spheres() -> u32 {
         level++;
     }
     return level;
-}
-
-// The closest hit among the spheres of a tree. The nearest box is visited first, and boxes behind the current hit are
-// skipped. A box as near as the hit is still visited, because it may contain a lower id.
-fn nearest(ray: Ray, group: vec3<u32>) -> Hit {
-    let seen = boxes[ray_number];
-    let spheres_level = level_of_spheres();
-    var found = Found(no_hit(), NONE);
-    var limit = MISS;
-    var at = Position(0u, 0u, 0u);
-    loop {
-        while (at.level < spheres_level) {
-            at = descend(at, seen, limit);
-        }
-        if (at.level == NOWHERE) {
-            break;
-        }
-        found = test(ray, found, load(at.place), at.place);
-        limit = select(MISS, to_hi(found.hit.t) * seen.leave.w - seen.enter.w, found.hit.id != NONE);
-        at = resume(at, limit);
-    }
-    place = found.place;
-    return found.hit;
 }

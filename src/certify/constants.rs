@@ -82,3 +82,24 @@ constants! {
     /// The same, constant part.
     const SUM = 11.0;
 }
+
+/// Those of given rays on devices; only tests use them on the host. shaders/certify/given_constants.wgsl has the same names.
+#[cfg(test)]
+pub(crate) mod given {
+    constants! {
+        /// A component of g = p x d of a given ray, and p.d, of |p| |d|.
+        const GIVEN_CROSS = 8.0;
+        /// The same, of the blur of places times |d|, without UNIT.
+        const GIVEN_BLURS = 2.0;
+        /// a r^2 in the discriminant a r^2 - g.g of a given ray.
+        const GIVEN_AR2 = 11.0;
+        /// g.g in that discriminant.
+        const GIVEN_GG = 5.0;
+        /// The power |p|^2 - r^2, of |p|^2 + r^2.
+        const GIVEN_POWER = 11.0;
+        /// t as a quotient, with the root and the sums in it.
+        const GIVEN_QUOTIENT = 18.0;
+        /// 2^-28, the step of the grid on which places of given rays and of their spheres are stated.
+        const GIVEN_STEP = 3.725_290_3e-9;
+    }
+}

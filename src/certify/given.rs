@@ -157,9 +157,10 @@ impl CertifiedRay {
                 let least = (b - e + root_low) / self.a;
                 (if least > 0.0 { least } else { 0.0 }, (b + root_mid) / self.a, (b + e + root_high) / self.a)
             } else {
-                let q_low = if -b > e { -b - e } else { 0.0 } + root_low;
-                let low = (-power - power_error) / (root_high + e - b);
-                (low, -power / (root_mid - b), (-power + power_error) / q_low)
+                // b itself may be above zero by e.
+                let q_low = root_low - b - e;
+                let high = if q_low > 0.0 { (-power + power_error) / q_low } else { f64::INFINITY };
+                ((-power - power_error) / (root_high + e - b), -power / (root_mid - b), high)
             }
         } else {
             return Some(Bounds::UNKNOWN);

@@ -2,7 +2,7 @@
 //! scenes, `claims` and `sound` compare certified claims with exact arithmetic, `bounds` and `first_order` compare each
 //! bound with the quantity that it bounds, and `sabotage` removes each constant in turn, which a test must detect.
 //! `corners` has single critical cases, `cover` tests which spheres lists may omit, `host` the rounding of the host.
-//! `axes` computes a camera's axes independently.
+//! `given` and `given_device` do the same for given rays, in f64 and in f32. `axes` computes a camera's axes independently.
 
 mod axes;
 mod bounds;
@@ -11,6 +11,7 @@ mod corners;
 mod cover;
 mod first_order;
 mod given;
+mod given_device;
 mod host;
 mod predicted;
 mod sabotage;

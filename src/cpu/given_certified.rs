@@ -49,7 +49,7 @@ impl Given<'_> {
 
     /// The ray in f64 and as the boxes see it; `None` if it certainly hits nothing.
     #[inline(always)]
-    fn ray(&self, ray: &GivenRay) -> Option<(CertifiedRay, BoxRay)> {
+    pub(crate) fn ray(&self, ray: &GivenRay) -> Option<(CertifiedRay, BoxRay)> {
         let ray = CertifiedRay::new(&self.tree.placement, ray.origin, ray.direction, ray.limit);
         if ray.limit[1] <= 0.0 {
             return None;
@@ -69,15 +69,18 @@ impl Given<'_> {
         self.search(lanes, &boxes, limit, &mut search);
         match search.best {
             None if search.rival == f64::INFINITY => NearestHit::Miss,
-            Some((place, bounds)) if search.rival > bounds.high => {
-                let [x, y, z, radius] = self.tree.spheres[place];
-                let numbers = ray.numbers([x, y, z], radius, &bounds);
-                let id = self.tree.ids[place];
-                let good = numbers.error <= self.tolerance && numbers.tilt <= TILT;
-                if good { NearestHit::Hit { id, numbers } } else { NearestHit::Unsure }
-            }
+            Some((place, bounds)) if search.rival > bounds.high => self.hit(&ray, place, &bounds),
             _ => NearestHit::Unsure,
         }
+    }
+
+    /// The answer where the nearest hit is that of the sphere at `place`.
+    #[inline(always)]
+    fn hit(&self, ray: &CertifiedRay, place: usize, bounds: &Bounds) -> NearestHit {
+        let [x, y, z, radius] = self.tree.spheres[place];
+        let numbers = ray.numbers([x, y, z], radius, bounds);
+        let good = bounds.sure && numbers.error <= self.tolerance && numbers.tilt <= TILT;
+        if good { NearestHit::Hit { id: self.tree.ids[place], numbers } } else { NearestHit::Unsure }
     }
 
     #[inline(always)]
@@ -240,29 +243,50 @@ impl Test for Candidates<'_, '_> {
 }
 
 /// A question to a ray, by its answer.
-pub(crate) trait Query: Copy + Send {
+pub(crate) trait Query: Copy + Send + Sync {
+    /// Whether any hit is an answer.
+    const ANY: bool;
     /// The answer of a ray that hits nothing.
     const NONE: Self;
     /// The answer of a ray that is not decided.
     const UNSURE: Self;
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self;
+    /// The answer of a ray for which a device has proved what it hits: the sphere at `place` in the order of the tree.
+    fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self;
+    /// Whether the ray is not decided.
+    fn is_unsure(&self) -> bool;
 }
 
 impl Query for NearestHit {
+    const ANY: bool = false;
     const NONE: Self = Self::Miss;
     const UNSURE: Self = Self::Unsure;
     #[inline(always)]
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
         given.nearest_of(lanes, ray)
     }
+    fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self {
+        let known = given.ray(ray).and_then(|(ray, _)| Some((given.meet(&ray, place)?, ray)));
+        known.map_or(Self::Unsure, |(bounds, ray)| given.hit(&ray, place, &bounds))
+    }
+    fn is_unsure(&self) -> bool {
+        matches!(self, Self::Unsure)
+    }
 }
 
 impl Query for AnyHit {
+    const ANY: bool = true;
     const NONE: Self = Self::Free;
     const UNSURE: Self = Self::Unsure;
     #[inline(always)]
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
         given.any_of(lanes, ray)
+    }
+    fn hit(_: &Given<'_>, _: &GivenRay, _: usize) -> Self {
+        Self::Blocked
+    }
+    fn is_unsure(&self) -> bool {
+        *self == Self::Unsure
     }
 }
 

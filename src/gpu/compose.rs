@@ -28,16 +28,19 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 49] = files![
+const FILES: [(&str, &str); 57] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/found.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
+    "search/tree_nearest.wgsl"
     "share/no_subgroup.wgsl" "share/subgroup.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
-    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
+    "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
+    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
+    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl"
     "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
@@ -134,18 +137,24 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
             let position = if kernel.samples { "main/sample.wgsl" } else { "main/pixel_center.wgsl" };
             parts.extend(files(["main/window.wgsl", position]));
         }
+        _ if kernel.certify => parts.extend(files(["main/given_certified.wgsl"])),
         RaySource::SharedOrigin | RaySource::Spread => parts.extend(files(["main/given_rays.wgsl"])),
     }
-    if kernel.certify || kernel.tiles {
+    let camera = kernel.rays == RaySource::Camera;
+    if camera && (kernel.certify || kernel.tiles) {
         parts.extend(files(["search/tile_lists.wgsl"]));
     }
-    if kernel.certify {
-        certify(kernel, &mut parts)
+    if kernel.certify && !camera {
+        certify_given(kernel, &mut parts);
     } else {
-        search(kernel, &mut parts)
+        if kernel.certify {
+            certify(kernel, &mut parts)
+        } else {
+            search(kernel, &mut parts)
+        }
+        share(kernel, &mut parts);
+        shade(kernel, &mut parts);
     }
-    share(kernel, &mut parts);
-    shade(kernel, &mut parts);
     parts.push(outputs(kernel));
     parts
 }
@@ -166,7 +175,7 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     let origin = if kernel.rays == RaySource::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
     parts.extend(files([form, "search/closer_hit.wgsl", records, origin]));
     match (kernel.tree, kernel.tiles) {
-        (true, _) => parts.extend(files(["search/found.wgsl", "search/tree.wgsl"])),
+        (true, _) => parts.extend(files(["search/found.wgsl", "search/tree.wgsl", "search/tree_nearest.wgsl"])),
         (false, true) => parts.extend(files(["search/found.wgsl", "search/tile.wgsl"])),
         (false, false) => parts.extend(files(["search/all.wgsl"])),
     }
@@ -186,6 +195,16 @@ fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
         "certify/certify_winner.wgsl",
         "main/certified.wgsl",
     ]));
+}
+
+/// The search for what a given ray hits, with its certificate.
+fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
+    let query = if kernel.any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
+    parts.extend(files(["certify/constants.wgsl", "certify/given_constants.wgsl", "certify/given.wgsl", query]));
+    match kernel.tree {
+        true => parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"])),
+        false => parts.extend(files(["certify/given_all.wgsl"])),
+    }
 }
 
 /// The entry point, and how a chunk of records is loaded and tested.

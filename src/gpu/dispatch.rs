@@ -350,6 +350,7 @@ mod tests {
     use crate::certify::binned::BinnedScene;
     use crate::frame::report::Timings;
     use crate::gpu::device;
+    use crate::gpu::input::Rays;
     use crate::intersect::Method;
     use crate::kernel::Sharing;
     use crate::memory::Pool;
@@ -412,8 +413,13 @@ mod tests {
                     true => Some(CandidateList::Certified(&binned)),
                     false => kernel.tiles.then(tile_candidates),
                 };
-                let input =
-                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: &[], candidates, tree: None };
+                let input = Input {
+                    view: &view,
+                    colors: scene.spheres.colors.as_deref(),
+                    rays: Rays::Viewing,
+                    candidates,
+                    tree: None,
+                };
                 let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
                 raws.push(raw);

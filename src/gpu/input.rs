@@ -3,7 +3,8 @@
 use crate::answers::raw::Raw;
 use crate::frame::report::Timings;
 use crate::search::tile_candidates::CandidateList;
-use crate::search::tree::device::{BoxRayRecord, NodeRecord};
+use crate::search::tree::device::{NodeRecord, PlacedSphereRecord};
+use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
 use crate::view::ray::RayRecord;
 use crate::view::{View, ViewRecord};
 
@@ -15,17 +16,39 @@ pub(crate) struct Input<'a> {
     pub(crate) view: &'a View,
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
-    /// Records of given rays; empty for viewing rays.
-    pub(crate) rays: &'a [RayRecord],
+    pub(crate) rays: Rays<'a>,
     /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
     /// The tree that given rays traverse.
     pub(crate) tree: Option<TreeInput<'a>>,
 }
 
+/// The rays of a dispatch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Rays<'a> {
+    /// Those of the view.
+    Viewing,
+    /// For a method.
+    Given(&'a [RayRecord]),
+    /// To be certified, with the spheres in the order of the tree; no spheres where the last call's are kept.
+    Certified { rays: &'a [CertifiedRayRecord], spheres: &'a [PlacedSphereRecord] },
+}
+
+impl Rays<'_> {
+    /// The number of given rays.
+    pub(super) fn given(&self) -> usize {
+        match self {
+            Self::Viewing => 0,
+            Self::Given(rays) => rays.len(),
+            Self::Certified { rays, .. } => rays.len(),
+        }
+    }
+}
+
 /// A tree, and the given rays as its boxes see them. The spheres of the view lie in its order.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TreeInput<'a> {
+    /// None where the last call's are kept.
     pub(crate) nodes: &'a [NodeRecord],
     pub(crate) boxes: &'a [BoxRayRecord],
 }

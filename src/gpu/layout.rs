@@ -15,11 +15,11 @@ pub(crate) struct Binding {
 
 /// Whether an input is a texture, see texture.rs.
 pub(super) fn is_texture(name: &str) -> bool {
-    name == "nodes"
+    ["nodes", "placed"].contains(&name)
 }
 
 /// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 13] = [
+const INPUTS: [&str; 15] = [
     "view",
     "spheres",
     "residuals",
@@ -27,6 +27,8 @@ const INPUTS: [&str; 13] = [
     "rays",
     "nodes",
     "boxes",
+    "placed",
+    "certified_rays",
     "projection",
     "projected",
     "others",
@@ -69,7 +71,8 @@ mod tests {
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
     use crate::kernel::{RaySource, Sharing};
-    use crate::search::tree::device::{BoxRayRecord, DEVICE_LEVELS, NodeRecord, first};
+    use crate::search::tree::device::{DEVICE_LEVELS, NodeRecord, PlacedSphereRecord, first};
+    use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
     use crate::search::tree::lanes::{LANE, NEVER};
     use crate::shade::Shade;
     use crate::tile::{CHUNK, TILE};
@@ -107,6 +110,7 @@ mod tests {
                             tiles,
                             depth_interval: t && certify,
                             tree,
+                            any: false,
                             samples: false,
                         };
                         kernels.extend(colors.map(all).filter(|k| !certify && !tiles || k.rays == RaySource::Camera));
@@ -114,6 +118,8 @@ mod tests {
                 }
             }
         }
+        let spread = Kernel { certify: true, rays: RaySource::Spread, ..Kernel::bare(Method::Stable) };
+        kernels.extend(both.into_iter().flat_map(|tree| both.map(|any| Kernel { tree, any, ..spread })));
         let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
@@ -130,7 +136,7 @@ mod tests {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
         let sampled = (Method::ALL.len() * 8 + 8) * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled, "the list is complete");
+        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled + 4, "the list is complete");
         for kernel in &kernels {
             module(kernel);
         }
@@ -147,19 +153,21 @@ mod tests {
                 (true, "view"),
                 (!certify, "spheres"),
                 (true, "frame_id"),
-                (certify, "projection"),
-                (certify, "projected"),
-                (certify, "others"),
-                (certify || tiles, "lists"),
+                (certify && !given, "projection"),
+                (certify && !given, "projected"),
+                (certify && !given, "others"),
+                (certify && !given || tiles, "lists"),
                 (kernel.depth_interval, "frame_depth_interval"),
                 (kernel.t, "frame_t"),
                 (kernel.normal, "frame_normal"),
                 (kernel.shade.is_some(), "frame_color"),
                 (kernel.colors, "colors"),
-                (given, "rays"),
+                (given && !certify, "rays"),
+                (given && certify, "certified_rays"),
+                (given && certify, "placed"),
                 (kernel.tree, "nodes"),
                 (kernel.tree, "boxes"),
-                (kernel.rays == RaySource::Spread || kernel.is_wide(), "residuals"),
+                (kernel.reads_residuals(), "residuals"),
                 (kernel.t && kernel.is_wide(), "frame_t_low"),
             ]
             .into_iter()
@@ -190,6 +198,7 @@ mod tests {
         let any = Kernel { rays: RaySource::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
         let (certified, _) =
             module(&Kernel { rays: RaySource::Camera, certify: true, generals: true, tree: false, ..any });
+        let (given, _) = module(&Kernel { certify: true, t: false, normal: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -213,6 +222,15 @@ mod tests {
         same!(module "GivenRay", RayRecord, direction origin origin_low);
         same!(module "Node", NodeRecord, origin grid planes);
         same!(module "BoxRay", BoxRayRecord, enter leave inverse);
+        same!(given "CertifiedRay", CertifiedRayRecord, steps sure_limit rest limit direction blur);
+        assert_eq!(
+            members(&given, "PlacedSphere"),
+            (vec![("steps", 0), ("radius", 12), ("rest", 16)], 32),
+            "PlacedSphere"
+        );
+        assert_eq!(size_of::<PlacedSphereRecord>(), 32);
+        assert_eq!((2u32 << constant(&given, "PLACED_ROW_BITS") as u32), crate::gpu::texture::ROW);
+        assert_eq!(constant(&given, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         for (name, ours) in [("LEVELS", DEVICE_LEVELS), ("LANE", LANE), ("NEVER", NEVER)] {
             assert_eq!(constant(&module, name), f64::from(ours), "{name}");
         }
@@ -229,20 +247,26 @@ mod tests {
     /// The constants of the proof are equal on both sides, and their file contains no others.
     #[test]
     fn the_constants_of_the_proof_are_those_of_the_twin() {
-        let (module, _) = module(&Kernel { certify: true, generals: true, ..Kernel::bare(Method::Stable) });
-        for (name, value) in crate::certify::constants::ALL {
-            assert_eq!(constant(&module, name), f64::from(*value), "{name}");
+        use crate::certify::constants::{ALL, given};
+        let kernel = Kernel { certify: true, generals: true, ..Kernel::bare(Method::Stable) };
+        let of_given = Kernel { rays: RaySource::Spread, ..kernel };
+        for (file, kernel, all) in
+            [("certify/constants.wgsl", kernel, ALL), ("certify/given_constants.wgsl", of_given, given::ALL)]
+        {
+            let (module, _) = module(&kernel);
+            for (name, value) in all {
+                assert_eq!(constant(&module, name), f64::from(*value), "{name}");
+            }
+            let text = files([file]).next().expect("the file").text;
+            assert_eq!(text.lines().filter(|line| line.starts_with("const ")).count(), all.len(), "{file}");
         }
-        let text = files(["certify/constants.wgsl"]).next().expect("the file").text;
-        let count = text.lines().filter(|line| line.starts_with("const ")).count();
-        assert_eq!(count, crate::certify::constants::ALL.len());
     }
 
     /// Every number in the proof is a named constant, except 0, 1 and the 2 of a squared sum.
     #[test]
     fn no_number_of_the_proof_is_without_a_name() {
         let all = kernels();
-        let of_proof = |part: &Part| part.name.starts_with("certify/") && part.name != "certify/constants.wgsl";
+        let of_proof = |part: &Part| part.name.starts_with("certify/") && !part.name.ends_with("constants.wgsl");
         let mut seen = BTreeSet::new();
         for part in all.iter().flat_map(parts).filter(of_proof).filter(|part| seen.insert(part.name)) {
             let code = part.text.lines().map(|line| line.split("//").next().unwrap_or_default());

@@ -11,8 +11,11 @@ pub(crate) const ROW: u32 = 1 << 12;
 const TEXEL: usize = 16;
 
 impl Gpu {
-    /// Fills the texture `name` row by row. A larger one of an earlier call is kept.
+    /// Fills the texture `name` row by row; with nothing, an earlier call's is kept. A larger one of an earlier call is reused.
     pub(super) fn fill_texture(&mut self, name: &'static str, bytes: &[u8]) -> Result<()> {
+        if bytes.is_empty() && self.textures.contains_key(name) {
+            return Ok(());
+        }
         let row = ROW as usize * TEXEL;
         let rows = bytes.len().div_ceil(row).max(1);
         let most = self.limits.max_texture_dimension_2d;

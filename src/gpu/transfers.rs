@@ -1,6 +1,6 @@
 //! Uploads, readbacks and the division into bands: `halfline plan` prints them, dispatch.rs performs them.
 
-use super::input::{GROUP, Input};
+use super::input::{GROUP, Input, Rays};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
@@ -41,7 +41,9 @@ impl BindingLimits {
         // Frames store ids as i32.
         let most = of_colors.min(i32::MAX as u64);
         let Some(candidates) = &input.candidates else {
-            return most.min(self.binding / size_of::<SphereRecord>() as u64);
+            // Spheres of certified given rays are a texture.
+            let records = if kernel.certify { u64::MAX } else { self.binding / size_of::<SphereRecord>() as u64 };
+            return most.min(records);
         };
         let [_, [top, bottom]] = input.view.record.tiles();
         let largest = |row: u32| largest(candidates, &Band { first: row * TILE, count: TILE });
@@ -85,7 +87,7 @@ impl<'a> Bands<'a> {
         let record = &input.view.record;
         let (start, end) = match kernel.rays {
             RaySource::Camera => (record.first_row, record.first_row + record.rows),
-            _ => (0, input.rays.len() as u32),
+            _ => (0, input.rays.given() as u32),
         };
         let mut bands = Self { kernel, input, limits, start, first: start, end };
         bands.first -= start % bands.unit().0;
@@ -255,13 +257,19 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     match input.candidates {
         Some(CandidateList::Certified(binned)) => all.push(("projection", bytemuck::bytes_of(&binned.projection))),
         Some(CandidateList::Uncertified(_)) => {}
+        None if kernel.certify => {}
         None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),
     }
     if let (true, Some(colors)) = (kernel.colors, input.colors) {
         all.push(("colors", bytemuck::cast_slice(colors)));
     }
-    if kernel.rays != RaySource::Camera {
-        all.push(("rays", bytemuck::cast_slice(input.rays)));
+    match input.rays {
+        Rays::Viewing => {}
+        Rays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
+        Rays::Certified { rays, spheres } => {
+            all.push(("certified_rays", bytemuck::cast_slice(rays)));
+            all.push(("placed", bytemuck::cast_slice(spheres)));
+        }
     }
     if let (true, Some(tree)) = (kernel.tree, input.tree) {
         all.push(("nodes", bytemuck::cast_slice(tree.nodes)));

@@ -12,7 +12,7 @@ use crate::certify::binned::Depths;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
-use crate::gpu::input::{Input, Output};
+use crate::gpu::input::{Input, Output, Rays};
 use crate::progress::Step;
 use crate::scene::Scene;
 use crate::search::tile_candidates::CandidateList;
@@ -68,7 +68,7 @@ impl Renderer {
         let rays = FrameRays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.check_method(plan.kernel.method)?;
-        let Some(blocker) = self.certification_blocker(&plan)? else {
+        let Some(blocker) = self.certification_blocker(plan.accuracy)? else {
             return work(self, plan, rays).map(|done| (done, None));
         };
         if settings.backend == Backend::Gpu {
@@ -84,9 +84,9 @@ impl Renderer {
     }
 
     /// Why this adapter may not certify; `None` if it may.
-    fn certification_blocker(&mut self, plan: &Plan) -> Result<Option<String>> {
+    pub(super) fn certification_blocker(&mut self, accuracy: Accuracy) -> Result<Option<String>> {
         match &mut self.place {
-            Executor::Gpu(gpu) if plan.accuracy == Accuracy::Certified => {
+            Executor::Gpu(gpu) if accuracy == Accuracy::Certified => {
                 let passed = gpu.verdict()?.f32;
                 let name = &gpu.summary.name;
                 let blocker = || {
@@ -221,7 +221,7 @@ impl Renderer {
         let kernel = self.kernel_of(setup);
         match &mut self.place {
             Executor::Gpu(gpu) => {
-                let input = Input { view, colors, rays: &[], candidates, tree: None };
+                let input = Input { view, colors, rays: Rays::Viewing, candidates, tree: None };
                 gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
             }
             Executor::Cpu => timings.time("trace", || match candidates {

@@ -2,17 +2,19 @@
 
 mod by_method;
 mod certified;
+mod on_device;
 
 use super::plan::GivenPlan;
-use super::renderer::Renderer;
+use super::renderer::{Executor, Renderer};
 use crate::cpu;
-use crate::error::{Place, Result};
+use crate::error::{Error, Place, Result};
 use crate::frame::report::milliseconds;
 use crate::scene::{Spheres, check_sphere};
 use crate::search::tree::Tree;
 use crate::search::tree::device::NodeRecord;
-use crate::settings::{Accuracy, Search, Settings};
+use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
+use on_device::Held;
 use std::time::Instant;
 
 #[cfg(test)]
@@ -66,6 +68,11 @@ pub struct Tracer<'a> {
     tree: Option<Tree>,
     /// The tree as devices read it, once one needs it.
     nodes: Vec<NodeRecord>,
+    /// The tree for certified answers.
+    held: Held,
+    /// Whether an adapter certifies.
+    on_device: bool,
+    warning: Option<String>,
     tolerance: f64,
     build_ms: f64,
 }
@@ -106,10 +113,17 @@ impl Tracer<'_> {
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
     }
 
-    /// Whether an adapter traces. Certified and exact answers of given rays come from the CPU path with every backend.
+    /// Whether an adapter traces. Exact answers come from the CPU path with every backend; certified ones from a software
+    /// adapter only if the backend is `gpu`, since the CPU path is faster.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        !self.plan.certifies() && self.renderer.is_gpu()
+        if self.plan.certifies() { self.on_device } else { self.renderer.is_gpu() }
+    }
+
+    /// Why an adapter does not certify although the settings allow it.
+    #[must_use]
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
     }
 
     /// What traces: the adapter's name, or `cpu`.
@@ -171,12 +185,31 @@ impl Renderer {
         }
         let plan = GivenPlan::new(settings)?;
         let tolerance = settings.promise().relative();
-        let (tree, nodes) = (None, Vec::new());
-        let mut tracer = Tracer { renderer: self, spheres, plan, tree, nodes, tolerance, build_ms: 0.0 };
+        let (on_device, warning) = self.certifies_given(&plan, settings.backend)?;
+        let (tree, nodes, held) = (None, Vec::new(), Held::default());
+        let mut tracer =
+            Tracer { renderer: self, spheres, plan, tree, nodes, held, on_device, warning, tolerance, build_ms: 0.0 };
         if tracer.plan.certifies() {
             tracer.build_tree();
         }
         Ok(tracer)
+    }
+
+    /// Whether an adapter certifies given rays, or why not although it might.
+    fn certifies_given(&mut self, plan: &GivenPlan, backend: Backend) -> Result<(bool, Option<String>)> {
+        let Executor::Gpu(gpu) = &self.place else {
+            return Ok((false, None));
+        };
+        if plan.accuracy != Accuracy::Certified || backend != Backend::Gpu && gpu.summary.kind == "software" {
+            return Ok((false, None));
+        }
+        match self.certification_blocker(plan.accuracy)? {
+            None => Ok((true, None)),
+            Some(blocker) if backend == Backend::Gpu => {
+                Err(Error::Accuracy { problem: blocker, mend: "use --backend auto or cpu, or --accuracy fast".into() })
+            }
+            Some(blocker) => Ok((false, Some(format!("{blocker}: the CPU path is used instead")))),
+        }
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

@@ -8,6 +8,7 @@
 mod box_ray;
 mod build;
 pub(crate) mod device;
+pub(crate) mod device_rays;
 pub(crate) mod lanes;
 mod method_rays;
 mod order;

@@ -5,7 +5,7 @@ use crate::adapter::{cpu, renderers};
 use crate::given_families::{Family, families};
 use glam::DVec3;
 use halfline::frame::Aov;
-use halfline::settings::{Accuracy, Search, Settings};
+use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::{Hits, Occlusion, Rays, Renderer};
 
 fn settings(accuracy: Accuracy, search: Search) -> Settings {
@@ -17,7 +17,11 @@ fn rays(family: &Family) -> Rays<'_> {
 }
 
 fn trace(renderer: &mut Renderer, family: &Family, accuracy: Accuracy, search: Search) -> (Hits, Occlusion) {
-    let mut tracer = renderer.tracer(&family.spheres, &settings(accuracy, search)).expect("valid spheres");
+    let gpu = renderer.is_gpu();
+    let backend = if gpu { Backend::Gpu } else { Backend::Auto };
+    let settings = Settings { backend, ..settings(accuracy, search) };
+    let mut tracer = renderer.tracer(&family.spheres, &settings).expect("valid spheres");
+    assert_eq!(tracer.is_gpu(), gpu && accuracy == Accuracy::Certified, "where it traces");
     let rays = rays(family);
     (tracer.hits(&rays).expect("valid rays"), tracer.occluded(&rays).expect("valid rays"))
 }
@@ -75,11 +79,11 @@ fn certified_rays_are_exact_at_the_extremes() {
             family.name
         );
         for (backend, mut renderer) in renderers() {
-            let certified = trace(&mut renderer, &family, Accuracy::Certified, Search::Tree);
-            compare(backend.name(), &family, &certified, &exact);
+            for search in [Search::Tree, Search::All] {
+                let certified = trace(&mut renderer, &family, Accuracy::Certified, search);
+                compare(&format!("{} {}", backend.name(), search.name()), &family, &certified, &exact);
+            }
         }
-        let all = trace(&mut cpu(), &family, Accuracy::Certified, Search::All);
-        compare("all", &family, &all, &exact);
     }
 }
 

@@ -8,10 +8,10 @@ use super::{Hits, Rays, Tracer};
 use crate::answers::raw::Raw;
 use crate::error::Result;
 use crate::frame::report::Timings;
-use crate::gpu::input::{Input, Output, TreeInput};
+use crate::gpu::input::{self, Input, Output, TreeInput};
 use crate::kernel::{Kernel, RaySource};
 use crate::render::renderer::Executor;
-use crate::search::tree::device::BoxRayRecord;
+use crate::search::tree::device_rays::BoxRayRecord;
 use crate::search::tree::{MethodRays, order};
 use crate::settings::Search;
 use crate::view::View;
@@ -67,7 +67,8 @@ impl Tracer<'_> {
                         None => Vec::new(),
                     };
                     let tree = in_tree.is_some().then_some(TreeInput { nodes: &self.nodes, boxes: &boxes });
-                    let input = Input { view: &view, colors: None, rays: &records, candidates: None, tree };
+                    let input =
+                        Input { view: &view, colors: None, rays: input::Rays::Given(&records), candidates: None, tree };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
                 }

@@ -4,6 +4,8 @@ use super::{Hits, Occlusion, Rays, Tracer};
 use crate::cpu::given_certified::{AnyHit, Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
+use crate::render::renderer::Executor;
+use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
 use rayon::prelude::*;
 
@@ -13,16 +15,10 @@ const PART: usize = 1 << 18;
 impl Tracer<'_> {
     pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<Hits> {
         let mut hits = Hits { search: self.plan.search, ..Hits::none(rays.len(), self.plan.normal) };
-        self.each_part(rays, |this, given, numbers| {
-            let answers: Vec<NearestHit> = this.answers(given, numbers);
-            let unsure = |(answer, n): (&NearestHit, &u32)| matches!(answer, NearestHit::Unsure).then_some(*n);
-            let unsure: Vec<u32> = answers.iter().zip(numbers).filter_map(unsure).collect();
-            for (answer, &n) in answers.iter().zip(numbers) {
-                if let NearestHit::Hit { id, numbers } = answer {
-                    hits.set(n, *id, numbers.t, numbers.distance, numbers.normal);
-                }
-            }
-            for (&n, truth) in unsure.iter().zip(this.settle(given, &unsure)) {
+        self.each_answer(rays, |n, answer, truth| match (answer, truth) {
+            (NearestHit::Miss, _) => {}
+            (NearestHit::Hit { id, numbers: h }, _) => hits.set(n, id, h.t, h.distance, h.normal),
+            (NearestHit::Unsure, truth) => {
                 hits.certainty[n as usize] = 1;
                 if let Some(truth) = truth {
                     hits.set(n, truth.id, truth.t, truth.distance, truth.normal);
@@ -34,59 +30,52 @@ impl Tracer<'_> {
 
     pub(super) fn certified_occlusion(&mut self, rays: &Rays) -> Result<Occlusion> {
         let mut occlusion = Occlusion { hit: vec![0; rays.len()], certainty: vec![0; rays.len()] };
-        self.each_part(rays, |this, given, numbers| {
-            let answers: Vec<AnyHit> = this.answers(given, numbers);
-            let mut unsure = Vec::new();
-            for (answer, &n) in answers.iter().zip(numbers) {
-                match answer {
-                    AnyHit::Free => {}
-                    AnyHit::Blocked => occlusion.hit[n as usize] = 1,
-                    AnyHit::Unsure => unsure.push(n),
-                }
-            }
-            for (&n, truth) in unsure.iter().zip(this.settle(given, &unsure)) {
-                occlusion.certainty[n as usize] = 1;
-                occlusion.hit[n as usize] = u8::from(truth.is_some());
-            }
+        self.each_answer(rays, |n, answer: AnyHit, truth| {
+            let n = n as usize;
+            occlusion.certainty[n] = u8::from(answer == AnyHit::Unsure);
+            occlusion.hit[n] = u8::from(answer == AnyHit::Blocked || truth.is_some());
         })?;
         Ok(occlusion)
     }
 
-    /// Calls `part` with the numbers of some rays at a time, in an order in which neighbours visit the same boxes.
-    fn each_part(&mut self, rays: &Rays, mut part: impl FnMut(&Self, &Given<'_>, &[u32])) -> Result<()> {
-        let Some(tree) = &self.tree else {
+    /// Calls `write` with the number of each ray and its certified answer; where that is unsure, and for exact answers, with
+    /// the truth beside it. Rays are answered in an order in which neighbours visit the same boxes.
+    fn each_answer<Q: Query>(&mut self, rays: &Rays, mut write: impl FnMut(u32, Q, Option<Truth>)) -> Result<()> {
+        let Self { renderer, spheres, plan, tree, held, tolerance, on_device, .. } = self;
+        let Some(tree) = tree else {
             return Ok(());
         };
-        let given = Given { tree, rays, all: self.plan.search == Search::All, tolerance: self.tolerance };
+        let given = Given { tree, rays, all: plan.search == Search::All, tolerance: *tolerance };
         for numbers in given.order().chunks(PART) {
-            if !self.renderer.watch.goes_on() {
+            if !renderer.watch.goes_on() {
                 return Err(Error::Interrupted);
             }
-            part(self, &given, numbers);
+            let answers: Vec<Q> = match &mut renderer.place {
+                _ if plan.accuracy == Accuracy::Exact => vec![Q::UNSURE; numbers.len()],
+                Executor::Gpu(gpu) if *on_device => held.answers(gpu, &given, numbers, &renderer.watch)?,
+                _ => given.each(numbers),
+            };
+            let is_unsure = |(answer, n): (&Q, &u32)| answer.is_unsure().then_some(*n);
+            let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();
+            let mut settled = settle(spheres, &given, &unsure).into_iter();
+            for (answer, &n) in answers.into_iter().zip(numbers) {
+                let truth = if answer.is_unsure() { settled.next().flatten() } else { None };
+                write(n, answer, truth);
+            }
         }
         Ok(())
     }
+}
 
-    /// The certified answers; where exact ones are requested, every ray is left to the judge.
-    fn answers<Q: Query>(&self, given: &Given<'_>, numbers: &[u32]) -> Vec<Q> {
-        if self.plan.accuracy == Accuracy::Exact { vec![Q::UNSURE; numbers.len()] } else { given.each(numbers) }
-    }
-
-    /// Decides rays in exact arithmetic, among the spheres that may be hit first.
-    fn settle(&self, given: &Given<'_>, numbers: &[u32]) -> Vec<Option<Truth>> {
-        let decide = |&n: &u32| {
-            let ray = given.rays.ray(n as usize);
-            let judge = |ids: &mut dyn Iterator<Item = u32>| {
-                judge_ray_among(ray.origin, ray.direction, ray.limit, self.spheres, ids)
-            };
-            if given.all {
-                judge(&mut (0..self.spheres.len() as u32))
-            } else {
-                judge(&mut given.candidates(&ray).into_iter())
-            }
-        };
-        numbers.par_iter().map(decide).collect()
-    }
+/// Decides rays in exact arithmetic, among the spheres that may be hit first.
+fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32]) -> Vec<Option<Truth>> {
+    let decide = |&n: &u32| {
+        let ray = given.rays.ray(n as usize);
+        let judge =
+            |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(ray.origin, ray.direction, ray.limit, spheres, ids);
+        if given.all { judge(&mut (0..spheres.len() as u32)) } else { judge(&mut given.candidates(&ray).into_iter()) }
+    };
+    numbers.par_iter().map(decide).collect()
 }
 
 impl Hits {

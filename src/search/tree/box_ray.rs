@@ -52,8 +52,7 @@ impl BoxRay {
         if far.is_nan() || far > FARTHEST || extra.is_nan() || extra > WIDEST {
             return Some(Self::EVERYTHING);
         }
-        // What a rounded start moves a point far from the origin by.
-        let lost = far * PLACED * 4.0;
+        let lost = Self::lost(origin);
         let start = if far <= NEAR { 0.0 } else { entry(origin, direction, 1.0 + lost + extra)? };
         let from: [f64; 3] = std::array::from_fn(|n| origin[n] + start * direction[n]);
         let near = if far <= NEAR { far } else { 4.0 };
@@ -72,6 +71,12 @@ impl BoxRay {
             pad: (pad as f32).next_up(),
             start,
         })
+    }
+
+    /// What the start of a ray from `origin` is off by in each component: it is placed, and a way as long is rounded.
+    #[inline(always)]
+    pub(crate) fn lost(origin: [f64; 3]) -> f64 {
+        origin[0].abs().max(origin[1].abs()).max(origin[2].abs()) * PLACED * 4.0
     }
 
     /// A ray that enters every box at its start.

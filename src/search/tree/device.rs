@@ -1,12 +1,13 @@
-//! The tree as devices read it: eight boxes in 64 bytes, and rays. Traversed by shaders/search/tree.wgsl.
+//! The tree as devices read it: eight boxes in 64 bytes, and spheres. Traversed by shaders/search/tree.wgsl.
 //!
 //! The levels of the tree are followed by one more: its nodes are the blocks, and their children are single spheres, because
 //! a sphere costs a device about as much as eight boxes. Node n of level l lies at (8^l - 1)/7 + n, which leaves unused nodes
 //! at the ends of the levels, at most as many as there are blocks, and needs neither links nor a table.
 
 use super::build::bounds;
-use super::{BoxRay, Node, Tree, WIDE};
+use super::{Node, Tree, WIDE};
 use crate::double_double as dd;
+use crate::view::placement::PLACED;
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
@@ -65,6 +66,30 @@ fn finest(extent: f64) -> i32 {
     if 255.0 * dd::ldexp(1.0, least) < extent { least + 1 } else { least }
 }
 
+/// A sphere on the grid of places; certify/given.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct PlacedSphereRecord {
+    pub(crate) steps: [i32; 3],
+    pub(crate) radius: f32,
+    pub(crate) rest: [f32; 3],
+    /// WGSL rounds the size up.
+    pub(crate) unused: f32,
+}
+
+/// Steps of the grid of places in the tree's unit. Spheres are within 2^28 of them from the middle, and rays within 2^30.
+const STEPS: f64 = (1u64 << 28) as f64;
+
+/// What the difference of two places is off by in each component beside three roundings of itself: docs/certificate.md,
+/// section 9.
+pub(super) const PLACE: f64 = 8.0 * PLACED;
+
+/// A place as whole steps and a rest.
+pub(super) fn on_grid(at: [f64; 3]) -> ([i32; 3], [f32; 3]) {
+    let steps = at.map(|x| (x * STEPS).round());
+    (steps.map(|n| n as i32), std::array::from_fn(|n| (at[n] - steps[n] / STEPS) as f32))
+}
+
 /// The place of the first node of a level.
 pub(crate) fn first(level: usize) -> usize {
     ((1 << (3 * level)) - 1) / 7
@@ -87,39 +112,13 @@ impl Tree {
         records[blocks..].par_iter_mut().zip(lowest).for_each(|(record, lowest)| *record = lowest);
         records
     }
-}
 
-/// A ray as the boxes see it, on devices; search/tree.wgsl declares it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
-pub(crate) struct BoxRayRecord {
-    /// As of [`BoxRay`]. The fourth number is the start.
-    pub(crate) enter: [f32; 4],
-    /// The fourth number times t in the frame's unit is t in the tree's.
-    pub(crate) leave: [f32; 4],
-    /// The fourth number is unused.
-    pub(crate) inverse: [f32; 4],
-}
-
-impl BoxRayRecord {
-    /// A ray as the boxes see it, or one that meets nothing; `ratio` is the frame's unit of t in the tree's.
-    pub(crate) fn new(ray: Option<BoxRay>, ratio: f64) -> Self {
-        let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-        let Some(ray) = ray else {
-            return Self::NOTHING;
+    /// The spheres for devices that certify, in the order of the tree.
+    pub(crate) fn device_spheres(&self) -> Vec<PlacedSphereRecord> {
+        let record = |&[x, y, z, radius]: &[f64; 4]| {
+            let (steps, rest) = on_grid(self.placement.point([x, y, z]));
+            PlacedSphereRecord { steps, radius: self.placement.radius(radius) as f32, rest, unused: 0.0 }
         };
-        // A limit of 0 leaves nothing out where every box is entered at 0.
-        let ratio = if ray == BoxRay::EVERYTHING { 0.0 } else { ratio as f32 };
-        Self {
-            enter: four(ray.enter, ray.start as f32),
-            leave: four(ray.leave, ratio),
-            inverse: four(ray.inverse, 0.0),
-        }
+        self.spheres.par_iter().map(record).collect()
     }
-
-    /// A ray that leaves every box before it enters it.
-    const NOTHING: Self = Self { enter: [-ASIDE; 4], leave: [ASIDE; 4], inverse: [1.0; 4] };
 }
-
-/// Beyond the scene.
-const ASIDE: f32 = (1u32 << 20) as f32;

@@ -1,7 +1,8 @@
 //! Boxes on a grid hold the spheres, however the device rounds.
 
 use super::*;
-use crate::search::tree::device::{BoxRayRecord, NodeRecord, first};
+use crate::search::tree::device::{NodeRecord, first};
+use crate::search::tree::device_rays::BoxRayRecord;
 
 /// A box as its grid states it, exactly; `None` for a child that is missing.
 fn decoded(record: &NodeRecord, lane: usize) -> Option<[[f64; 3]; 2]> {

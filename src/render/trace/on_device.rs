@@ -1,0 +1,88 @@
+//! Certified answers of given rays on a device: f32 decides what is hit, docs/certificate.md, section 9. t and the normal
+//! of a hit come from f64, and so do the answers to rays that f32 leaves unsure.
+
+use crate::answers::raw::Raw;
+use crate::cpu::given_certified::{Given, Query};
+use crate::error::Result;
+use crate::frame::report::Timings;
+use crate::gpu::Gpu;
+use crate::gpu::input::{Input, Output, Rays, TreeInput};
+use crate::intersect::Method;
+use crate::kernel::{Kernel, RaySource};
+use crate::memory::Pool;
+use crate::progress::Watch;
+use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
+use crate::view::View;
+use crate::view::ray::{NONE, UNSURE};
+use bytemuck::Zeroable;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Whether the device holds the tree from an earlier call.
+#[derive(Debug, Default)]
+pub(super) struct Held(bool);
+
+impl Held {
+    /// The answers to the rays with these numbers.
+    pub(super) fn answers<Q: Query>(
+        &mut self,
+        gpu: &mut Gpu,
+        given: &Given<'_>,
+        numbers: &[u32],
+        watch: &Watch,
+    ) -> Result<Vec<Q>> {
+        let records: Vec<Option<CertifiedRayRecord>>;
+        let boxes: Vec<BoxRayRecord>;
+        (records, boxes) = numbers.par_iter().map(|&n| device_ray(given, n)).unzip();
+        let rays: Vec<CertifiedRayRecord> =
+            records.par_iter().map(|record| record.unwrap_or_else(CertifiedRayRecord::zeroed)).collect();
+        let (nodes, spheres) = match self.0 {
+            true => (Vec::new(), Vec::new()),
+            false => (given.tree.device_nodes(), given.tree.device_spheres()),
+        };
+        let kernel = Kernel {
+            certify: true,
+            rays: RaySource::Spread,
+            tree: !given.all,
+            any: Q::ANY,
+            ..Kernel::bare(Method::Stable)
+        };
+        let mut view = View::along_axes(DVec3::ZERO, &[], &[])?;
+        view.record.spheres = given.tree.ids.len() as u32;
+        let input = Input {
+            view: &view,
+            colors: None,
+            rays: Rays::Certified { rays: &rays, spheres: &spheres },
+            candidates: None,
+            tree: Some(TreeInput { nodes: &nodes, boxes: &boxes }),
+        };
+        let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
+        let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
+        gpu.run(&kernel, &input, &mut output, &|_| watch.goes_on())?;
+        self.0 = true;
+        let decide = |((place, record), &n): ((&u32, &Option<CertifiedRayRecord>), &u32)| match (*place, record) {
+            (UNSURE, _) | (_, None) => Q::UNSURE,
+            (NONE, _) => Q::NONE,
+            (place, _) => Q::hit(given, &given.rays.ray(n as usize), place as usize),
+        };
+        let mut answers: Vec<Q> = raw.id.par_iter().zip(&records).zip(numbers).map(decide).collect();
+        let left: Vec<u32> =
+            answers.iter().zip(numbers).filter_map(|(answer, &n)| answer.is_unsure().then_some(n)).collect();
+        let again = given.each(&left);
+        let unsure = answers.iter_mut().filter(|answer| answer.is_unsure());
+        unsure.zip(again).for_each(|(answer, again)| *answer = again);
+        Ok(answers)
+    }
+}
+
+/// A ray for the kernel, without its record if f32 cannot decide it, and as the boxes see it.
+fn device_ray(given: &Given<'_>, n: u32) -> (Option<CertifiedRayRecord>, BoxRayRecord) {
+    let nothing = CertifiedRayRecord::zeroed();
+    let Some((ray, boxes)) = given.ray(&given.rays.ray(n as usize)) else {
+        return (Some(nothing), BoxRayRecord::new(None, 1.0));
+    };
+    match CertifiedRayRecord::new(ray.placed(), ray.direction, ray.limit, &boxes) {
+        Some(record) => (Some(record), BoxRayRecord::new(Some(boxes), 1.0)),
+        None => (None, BoxRayRecord::new(None, 1.0)),
+    }
+}

@@ -1,0 +1,76 @@
+//! Given rays as devices read them.
+
+use super::BoxRay;
+use super::device::{PLACE, on_grid};
+use bytemuck::{Pod, Zeroable};
+
+/// A ray as the boxes see it, on devices; search/tree.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct BoxRayRecord {
+    /// As of [`BoxRay`]. The fourth number is the start.
+    pub(crate) enter: [f32; 4],
+    /// The fourth number times t in the frame's unit is t in the tree's.
+    pub(crate) leave: [f32; 4],
+    /// The fourth number is unused.
+    pub(crate) inverse: [f32; 4],
+}
+
+impl BoxRayRecord {
+    /// A ray as the boxes see it, or one that meets nothing; `ratio` is the frame's unit of t in the tree's.
+    pub(crate) fn new(ray: Option<BoxRay>, ratio: f64) -> Self {
+        let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        let Some(ray) = ray else {
+            return Self::NOTHING;
+        };
+        // A limit of 0 leaves nothing out where every box is entered at 0.
+        let ratio = if ray == BoxRay::EVERYTHING { 0.0 } else { ratio as f32 };
+        Self {
+            enter: four(ray.enter, ray.start as f32),
+            leave: four(ray.leave, ratio),
+            inverse: four(ray.inverse, 0.0),
+        }
+    }
+
+    /// A ray that leaves every box before it enters it.
+    const NOTHING: Self = Self { enter: [-ASIDE; 4], leave: [ASIDE; 4], inverse: [1.0; 4] };
+}
+
+/// Beyond the scene.
+const ASIDE: f32 = (1u32 << 20) as f32;
+
+/// A ray as devices certify it, in the tree's unit; certify/given.wgsl declares it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct CertifiedRayRecord {
+    /// The start: the origin or a point ahead of it, as [`BoxRay`] has it.
+    pub(crate) steps: [i32; 3],
+    /// At most the limit, from the start.
+    pub(crate) sure_limit: f32,
+    pub(crate) rest: [f32; 3],
+    /// At least the limit, from the start.
+    pub(crate) limit: f32,
+    pub(crate) direction: [f32; 3],
+    /// What the places of the ray and of a sphere are off by, in each component.
+    pub(crate) blur: f32,
+}
+
+impl CertifiedRayRecord {
+    /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2), with a limit
+    /// between those of `limit`. `None` if its boxes leave nothing out, since then f32 decides nothing either.
+    pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], limit: [f64; 2], boxes: &BoxRay) -> Option<Self> {
+        if *boxes == BoxRay::EVERYTHING {
+            return None;
+        }
+        let (steps, rest) = on_grid(std::array::from_fn(|n| origin[n] + boxes.start * direction[n]));
+        let below = |t: f64| (t as f32).next_down();
+        Some(Self {
+            steps,
+            sure_limit: below((limit[0] - boxes.start).min(f64::from(f32::MAX))),
+            rest,
+            limit: boxes.limit(limit[1]),
+            direction: direction.map(|x| x as f32),
+            blur: ((BoxRay::lost(origin) + PLACE) as f32).next_up(),
+        })
+    }
+}
