@@ -5,7 +5,7 @@
 //! cargo run --release --example rays -- make inside 1e6 RAYS      # from points in the cube, in any direction
 //! cargo run --release --example rays -- make outside 1e6 RAYS     # from points 3 away, to points in the cube
 //! cargo run --release --example rays -- time SPHERES RAYS cpu certified 4 [HITS]
-//! cargo run --release --example rays -- check SPHERES RAYS        # certified against exact, asked about every sphere
+//! cargo run --release --example rays -- check SPHERES RAYS cpu    # certified against exact, asked about every sphere
 //! ```
 //!
 //! Files hold f32: x y z r, or ox oy oz dx dy dz. `time` prints a line of JSON with milliseconds: to set up the spheres,
@@ -32,7 +32,7 @@ fn main() -> Outcome<()> {
         ["time", spheres, rays, backend, accuracy, repeats, hits] => {
             time([spheres, rays], backend.parse()?, accuracy.parse()?, repeats.parse()?, Some(hits))
         }
-        ["check", spheres, rays] => check([spheres, rays]),
+        ["check", spheres, rays, backend] => check([spheres, rays], backend.parse()?),
         _ => Err("see the head of examples/rays.rs".into()),
     }
 }
@@ -101,14 +101,19 @@ fn input([spheres, rays]: [&str; 2]) -> Outcome<Input> {
 }
 
 /// Compares certified answers with exact ones, for which every ray asks every sphere.
-fn check(files: [&str; 2]) -> Outcome<()> {
+fn check(files: [&str; 2], backend: Backend) -> Outcome<()> {
     let (scene, origins, directions) = input(files)?;
-    let mut renderer = Renderer::new(&Settings { backend: Backend::Cpu, ..Settings::default() })?;
+    let mut renderer = Renderer::new(&Settings { backend, ..Settings::default() })?;
+    let (mut refined, mut adapter) = (0, String::new());
     let mut trace = |accuracy, search, origins: &[[f64; 3]], directions: &[[f64; 3]]| {
-        let settings = Settings { accuracy, search, aovs: vec![Aov::Normal], ..Settings::default() };
+        let settings = Settings { backend, accuracy, search, aovs: vec![Aov::Normal], ..Settings::default() };
         let rays = Rays { origins, directions, limits: &[] };
         let mut tracer = renderer.tracer(&scene, &settings)?;
-        Ok::<_, halfline::Error>((tracer.hits(&rays)?, tracer.occluded(&rays)?))
+        let answers = (tracer.hits(&rays)?, tracer.occluded(&rays)?);
+        if accuracy == Accuracy::Certified {
+            (refined, adapter) = (refined + tracer.refined(), tracer.adapter().to_owned());
+        }
+        Ok::<_, halfline::Error>(answers)
     };
     let (mut wrong, mut settled, mut hits, mut worst) = (0, 0, 0, [0.0f64; 2]);
     for (origins, directions) in origins.chunks(1 << 18).zip(directions.chunks(1 << 18)) {
@@ -128,7 +133,7 @@ fn check(files: [&str; 2]) -> Outcome<()> {
         }
     }
     println!(
-        "{{\"rays\": {}, \"hits\": {hits}, \"wrong\": {wrong}, \"settled\": {settled}, \"worst_t\": {:e}, \"worst_normal\": {:e}}}",
+        "{{\"adapter\": {adapter:?}, \"rays\": {}, \"refined\": {refined}, \"hits\": {hits}, \"wrong\": {wrong}, \"settled\": {settled}, \"worst_t\": {:e}, \"worst_normal\": {:e}}}",
         origins.len(),
         worst[0],
         worst[1]

@@ -70,7 +70,10 @@ impl Render {
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
         let mut renderer = renderer.watched_by(bar.watch());
-        if self.args.accuracy.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
+        if self.args.accuracy.compute.backend == Backend::Auto
+            && !renderer.is_gpu()
+            && renderer.passed_over().is_empty()
+        {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let mut printed = BTreeSet::new();

@@ -106,25 +106,46 @@ pub(super) struct ImageArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Accuracy and speed")]
 pub(super) struct AccuracyArgs {
-    /// Accuracy of the answers: auto, fast, certified, exact.
-    #[arg(long, value_name = "A", default_value = "auto")]
-    accuracy: Accuracy,
+    #[command(flatten)]
+    pub(super) compute: ComputeArgs,
     /// Allowed error of distances (relative) and outlines (in radii), at least 2^-50. Certified answers stay within it
     /// (1e-5 if not given); with accuracy auto, the cheapest method that does is used.
     #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<Tolerance>,
-    /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
-    #[arg(long, value_name = "M")]
-    method: Option<Method>,
     /// Candidate search: auto, all, tiles.
     #[arg(long, value_name = "S", default_value = "auto")]
     search: Search,
-    /// Where to render: auto, gpu, cpu.
+}
+
+/// How and where answers are computed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy and speed")]
+pub(super) struct ComputeArgs {
+    /// Accuracy of the answers: auto, fast, certified, exact.
+    #[arg(long, value_name = "A", default_value = "auto")]
+    accuracy: Accuracy,
+    /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
+    #[arg(long, value_name = "M")]
+    method: Option<Method>,
+    /// Where to compute: auto, gpu, cpu.
     #[arg(long, value_name = "B", default_value = "auto")]
     pub(super) backend: Backend,
     /// Adapter, by index or part of its name (see halfline adapters).
     #[arg(long, value_name = "NAME|INDEX")]
     adapter: Option<String>,
+}
+
+impl ComputeArgs {
+    /// The settings of these options.
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            backend: self.backend,
+            adapter: self.adapter.clone(),
+            method: self.method,
+            accuracy: self.accuracy,
+            ..Settings::default()
+        }
+    }
 }
 
 impl SceneArgs {
@@ -192,18 +213,13 @@ impl SceneArgs {
     /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {
-            backend: self.accuracy.backend,
-            adapter: self.accuracy.adapter.clone(),
-            method: self.accuracy.method,
-            accuracy: self.accuracy.accuracy,
             search: self.accuracy.search,
             shade: self.image.shade,
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             samples: self.image.samples.get(),
             seed: self.image.seed,
-            window: None,
-            reserve: 0,
+            ..self.accuracy.compute.settings()
         }
     }
 }

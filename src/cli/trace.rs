@@ -7,19 +7,18 @@ use super::bar::Bar;
 use super::clash::{check_inputs, place};
 use super::lines::ProgressOutput;
 use super::read_args::ReadArgs;
-use super::scene_args::PoseArgs;
+use super::scene_args::{ComputeArgs, PoseArgs};
 use super::scene_frames::arrange;
 use super::{go_on, print, say, threads, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::intersect::Method;
 use halfline::progress::{Cancel, Progress, Step};
 use halfline::read::style::Coloring;
 use halfline::read::{SceneFrame, Sequence};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
-use halfline::settings::{Accuracy, Backend, Search, Settings};
+use halfline::settings::{Backend, Search, Settings};
 use halfline::write::file::{check_writable, is_standard};
 use halfline::write::hits::{HitFile, HitWriter, Query};
 use report::{Tally, TraceReport};
@@ -70,21 +69,11 @@ pub(crate) struct Trace {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Accuracy and speed")]
 struct AccuracyArgs {
-    /// Accuracy of the answers: auto, fast, certified, exact.
-    #[arg(long, value_name = "A", default_value = "auto")]
-    accuracy: Accuracy,
-    /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
-    #[arg(long, value_name = "M")]
-    method: Option<Method>,
+    #[command(flatten)]
+    compute: ComputeArgs,
     /// Candidate search: auto, all, tree. The answers do not depend on it.
     #[arg(long, value_name = "S", default_value = "auto")]
     search: Search,
-    /// Where to trace: auto, gpu, cpu.
-    #[arg(long, value_name = "B", default_value = "auto")]
-    backend: Backend,
-    /// Adapter, by index or part of its name (see halfline adapters).
-    #[arg(long, value_name = "NAME|INDEX")]
-    adapter: Option<String>,
 }
 
 const EXAMPLES: &str = "\
@@ -106,7 +95,7 @@ impl Trace {
         let (frame, inputs) = opened?;
         check_inputs(self.outputs(), &inputs)?;
         let mut renderer = renderer?.watched_by(watch());
-        if self.accuracy.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
+        if self.accuracy.compute.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
             say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         self.outputs().into_iter().try_for_each(check_writable)?;
@@ -126,6 +115,9 @@ impl Trace {
         warn(&warnings);
         let bar = Bar::with_output(self.progress, 1);
         let mut tracer = renderer.tracer(&spheres, &settings)?;
+        let passed_over: Vec<String> = tracer.warning().map(str::to_owned).into_iter().collect();
+        warn(&passed_over);
+        warnings.extend(passed_over);
         say(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
         let start = Instant::now();
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
@@ -193,13 +185,9 @@ impl Trace {
 
     fn settings(&self) -> Settings {
         Settings {
-            backend: self.accuracy.backend,
-            adapter: self.accuracy.adapter.clone(),
-            method: self.accuracy.method,
-            accuracy: self.accuracy.accuracy,
             search: self.accuracy.search,
             aovs: if self.any { Vec::new() } else { vec![Aov::Normal] },
-            ..Settings::default()
+            ..self.accuracy.compute.settings()
         }
     }
 

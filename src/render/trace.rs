@@ -11,10 +11,9 @@ use crate::error::{Error, Place, Result};
 use crate::frame::report::milliseconds;
 use crate::scene::{Spheres, check_sphere};
 use crate::search::tree::Tree;
-use crate::search::tree::device::NodeRecord;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
-use on_device::Held;
+use on_device::OnDevice;
 use std::time::Instant;
 
 #[cfg(test)]
@@ -66,12 +65,10 @@ pub struct Tracer<'a> {
     spheres: &'a Spheres,
     plan: GivenPlan,
     tree: Option<Tree>,
-    /// The tree as devices read it, once one needs it.
-    nodes: Vec<NodeRecord>,
-    /// The tree for certified answers.
-    held: Held,
-    /// Whether an adapter certifies.
-    on_device: bool,
+    /// A device holds the tree for methods.
+    held: bool,
+    /// Present if an adapter certifies.
+    device: Option<OnDevice>,
     warning: Option<String>,
     tolerance: f64,
     build_ms: f64,
@@ -117,7 +114,13 @@ impl Tracer<'_> {
     /// adapter only if the backend is `gpu`, since the CPU path is faster.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        if self.plan.certifies() { self.on_device } else { self.renderer.is_gpu() }
+        if self.plan.certifies() { self.device.is_some() } else { self.renderer.is_gpu() }
+    }
+
+    /// Rays so far that the adapter's f32 left unsure and that f64 or the judge decided; 0 on the CPU path.
+    #[must_use]
+    pub fn refined(&self) -> u64 {
+        self.device.as_ref().map_or(0, |device| device.refined)
     }
 
     /// Why an adapter does not certify although the settings allow it.
@@ -185,10 +188,11 @@ impl Renderer {
         }
         let plan = GivenPlan::new(settings)?;
         let tolerance = settings.promise().relative();
-        let (on_device, warning) = self.certifies_given(&plan, settings.backend)?;
-        let (tree, nodes, held) = (None, Vec::new(), Held::default());
+        let (certifies, warning) = self.certifies_given(&plan, settings.backend)?;
+        let device = certifies.then(OnDevice::default);
+        let (tree, held) = (None, false);
         let mut tracer =
-            Tracer { renderer: self, spheres, plan, tree, nodes, held, on_device, warning, tolerance, build_ms: 0.0 };
+            Tracer { renderer: self, spheres, plan, tree, held, device, warning, tolerance, build_ms: 0.0 };
         if tracer.plan.certifies() {
             tracer.build_tree();
         }

@@ -1,8 +1,9 @@
 //! The promise: certified given rays are those of exact arithmetic: which sphere is hit first, if any, t within 1e-5 of
 //! itself, the normal within 1e-3 rad, within exact limits; in any order, from a tree or without.
 
-use crate::adapter::{cpu, renderers};
+use crate::adapter::{cpu, gpu, renderers};
 use crate::given_families::{Family, families};
+use crate::rng::Rng;
 use glam::DVec3;
 use halfline::frame::Aov;
 use halfline::settings::{Accuracy, Backend, Search, Settings};
@@ -23,7 +24,12 @@ fn trace(renderer: &mut Renderer, family: &Family, accuracy: Accuracy, search: S
     let mut tracer = renderer.tracer(&family.spheres, &settings).expect("valid spheres");
     assert_eq!(tracer.is_gpu(), gpu && accuracy == Accuracy::Certified, "where it traces");
     let rays = rays(family);
-    (tracer.hits(&rays).expect("valid rays"), tracer.occluded(&rays).expect("valid rays"))
+    let answers = (tracer.hits(&rays).expect("valid rays"), tracer.occluded(&rays).expect("valid rays"));
+    if tracer.is_gpu() {
+        let share = tracer.refined() as f64 / (2 * rays.len()) as f64;
+        println!("{}: f32 leaves {share:.4} of the rays to f64", family.name);
+    }
+    answers
 }
 
 /// Compares certified answers with the exact ones; returns the share that was settled.
@@ -84,6 +90,29 @@ fn certified_rays_are_exact_at_the_extremes() {
                 compare(&format!("{} {}", backend.name(), search.name()), &family, &certified, &exact);
             }
         }
+    }
+}
+
+/// An adapter's f32 proves something: it leaves few of the rays of no extreme to f64.
+#[test]
+fn f32_decides_nearly_all_ordinary_rays() {
+    let Some(mut renderer) = gpu() else { return };
+    let mut rng = Rng::new(41);
+    let mut spheres = halfline::Spheres::default();
+    (0..2000).for_each(|_| spheres.push(rng.cube(), 0.05 * rng.unit(), None));
+    let (origins, directions): (Vec<_>, Vec<_>) =
+        (0..20_000).map(|_| (rng.cube().map(|x| 2.0 * x), rng.cube())).unzip();
+    let rays = Rays { origins: &origins, directions: &directions, limits: &[] };
+    for search in [Search::Tree, Search::All] {
+        let settings = Settings { backend: Backend::Gpu, ..settings(Accuracy::Certified, search) };
+        let mut tracer = renderer.tracer(&spheres, &settings).expect("valid spheres");
+        let hits = tracer.hits(&rays).expect("valid rays").id.iter().filter(|id| **id >= 0).count();
+        let of_hits = tracer.refined();
+        let blocked = tracer.occluded(&rays).expect("valid rays").hit.iter().filter(|hit| **hit != 0).count();
+        let of_any = tracer.refined() - of_hits;
+        println!("{}: {hits} hits, f32 leaves {of_hits} and {of_any} of {} rays", search.name(), rays.len());
+        assert_eq!(hits, blocked);
+        assert!(hits > 1000 && of_hits < 100 && of_any < 100, "{hits} hits, {of_hits} and {of_any}");
     }
 }
 

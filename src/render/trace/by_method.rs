@@ -56,9 +56,10 @@ impl Tracer<'_> {
             match &mut self.renderer.place {
                 Executor::Gpu(gpu) => {
                     gpu.check_method(method)?;
-                    if let (Some((tree, _)), true) = (&in_tree, self.nodes.is_empty()) {
-                        self.nodes = tree.device_nodes();
-                    }
+                    let nodes = match &in_tree {
+                        Some((tree, _)) if !self.held => tree.device_nodes(),
+                        _ => Vec::new(),
+                    };
                     let boxes: Vec<_> = match &in_tree {
                         Some((_, rays)) => {
                             let boxes = |r| BoxRayRecord::new(rays.ray(r), rays.ratio);
@@ -66,11 +67,12 @@ impl Tracer<'_> {
                         }
                         None => Vec::new(),
                     };
-                    let tree = in_tree.is_some().then_some(TreeInput { nodes: &self.nodes, boxes: &boxes });
+                    let tree = in_tree.is_some().then_some(TreeInput { nodes: &nodes, boxes: &boxes });
                     let input =
                         Input { view: &view, colors: None, rays: input::Rays::Given(&records), candidates: None, tree };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
+                    self.held |= in_tree.is_some();
                 }
                 Executor::Cpu => cpu::given_rays(&kernel, &view, &records, in_tree, &mut raw),
             }

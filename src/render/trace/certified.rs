@@ -41,7 +41,7 @@ impl Tracer<'_> {
     /// Calls `write` with the number of each ray and its certified answer; where that is unsure, and for exact answers, with
     /// the truth beside it. Rays are answered in an order in which neighbours visit the same boxes.
     fn each_answer<Q: Query>(&mut self, rays: &Rays, mut write: impl FnMut(u32, Q, Option<Truth>)) -> Result<()> {
-        let Self { renderer, spheres, plan, tree, held, tolerance, on_device, .. } = self;
+        let Self { renderer, spheres, plan, tree, device, tolerance, .. } = self;
         let Some(tree) = tree else {
             return Ok(());
         };
@@ -52,8 +52,11 @@ impl Tracer<'_> {
             }
             let answers: Vec<Q> = match &mut renderer.place {
                 _ if plan.accuracy == Accuracy::Exact => vec![Q::UNSURE; numbers.len()],
-                Executor::Gpu(gpu) if *on_device => held.answers(gpu, &given, numbers, &renderer.watch)?,
-                _ => given.each(numbers),
+                Executor::Gpu(gpu) => match device {
+                    Some(device) => device.answers(gpu, &given, numbers, &renderer.watch)?,
+                    None => given.each(numbers),
+                },
+                Executor::Cpu => given.each(numbers),
             };
             let is_unsure = |(answer, n): (&Q, &u32)| answer.is_unsure().then_some(*n);
             let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();

@@ -18,11 +18,16 @@ use bytemuck::Zeroable;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Whether the device holds the tree from an earlier call.
+/// What a device has done for a tracer.
 #[derive(Debug, Default)]
-pub(super) struct Held(bool);
+pub(super) struct OnDevice {
+    /// It holds the tree.
+    held: bool,
+    /// Rays that f32 left unsure.
+    pub(super) refined: u64,
+}
 
-impl Held {
+impl OnDevice {
     /// The answers to the rays with these numbers.
     pub(super) fn answers<Q: Query>(
         &mut self,
@@ -36,7 +41,7 @@ impl Held {
         (records, boxes) = numbers.par_iter().map(|&n| device_ray(given, n)).unzip();
         let rays: Vec<CertifiedRayRecord> =
             records.par_iter().map(|record| record.unwrap_or_else(CertifiedRayRecord::zeroed)).collect();
-        let (nodes, spheres) = match self.0 {
+        let (nodes, spheres) = match self.held {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
         };
@@ -59,7 +64,7 @@ impl Held {
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
         gpu.run(&kernel, &input, &mut output, &|_| watch.goes_on())?;
-        self.0 = true;
+        self.held = true;
         let decide = |((place, record), &n): ((&u32, &Option<CertifiedRayRecord>), &u32)| match (*place, record) {
             (UNSURE, _) | (_, None) => Q::UNSURE,
             (NONE, _) => Q::NONE,
@@ -68,6 +73,7 @@ impl Held {
         let mut answers: Vec<Q> = raw.id.par_iter().zip(&records).zip(numbers).map(decide).collect();
         let left: Vec<u32> =
             answers.iter().zip(numbers).filter_map(|(answer, &n)| answer.is_unsure().then_some(n)).collect();
+        self.refined += left.len() as u64;
         let again = given.each(&left);
         let unsure = answers.iter_mut().filter(|answer| answer.is_unsure());
         unsure.zip(again).for_each(|(answer, again)| *answer = again);
