@@ -79,7 +79,7 @@ impl Tracer<'_> {
     /// the promised relative error, the normal within 1e-3 rad.
     ///
     /// # Errors
-    /// [`Error::Settings`](crate::Error::Settings) for invalid rays, [`Error::Interrupted`](crate::Error::Interrupted), and those of the device.
+    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and those of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
         if self.plan.certifies() {
@@ -181,7 +181,7 @@ impl Renderer {
     /// fast.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) for invalid spheres, [`Error::Settings`](crate::Error::Settings) for a contradiction.
+    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         for (index, (c, r)) in spheres.centers.iter().zip(&spheres.radii).enumerate() {
             check_sphere(*c, *r, || Place::field(format!("sphere {index}")))?;
