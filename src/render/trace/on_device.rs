@@ -14,7 +14,6 @@ use crate::progress::Watch;
 use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
 use crate::view::View;
 use crate::view::ray::{NONE, UNSURE};
-use bytemuck::Zeroable;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -40,7 +39,7 @@ impl OnDevice {
         let boxes: Vec<BoxRayRecord>;
         (records, boxes) = numbers.par_iter().map(|&n| device_ray(given, n)).unzip();
         let rays: Vec<CertifiedRayRecord> =
-            records.par_iter().map(|record| record.unwrap_or_else(CertifiedRayRecord::zeroed)).collect();
+            records.par_iter().map(|record| record.unwrap_or(CertifiedRayRecord::NOTHING)).collect();
         let (nodes, spheres) = match self.held {
             true => (Vec::new(), Vec::new()),
             false => (given.tree.device_nodes(), given.tree.device_spheres()),
@@ -83,9 +82,8 @@ impl OnDevice {
 
 /// A ray for the kernel, without its record if f32 cannot decide it, and as the boxes see it.
 fn device_ray(given: &Given<'_>, n: u32) -> (Option<CertifiedRayRecord>, BoxRayRecord) {
-    let nothing = CertifiedRayRecord::zeroed();
     let Some((ray, boxes)) = given.ray(&given.rays.ray(n as usize)) else {
-        return (Some(nothing), BoxRayRecord::new(None, 1.0));
+        return (Some(CertifiedRayRecord::NOTHING), BoxRayRecord::new(None, 1.0));
     };
     match CertifiedRayRecord::new(ray.placed(), ray.direction, ray.limit, &boxes) {
         Some(record) => (Some(record), BoxRayRecord::new(Some(boxes), 1.0)),

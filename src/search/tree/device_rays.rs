@@ -56,6 +56,10 @@ pub(crate) struct CertifiedRayRecord {
 }
 
 impl CertifiedRayRecord {
+    /// A ray that tests no sphere.
+    pub(crate) const NOTHING: Self =
+        Self { steps: [0; 3], sure_limit: -1.0, rest: [0.0; 3], limit: -1.0, direction: [1.0; 3], blur: 0.0 };
+
     /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2), with a limit
     /// between those of `limit`. `None` if its boxes leave nothing out, since then f32 decides nothing either.
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], limit: [f64; 2], boxes: &BoxRay) -> Option<Self> {
