@@ -14,6 +14,7 @@ mod decide;
 mod field;
 mod filter;
 mod ray;
+mod secondary;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +29,8 @@ use decide::{ExactFrame, ExactLens, Meeting};
 use filter::{AxesDd, Body, FilterHit, FilterResult, Screen};
 use ray::RayForms;
 use rayon::prelude::*;
+use secondary::HitPoint;
+pub use secondary::Toward;
 use std::cell::OnceCell;
 use std::cmp::Ordering;
 
@@ -73,6 +76,13 @@ impl Judge {
     /// The same over some spheres; indices beyond the scene's are ignored.
     pub fn among(&self, i: u32, j: u32, candidates: &[u32]) -> Option<Truth> {
         self.bench.nearest(&self.ray(i, j), candidates.iter().copied())
+    }
+
+    /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`: by the
+    /// sphere of the hit itself or by another one between. `None` where the ray hits nothing. All numbers are exact, so a
+    /// ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
+    pub fn hidden(&self, i: u32, j: u32, lights: &[Toward]) -> Option<Vec<bool>> {
+        self.bench.hidden(&self.ray(i, j), lights)
     }
 
     /// t of either root of sphere `id`, ahead or behind, as the unevaluated sum of two f64 (about 106 bits); `None`
@@ -260,6 +270,19 @@ impl Bench {
         let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
         let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
         order.unwrap_or_else(exact).then(next.id.cmp(&best.id)) == Ordering::Less
+    }
+
+    fn hidden(&self, rays: &RayForms, lights: &[Toward]) -> Option<Vec<bool>> {
+        let best = self.foremost(rays, 0..self.bodies.len() as u32)?;
+        let sphere = |body: &Body| (body.center, body.radius);
+        let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, &best));
+        let hit = HitPoint::new(&self.frame, ray, &rays.stretch, meeting, best.root, sphere(best.body));
+        let is_hidden = |light: &Toward| {
+            let light = hit.toward(*light);
+            let hides = |body: &Body| hit.is_hidden_by(&light, body.center, body.radius);
+            hit.hides_itself(&light) || self.bodies.iter().any(hides)
+        };
+        Some(lights.iter().map(is_hidden).collect())
     }
 
     fn meeting<'b>(&self, rays: &RayForms, best: &'b Best) -> &'b Meeting {

@@ -189,9 +189,9 @@ pub(crate) struct ExactRay {
 #[derive(Debug, Clone)]
 pub(crate) struct Meeting {
     pub(crate) p: Dyadic3,
-    b: FieldElement,
+    pub(super) b: FieldElement,
     ac: FieldElement,
-    disc: FieldElement,
+    pub(super) disc: FieldElement,
 }
 
 impl Meeting {

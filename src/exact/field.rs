@@ -121,7 +121,7 @@ impl Field {
 }
 
 /// The sign of A + B sqrt(C), C > 0, from those of A and B and, where they oppose, of A^2 - B^2 C.
-fn resolve(a: Ordering, b: Ordering, squares: impl FnOnce() -> Ordering) -> Ordering {
+pub(super) fn resolve(a: Ordering, b: Ordering, squares: impl FnOnce() -> Ordering) -> Ordering {
     match (a, b) {
         (_, Ordering::Equal) => a,
         (Ordering::Equal, _) => b,

@@ -1,6 +1,7 @@
 //! Decisions whose answers are known by construction, and a comparison of the filter with the exact signs.
 
 mod parallel;
+mod secondary;
 
 use super::*;
 use crate::scene::camera::{Camera, Look};
