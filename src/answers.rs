@@ -2,6 +2,7 @@
 //! averaged, and the values get their units.
 
 pub(crate) mod assemble;
+pub(crate) mod lit;
 pub(crate) mod raw;
 pub(crate) mod samples;
 pub(crate) mod settle;

@@ -33,7 +33,7 @@
 //! let mut spheres = Spheres::default();
 //! spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
 //! let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
 //! let settings = Settings { aovs: vec![Aov::Color, Aov::Depth], ..Settings::default() };
 //! let frame = halfline::render(&scene, &settings)?;
 //! assert_eq!(frame.ids()[32 * 64 + 32], 0, "the middle pixel shows sphere 0");

@@ -4,8 +4,10 @@
 pub mod arrange;
 pub mod camera;
 mod cell;
+mod check;
 mod fit;
 pub mod lidar;
+mod light;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
@@ -14,7 +16,9 @@ use camera::Camera;
 use glam::DVec3;
 
 pub use cell::Cell;
+pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub use fit::Framing;
+pub use light::{Light, LightSource, Lighting, MOST_RAYS, Sky};
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -30,6 +34,8 @@ pub struct Scene {
     pub spheres: Spheres,
     /// What the reader left out or assumed.
     pub skipped: Skipped,
+    /// What lights it.
+    pub lighting: Lighting,
 }
 
 /// Size of the image in pixels and the colour of a ray that hits nothing.
@@ -213,6 +219,7 @@ impl Scene {
             check_sphere(*center, *radius, || Place::field(format!("sphere {index}")))?;
         }
         self.image.check()?;
+        self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
         self.camera.viewport(self.image.width, self.image.height).map(drop)
     }
@@ -222,6 +229,9 @@ impl Scene {
     pub fn fingerprint(&self) -> String {
         let mut hash = blake3::Hasher::new();
         hash.update(format!("{:?} {:?}", self.camera, self.image).as_bytes());
+        if self.lighting != Lighting::default() {
+            hash.update(format!("{:?}", self.lighting).as_bytes());
+        }
         hash.update_rayon(bytemuck::cast_slice(&self.spheres.centers));
         hash.update_rayon(bytemuck::cast_slice(&self.spheres.radii));
         if let Some(colors) = &self.spheres.colors {
@@ -236,55 +246,5 @@ impl ImagePlane {
     fn check(&self) -> Result<()> {
         check_size([i64::from(self.width), i64::from(self.height)], || Place::field("image.size")).map(drop)?;
         check_color(self.background, || Place::field("image.background"))
-    }
-}
-
-/// Largest number of columns or rows. 2j + 1 - W is exact in f32 far beyond it, and id buffers remain addressable.
-pub const MAX_SIDE: i64 = 1 << 20;
-
-/// Checks an image size (W, H), for every reader and the command line.
-///
-/// # Errors
-/// [`Error::Scene`] at `place`.
-pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> Result<(u32, u32)> {
-    if [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side)) {
-        return Ok((width as u32, height as u32));
-    }
-    let problem = format!("an image cannot have {width} x {height} pixels");
-    Err(Error::scene(place(), problem, format!("give two whole numbers between 1 and {MAX_SIDE}")))
-}
-
-/// Checks a sphere, for every reader: finite centre, positive finite radius.
-///
-/// # Errors
-/// [`Error::Scene`] at `place`, with the name of the field appended.
-pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) -> Result<()> {
-    let inside = |field: &str| {
-        let place = place();
-        let name = place.field.as_ref().map_or_else(|| field.to_owned(), |outer| format!("{outer} {field}"));
-        place.named(name)
-    };
-    if let Some(bad) = center.iter().find(|x| !x.is_finite()) {
-        return Err(Error::scene(
-            inside("center"),
-            format!("expected a finite number, found {bad}"),
-            "give three finite numbers",
-        ));
-    }
-    if !(radius > 0.0 && radius.is_finite()) {
-        let problem = format!("the radius is {radius}");
-        return Err(Error::scene(inside("radius"), problem, "give a positive finite number"));
-    }
-    Ok(())
-}
-
-/// Checks a colour, for every reader: three finite numbers, none negative.
-///
-/// # Errors
-/// [`Error::Scene`] at `place`.
-pub fn check_color(color: [f32; 3], place: impl FnOnce() -> Place) -> Result<()> {
-    match color.iter().find(|c| !(c.is_finite() && **c >= 0.0)) {
-        None => Ok(()),
-        Some(bad) => Err(Error::scene(place(), format!("the colour component is {bad}"), "give linear RGB, 0 or more")),
     }
 }

@@ -102,6 +102,10 @@ pub struct Settings {
     /// Samples per pixel whose mean is the colour and the alpha, rounded up to the next square n x n: one point in each
     /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers are those of the centre.
     pub samples: u32,
+    /// Whether dark lines are drawn in the colour where the depth jumps by several pixels, or behind the last sphere.
+    pub silhouette: bool,
+    /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.
+    pub depth_cue: bool,
     /// Seed of the sample positions; they also depend on the pixel's place in the full frame.
     pub seed: u32,
     /// The part of the frame that is rendered, bit for bit as in the whole frame; `None` renders all of it.

@@ -24,5 +24,5 @@ pub(crate) fn cloud(count: usize) -> Scene {
         up: DVec3::Y,
         lens: Lens::Vfov { degrees: 32.0, distance: 1.0 },
     };
-    Scene { camera, image: ImagePlane::default(), spheres, skipped: Skipped::default() }
+    Scene { camera, image: ImagePlane::default(), spheres, lighting: Default::default(), skipped: Skipped::default() }
 }

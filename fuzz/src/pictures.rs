@@ -51,7 +51,8 @@ static DESK: LazyLock<Desk> = LazyLock::new(|| {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
     let image = ImagePlane { width: 6, height: 4, background: [0.0; 3] };
-    let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+    let scene =
+        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
     let tiles = |side: &str, window: Window| -> (Vec<PathBuf>, Vec<Report>) {
         let write = |(n, (ending, aovs)): (usize, &(&str, &[Aov]))| {
             let settings = settings(window, aovs);

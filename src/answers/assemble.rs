@@ -1,5 +1,6 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
+use super::lit::Lit;
 use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
@@ -24,6 +25,8 @@ pub(crate) struct Answers<'a> {
     pub(crate) settled: &'a [Settled],
     /// Colour and coverage, with several samples per pixel.
     pub(crate) sampled: Option<Means>,
+    /// What lights and the sky give.
+    pub(crate) lit: Lit,
 }
 
 /// Relative rounding error of a distance computed from a depth in f64, and of a settled one: 2^-50, several roundings.
@@ -71,9 +74,14 @@ impl Answers<'_> {
                     Some(sampled) => std::mem::take(&mut sampled.alpha),
                     None => self.raw.id.par_iter().map(|id| f32::from(*id != NONE)).collect(),
                 }),
+                Aov::Shadow => Data::F32(std::mem::take(&mut self.lit.shadow)),
+                Aov::Occlusion => Data::F32(std::mem::take(&mut self.lit.occlusion)),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
                     let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
+                    if self.depths.is_some() {
+                        self.lit.settled.iter().for_each(|pixel| certainty[*pixel as usize] = 1);
+                    }
                     self.settled.iter().for_each(|s| certainty[s.pixel as usize] = 1);
                     Data::U8(certainty)
                 }

@@ -16,7 +16,7 @@ fn scene(camera: Camera, [width, height]: [u32; 2], balls: &[Ball]) -> Scene {
         spheres.push(*center, *radius, None);
     }
     let image = ImagePlane { width, height, ..ImagePlane::default() };
-    Scene { camera, image, spheres, skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
 }
 
 fn judge(camera: Camera, size: [u32; 2], balls: &[Ball]) -> Judge {

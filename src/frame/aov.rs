@@ -27,11 +27,16 @@ pub enum Aov {
     Bound,
     /// Coverage of the pixel: the share of its samples that hit, H,W f32; 0 on a miss.
     Alpha,
+    /// Share of each light that is hidden at the hit, H,W,L f32 with L lights in their order: 0 lit, 1 in full shadow, for
+    /// points and directions nothing between; 0 on a miss.
+    Shadow,
+    /// Share of the sky that is open at the hit, weighted by the cosine to the normal, H,W f32; 1 on a miss.
+    Occlusion,
 }
 
 impl Aov {
     /// Every buffer, in the order of the documentation.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Color,
         Self::Distance,
         Self::Depth,
@@ -42,6 +47,8 @@ impl Aov {
         Self::Certainty,
         Self::Bound,
         Self::Alpha,
+        Self::Shadow,
+        Self::Occlusion,
     ];
 
     /// The name on the command line and in files.
@@ -57,6 +64,8 @@ impl Aov {
             Self::Certainty => "certainty",
             Self::Bound => "bound",
             Self::Alpha => "alpha",
+            Self::Shadow => "shadow",
+            Self::Occlusion => "occlusion",
         }
     }
 
@@ -71,7 +80,7 @@ impl Aov {
     /// The type of its values, as NumPy names it: `float32`, `float64`, `int32` or `uint8`.
     pub fn dtype(self) -> &'static str {
         match self {
-            Self::Color | Self::Normal | Self::Alpha => "float32",
+            Self::Color | Self::Normal | Self::Alpha | Self::Shadow | Self::Occlusion => "float32",
             Self::Distance | Self::Depth | Self::Position | Self::Bound => "float64",
             Self::Id => "int32",
             Self::Mask | Self::Certainty => "uint8",

@@ -92,7 +92,7 @@ impl Document<'_> {
         for table in root.tables("spheres")? {
             files.push(self.spheres(&table?, &mut spheres)?);
         }
-        Ok(Scene { camera, image, spheres, skipped: Skipped::default() })
+        Ok(Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() })
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {

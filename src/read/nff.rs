@@ -10,7 +10,7 @@ use super::options::ReadOptions;
 use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_color, check_size, check_sphere};
+use crate::scene::{ImagePlane, Lighting, Scene, Skipped, Spheres, check_color, check_size, check_sphere};
 use glam::DVec3;
 use std::fmt;
 use std::path::Path;
@@ -100,7 +100,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
         let what = "Kd, Ks, Shine, T and index of refraction are left out";
         skipped.assumed.push(format!("{} reduced to the colour: {what}", count(materials, "material")));
     }
-    Ok(Scene { camera, image, spheres, skipped })
+    Ok(Scene { camera, image, spheres, skipped, lighting: Lighting::default() })
 }
 
 /// A range of the current line.

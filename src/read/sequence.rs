@@ -11,7 +11,7 @@ use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::count;
 use crate::scene::camera::Camera;
-use crate::scene::{Cell, Framing, ImagePlane, Scene};
+use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -133,7 +133,13 @@ impl Sequence {
                     self.options.watch.check()?;
                     let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
                     self.options.watch.check()?;
-                    let mut scene = Scene { camera: Camera::CANONICAL, image: ImagePlane::default(), spheres, skipped };
+                    let mut scene = Scene {
+                        camera: Camera::CANONICAL,
+                        image: ImagePlane::default(),
+                        spheres,
+                        skipped,
+                        lighting: Lighting::default(),
+                    };
                     scene.frame_all(&Framing::default())?;
                     return Ok(Some(SceneFrame { number, scene, has_camera: false, legend, cell }));
                 }

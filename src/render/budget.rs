@@ -53,14 +53,17 @@ impl Need {
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some());
-            bytes_per_pixel(&kernel, &[], gpu) + (24 + 12) * colors + 4 + 4
+            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4
         });
-        let kernel = bytes_per_pixel(&plan.kernel, &[], gpu);
+        let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
         // The kernel's buffers also exist on the device, which may share the host's memory.
         let device = if gpu { kernel } else { 0 };
-        let each = bytes_per_pixel(&plan.kernel, &settings.aovs, gpu) + sampled + exact + device;
+        let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
+            + sampled
+            + exact
+            + device;
         let count = u64::from(window.width()) * u64::from(window.height());
         let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
         Self { pixels, sphere, spheres, count, reserve: settings.reserve }
@@ -118,13 +121,14 @@ impl Need {
 }
 
 /// Bytes per pixel held at once: the kernel's buffers and those made from them.
-fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], gpu: bool) -> u64 {
+fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64 {
     let made = aovs.iter().map(|aov| match aov {
         // The kernel's buffers become the frame's.
         Aov::Color | Aov::Normal | Aov::Id => 0,
         Aov::Position => 24,
         Aov::Distance | Aov::Depth | Aov::Bound => 8,
-        Aov::Alpha => 4,
+        Aov::Alpha | Aov::Occlusion => 4,
+        Aov::Shadow => 4 * lights,
         Aov::Mask | Aov::Certainty => 1,
     });
     let vectors = u64::from(kernel.normal) + u64::from(kernel.shade.is_some());

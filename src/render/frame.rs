@@ -6,6 +6,7 @@ use super::plan::Plan;
 use super::renderer::{Executor, Renderer};
 use super::setup::FrameSetup;
 use crate::answers::assemble::Answers;
+use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::Depths;
@@ -130,7 +131,7 @@ impl Renderer {
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, view, setup.certified()));
-        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled };
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled, lit: Lit::default() };
         let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
@@ -267,7 +268,13 @@ mod tests {
         let mut spheres = Spheres::default();
         spheres.push([0.0, 0.0, -3.0], 1.0, None);
         let image = ImagePlane { width: 16, height: 16, background: [0.0; 3] };
-        let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Default::default() };
+        let scene = Scene {
+            camera: Camera::CANONICAL,
+            image,
+            spheres,
+            lighting: Default::default(),
+            skipped: Default::default(),
+        };
         let gpu = Settings { backend: Backend::Gpu, aovs: vec![Aov::Id], ..Settings::default() };
         let mut renderer = Renderer::new(&gpu).expect("an adapter; tests/run installs and pins one");
         assert_eq!(renderer.render(&scene, &gpu).expect("a frame").report.backend, "gpu");

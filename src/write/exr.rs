@@ -41,6 +41,8 @@ fn names(aov: Aov) -> &'static [&'static str] {
         Aov::Mask => &["mask"],
         Aov::Certainty => &["certainty"],
         Aov::Bound => &["bound"],
+        Aov::Shadow => &["shadow"],
+        Aov::Occlusion => &["occlusion"],
     }
 }
 

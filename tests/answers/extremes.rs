@@ -327,6 +327,7 @@ fn a_frame_of_unsure_pixels_is_settled_completely() {
         camera: halfline::camera::Camera { up: DVec3::new(0.1, 1.0, 0.2), ..halfline::camera::Camera::CANONICAL },
         image: halfline::scene::ImagePlane { width: 128, height: 96, background: [0.0; 3] },
         spheres,
+        lighting: Default::default(),
         skipped: Default::default(),
     };
     let exact = exact(&scene);
@@ -371,6 +372,7 @@ fn the_longest_frames_are_exact() {
             camera: halfline::camera::Camera { lens, ..halfline::camera::Camera::CANONICAL },
             image: halfline::scene::ImagePlane { width, height, background: [0.0; 3] },
             spheres,
+            lighting: Default::default(),
             skipped: Default::default(),
         };
         let exact = exact(&scene);

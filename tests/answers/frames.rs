@@ -57,6 +57,7 @@ impl Case {
             camera: Camera { eye: vector(&self.eye), look, up: vector(&self.up), lens },
             image: ImagePlane { width: self.size[0], height: self.size[1], ..ImagePlane::default() },
             spheres,
+            lighting: Default::default(),
             skipped: Skipped::default(),
         }
     }

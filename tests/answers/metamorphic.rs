@@ -40,7 +40,7 @@ fn base() -> Scene {
         lens: Lens::Viewport { vw: 2.5, vh: 1.75, distance: 1.0 },
     };
     let image = ImagePlane { width: 64, height: 48, background: [0.0; 3] };
-    Scene { camera, image, spheres, skipped: Skipped::default() }
+    Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
 }
 
 /// The scene with `map` applied to every point and every length times `scale`.

@@ -208,7 +208,7 @@ fn a_sphere_ahead_has_its_closed_form() {
     spheres.push([0.0, 0.0, -7.0], 5.0, None);
     let camera = Camera { lens: Lens::Orthographic { height: 12.0 }, ..Camera::CANONICAL };
     let image = ImagePlane { width: 12, height: 12, background: [0.0; 3] };
-    let scene = Scene { camera, image, spheres, skipped: Skipped::default() };
+    let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
     let judge = Judge::new(&scene).expect("a scene");
     let certified = frame(&mut cpu(), &scene, Accuracy::Certified);
     let (distance, position) = (

@@ -119,7 +119,8 @@ fn atoms() -> Scene {
         lens: Lens::Vfov { degrees: 40.0, distance: 1.0 },
     };
     let image = ImagePlane { width: 96, height: 72, background: [0.0; 3] };
-    let mut scene = Scene { camera, image, spheres: Spheres::default(), skipped: Skipped::default() };
+    let mut scene =
+        Scene { camera, image, spheres: Spheres::default(), lighting: Default::default(), skipped: Skipped::default() };
     let mut random = Rng::new(SEED);
     for _ in 0..600 {
         let pixel = [(72.0 * random.unit()) as u32, (96.0 * random.unit()) as u32];

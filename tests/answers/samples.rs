@@ -124,7 +124,8 @@ fn alpha_converges_to_the_covered_area() {
     let mut spheres = Spheres::default();
     spheres.push([0.0, 0.0, -3.0], 1.0, None);
     let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-    let scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() };
+    let scene =
+        Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
     let radius = 64.0 / f64::sqrt(8.0);
     let place = |n: usize| n as f64 - 32.0;
     let exact: Vec<f64> = (0..4096).map(|k| covered(place(k % 64), place(k / 64), radius)).collect();

@@ -26,6 +26,7 @@ fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
         camera: Camera { eye: eye.into(), look, up: DVec3::new(0.1, 1.0, 0.2), lens },
         image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
         spheres,
+        lighting: Default::default(),
         skipped: Skipped::default(),
     }
 }

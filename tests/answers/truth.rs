@@ -84,6 +84,7 @@ impl Case {
             camera: Camera { eye: vector(&self.eye).into(), look, up: vector(&self.up).into(), lens },
             image: ImagePlane { width: self.size[0], height: self.size[1], ..ImagePlane::default() },
             spheres,
+            lighting: Default::default(),
             skipped: Skipped::default(),
         }
     }

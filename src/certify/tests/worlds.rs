@@ -54,7 +54,13 @@ impl Site {
     pub(super) fn new(camera: Camera, [width, height]: [u32; 2]) -> Self {
         let basis = camera.basis().expect("a basis");
         let image = ImagePlane { width, height, ..ImagePlane::default() };
-        let scene = Scene { camera, image, spheres: Spheres::default(), skipped: Skipped::default() };
+        let scene = Scene {
+            camera,
+            image,
+            spheres: Spheres::default(),
+            lighting: Default::default(),
+            skipped: Skipped::default(),
+        };
         Self { scene, axes: [basis.u, basis.v, -basis.w] }
     }
 

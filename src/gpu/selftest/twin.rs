@@ -36,7 +36,7 @@ fn scene() -> Scene {
         spheres.push([x, y, -1.5 + z], 0.05 + 0.1 * z.abs(), None);
     }
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
-    Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default() }
+    Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
 }
 
 impl Gpu {

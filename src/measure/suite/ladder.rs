@@ -60,7 +60,7 @@ pub fn scene(rung: f64) -> Result<Scene> {
     let side = PITCH * f64::from(WALL + 1);
     camera.lens = Lens::Viewport { vw: LENS * side / rung, vh: LENS * side / rung, distance: LENS };
     let image = ImagePlane { width: SIDE, height: SIDE, background: [0.02, 0.02, 0.03] };
-    Ok(Scene { camera, image, spheres, skipped: Skipped::default() })
+    Ok(Scene { camera, image, spheres, lighting: Default::default(), skipped: Skipped::default() })
 }
 
 /// Hues that differ between neighbours: multiples of the golden ratio, each primary a triangle wave of the hue.

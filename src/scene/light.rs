@@ -1,0 +1,141 @@
+//! What lights a scene.
+
+use super::check::check_color;
+use crate::error::{Error, Place, Result};
+use glam::DVec3;
+
+/// What lights a scene. The default is the light at the eye alone, which casts no shadow that the camera sees.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Lighting {
+    /// The lights, in the order of the scene file. Without any, and without a sky, the light is at the eye.
+    pub lights: Vec<Light>,
+    /// Whether the lights cast shadows in the picture. The buffer `shadow` holds them in any case.
+    pub shadows: bool,
+    /// A white sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
+    pub sky: Option<Sky>,
+}
+
+/// A light. A surface that faces it reflects its own colour times `color` times `intensity`, at any distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Where it is.
+    pub source: LightSource,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// A factor of the colour.
+    pub intensity: f32,
+}
+
+/// Where a light is. All numbers are taken as exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LightSource {
+    /// Infinitely far in this direction, which points toward the light and has any length but zero.
+    Direction(DVec3),
+    /// A point.
+    Point(DVec3),
+    /// A sphere that shines and hides nothing.
+    Ball {
+        /// Its centre.
+        center: DVec3,
+        /// Its radius, positive.
+        radius: f64,
+    },
+    /// The sphere of the scene with this index. It hides nothing of its own light, and shines where it is seen.
+    Sphere(u32),
+}
+
+/// The white sky: the same light from all directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sky {
+    /// Rays for each point, at least 1.
+    pub rays: u32,
+    /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
+    /// distance.
+    pub reach: f64,
+}
+
+/// The most rays for a point.
+pub const MOST_RAYS: u32 = 1 << 20;
+
+impl Default for Sky {
+    /// 16 rays that end nowhere.
+    fn default() -> Self {
+        Self { rays: 16, reach: f64::INFINITY }
+    }
+}
+
+impl Light {
+    /// A white light of intensity 1.
+    #[must_use]
+    pub fn white(source: LightSource) -> Self {
+        Self { source, color: [1.0; 3], intensity: 1.0 }
+    }
+
+    /// Checks the light with this index, in a scene of that many spheres.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `place`, with the name of the field appended.
+    pub fn check(&self, spheres: usize, place: impl Fn(&str) -> Place) -> Result<()> {
+        let wrong = |field: &str, problem: String, mend: &str| Err(Error::scene(place(field), problem, mend));
+        let finite = |field: &str, vector: DVec3| match vector.is_finite() {
+            true => Ok(()),
+            false => wrong(field, format!("{vector} is not finite"), "give three finite numbers"),
+        };
+        match self.source {
+            LightSource::Direction(direction) => {
+                finite("direction", direction)?;
+                if direction == DVec3::ZERO {
+                    return wrong("direction", "the direction has length zero".into(), "use a vector toward the light");
+                }
+            }
+            LightSource::Point(position) => finite("position", position)?,
+            LightSource::Ball { center, radius } => {
+                finite("position", center)?;
+                if !(radius > 0.0 && radius.is_finite()) {
+                    return wrong("radius", format!("the radius is {radius}"), "give a positive finite number");
+                }
+            }
+            LightSource::Sphere(id) if id as usize >= spheres => {
+                return wrong("sphere", format!("there is no sphere {id}"), "give the index of a sphere, from 0");
+            }
+            LightSource::Sphere(_) => {}
+        }
+        check_color(self.color, || place("color"))?;
+        if !(self.intensity >= 0.0 && self.intensity.is_finite()) {
+            return wrong(
+                "intensity",
+                format!("the intensity is {}", self.intensity),
+                "give a finite number, 0 or more",
+            );
+        }
+        Ok(())
+    }
+}
+
+impl Sky {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `place`, with the name of the field appended.
+    pub fn check(&self, place: impl Fn(&str) -> Place) -> Result<()> {
+        if !(1..=MOST_RAYS).contains(&self.rays) {
+            let problem = format!("the sky cannot have {} rays", self.rays);
+            return Err(Error::scene(place("rays"), problem, format!("give a whole number between 1 and {MOST_RAYS}")));
+        }
+        if !(self.reach > 0.0) {
+            let problem = format!("the reach is {}", self.reach);
+            return Err(Error::scene(place("reach"), problem, "give a positive length, or remove it"));
+        }
+        Ok(())
+    }
+}
+
+impl Lighting {
+    /// Checks every light and the sky.
+    pub(super) fn check(&self, spheres: usize) -> Result<()> {
+        for (index, light) in self.lights.iter().enumerate() {
+            light.check(spheres, |field| Place::field(format!("light {index} {field}")))?;
+        }
+        self.sky.map_or(Ok(()), |sky| sky.check(|field| Place::field(format!("occlusion.{field}"))))
+    }
+}
