@@ -32,6 +32,7 @@ fn scene(eye: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
         image: ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.1, 0.2, 0.3] },
         spheres,
         skipped: Skipped::default(),
+        lighting: Default::default(),
     }
 }
 

@@ -36,6 +36,7 @@ fn scene(eye: DVec3, height: f64, spheres: Spheres) -> Scene {
         image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
         spheres,
         skipped: Skipped::default(),
+        lighting: Default::default(),
     }
 }
 

@@ -33,6 +33,7 @@ fn cluster(distance: f64) -> Scene {
         image: ImagePlane { width: 160, height: 120, background: [0.0; 3] },
         spheres,
         skipped: Skipped::default(),
+        lighting: Default::default(),
     }
 }
 

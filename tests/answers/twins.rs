@@ -38,6 +38,7 @@ fn scene(eye: [f64; 3], at: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
         image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
         spheres,
         skipped: Skipped::default(),
+        lighting: Default::default(),
     }
 }
 

@@ -32,6 +32,7 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
                 Data::U8(values(0.0, &known).into_iter().map(|x| x as u8).collect())
             }
             Aov::Bound => Data::F64(values(0.0, &|x| 1e-6 * x)),
+            Aov::Shadow | Aov::Occlusion => f32s(values(1.0, &|x| x)),
             Aov::Alpha => f32s(values(0.0, &|x| (1.0 + (3.0 * x).floor()) / 4.0)),
         };
         buffers.push(Buffer::new(aov, width as usize, height as usize, data).expect("a whole buffer"));
