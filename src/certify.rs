@@ -12,6 +12,7 @@ pub(crate) mod general;
 pub(crate) mod given;
 pub(crate) mod projected;
 mod projection;
+pub(crate) mod surface;
 mod terms;
 #[cfg(test)]
 mod tests;

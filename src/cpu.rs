@@ -3,6 +3,8 @@
 mod certified;
 pub(crate) mod given_certified;
 mod given_rays;
+pub(crate) mod hidden;
+pub(crate) mod light;
 mod tiles;
 
 use crate::answers::raw::Raw;

@@ -30,6 +30,7 @@ use filter::{AxesDd, Body, FilterHit, FilterResult, Screen};
 use ray::RayForms;
 use rayon::prelude::*;
 use secondary::HitPoint;
+pub(crate) use secondary::LightQuestion;
 pub use secondary::Toward;
 use std::cell::OnceCell;
 use std::cmp::Ordering;
@@ -109,6 +110,27 @@ impl Judge {
             (_, true) => f64::INFINITY,
             _ => error.over(&real, 64).to_f64(),
         }
+    }
+
+    /// The hit of one sphere by the ray of row `i`, column `j`, as if it were the only one.
+    pub(crate) fn hit_of(&self, i: u32, j: u32, (center, radius): ([f64; 3], f64)) -> Option<Truth> {
+        let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
+        self.bench.truth(&rays, &self.bench.hit_body(&rays, 0, &body)?)
+    }
+
+    /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
+    /// that sphere.
+    pub(crate) fn ask(
+        &self,
+        i: u32,
+        j: u32,
+        (center, radius): ([f64; 3], f64),
+        asked: &[LightQuestion],
+    ) -> Option<Vec<bool>> {
+        let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
+        let best = self.bench.hit_body(&rays, 0, &body)?;
+        let hit = self.bench.hit_point(&rays, &best);
+        Some(asked.iter().map(|question| question.is_hidden(&hit)).collect())
     }
 
     fn ray(&self, i: u32, j: u32) -> RayForms {
@@ -249,7 +271,14 @@ impl Bench {
 
     /// The candidate hit of the sphere, if the ray hits it.
     fn hit(&self, rays: &RayForms, id: u32) -> Option<Best<'_>> {
-        let body = &self.bodies[id as usize];
+        self.hit_body(rays, id, &self.bodies[id as usize])
+    }
+
+    fn body(&self, center: [f64; 3], radius: f64) -> Body {
+        Body::new(&self.frame, self.eye, &self.basis, center, radius)
+    }
+
+    fn hit_body<'b>(&self, rays: &RayForms, id: u32, body: &'b Body) -> Option<Best<'b>> {
         let best = |hit, root| Best { id, body, hit, root, tangent: false, meeting: OnceCell::new() };
         match rays.quick.meet(body) {
             FilterResult::Miss => None,
@@ -274,15 +303,19 @@ impl Bench {
 
     fn hidden(&self, rays: &RayForms, lights: &[Toward]) -> Option<Vec<bool>> {
         let best = self.foremost(rays, 0..self.bodies.len() as u32)?;
-        let sphere = |body: &Body| (body.center, body.radius);
-        let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, &best));
-        let hit = HitPoint::new(&self.frame, ray, &rays.stretch, meeting, best.root, sphere(best.body));
+        let hit = self.hit_point(rays, &best);
         let is_hidden = |light: &Toward| {
             let light = hit.toward(*light);
             let hides = |body: &Body| hit.is_hidden_by(&light, body.center, body.radius);
             hit.hides_itself(&light) || self.bodies.iter().any(hides)
         };
         Some(lights.iter().map(is_hidden).collect())
+    }
+
+    fn hit_point<'b>(&'b self, rays: &'b RayForms, best: &'b Best) -> HitPoint<'b> {
+        let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, best));
+        let sphere = (best.body.center, best.body.radius);
+        HitPoint::new(&self.frame, ray, &rays.stretch, meeting, best.root, sphere)
     }
 
     fn meeting<'b>(&self, rays: &RayForms, best: &'b Best) -> &'b Meeting {

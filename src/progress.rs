@@ -18,6 +18,8 @@ pub enum Step {
     /// Pixels are decided in exact arithmetic: those that a certified kernel could not prove, or all of them with
     /// [`crate::Accuracy::Exact`].
     Settle,
+    /// Lights and sky are asked about at the hits.
+    Light,
     /// Given rays are traced. Where their number is not known beforehand, the total is 0.
     Rays,
 }
@@ -30,6 +32,7 @@ impl Step {
             Self::Stage => "stage",
             Self::Trace | Self::Rays => "trace",
             Self::Settle => "settle",
+            Self::Light => "light",
         }
     }
 
@@ -38,7 +41,7 @@ impl Step {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Stage => "spheres",
-            Self::Trace | Self::Settle => "pixels",
+            Self::Trace | Self::Settle | Self::Light => "pixels",
             Self::Rays => "rays",
         }
     }

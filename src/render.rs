@@ -3,6 +3,7 @@
 mod budget;
 pub mod explain;
 mod frame;
+mod light;
 mod missed;
 pub mod plan;
 mod renderer;

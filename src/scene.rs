@@ -224,6 +224,12 @@ impl Scene {
         self.camera.viewport(self.image.width, self.image.height).map(drop)
     }
 
+    /// The camera and the image alone.
+    pub(crate) fn bare(&self) -> Self {
+        let (spheres, skipped, lighting) = Default::default();
+        Self { camera: self.camera, image: self.image, spheres, skipped, lighting }
+    }
+
     /// A fingerprint of everything that determines the picture: equal for equal numbers, whatever their source. 32
     /// hexadecimal digits of BLAKE3.
     pub fn fingerprint(&self) -> String {

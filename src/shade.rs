@@ -1,5 +1,7 @@
 //! Shading: the colour of a hit. The twin of shade/.
 
+pub(crate) mod lit;
+
 use crate::error::Error;
 use crate::intersect::Intersect;
 use crate::number::Number;

@@ -38,7 +38,6 @@ impl Answers<'_> {
     /// The requested buffers, in f64 where the frame promises f64.
     pub(crate) fn assemble(mut self, aovs: &[Aov]) -> Result<Vec<Buffer>> {
         let (w, h) = (self.view.record.columns as usize, self.view.record.rows as usize);
-        self.raw.settle(self.settled);
         let mut wanted: Vec<Aov> = aovs.iter().copied().chain([Aov::Id]).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -48,6 +47,7 @@ impl Answers<'_> {
             let data = match aov {
                 Aov::Color => Data::F32(match &mut self.sampled {
                     Some(sampled) => std::mem::take(&mut sampled.color),
+                    None if self.raw.color.is_empty() => std::mem::take(&mut self.lit.color),
                     None => std::mem::take(&mut self.raw.color),
                 }),
                 Aov::Normal => Data::F32(std::mem::take(&mut self.raw.normal)),

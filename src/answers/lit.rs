@@ -12,3 +12,36 @@ pub(crate) struct Lit {
     /// Pixels of which the judge decided a secondary ray, in their order.
     pub(crate) settled: Vec<u32>,
 }
+
+/// A run of consecutive pixels of a [`Lit`].
+pub(crate) struct Chunk<'a> {
+    pub(crate) first: usize,
+    pub(crate) count: usize,
+    pub(crate) color: &'a mut [f32],
+    pub(crate) shadow: &'a mut [f32],
+    pub(crate) occlusion: &'a mut [f32],
+}
+
+impl Lit {
+    /// The buffers where no pixel shows a sphere.
+    pub(crate) fn of_nothing(mut self, background: [f32; 3]) -> Self {
+        self.color.chunks_exact_mut(3).for_each(|color| color.copy_from_slice(&background));
+        self.shadow.fill(0.0);
+        self.occlusion.fill(1.0);
+        self
+    }
+
+    /// Splits the buffers of `pixels` pixels and `lights` lights after every `count` pixels.
+    pub(crate) fn chunks(&mut self, pixels: usize, count: usize, lights: usize) -> impl Iterator<Item = Chunk<'_>> {
+        let mut colors = self.color.chunks_mut(3 * count);
+        let mut shadows = self.shadow.chunks_mut((lights * count).max(1));
+        let mut shares = self.occlusion.chunks_mut(count);
+        (0..pixels).step_by(count).map(move |first| Chunk {
+            first,
+            count: count.min(pixels - first),
+            color: colors.next().unwrap_or_default(),
+            shadow: shadows.next().unwrap_or_default(),
+            occlusion: shares.next().unwrap_or_default(),
+        })
+    }
+}

@@ -2,10 +2,10 @@
 //! derives them.
 
 use crate::double_double::{self as dd, Dd};
-use crate::view::placement::Placement;
+use crate::view::placement::{PLACED, Placement};
 
 /// Half an ulp of 1: what one rounding to nearest may change, relatively.
-const EPS: f64 = power_of_two(-53);
+pub(crate) const EPS: f64 = power_of_two(-53);
 
 /// The terms of the bounds: docs/certificate.md, "Given rays".
 #[derive(Debug, Clone, Copy)]
@@ -35,16 +35,19 @@ pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
 const FAINT: f64 = power_of_two(-20);
 /// A few roundings of the bounds themselves.
 const ROUNDED: f64 = 1.0 + power_of_two(-48);
+/// Products of the bounds of a start beside the origin.
+const SLACK: f64 = 1.0 + power_of_two(-7);
 /// Far above what underflow may change in a product of two squares, and in a length.
 const TINY: f64 = power_of_two(-900);
-const SHORT: f64 = power_of_two(-500);
+pub(crate) const SHORT: f64 = power_of_two(-500);
 
 /// 2^k for normal results.
 const fn power_of_two(k: i64) -> f64 {
     f64::from_bits(((k + 1023) as u64) << 52)
 }
 
-/// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2).
+/// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2). It starts at
+/// `origin`, an exact point of the world, or beside it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CertifiedRay {
     placement: Placement,
@@ -52,7 +55,13 @@ pub(crate) struct CertifiedRay {
     pub(crate) origin: [f64; 3],
     pub(crate) direction: [f64; 3],
     /// |direction|^2
-    a: f64,
+    pub(crate) a: f64,
+    /// From `origin` to the start, in the tree's unit.
+    offset: [f64; 3],
+    /// What `offset` is off by, and an ulp of itself.
+    blur: f64,
+    /// What the direction is off by, of its length.
+    tilt: f64,
     /// The caller's t is t 2^shift.
     pub(crate) shift: i32,
     /// The caller's limit lies between these.
@@ -90,24 +99,67 @@ impl CertifiedRay {
     /// A ray with finite numbers and a direction that is not zero.
     #[inline(always)]
     pub(crate) fn new(placement: &Placement, origin: [f64; 3], direction: [f64; 3], limit: f64) -> Self {
+        Self::in_unit(placement, origin, direction, limit, placement.k)
+    }
+
+    /// The same with t in units of a `direction` whose unit is 2^-k of the tree's.
+    #[inline(always)]
+    pub(crate) fn in_unit(placement: &Placement, origin: [f64; 3], direction: [f64; 3], limit: f64, k: i32) -> Self {
         let largest = direction[0].abs().max(direction[1].abs()).max(direction[2].abs());
         let f = dd::exponent(largest);
         let direction = direction.map(|x| dd::ldexp(x, -f));
-        let shift = placement.k - f;
+        let shift = k - f;
         Self {
             placement: *placement,
             origin,
             direction,
             a: dot(direction, direction),
+            offset: [0.0; 3],
+            blur: 0.0,
+            tilt: 0.0,
             shift,
             limit: scaled(limit, -shift),
         }
     }
 
-    /// The origin in the tree's coordinates.
+    /// The ray that starts at `offset` from the origin, in the tree's unit, which is off by at most `blur`, as the
+    /// direction is by `tilt` of its length.
+    #[inline(always)]
+    pub(crate) fn beside(self, offset: [f64; 3], blur: f64, tilt: f64) -> Self {
+        // An ulp of the offset is lost where it is subtracted from a centre's, docs/certificate.md, section 10.
+        let blur = (blur + 2.0 * EPS * dot(offset, offset).sqrt()) * SLACK + SHORT;
+        Self { offset, blur, tilt: tilt * SLACK, ..self }
+    }
+
+    /// The start in the tree's coordinates.
     #[inline(always)]
     pub(crate) fn placed(&self) -> [f64; 3] {
-        self.placement.point(self.origin)
+        let origin = self.placement.point(self.origin);
+        std::array::from_fn(|n| origin[n] + self.offset[n])
+    }
+
+    /// The ray the other way.
+    pub(crate) fn turned(self) -> Self {
+        Self { direction: self.direction.map(|x| -x), ..self }
+    }
+
+    /// What the direction is off by, of its length.
+    #[inline(always)]
+    pub(crate) fn tilt(&self) -> f64 {
+        self.tilt
+    }
+
+    /// What boxes have to be larger by on all sides beside what a given ray needs: its start and its direction, over the
+    /// longest way through the scene.
+    #[inline(always)]
+    pub(crate) fn doubt(&self) -> f64 {
+        self.blur + 8.0 * self.tilt + 4.0 * PLACED
+    }
+
+    /// From the start to a point of the world, in the tree's unit.
+    #[inline(always)]
+    pub(crate) fn to(&self, point: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|n| self.placement.difference(point[n], self.origin[n]) - self.offset[n])
     }
 
     /// Bounds of the hit of a sphere; `None` if the ray certainly misses it. Numbers beyond f64 give bounds that decide
@@ -120,33 +172,37 @@ impl CertifiedRay {
     /// The same with other terms, for tests.
     #[inline(always)]
     pub(crate) fn meet_by(&self, terms: &GivenTerms, center: [f64; 3], radius: f64) -> Option<Bounds> {
-        let p: [f64; 3] = std::array::from_fn(|n| self.placement.difference(center[n], self.origin[n]));
+        let p = self.to(center);
         let radius_scaled = self.placement.radius(radius);
         let d = self.direction;
         let (p2, r2) = (dot(p, p), radius_scaled * radius_scaled);
         let b = dot(p, d);
         let g = [p[1] * d[2] - p[2] * d[1], p[2] * d[0] - p[0] * d[2], p[0] * d[1] - p[1] * d[0]];
         let (g2, ar2) = (dot(g, g), self.a * r2);
-        let e = terms.cross * ((p2 * self.a).sqrt() + SHORT);
+        let n = (p2 * self.a).sqrt();
+        // |d| is at most 4, and at least 1, so that |p| is at most n.
+        let e = terms.cross * (n + SHORT) + (self.tilt * n + 4.0 * self.blur);
         let disc = ar2 - g2;
-        let error = ((2.0 * g2.sqrt() + e) * e + terms.squares * (ar2 + g2) + TINY) * ROUNDED;
-        let (mut power, mut power_error) = (p2 - r2, terms.power * (p2 + r2) + TINY);
+        let error = ((2.0 * g2.sqrt() + e) * e + (terms.squares + 3.0 * self.tilt) * (ar2 + g2) + TINY) * ROUNDED;
+        let (rounding, blurred) = (terms.power * (p2 + r2) + TINY, 2.0 * self.blur * (n + self.blur));
+        let (mut power, mut power_error) = (p2 - r2, rounding + blurred);
         if power > -power_error && (b < -e || disc < -error) {
             // Outside or on the surface. Inside, D is at least b^2, and b may have any sign.
             if power > power_error {
                 return None;
             }
-            (power, power_error) = self.power(terms, center, radius);
+            (power, power_error) = self.power(terms, center, radius, blurred);
             if power > power_error {
                 return None;
             }
-        } else if power.abs() * FAINT < power_error {
-            (power, power_error) = self.power(terms, center, radius);
+        } else if power.abs() * FAINT < rounding {
+            (power, power_error) = self.power(terms, center, radius, blurred);
         }
         let root = |x: f64| if x > 0.0 { x.sqrt() } else { 0.0 };
         let (root_low, root_mid, root_high) = (root(disc - error), root(disc), root(disc + error));
         // The quotients and products below take at most four roundings.
-        let (less, more) = (1.0 - terms.quotient, 1.0 + terms.quotient);
+        let relative = terms.quotient + 3.0 * self.tilt;
+        let (less, more) = (1.0 - relative, 1.0 + relative);
         let outside = power > power_error;
         let (low, t, high) = if outside {
             let q_low = if b > e { b - e } else { 0.0 } + root_low;
@@ -175,12 +231,14 @@ impl CertifiedRay {
 
     /// |p|^2 - R^2 in double-double, and its error.
     #[cold]
-    fn power(&self, terms: &GivenTerms, center: [f64; 3], radius: f64) -> (f64, f64) {
-        let p: [Dd; 3] = std::array::from_fn(|n| self.placement.exact_difference(center[n], self.origin[n]));
+    fn power(&self, terms: &GivenTerms, center: [f64; 3], radius: f64, blurred: f64) -> (f64, f64) {
+        let p: [Dd; 3] = std::array::from_fn(|n| {
+            self.placement.exact_difference(center[n], self.origin[n]) - Dd::from(self.offset[n])
+        });
         let radius = self.placement.radius(radius);
         let (p2, r2) = (dd::dot(p, p), Dd::product(radius, radius));
         let power = (p2 - r2).value();
-        (power, (terms.power_dd * (p2.hi + r2.hi) + EPS * power.abs() + TINY) * ROUNDED)
+        (power, (terms.power_dd * (p2.hi + r2.hi) + EPS * power.abs() + blurred + TINY) * ROUNDED)
     }
 
     /// What the hit of a sphere is given out as.
@@ -188,7 +246,7 @@ impl CertifiedRay {
     pub(crate) fn numbers(&self, center: [f64; 3], radius: f64, bounds: &Bounds) -> HitNumbers {
         let length = self.a.sqrt();
         let r = self.placement.radius(radius);
-        let p: [f64; 3] = std::array::from_fn(|n| self.placement.difference(center[n], self.origin[n]));
+        let p = self.to(center);
         let outward: [f64; 3] = std::array::from_fn(|n| bounds.t * self.direction[n] - p[n]);
         let size = dot(outward, outward).sqrt();
         let sign = if bounds.outside { 1.0 / size } else { -1.0 / size };
@@ -212,7 +270,7 @@ impl Bounds {
 }
 
 #[inline(always)]
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

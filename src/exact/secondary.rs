@@ -165,6 +165,12 @@ impl<'a> HitPoint<'a> {
         }
     }
 
+    /// Whether the light is on the side of the surface that the camera does not see.
+    fn is_behind(&self, light: &Light) -> bool {
+        let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.center)));
+        self.field.sign(&b) == if self.root == Root::Near { Ordering::Greater } else { Ordering::Less }
+    }
+
     /// Whether another sphere hides the light.
     pub(super) fn is_hidden_by(&self, light: &Light, center: [f64; 3], radius: f64) -> bool {
         let field = &self.field;
@@ -196,6 +202,26 @@ impl<'a> HitPoint<'a> {
                 }
             }
         }
+    }
+}
+
+/// Whether a light is hidden from a hit by its own sphere or by some others.
+#[derive(Debug, Clone)]
+pub(crate) struct LightQuestion {
+    pub(crate) toward: Toward,
+    /// The direction is turned to the side of the normal against the viewing ray.
+    pub(crate) turned: bool,
+    /// The others.
+    pub(crate) among: Vec<([f64; 3], f64)>,
+}
+
+impl LightQuestion {
+    pub(super) fn is_hidden(&self, hit: &HitPoint<'_>) -> bool {
+        let mut light = hit.toward(self.toward);
+        if self.turned && hit.is_behind(&light) {
+            light.l = light.l.map(|l| Tower::of(Dyadic::ZERO).minus(&l));
+        }
+        hit.hides_itself(&light) || self.among.iter().any(|(center, radius)| hit.is_hidden_by(&light, *center, *radius))
     }
 }
 

@@ -1,6 +1,7 @@
 //! One frame the whole way: plan, setup, kernel, exact decisions, buffers, report.
 
 use super::budget::Need;
+use super::light::LightSetup;
 use super::missed::missed;
 use super::plan::Plan;
 use super::renderer::{Executor, Renderer};
@@ -10,6 +11,7 @@ use crate::answers::lit::Lit;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::Depths;
+use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
@@ -121,9 +123,18 @@ impl Renderer {
         self.kernel_ms();
         let settled = self.answer(&setup, scene, &mut raw, &mut timings)?;
         watch.check()?;
+        raw.settle(&settled);
+        let lights = plan.wanted.is_any().then(|| timings.time("tree", || LightSetup::new(scene, plan.accuracy)));
+        let wanted = Wanted { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
+        let lit = match &lights {
+            Some(lights) if wanted.is_any() => {
+                timings.time("light", || self.light(lights, (scene, settings, view), wanted, &raw.id, &pool))?
+            }
+            _ => Lit::default(),
+        };
         let sampled = samples
             .zip(plan.sampled)
-            .map(|(raster, kernel)| self.sample(plan, kernel, scene, settings, raster, &mut timings))
+            .map(|(raster, kernel)| self.sample(plan, kernel, (scene, settings, lights.as_ref()), raster, &mut timings))
             .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {
@@ -131,7 +142,7 @@ impl Renderer {
         }
         let certify = plan.kernel.certify;
         let depths = certify.then(|| Depths::new(scene, view, setup.certified()));
-        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled, lit: Lit::default() };
+        let answers = Answers { pool: &pool, view, raw, depths, settled: &settled, sampled, lit };
         let buffers = timings.time("assemble", || answers.assemble(&settings.aovs))?;
         let predicted = match plan.accuracy {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
@@ -173,7 +184,7 @@ impl Renderer {
             method: plan.method,
             accuracy: plan.accuracy.name(),
             reason: plan.reason.clone(),
-            shade: plan.shade().map(|shade| shade.name()),
+            shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
             setup_ms: self.setup_ms,

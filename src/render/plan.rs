@@ -3,6 +3,7 @@
 mod choose;
 mod search;
 
+use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::intersect::Method;
@@ -29,6 +30,9 @@ pub struct Plan {
     pub search: Search,
     /// Why this search.
     pub search_reason: &'static str,
+    /// What is computed of lights and sky.
+    #[serde(skip)]
+    pub(crate) wanted: Wanted,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
     /// The kernel of the samples, with several samples per pixel; `kernel` then computes no colour.
@@ -46,6 +50,11 @@ impl Plan {
         self.sampled.unwrap_or(self.kernel).shade
     }
 
+    /// Its name: `lights` where the scene's lights or its sky light the picture.
+    pub(crate) fn shade_name(&self) -> Option<&'static str> {
+        if self.wanted.color { Some("lights") } else { self.shade().map(Shade::name) }
+    }
+
     /// Decides what `scene` requires for the requested buffers, among the methods that `admits` accepts.
     ///
     /// # Errors
@@ -56,7 +65,8 @@ impl Plan {
             return Err(search::only_given_rays());
         }
         let mut plan = Self::for_method(settings)?;
-        let shade = settings.asks(&[Aov::Color]).then_some(settings.shade);
+        plan.wanted = super::light::wanted(scene, settings)?;
+        let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.wanted.color);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
@@ -96,7 +106,17 @@ impl Plan {
         let kernel = Kernel::bare(method);
         let (method, accuracy, search) = (method.name(), Accuracy::Fast, Search::All);
         let (reason, search_reason) = (String::new(), "");
-        Ok(Self { method, accuracy, reason, predicted: None, search, search_reason, kernel, sampled: None })
+        Ok(Self {
+            method,
+            accuracy,
+            reason,
+            predicted: None,
+            search,
+            search_reason,
+            wanted: Wanted::default(),
+            kernel,
+            sampled: None,
+        })
     }
 
     /// The same plan without tiles, where the spheres cannot be binned into them.

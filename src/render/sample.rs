@@ -1,12 +1,14 @@
 //! Renders several samples per pixel, one pass each, and averages them to colour and coverage. Samples are certified
 //! and settled like pixels.
 
+use super::light::LightSetup;
 use super::plan::Plan;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
+use crate::cpu::light::Wanted;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::kernel::Kernel;
@@ -17,12 +19,11 @@ use std::sync::Arc;
 
 impl Renderer {
     /// Renders all samples of `raster` with `kernel`, in their order.
-    pub(crate) fn sample(
+    pub(super) fn sample(
         &mut self,
         plan: &Plan,
         kernel: Kernel,
-        scene: &Scene,
-        settings: &Settings,
+        (scene, settings, lights): (&Scene, &Settings, Option<&LightSetup>),
         raster: Raster,
         timings: &mut Timings,
     ) -> Result<Means> {
@@ -32,13 +33,20 @@ impl Renderer {
         let mut setup = FrameSetup::new(plan, scene, settings, raster, &pool, timings)?;
         let pixels = setup.view.record.pixels();
         let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
-        let mut sums = Sums::new(pixels, kernel.shade.is_some(), &pool)?;
+        let lights = lights.filter(|_| setup.plan.wanted.color);
+        let wanted = Wanted { color: true, ..Wanted::default() };
+        let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
         for sample in 0..raster.count() {
             setup.view.record.sample = sample;
             let settled = self.answer(&setup, scene, &mut raw, timings)?;
             raw.settle(&settled);
             if let Some(shade) = kernel.shade {
                 timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
+            }
+            if let Some(lights) = &lights {
+                let lit = timings
+                    .time("light", || self.light(lights, (scene, settings, &setup.view), wanted, &raw.id, &pool))?;
+                pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             timings.time("samples", || sums.add(&raw));
         }

@@ -64,6 +64,14 @@ impl Default for Sky {
     }
 }
 
+impl LightSource {
+    /// Whether it is more than a point, so that its shadows are soft.
+    #[must_use]
+    pub fn has_size(&self) -> bool {
+        matches!(self, Self::Ball { .. } | Self::Sphere(_))
+    }
+}
+
 impl Light {
     /// A white light of intensity 1.
     #[must_use]

@@ -85,6 +85,12 @@ impl Tree {
         self.firsts.len() - 1
     }
 
+    /// All spheres but the one with this id.
+    pub(crate) fn others(&self, id: u32) -> Vec<([f64; 3], f64)> {
+        let others = self.spheres.iter().zip(&self.ids).filter(|(_, other)| **other != id);
+        others.map(|([x, y, z, r], _)| ([*x, *y, *z], *r)).collect()
+    }
+
     /// The places of a block's spheres in the order of the tree.
     pub(crate) fn places(&self, block: u32) -> std::ops::Range<usize> {
         let first = block as usize * WIDE;

@@ -1,0 +1,121 @@
+//! What lies between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
+//! surface decides about it.
+
+use super::given_certified::AnyHit;
+use crate::certify::given::CertifiedRay;
+use crate::certify::surface::{Own, SurfacePoint};
+use crate::search::tree::lanes::{Lanes, Portable};
+use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::{BoxRay, Tree};
+use crate::view::ray::NONE;
+
+/// A ray from a point to a light.
+#[derive(Clone, Copy)]
+pub(crate) struct LightRay<'a> {
+    pub(crate) tree: &'a Tree,
+    pub(crate) point: &'a SurfacePoint,
+    pub(crate) ray: &'a CertifiedRay,
+    /// The sphere that is the light; [`NONE`] for other lights.
+    pub(crate) light: u32,
+}
+
+impl LightRay<'_> {
+    /// Whether the light is hidden, by the sphere of the point or by another.
+    #[inline(always)]
+    pub(crate) fn answer<L: Lanes>(&self, lanes: L) -> AnyHit {
+        match self.point.own(self.ray) {
+            Own::Hides => AnyHit::Blocked,
+            Own::Open => self.others(lanes),
+            Own::Unsure => match self.others(lanes) {
+                AnyHit::Free => AnyHit::Unsure,
+                answer => answer,
+            },
+        }
+    }
+
+    /// Whether a sphere other than that of the point hides the light.
+    #[inline(always)]
+    pub(crate) fn others<L: Lanes>(&self, lanes: L) -> AnyHit {
+        let Some(boxes) = self.boxes() else {
+            return AnyHit::Free;
+        };
+        let limit = boxes.limit(self.ray.limit[1]);
+        let mut search = HiddenSearch { lanes, of: self, boxes: &boxes, limit, found: AnyHit::Free };
+        walk(lanes, self.tree, &boxes, limit, &mut search);
+        search.found
+    }
+
+    /// All spheres that may hide the light, beside that of the point.
+    pub(crate) fn candidates(&self) -> Vec<([f64; 3], f64)> {
+        let Some(boxes) = self.boxes() else {
+            return Vec::new();
+        };
+        let limit = boxes.limit(self.ray.limit[1]);
+        let mut search = Candidates { of: self, limit, all: Vec::new() };
+        walk(Portable, self.tree, &boxes, limit, &mut search);
+        search.all
+    }
+
+    #[inline(always)]
+    fn boxes(&self) -> Option<BoxRay> {
+        BoxRay::new(self.ray.placed(), self.ray.direction, self.ray.doubt())
+    }
+
+    /// Whether the sphere at this place is another than that of the point and the light.
+    #[inline(always)]
+    fn counts(&self, place: usize) -> bool {
+        let [x, y, z, r] = self.tree.spheres[place];
+        ([x, y, z], r) != (self.point.center, self.point.radius)
+            && (self.light == NONE || self.tree.ids[place] != self.light)
+    }
+}
+
+struct HiddenSearch<'a, L> {
+    lanes: L,
+    of: &'a LightRay<'a>,
+    boxes: &'a BoxRay,
+    limit: f32,
+    found: AnyHit,
+}
+
+impl<L: Lanes> Test for HiddenSearch<'_, L> {
+    #[inline(always)]
+    fn test(&mut self, block: u32) -> f32 {
+        let LightRay { tree, ray, .. } = *self.of;
+        for place in may_meet(self.lanes, tree, block, self.boxes, self.limit) {
+            if !self.of.counts(place) {
+                continue;
+            }
+            let [x, y, z, radius] = tree.spheres[place];
+            if let Some(bounds) = ray.meet([x, y, z], radius)
+                && bounds.low < ray.limit[1]
+            {
+                if bounds.sure && bounds.high < ray.limit[0] {
+                    self.found = AnyHit::Blocked;
+                    return -1.0;
+                }
+                self.found = AnyHit::Unsure;
+            }
+        }
+        self.limit
+    }
+}
+
+struct Candidates<'a> {
+    of: &'a LightRay<'a>,
+    limit: f32,
+    all: Vec<([f64; 3], f64)>,
+}
+
+impl Test for Candidates<'_> {
+    fn test(&mut self, block: u32) -> f32 {
+        let LightRay { tree, ray, .. } = *self.of;
+        for place in tree.places(block).filter(|place| self.of.counts(*place)) {
+            let [x, y, z, radius] = tree.spheres[place];
+            if ray.meet([x, y, z], radius).is_some_and(|bounds| bounds.low < ray.limit[1]) {
+                self.all.push(([x, y, z], radius));
+            }
+        }
+        self.limit
+    }
+}

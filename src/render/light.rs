@@ -1,0 +1,104 @@
+//! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
+
+use super::renderer::Renderer;
+use crate::answers::lit::Lit;
+use crate::cpu::light::{Lighting, Wanted};
+use crate::error::{Error, Result};
+use crate::exact::Judge;
+use crate::frame::Aov;
+use crate::memory::Pool;
+use crate::progress::Step;
+use crate::scene::Scene;
+use crate::search::tree::Tree;
+use crate::settings::{Accuracy, Settings};
+use crate::shade::Shade;
+use crate::view::View;
+use crate::view::directions::{DiscPoints, SkyDirections};
+
+/// Points of a light with a size for each pixel.
+const LIGHT_POINTS: u32 = 64;
+
+/// What the settings request of lights and sky.
+///
+/// # Errors
+/// [`Error::Settings`] for shadows without lights.
+pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Result<Wanted> {
+    let lighting = &scene.lighting;
+    let shadow = settings.asks(&[Aov::Shadow]);
+    if shadow && lighting.lights.is_empty() {
+        let problem = "the buffer shadow needs a light, and the scene has none";
+        return Err(Error::settings(problem, "add [[light]] to the scene, or use --sun"));
+    }
+    let lit = !lighting.lights.is_empty() || lighting.sky.is_some();
+    let color = lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]);
+    Ok(Wanted { color, shadow, occlusion: settings.asks(&[Aov::Occlusion]) })
+}
+
+/// What the lights of one scene need, for the pixels' centres and for all samples.
+pub(super) struct LightSetup {
+    /// `None` without spheres.
+    tree: Option<Tree>,
+    accuracy: Accuracy,
+}
+
+impl LightSetup {
+    pub(super) fn new(scene: &Scene, accuracy: Accuracy) -> Self {
+        Self { tree: Tree::new(&scene.spheres.centers, &scene.spheres.radii), accuracy }
+    }
+
+    /// Decides what f64 leaves unsure, where the answers are certified. It has no spheres: those of a question come with
+    /// it.
+    fn judge(&self, scene: &Scene, view: &View) -> Result<Option<Judge>> {
+        let certified = matches!(self.accuracy, Accuracy::Certified | Accuracy::Exact);
+        certified.then(|| Ok(Judge::new(&scene.bare())?.refined(view.record.fine()))).transpose()
+    }
+}
+
+impl Renderer {
+    /// What lights and sky give to the pixels that show these spheres.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`], and [`Error::Limits`] where memory is short.
+    pub(super) fn light(
+        &self,
+        setup: &LightSetup,
+        (scene, settings, view): (&Scene, &Settings, &View),
+        wanted: Wanted,
+        ids: &[u32],
+        pool: &Pool,
+    ) -> Result<Lit> {
+        let mut lit = Lit::default();
+        let lights = &scene.lighting.lights;
+        let some = |wanted: bool, each: usize| if wanted { each * ids.len() } else { 0 };
+        lit.color = pool.values(some(wanted.color, 3))?;
+        lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
+        lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
+        // The buffer alone does not light the picture.
+        let sky = scene.lighting.sky.or(wanted.occlusion.then(Default::default));
+        let sky = sky.filter(|_| wanted.occlusion || wanted.color);
+        let sized = lights.iter().any(|light| light.source.has_size());
+        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
+        let samples = view.record.strata * view.record.strata;
+        let disc = DiscPoints::new(if sized { LIGHT_POINTS.div_ceil(samples) } else { 0 });
+        let Some(tree) = &setup.tree else {
+            return Ok(lit.of_nothing(scene.image.background));
+        };
+        let judge = setup.judge(scene, view)?;
+        let lighting = Lighting {
+            scene,
+            view,
+            tree,
+            wanted,
+            judge: judge.as_ref(),
+            exact: setup.accuracy == Accuracy::Exact,
+            sky,
+            directions: &directions,
+            disc: &disc,
+            seed: settings.seed,
+        };
+        let doing = self.watch.begin(Step::Light, ids.len() as u64);
+        lighting.fill(ids, &mut lit, &|pixels| doing.next(pixels));
+        doing.end()?;
+        Ok(lit)
+    }
+}
