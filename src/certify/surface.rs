@@ -29,7 +29,7 @@ pub(crate) struct SurfacePoint {
     /// From the centre, in the tree's unit.
     pub(crate) offset: [f64; 3],
     /// What that is off by.
-    blur: f64,
+    pub(crate) blur: f64,
     /// The camera sees the sphere from outside.
     pub(crate) outside: bool,
     /// The unit normal against the viewing ray.

@@ -1,5 +1,8 @@
 //! Lights and sky at the pixels of a frame: which of them the hit points see, and the colours that follow.
 
+#[cfg(test)]
+mod tests;
+
 use super::given_certified::AnyHit;
 use super::hidden::LightRay;
 use crate::answers::lit::{Chunk, Lit};

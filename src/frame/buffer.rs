@@ -78,7 +78,9 @@ impl Buffer {
         let tail: &[usize] = if channels > 1 { &[channels] } else { &[] };
         // A product that overflows is larger than any buffer in memory.
         let values = self.shape.iter().try_fold(1usize, |n, side| n.checked_mul(*side));
-        let shaped = self.shape.len() >= 2 && (aov == Aov::Shadow || &self.shape[2..] == tail) && values == Some(self.data.len());
+        let shaped = self.shape.len() >= 2
+            && (aov == Aov::Shadow || &self.shape[2..] == tail)
+            && values == Some(self.data.len());
         if shaped && self.data.dtype() == aov.dtype() {
             return Ok(());
         }

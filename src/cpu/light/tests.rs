@@ -1,0 +1,108 @@
+//! Whether lights and sky are hidden from hits, compared with exact arithmetic over all spheres, where f64 and every epsilon
+//! go wrong.
+
+mod families;
+
+use super::super::given_certified::AnyHit;
+use super::super::hidden::LightRay;
+use crate::certify::surface::SurfacePoint;
+use crate::exact::{Judge, LightQuestion, Toward};
+use crate::search::tree::Tree;
+use crate::search::tree::lanes::Portable;
+use crate::testing::Rng;
+use crate::view::View;
+use crate::view::ray::NONE;
+use families::{FAMILIES, Family};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// What was compared.
+#[derive(Debug, Default)]
+struct Score {
+    points: u32,
+    rays: u32,
+    unsure: u32,
+    /// Lit in exact arithmetic, answered as hidden: acne.
+    acne: u32,
+    /// Hidden in exact arithmetic, answered as lit.
+    leaks: u32,
+}
+
+impl Score {
+    fn wrong(&self) -> u32 {
+        self.acne + self.leaks
+    }
+}
+
+/// Compares the answers at `count` hit points of a family, each moved by `change` before its rays leave.
+fn score(family: &Family, count: u32, change: impl Fn(SurfacePoint) -> SurfacePoint) -> Score {
+    let mut random = Rng(family.seed);
+    let mut score = Score::default();
+    while score.points < count {
+        let (scene, lights) = (family.make)(&mut random);
+        let judge = Judge::new(&scene).expect("a scene");
+        let bare = Judge::new(&scene.bare()).expect("a camera");
+        let view = View::without_spheres(&scene).expect("a view");
+        let tree = Tree::new(&scene.spheres.centers, &scene.spheres.radii).expect("spheres");
+        for pixel in 0..scene.image.width * scene.image.height {
+            let (i, j) = (pixel / scene.image.width, pixel % scene.image.width);
+            let Some(truth) = judge.pixel(i, j) else { continue };
+            let sphere = (scene.spheres.centers[truth.id as usize], scene.spheres.radii[truth.id as usize]);
+            let named = (truth.id, sphere.0, sphere.1);
+            let seen = SurfacePoint::seen(&view, &tree.placement, [i, j], named);
+            let judged = || SurfacePoint::judged(&tree.placement, &truth, named);
+            let point = change(if seen.is_sharp(&tree.placement) { seen } else { judged() });
+            let lights: Vec<Toward> = lights.iter().map(|light| light.at(&mut random, &truth)).collect();
+            let hidden = judge.hidden(i, j, &lights).expect("a hit");
+            for (toward, hidden) in lights.iter().zip(hidden) {
+                let mut among = tree.others(NONE);
+                let answer = match point.ray(&tree.placement, toward) {
+                    Some(ray) => {
+                        let ray = LightRay { tree: &tree, point: &point, ray: &ray, light: NONE };
+                        among = ray.candidates();
+                        ray.answer(Portable)
+                    }
+                    None => AnyHit::Unsure,
+                };
+                let question = LightQuestion { toward: *toward, turned: false, among };
+                score.unsure += u32::from(answer == AnyHit::Unsure);
+                score.rays += 1;
+                let answer = match answer {
+                    AnyHit::Unsure => bare.ask(i, j, sphere, &[question]).expect("a hit")[0],
+                    answer => answer == AnyHit::Blocked,
+                };
+                score.acne += u32::from(answer && !hidden);
+                score.leaks += u32::from(!answer && hidden);
+            }
+            score.points += 1;
+        }
+    }
+    score
+}
+
+/// Points of each family; with every light of the family two to four times as many rays.
+const POINTS: u32 = 200;
+
+#[test]
+fn certified_answers_are_exact() {
+    FAMILIES.par_iter().for_each(|family| {
+        let score = score(family, POINTS, |point| point);
+        println!("{}: {score:?}", family.name);
+        assert_eq!(score.wrong(), 0, "{}: {score:?}", family.name);
+    });
+}
+
+/// What every renderer does that moves the start of a ray off its surface by a thousandth of the radius.
+#[test]
+fn a_planted_epsilon_is_caught() {
+    let wrong = FAMILIES.par_iter().map(|family| {
+        let score = score(family, POINTS, |point| {
+            let outward = DVec3::from_array(point.normal) * DVec3::from_array(point.offset).length();
+            SurfacePoint { offset: (DVec3::from_array(point.offset) + 1e-3 * outward).to_array(), ..point }
+        });
+        println!("{}: {score:?}", family.name);
+        score.wrong()
+    });
+    let wrong: u32 = wrong.sum();
+    assert!(wrong > 0, "no answer is wrong");
+}
