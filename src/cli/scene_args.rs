@@ -206,7 +206,10 @@ impl SceneArgs {
     pub(super) fn settings_for(&self, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Settings> {
         let window = self.window(scene)?;
         let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
-        let reserve = targets.iter().map(|target| target.memory(columns)).fold(0, u64::saturating_add);
+        let reserve = targets
+            .iter()
+            .map(|target| target.memory(columns, scene.lighting.lights.len()))
+            .fold(0, u64::saturating_add);
         Ok(Settings { window, reserve, ..settings.clone() })
     }
 

@@ -114,7 +114,7 @@ impl Renderer {
             search: plan.search.name(),
             search_reason: plan.search_reason.to_owned(),
             staged: binned.as_ref().map(|binned| BinnedCounts::of(binned, scene)),
-            frame: frame(settings, [window.width(), window.height()]),
+            frame: frame(settings, scene.lighting.lights.len(), [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
             warnings,
@@ -144,11 +144,11 @@ fn precision(plan: &Plan, traced: bool) -> String {
 }
 
 /// The buffers of the finished frame; ids are always among them.
-fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
+fn frame(settings: &Settings, lights: usize, [width, height]: [u32; 2]) -> Vec<Shown> {
     let shown = |aov: &Aov| {
         let asked = settings.aovs.contains(aov);
         let mut shape = vec![u64::from(height), u64::from(width)];
-        shape.extend((aov.channels() > 1).then_some(aov.channels() as u64));
+        shape.extend(aov.is_vector().then_some(aov.channels(lights) as u64));
         let one = match aov.dtype() {
             "float64" => 8,
             "uint8" => 1,

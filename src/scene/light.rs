@@ -3,6 +3,7 @@
 use super::check::check_color;
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
+use serde::Serialize;
 
 /// What lights a scene. The default is the light at the eye alone, which casts no shadow that the camera sees.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -45,7 +46,7 @@ pub enum LightSource {
 }
 
 /// The white sky: the same light from all directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Sky {
     /// Rays for each point, at least 1.
     pub rays: u32,
