@@ -8,6 +8,7 @@ mod config;
 mod exhaustion;
 mod file_args;
 mod legend;
+mod light_args;
 mod lines;
 mod measure;
 mod merge;

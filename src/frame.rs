@@ -11,7 +11,7 @@ pub mod srgb;
 use crate::window::Window;
 use report::Report;
 
-pub use aov::Aov;
+pub use aov::{Aov, MOST_LIGHTS};
 pub use buffer::{Buffer, Data};
 
 /// A rendered frame: its buffers and its report.
@@ -38,7 +38,7 @@ impl Frame {
         self.buffers.iter().find(|buffer| buffer.aov == aov)
     }
 
-    /// The values of an f32 buffer (colour, normal, alpha), if it was requested.
+    /// The values of an f32 buffer (colour, normal, alpha, shadow, occlusion), if it was requested.
     #[must_use]
     pub fn f32(&self, aov: Aov) -> Option<&[f32]> {
         match &self.get(aov)?.data {

@@ -83,7 +83,7 @@ pub use read::ReadOptions;
 pub use render::trace::{Hits, Occlusion, Rays, Tracer, trace};
 pub use render::{Renderer, explain, plan, render, trace};
 pub use scene::camera::{self, Camera, Lens, Look};
-pub use scene::{ImagePlane, Scene, Skipped, Spheres};
+pub use scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
 pub use settings::{Accuracy, Backend, Search, Settings, Tolerance};
 pub use shade::Shade;
 pub use view::ray;

@@ -1,9 +1,9 @@
 //! The settings of a rendering: backend, accuracy, buffers, samples, part of the frame.
 
-use crate::error::{Error, Result};
-use crate::frame::Aov;
+use crate::error::{Error, Place, Result};
+use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 use crate::shade::Shade;
 use crate::tile::WHOLE;
 use crate::window::Window;
@@ -106,6 +106,8 @@ pub struct Settings {
     pub silhouette: bool,
     /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.
     pub depth_cue: bool,
+    /// The sky of the buffer `occlusion` where the scene has none. It does not change the colour.
+    pub sky: Sky,
     /// Seed of the sample positions; they also depend on the pixel's place in the full frame.
     pub seed: u32,
     /// The part of the frame that is rendered, bit for bit as in the whole frame; `None` renders all of it.
@@ -124,6 +126,33 @@ impl Settings {
     #[must_use]
     pub fn promise(&self) -> Tolerance {
         self.tolerance.unwrap_or_default()
+    }
+
+    /// The sky whose open share is computed for the colour or for the buffer `occlusion`: the scene's, else that of the
+    /// settings.
+    #[must_use]
+    pub fn sky(&self, scene: &Scene) -> Option<Sky> {
+        let lights = scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color));
+        let asked = self.aovs.contains(&Aov::Occlusion).then(|| scene.lighting.sky.unwrap_or(self.sky));
+        lights.or(asked)
+    }
+
+    /// Checks that the scene has what the buffers need.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
+    /// [`Error::Scene`] for a sky with numbers out of range.
+    pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
+        let lights = scene.lighting.lights.len();
+        if self.aovs.contains(&Aov::Shadow) && lights == 0 {
+            let problem = "the buffer shadow needs a light, and the scene has none";
+            return Err(Error::settings(problem, "add --sun X,Y,Z, or [[light]] tables to the scene file"));
+        }
+        if self.aovs.contains(&Aov::Shadow) && lights > MOST_LIGHTS {
+            let problem = format!("the buffer shadow cannot hold {lights} lights");
+            return Err(Error::settings(problem, format!("use at most {MOST_LIGHTS} lights")));
+        }
+        self.sky.check(|field| Place::field(format!("occlusion.{field}")))
     }
 
     /// The part of `scene`'s frame that is rendered.

@@ -14,15 +14,18 @@ use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 20] = [
+const NAMES: [&str; 25] = [
     "accuracy",
     "adapter",
     "backend",
     "background",
     "bits",
+    "depth-cue",
+    "look",
     "map",
     "method",
     "no-return",
+    "occlusion",
     "preview",
     "progress",
     "radii",
@@ -31,6 +34,8 @@ const NAMES: [&str; 20] = [
     "search",
     "seed",
     "shade",
+    "shadows",
+    "silhouette",
     "size",
     "tolerance",
     "transparent",

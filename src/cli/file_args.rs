@@ -23,7 +23,8 @@ pub(super) struct FileArgs {
     /// %d or %04d is replaced by the number.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Buffers: color, distance, depth, normal, position, id, mask, certainty, bound, alpha. An .exr or .npz can hold
+    /// Buffers: color, distance, depth, normal, position, id, mask, certainty, bound, alpha, shadow (of each
+    /// light), occlusion (open share of the sky). An .exr or .npz can hold
     /// several; without FILE they are stored in that of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
     #[arg(long, value_name = "NAME[,NAME..][=FILE]", value_parser = named)]
     aov: Vec<AovArgument>,
@@ -81,6 +82,21 @@ impl FileArgs {
             ));
         }
         files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
+    }
+
+    /// Whether -o names a picture.
+    pub(super) fn has_picture(&self) -> bool {
+        self.output.is_some()
+    }
+
+    /// Whether --aov asks for buffers.
+    pub(super) fn has_buffers(&self) -> bool {
+        !self.aov.is_empty()
+    }
+
+    /// The buffers of --aov.
+    pub(super) fn buffers(&self) -> Vec<Aov> {
+        self.aov.iter().flat_map(|(aovs, _)| aovs).copied().collect()
     }
 
     /// The names of all files, with patterns for the number.

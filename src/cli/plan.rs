@@ -1,10 +1,12 @@
 //! `halfline plan SCENE`.
 
 use super::scene_args::SceneArgs;
+use super::scene_frames::Numbered;
 use super::{print, say};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, Room, ShaderFile, explain, wgsl};
 use halfline::quote::{count, number};
+use halfline::scene::Sky;
 use std::fmt::{self, Display};
 use std::process::ExitCode;
 
@@ -33,13 +35,15 @@ Examples:
 impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         let targets = self.args.files.targets(1)?;
-        let scene = self.args.scene()?;
-        let settings = self.args.settings_for(&scene, &self.args.settings(&targets), &targets)?;
+        let picture = self.args.first()?;
+        let settings = self.args.settings_for(&picture, &self.args.settings(&targets), &targets)?;
+        let Numbered { scene, look, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
         let explanation = explain(&scene, &settings)?;
+        look.words().into_iter().for_each(|words| say(format_args!("{words}")));
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
@@ -76,6 +80,7 @@ impl Display for PlanText<'_> {
             let samples = e.samples;
             writeln!(f, "samples    {samples} per pixel for colour and alpha: one more pass each, of ids and colour")?;
         }
+        self.write_light(f)?;
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
         writeln!(f, "accuracy   {}, tolerance {}", e.accuracy, number(e.tolerance, 2))?;
         writeln!(f, "method     {}", e.method)?;
@@ -115,6 +120,31 @@ impl Display for PlanText<'_> {
         }
         writeln!(f, "left out")?;
         e.left_out.iter().try_for_each(|left| writeln!(f, "  {}: {}", left.what, left.why))
+    }
+}
+
+impl PlanText<'_> {
+    /// The lights, the sky and the lines of the picture.
+    fn write_light(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let e = self.0;
+        match (e.lights, e.occlusion) {
+            (0, None) => writeln!(f, "light      at the eye")?,
+            (lights, _) => {
+                let shadows = if e.shadows { "with shadows" } else { "without shadows" };
+                writeln!(f, "light      {}, {shadows}", count(lights, "light"))?;
+            }
+        }
+        e.lit_by.iter().try_for_each(|light| writeln!(f, "           {light}"))?;
+        if let Some(Sky { rays, reach }) = e.occlusion {
+            let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
+            writeln!(f, "sky        {} for each point, {reach}", count(rays.into(), "ray"))?;
+        }
+        let drawn = [(e.silhouette, "silhouette"), (e.depth_cue, "depth cue")];
+        let drawn: Vec<_> = drawn.iter().filter(|(drawn, _)| *drawn).map(|(_, name)| *name).collect();
+        if !drawn.is_empty() {
+            writeln!(f, "drawn      {}", drawn.join(", "))?;
+        }
+        Ok(())
     }
 }
 

@@ -99,7 +99,7 @@ impl Render {
     ) -> Result<()> {
         let scene = &picture.scene;
         let mut targets = self.args.files.targets(picture.number)?;
-        let settings = &self.args.settings_for(scene, settings, &targets)?;
+        let settings = &self.args.settings_for(picture, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.dry_run(scene, settings)?;
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
@@ -119,6 +119,7 @@ impl Render {
                 printed.insert(words);
             }
         };
+        picture.look.words().into_iter().for_each(&mut once);
         once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;

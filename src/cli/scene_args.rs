@@ -2,8 +2,9 @@
 
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
+use super::light_args::{LightArgs, LookRequest};
 use super::read_args::{ColorArgs, ReadArgs, numbers};
-use super::scene_frames::{SceneFrames, number_in};
+use super::scene_frames::{Numbered, SceneFrames, number_in};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
@@ -31,6 +32,8 @@ pub(super) struct SceneArgs {
     pub(super) camera: CameraArgs,
     #[command(flatten)]
     pub(super) image: ImageArgs,
+    #[command(flatten)]
+    pub(super) light: LightArgs,
     #[command(flatten)]
     pub(super) accuracy: AccuracyArgs,
     #[command(flatten)]
@@ -85,9 +88,9 @@ pub(super) struct ImageArgs {
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
-    /// pixel's centre.
-    #[arg(long, value_name = "N", default_value = "1")]
-    samples: NonZeroU32,
+    /// pixel's centre [default: 1; see --look].
+    #[arg(long, value_name = "N")]
+    samples: Option<NonZeroU32>,
     /// Seed of the sample positions.
     #[arg(long, value_name = "S", default_value = "0")]
     seed: u32,
@@ -97,9 +100,10 @@ pub(super) struct ImageArgs {
     /// Renders only tile I of N equal ones, counted from 1 row by row; see halfline merge.
     #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
     tile: Option<(u32, u32)>,
-    /// Shading: flat, normal, headlight.
-    #[arg(long, value_name = "S", default_value = "headlight")]
-    shade: Shade,
+    /// Shading: flat (the sphere's colour), normal (as a colour), headlight (lights, or a light at the eye in a scene
+    /// without any) [default: headlight; see --look].
+    #[arg(long, value_name = "S")]
+    shade: Option<Shade>,
 }
 
 /// The options for accuracy and speed.
@@ -121,9 +125,9 @@ pub(super) struct AccuracyArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Accuracy and speed")]
 pub(super) struct ComputeArgs {
-    /// Accuracy of the answers: auto, fast, certified, exact.
-    #[arg(long, value_name = "A", default_value = "auto")]
-    accuracy: Accuracy,
+    /// Accuracy of the answers: auto, fast, certified, exact [default: auto].
+    #[arg(long, value_name = "A")]
+    accuracy: Option<Accuracy>,
     /// Uses one intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float.
     #[arg(long, value_name = "M")]
     method: Option<Method>,
@@ -142,7 +146,7 @@ impl ComputeArgs {
             backend: self.backend,
             adapter: self.adapter.clone(),
             method: self.method,
-            accuracy: self.accuracy,
+            accuracy: self.accuracy.unwrap_or_default(),
             ..Settings::default()
         }
     }
@@ -150,11 +154,22 @@ impl ComputeArgs {
 
 impl SceneArgs {
     /// The scene with the options applied; of several, the first.
-    pub(super) fn scene(&self) -> Result<Scene> {
+    pub(super) fn first(&self) -> Result<Numbered> {
         let first = SceneFrames::open(self)?.next_frame()?;
-        first
-            .map(|shot| shot.scene)
-            .ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
+        first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
+    }
+
+    /// What decides about the look of a picture of particles, or of a scene file.
+    pub(super) fn look_request(&self, is_particles: bool) -> LookRequest {
+        let Self { image, accuracy: AccuracyArgs { compute, .. }, files, .. } = self;
+        let asks = compute.accuracy.is_some() || compute.method.is_some();
+        let asks = asks || image.samples.is_some() || image.shade.is_some() || files.has_buffers();
+        LookRequest {
+            is_particles,
+            is_plain_picture: files.has_picture() && !asks,
+            samples: image.samples.map(NonZeroU32::get),
+            shade: image.shade,
+        }
     }
 
     /// Whether several pictures are rendered.
@@ -202,22 +217,24 @@ impl SceneArgs {
         Ok(tile.transpose()?.or(self.image.crop))
     }
 
-    /// The settings for one scene, whose frame is written to these files.
-    pub(super) fn settings_for(&self, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Settings> {
+    /// The settings for one picture, whose frame is written to these files.
+    pub(super) fn settings_for(&self, picture: &Numbered, settings: &Settings, targets: &[Target]) -> Result<Settings> {
+        let scene = &picture.scene;
         let window = self.window(scene)?;
         let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
-        let reserve = targets.iter().map(|target| target.memory(columns)).fold(0, u64::saturating_add);
-        Ok(Settings { window, reserve, ..settings.clone() })
+        let reserve = targets
+            .iter()
+            .map(|target| target.memory(columns, scene.lighting.lights.len()))
+            .fold(0, u64::saturating_add);
+        Ok(Settings { window, reserve, ..picture.look.settings(settings) })
     }
 
     /// The settings for these files, without those that depend on the scene.
     pub(super) fn settings(&self, targets: &[Target]) -> Settings {
         Settings {
             search: self.accuracy.search,
-            shade: self.image.shade,
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
-            samples: self.image.samples.get(),
             seed: self.image.seed,
             ..self.accuracy.compute.settings()
         }

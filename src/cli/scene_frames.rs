@@ -1,6 +1,7 @@
 //! The scenes of one command: a single one, the frames of a sequence, or the turns of `--spin`, each with the options
 //! applied.
 
+use super::light_args::{PictureLook, SphereLights};
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::watch;
@@ -28,6 +29,7 @@ pub(super) struct Numbered {
     pub(super) number: u64,
     pub(super) scene: Scene,
     pub(super) legend: Option<Legend>,
+    pub(super) look: PictureLook,
 }
 
 impl<'a> SceneFrames<'a> {
@@ -79,14 +81,18 @@ impl<'a> SceneFrames<'a> {
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
             spin(scene, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
-        Ok(Some(Numbered { number: frame.number, scene: frame.scene, legend: frame.legend }))
+        // The light from above left belongs to the final camera.
+        let request = self.args.look_request(!frame.has_camera);
+        let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
+        Ok(Some(Numbered { number: frame.number, scene: frame.scene, legend: frame.legend, look }))
     }
 }
 
 /// Applies copies, clip planes and outline.
 pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, .. }: &mut SceneFrame) -> Result<()> {
-    let count = scene.spheres.len();
+    let (count, lights) = (scene.spheres.len(), SphereLights::of(scene));
     read.arrangement().apply(&mut scene.spheres, cell.as_ref(), &watch())?;
+    lights.follow(scene);
     if count > 0 && scene.spheres.is_empty() {
         scene.skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
     }

@@ -4,6 +4,9 @@ use crate::error::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 
+/// The most lights of a `shadow` buffer.
+pub const MOST_LIGHTS: usize = 1 << 12;
+
 /// The buffers a frame can hold (arbitrary output variables), by the names of the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Aov {
@@ -69,12 +72,18 @@ impl Aov {
         }
     }
 
-    /// Components per pixel.
-    pub fn channels(self) -> usize {
+    /// Components per pixel in the frame of a scene with that many lights, of which only `shadow` depends.
+    pub fn channels(self, lights: usize) -> usize {
         match self {
             Self::Color | Self::Normal | Self::Position => 3,
+            Self::Shadow => lights,
             _ => 1,
         }
+    }
+
+    /// Whether its arrays have an axis of components, also where there is only one.
+    pub fn is_vector(self) -> bool {
+        matches!(self, Self::Color | Self::Normal | Self::Position | Self::Shadow)
     }
 
     /// The type of its values, as NumPy names it: `float32`, `float64`, `int32` or `uint8`.

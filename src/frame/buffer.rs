@@ -1,13 +1,13 @@
 //! One buffer of a frame.
 
-use super::aov::Aov;
+use super::aov::{Aov, MOST_LIGHTS};
 use crate::error::{Error, Result};
 
 /// The values of one buffer, row by row from the top, components innermost.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Data {
-    /// Color, normal, alpha.
+    /// Color, normal, alpha, shadow, occlusion.
     F32(Vec<f32>),
     /// Distance, depth, position, bound.
     F64(Vec<f64>),
@@ -49,24 +49,30 @@ impl Data {
 pub struct Buffer {
     /// The buffer's name.
     pub aov: Aov,
-    /// `[H, W]` or `[H, W, 3]`.
+    /// `[H, W]`, `[H, W, 3]`, or `[H, W, L]` for the shadows of L lights.
     pub shape: Vec<usize>,
     /// The values, in C order.
     pub data: Data,
 }
 
 impl Buffer {
-    /// A buffer of `width` columns and `height` rows.
+    /// A buffer of `width` columns and `height` rows. The number of values gives that of the lights of a `shadow` buffer.
     ///
     /// # Errors
     /// See [`Buffer::check`].
     pub fn new(aov: Aov, width: usize, height: usize, data: Data) -> Result<Self> {
         let mut shape = vec![height, width];
-        if aov.channels() > 1 {
-            shape.push(aov.channels());
+        if aov.is_vector() {
+            let pixels = width.saturating_mul(height).max(1);
+            shape.push(aov.channels(data.len() / pixels));
         }
         let buffer = Self { aov, shape, data };
         buffer.check().map(|()| buffer)
+    }
+
+    /// Components per pixel.
+    pub fn channels(&self) -> usize {
+        self.shape.get(2).copied().unwrap_or(1)
     }
 
     /// Checks shape, type and number of values against the buffer's name; writers call it first.
@@ -74,19 +80,23 @@ impl Buffer {
     /// # Errors
     /// [`Error::Settings`] with the found and the expected layout.
     pub fn check(&self) -> Result<()> {
-        let (aov, channels) = (self.aov, self.aov.channels());
-        let tail: &[usize] = if channels > 1 { &[channels] } else { &[] };
+        let aov = self.aov;
+        let channels = aov.channels(self.channels());
+        let tail: &[usize] = if aov.is_vector() { &[channels] } else { &[] };
         // A product that overflows is larger than any buffer in memory.
         let values = self.shape.iter().try_fold(1usize, |n, side| n.checked_mul(*side));
-        let shaped = self.shape.len() >= 2
-            && (aov == Aov::Shadow || &self.shape[2..] == tail)
-            && values == Some(self.data.len());
+        let counted = (1..=MOST_LIGHTS).contains(&channels) && values == Some(self.data.len());
+        let shaped = counted && self.shape.get(2..) == Some(tail);
         if shaped && self.data.dtype() == aov.dtype() {
             return Ok(());
         }
         let (dtype, len) = (self.data.dtype(), self.data.len());
         let problem = format!("found {len} values of {dtype} in the shape {:?} for the {aov} buffer", self.shape);
-        let axes = if channels > 1 { "[H, W, 3]" } else { "[H, W]" };
+        let axes = match aov {
+            Aov::Shadow => "[H, W, L], with L lights,",
+            _ if aov.is_vector() => "[H, W, 3]",
+            _ => "[H, W]",
+        };
         Err(Error::settings(problem, format!("use {axes} of {}", aov.dtype())))
     }
 }

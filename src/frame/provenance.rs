@@ -1,8 +1,8 @@
 //! Provenance: everything that a file's bytes depend on, as keywords and texts written into it. It contains no time,
 //! path or machine name, so that the same command writes the same bytes.
 
-use super::Aov;
 use super::report::{CPU_DRIVER, Report};
+use super::{Aov, MOST_LIGHTS};
 use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -12,6 +12,7 @@ use std::fmt::{self, Write};
 const FRAME: &str = "halfline:frame";
 const WINDOW: &str = "halfline:window";
 const BUFFERS: &str = "halfline:buffers";
+const LIGHTS: &str = "halfline:lights";
 const PIXELS: &str = "halfline:pixels";
 
 /// The keywords that differ between parts of one rendering.
@@ -59,6 +60,18 @@ impl Provenance {
         if let (Some(shade), true) = (report.shade, aovs.contains(&Aov::Color)) {
             words.set("halfline:shade", shade);
         }
+        if aovs.contains(&Aov::Color) {
+            // Lights and sky are part of the scene.
+            let drawn = [(report.silhouette, "halfline:silhouette"), (report.depth_cue, "halfline:depth-cue")];
+            drawn.iter().filter(|(drawn, _)| *drawn).for_each(|(_, key)| words.set(key, "true"));
+        }
+        if aovs.contains(&Aov::Shadow) {
+            words.set(LIGHTS, report.lights);
+        }
+        if let (Some(sky), true) = (report.occlusion, aovs.contains(&Aov::Occlusion)) {
+            // Not part of a scene that the sky does not light.
+            words.set("halfline:occlusion", format!("{} rays, reach {:?}", sky.rays, sky.reach));
+        }
         if report.samples > 1 && aovs.iter().any(|aov| matches!(aov, Aov::Color | Aov::Alpha)) {
             words.set("halfline:samples", report.samples);
             words.set("halfline:seed", seed);
@@ -104,6 +117,12 @@ impl Provenance {
     /// The buffers in the file.
     pub fn buffers(&self) -> Option<Vec<Aov>> {
         self.get(BUFFERS)?.split(',').map(|name| name.parse().ok()).collect()
+    }
+
+    /// The number of lights of a `shadow` buffer; 0 where there is none, or more than such a buffer holds.
+    pub fn lights(&self) -> usize {
+        let lights = self.get(LIGHTS).and_then(|lights| lights.parse().ok());
+        lights.filter(|lights| *lights <= MOST_LIGHTS).unwrap_or(0)
     }
 
     /// The hash of the samples; `None` in files of earlier versions.

@@ -1,6 +1,7 @@
 //! The report of a rendering: adapter, method, times, counts, warnings.
 
 use crate::intersect::predict::Prediction;
+use crate::scene::Sky;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -29,6 +30,15 @@ pub struct Report {
     pub hits: u64,
     /// Samples per pixel whose mean is the colour and the alpha; 1 for pixel centres.
     pub samples: u32,
+    /// Lights of the scene; without any, and without a sky, the light is at the eye.
+    pub lights: u64,
+    /// The sky whose open share is computed, for the colour or for the buffer `occlusion`; a reach of any distance is
+    /// `null` in JSON.
+    pub occlusion: Option<Sky>,
+    /// Whether outlines are drawn in the colour.
+    pub silhouette: bool,
+    /// Whether colours fade with depth.
+    pub depth_cue: bool,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
     /// Driver and its version; threads for the reference path.

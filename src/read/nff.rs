@@ -1,6 +1,12 @@
-//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres are read; cones, polygons and
-//! polygonal patches are counted and skipped. Lights, and the parameters of a fill beyond its colour, are checked and
+//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres and lights are read; cones,
+//! polygons and polygonal patches are counted and skipped. The parameters of a fill beyond its colour are checked and
 //! counted but not used by any shading.
+//!
+//! Lights are points that cast shadows. Of their brightness the description of the format (NFF.DOC) says: "Lights have a
+//! non-zero intensity of no particular value, if not specified (i.e. the program can determine a useful intensity as
+//! desired); the red/green/blue color of the light can optionally be specified." Here a light without a colour is white
+//! with the intensity 1/sqrt(n), n being the number of lights in the file: where all of several lights meet, a surface is
+//! brighter than under one, but a few lights do not drown it. A light with a colour has that colour and the intensity 1.
 //!
 //! Every statement begins on a new line; its numbers may continue on the following lines.
 
@@ -10,7 +16,9 @@ use super::options::ReadOptions;
 use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Lighting, Scene, Skipped, Spheres, check_color, check_size, check_sphere};
+use crate::scene::{
+    ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Spheres, check_color, check_size, check_sphere,
+};
 use glam::DVec3;
 use std::fmt;
 use std::path::Path;
@@ -28,7 +36,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
     let mut background: Option<[f32; 3]> = None;
     let mut fill = None;
     let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
-    let (mut lights, mut materials) = (0_u64, 0_u64);
+    let (mut lights, mut materials) = (Vec::new(), 0_u64);
     let ignored = |what: &str, place: Place| match options.strict {
         true => {
             let mend = "remove it, or read without strict to skip it";
@@ -71,11 +79,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
                     materials += 1;
                 }
             }
-            "l" => {
-                nff.light(&at("light", None))?;
-                ignored("light", spot.of(nff.lines.file()).named("light"))?;
-                lights += 1;
-            }
+            "l" => lights.push(nff.light(&at("light", None))?),
             "s" => {
                 let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
                 spheres.add(center, radius, fill)?;
@@ -92,15 +96,21 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
         return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
     };
     image.background = background.unwrap_or(image.background);
-    if lights > 0 {
-        let place = "the picture is lit from the eye";
-        skipped.assumed.push(format!("{} left out: {place}, see --shade", count(lights, "light")));
-    }
     if materials > 0 {
         let what = "Kd, Ks, Shine, T and index of refraction are left out";
         skipped.assumed.push(format!("{} reduced to the colour: {what}", count(materials, "material")));
     }
-    Ok(Scene { camera, image, spheres, skipped, lighting: Lighting::default() })
+    Ok(Scene { camera, image, spheres, skipped, lighting: lighting(&lights) })
+}
+
+/// The lights at these points, with these colours where the file gives one.
+fn lighting(lights: &[(DVec3, Option<[f32; 3]>)]) -> Lighting {
+    let dimmed = (1.0 / (lights.len() as f64).sqrt()) as f32;
+    let light = |&(position, color): &(DVec3, Option<[f32; 3]>)| match color {
+        Some(color) => Light { color, ..Light::white(LightSource::Point(position)) },
+        None => Light { intensity: dimmed, ..Light::white(LightSource::Point(position)) },
+    };
+    Lighting { lights: lights.iter().map(light).collect(), shadows: !lights.is_empty(), sky: None }
 }
 
 /// A range of the current line.
@@ -253,14 +263,18 @@ impl Reader {
         Ok(color)
     }
 
-    /// x y z [r g b]: checked but not used.
-    fn light(&mut self, at: &Statement) -> Result<()> {
+    /// x y z [r g b]: a point, and its colour if it has one.
+    fn light(&mut self, at: &Statement) -> Result<(DVec3, Option<[f32; 3]>)> {
         let numbers = self.numbers(at, 3, 6)?;
-        match numbers.count {
-            3 => Ok(()),
-            6 => self.check_color(at, &numbers, 3).map(drop),
-            n => Err(Error::scene(self.place(at), format!("a light has {n} numbers"), "use x y z, or x y z r g b")),
-        }
+        let color = match numbers.count {
+            3 => None,
+            6 => Some(self.check_color(at, &numbers, 3)?),
+            n => {
+                let problem = format!("a light has {n} numbers");
+                return Err(Error::scene(self.place(at), problem, "use x y z, or x y z r g b"));
+            }
+        };
+        Ok((DVec3::from_slice(&numbers.values[..3]), color))
     }
 
     fn sphere(&mut self, at: &Statement) -> Result<([f64; 3], f64)> {

@@ -104,6 +104,12 @@ impl Renderer {
             window: [window.x0, window.y0, window.x1, window.y1],
             rays: view.record.pixels() as u64,
             samples: samples.map_or(1, |raster| raster.count()),
+            lights: scene.lighting.lights.len() as u64,
+            lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
+            shadows: has_shadows(plan, scene, settings),
+            occlusion: settings.sky(scene),
+            silhouette: settings.silhouette && plan.shade().is_some(),
+            depth_cue: settings.depth_cue && plan.shade().is_some(),
             backend: if gpu.is_some() { "gpu" } else { "cpu" },
             adapter: self.adapter().to_owned(),
             accuracy: plan.accuracy.name(),
@@ -114,7 +120,7 @@ impl Renderer {
             search: plan.search.name(),
             search_reason: plan.search_reason.to_owned(),
             staged: binned.as_ref().map(|binned| BinnedCounts::of(binned, scene)),
-            frame: frame(settings, [window.width(), window.height()]),
+            frame: frame(settings, scene.lighting.lights.len(), [window.width(), window.height()]),
             left_out: left_out(plan, &kernel, scene, settings, on_device.is_some()),
             reason: plan.reason.clone(),
             warnings,
@@ -144,11 +150,11 @@ fn precision(plan: &Plan, traced: bool) -> String {
 }
 
 /// The buffers of the finished frame; ids are always among them.
-fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
+fn frame(settings: &Settings, lights: usize, [width, height]: [u32; 2]) -> Vec<Shown> {
     let shown = |aov: &Aov| {
         let asked = settings.aovs.contains(aov);
         let mut shape = vec![u64::from(height), u64::from(width)];
-        shape.extend((aov.channels() > 1).then_some(aov.channels() as u64));
+        shape.extend(aov.is_vector().then_some(aov.channels(lights) as u64));
         let one = match aov.dtype() {
             "float64" => 8,
             "uint8" => 1,
@@ -158,6 +164,38 @@ fn frame(settings: &Settings, [width, height]: [u32; 2]) -> Vec<Shown> {
         (asked || *aov == Aov::Id).then(|| Shown { name: aov.name(), shape, dtype: aov.dtype(), bytes, asked })
     };
     Aov::ALL.iter().filter_map(shown).collect()
+}
+
+/// Whether shadows are computed.
+fn has_shadows(plan: &Plan, scene: &Scene, settings: &Settings) -> bool {
+    let lighting = &scene.lighting;
+    let in_picture = lighting.shadows && plan.shade() == Some(Shade::Headlight);
+    !lighting.lights.is_empty() && (in_picture || settings.aovs.contains(&Aov::Shadow))
+}
+
+/// What is left out of the light and of the lines of the picture.
+fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl FnMut(&'static str, &str)) {
+    let (lighting, shade) = (&scene.lighting, plan.shade());
+    if !has_shadows(plan, scene, settings) {
+        leave(
+            "shadows",
+            match shade {
+                None => "no picture and no buffer of shadows is requested",
+                _ if lighting.lights.is_empty() => "the light is at the eye, which sees none of its shadows",
+                Some(Shade::Headlight) => "the lights cast none without --shadows, and no buffer of them is requested",
+                Some(_) => "this shading uses no lights",
+            },
+        );
+    }
+    if settings.sky(scene).is_none() {
+        leave("occlusion", "neither --occlusion nor [occlusion] nor a buffer of it is requested");
+    }
+    let why = if shade.is_some() { "not requested" } else { "no picture is requested" };
+    for (drawn, what) in [(settings.silhouette, "silhouette"), (settings.depth_cue, "depth cue")] {
+        if !(drawn && shade.is_some()) {
+            leave(what, why);
+        }
+    }
 }
 
 /// What is left out because it is not requested or not in the scene.
@@ -180,6 +218,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         }
         Some(_) => {}
     }
+    leave_light(plan, scene, settings, &mut leave);
     if !kernel.t {
         leave("t", "no distance, depth or position is requested");
     }

@@ -53,7 +53,8 @@ impl Renderer {
     /// # Errors
     /// Those of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known = |this: &mut Self, plan: Plan, rays: FrameRays| Ok(this.report(&plan, scene, rays.samples));
+        let known =
+            |this: &mut Self, plan: Plan, rays: FrameRays| Ok(this.report(&plan, scene, settings, rays.samples));
         self.planned(scene, settings, known).map(|(report, _)| report)
     }
 
@@ -66,6 +67,7 @@ impl Renderer {
     ) -> Result<(T, Option<String>)> {
         let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let window = settings.window_of(scene)?;
+        settings.check_lighting(scene)?;
         let samples =
             Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
         let rays = FrameRays { window, samples };
@@ -149,7 +151,7 @@ impl Renderer {
             _ => None,
         };
         let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
-        let report = self.report(plan, scene, samples);
+        let report = self.report(plan, scene, settings, samples);
         let mut frame = Frame { width, height, window, full, buffers, report };
         let report = &mut frame.report;
         report.rays = pixels as u64;
@@ -171,7 +173,7 @@ impl Renderer {
     }
 
     /// The report of a frame before it is computed: what the plan decides; counts and times are 0 or empty.
-    fn report(&self, plan: &Plan, scene: &Scene, samples: Option<Raster>) -> Report {
+    fn report(&self, plan: &Plan, scene: &Scene, settings: &Settings, samples: Option<Raster>) -> Report {
         Report {
             schema: "halfline-render",
             version: 1,
@@ -187,6 +189,10 @@ impl Renderer {
             shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
+            lights: scene.lighting.lights.len() as u64,
+            occlusion: settings.sky(scene),
+            silhouette: settings.silhouette,
+            depth_cue: settings.depth_cue,
             setup_ms: self.setup_ms,
             warnings: self.passed_over.clone(),
             ..Report::default()

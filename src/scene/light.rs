@@ -1,8 +1,11 @@
 //! What lights a scene.
 
+use super::camera::{Basis, Camera};
 use super::check::check_color;
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
+use serde::Serialize;
+use std::fmt;
 
 /// What lights a scene. The default is the light at the eye alone, which casts no shadow that the camera sees.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -45,7 +48,7 @@ pub enum LightSource {
 }
 
 /// The white sky: the same light from all directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Sky {
     /// Rays for each point, at least 1.
     pub rays: u32,
@@ -77,6 +80,16 @@ impl Light {
     #[must_use]
     pub fn white(source: LightSource) -> Self {
         Self { source, color: [1.0; 3], intensity: 1.0 }
+    }
+
+    /// A white light from above left of the viewer, and from the viewer's side of the scene: infinitely far in the
+    /// direction -0.6 u + 0.9 v + w of the camera's basis, about 31 degrees to the left and 38 degrees up.
+    ///
+    /// # Errors
+    /// Those of [`Camera::basis`].
+    pub fn above_left(camera: &Camera) -> Result<Self> {
+        let Basis { u, v, w, .. } = camera.basis()?;
+        Ok(Self::white(LightSource::Direction((-0.6 * u + 0.9 * v + w).normalize())))
     }
 
     /// Checks the light with this index, in a scene of that many spheres.
@@ -120,6 +133,28 @@ impl Light {
     }
 }
 
+impl fmt::Display for Light {
+    /// Where it is, with colour and intensity unless it is white with intensity 1.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.source {
+            LightSource::Direction(DVec3 { x, y, z }) => write!(f, "infinitely far in the direction {x}, {y}, {z}")?,
+            LightSource::Point(DVec3 { x, y, z }) => write!(f, "a point at {x}, {y}, {z}")?,
+            LightSource::Ball { center: DVec3 { x, y, z }, radius } => {
+                write!(f, "a ball at {x}, {y}, {z} of radius {radius}")?;
+            }
+            LightSource::Sphere(id) => write!(f, "sphere {id}")?,
+        }
+        let [r, g, b] = self.color;
+        if self.color != [1.0; 3] {
+            write!(f, ", colour {r}, {g}, {b}")?;
+        }
+        if self.intensity != 1.0 {
+            write!(f, ", intensity {}", self.intensity)?;
+        }
+        Ok(())
+    }
+}
+
 impl Sky {
     /// Checks the numbers.
     ///
@@ -145,5 +180,26 @@ impl Lighting {
             light.check(spheres, |field| Place::field(format!("light {index} {field}")))?;
         }
         self.sky.map_or(Ok(()), |sky| sky.check(|field| Place::field(format!("occlusion.{field}"))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::camera::Look;
+
+    #[test]
+    fn a_light_from_above_left_turns_with_the_camera() {
+        let toward = |camera: &Camera| match Light::above_left(camera).expect("a camera").source {
+            LightSource::Direction(direction) => direction,
+            other => panic!("{other:?}"),
+        };
+        let expected = DVec3::new(-0.6, 0.9, 1.0).normalize();
+        assert!((toward(&Camera::CANONICAL) - expected).length() < 1e-15);
+        let turned = Camera { look: Look::View(DVec3::X), up: DVec3::Z, ..Camera::CANONICAL };
+        // The basis is u = -y, v = z, w = -x.
+        let expected = DVec3::new(-1.0, 0.6, 0.9).normalize();
+        assert!((toward(&turned) - expected).length() < 1e-15);
+        Light::above_left(&Camera { up: DVec3::ZERO, ..turned }).expect_err("no basis");
     }
 }

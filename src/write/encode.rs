@@ -25,7 +25,8 @@ impl<'a> Encoder<'a> {
     /// The buffers `aovs` of `frame` as `format` stores them; `None` if the frame lacks one of them or one file cannot
     /// hold them.
     pub(super) fn new(frame: &'a Frame, aovs: &[Aov], format: FileFormat, style: &'a FormatOptions) -> Option<Self> {
-        let forms = format.forms(aovs, style.bits)?;
+        let lights = frame.get(Aov::Shadow).map_or(0, Buffer::channels);
+        let forms = format.forms(aovs, style.bits, lights)?;
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
         let with_alpha = forms.iter().any(|form| form.channels == 4);
         let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
@@ -35,7 +36,7 @@ impl<'a> Encoder<'a> {
     /// One buffer as .npy stores it.
     pub(super) fn plain(buffer: &'a Buffer, style: &'a FormatOptions) -> Option<Self> {
         let (format, columns) = (FileFormat::Npy, buffer.shape[1]);
-        let forms = format.forms(&[buffer.aov], style.bits)?;
+        let forms = format.forms(&[buffer.aov], style.bits, buffer.channels())?;
         Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style })
     }
 
@@ -49,7 +50,7 @@ impl Rows for Encoder<'_> {
     fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>> {
         let (buffer, form, style) = (self.buffers[layer], self.forms[layer], self.style);
         let pixels = rows.start * self.columns..rows.end * self.columns;
-        let channels = buffer.aov.channels();
+        let channels = buffer.channels();
         let values = channels * pixels.start..channels * pixels.end;
         Ok(match &buffer.data {
             Data::F32(all) => match self.alpha.filter(|_| form.channels == 4) {

@@ -1,9 +1,10 @@
 //! OpenEXR: every buffer as channels of one part, f32 or u32. The display window is the full frame, the data window the
 //! rendered part. Losslessly compressed by ZIP, sixteen rows at a time; the bytes do not depend on the number of
 //! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
-//! others. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
+//! others, with the number of the light in `shadow`. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
 use super::format::FileFormat;
+use super::layer::LayerFormat;
 use super::rows::{EXR_ROWS, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use crate::error::Result;
 use crate::frame::Aov;
@@ -28,9 +29,10 @@ const ATTRIBUTE: &str = "halfline";
 /// Bytes per sample.
 const SAMPLE: usize = 4;
 
-/// The channels of a buffer, as in [`FileFormat::forms`].
-fn names(aov: Aov) -> &'static [&'static str] {
-    match aov {
+/// The channels of a buffer, as in [`FileFormat::forms`]; those of `shadow` have the lights' numbers.
+fn names(form: &LayerFormat) -> Vec<Cow<'static, str>> {
+    let fixed: &[&'static str] = match form.aov {
+        Aov::Shadow => return (0..form.channels).map(|light| format!("shadow.{light}").into()).collect(),
         Aov::Color => &["R", "G", "B"],
         Aov::Alpha => &["A"],
         Aov::Depth => &["Z"],
@@ -41,9 +43,9 @@ fn names(aov: Aov) -> &'static [&'static str] {
         Aov::Mask => &["mask"],
         Aov::Certainty => &["certainty"],
         Aov::Bound => &["bound"],
-        Aov::Shadow => &["shadow"],
         Aov::Occlusion => &["occlusion"],
-    }
+    };
+    fixed.iter().map(|name| Cow::Borrowed(*name)).collect()
 }
 
 /// The layout of the samples in the file.
@@ -65,8 +67,8 @@ impl ExrLayout {
         let mut channels = Vec::new();
         for (layer, form) in head.forms.iter().enumerate() {
             let kind = if form.kind == super::layer::SampleType::U32 { SampleType::U32 } else { SampleType::F32 };
-            for (place, name) in names(form.aov).iter().enumerate() {
-                channels.push((ChannelDescription::named(*name, kind), [layer, place]));
+            for (place, name) in names(form).iter().enumerate() {
+                channels.push((ChannelDescription::named(&**name, kind), [layer, place]));
             }
         }
         channels.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));

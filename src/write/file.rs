@@ -125,10 +125,10 @@ impl Target {
     }
 
     /// Bytes of memory that writing the file, or reading it again, needs besides the frame; `columns` is the width of
-    /// the rendered window.
-    pub fn memory(&self, columns: u32) -> u64 {
+    /// the rendered window, `lights` the number of the scene's lights.
+    pub fn memory(&self, columns: u32, lights: usize) -> u64 {
         let window = Window::full(columns, u32::MAX);
-        let forms = self.format.forms(&self.aovs, self.style.bits).unwrap_or_default();
+        let forms = self.format.forms(&self.aovs, self.style.bits, lights).unwrap_or_default();
         Head { forms, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
     }
 

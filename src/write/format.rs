@@ -11,7 +11,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FileFormat {
-    /// A picture: colour in sRGB, alpha or normals as levels, or lengths in whole units.
+    /// A picture: colour in sRGB, alpha, normals or occlusion as levels, or lengths in whole units.
     Png,
     /// All buffers as layers of one file, 32 bits per sample.
     Exr,
@@ -44,17 +44,17 @@ impl FileFormat {
     /// Whether it can hold a buffer.
     pub fn takes(self, aov: Aov) -> bool {
         match self {
-            Self::Png => {
-                matches!(aov, Aov::Color | Aov::Distance | Aov::Depth | Aov::Normal | Aov::Mask | Aov::Alpha)
+            Self::Png => !matches!(aov, Aov::Position | Aov::Id | Aov::Certainty | Aov::Bound | Aov::Shadow),
+            Self::Pfm => {
+                matches!(aov, Aov::Color | Aov::Distance | Aov::Depth | Aov::Normal | Aov::Position | Aov::Occlusion)
             }
-            Self::Pfm => matches!(aov, Aov::Color | Aov::Distance | Aov::Depth | Aov::Normal | Aov::Position),
             Self::Exr | Self::Npy | Self::Npz | Self::Raw => true,
         }
     }
 
     /// The sample formats of these buffers, in the order of [`Aov::ALL`]; `None` where it cannot hold them. `bits` is
-    /// for PNG.
-    pub fn forms(self, aovs: &[Aov], bits: Bits) -> Option<Vec<LayerFormat>> {
+    /// for PNG, `lights` is the number of lights of a `shadow` buffer.
+    pub fn forms(self, aovs: &[Aov], bits: Bits, lights: usize) -> Option<Vec<LayerFormat>> {
         let mut forms = Vec::new();
         for aov in aovs.iter().copied() {
             match forms.last_mut() {
@@ -62,11 +62,12 @@ impl FileFormat {
                 Some(LayerFormat { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => {
                     *channels = 4
                 }
-                _ => forms.push(LayerFormat { aov, kind: self.kind(aov, bits), channels: aov.channels() }),
+                _ => forms.push(LayerFormat { aov, kind: self.kind(aov, bits), channels: aov.channels(lights) }),
             }
         }
         let ordered = aovs.is_sorted_by(|a, b| a < b) && aovs.iter().all(|aov| self.takes(*aov));
-        (ordered && (forms.len() == 1 || self.holds_many() && !forms.is_empty())).then_some(forms)
+        let filled = forms.iter().all(|form| form.channels > 0);
+        (ordered && filled && (forms.len() == 1 || self.holds_many() && !forms.is_empty())).then_some(forms)
     }
 
     /// The type of the samples of a buffer.
@@ -208,7 +209,8 @@ impl FormatOptions {
     /// The options that a file with these buffers depends on.
     pub(super) fn words(&self, format: FileFormat, aovs: &[Aov]) -> Vec<(&'static str, String)> {
         let any = |some: &[Aov]| some.iter().any(|aov| aovs.contains(aov));
-        let (levels, lengths) = (any(&[Aov::Color, Aov::Alpha, Aov::Normal]), any(&[Aov::Distance, Aov::Depth]));
+        let (levels, lengths) =
+            (any(&[Aov::Color, Aov::Alpha, Aov::Normal, Aov::Occlusion]), any(&[Aov::Distance, Aov::Depth]));
         let mut words = Vec::new();
         if format == FileFormat::Png && levels {
             words.push((BITS, if self.bits == Bits::Eight { "8" } else { "16" }.to_owned()));

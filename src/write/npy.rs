@@ -16,7 +16,7 @@ use std::io::{self, Write};
 
 pub(crate) use crate::npy::MAGIC;
 
-/// Writes `buffer` as `[H, W]` or `[H, W, 3]` of `<f4`, `<f8`, `<i4` or `|u1`, without provenance.
+/// Writes `buffer` as `[H, W]`, `[H, W, 3]` or `[H, W, L]` of `<f4`, `<f8`, `<i4` or `|u1`, without provenance.
 ///
 /// # Errors
 /// The errors of `out`, and `InvalidInput` for a buffer that fails [`Buffer::check`].
@@ -57,7 +57,7 @@ pub(super) fn header(form: LayerFormat, [width, height]: [usize; 2]) -> io::Resu
     let (_, descr) =
         known.ok_or_else(|| invalid(format!("a .npy cannot hold samples of {} of this type", form.aov)))?;
     let mut shape = vec![height as u64, width as u64];
-    if form.channels > 1 {
+    if form.aov.is_vector() {
         shape.push(form.channels as u64);
     }
     Ok(Header::bytes(descr, &shape))

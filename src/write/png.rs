@@ -1,4 +1,4 @@
-//! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, mask and normals as levels; distance and depth as 16-bit
+//! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, occlusion, mask and normals as levels; distance and depth as 16-bit
 //! multiples of a unit. Text chunks hold the provenance, and a crop has its offset.
 
 use super::format::FileFormat;

@@ -14,7 +14,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
 use std::path::Path;
@@ -32,14 +32,21 @@ fn scene(eye: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
         image: ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.1, 0.2, 0.3] },
         spheres,
         skipped: Skipped::default(),
-        lighting: Default::default(),
+        lighting: lighting(),
     }
+}
+
+/// A light from the side, so that there are shadows.
+fn lighting() -> Lighting {
+    let lights = vec![Light::white(LightSource::Direction(DVec3::new(1.0, 2.0, 0.5)))];
+    Lighting { lights, shadows: true, sky: None }
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
     let mut weekend = Scene::read(&path, &ReadOptions::default()).expect("weekend");
     [weekend.image.width, weekend.image.height] = SIZE;
+    weekend.lighting = lighting();
     let mut inside = cloud(2, 300, [0.0; 3], 1.0, 0.05);
     inside.push([0.5, 0.5, 1.5], 0.8, Some([0.9, 0.1, 0.1]));
     let mut far = scene([2e3, -1e3, 3e3], 0.03, cloud(3, 400, [0.0; 3], 1.0, 0.05));

@@ -6,12 +6,13 @@
 
 use crate::adapter::{admitted, cpu, gpu_or_skip, is_strict, renderers};
 use crate::bits::Bits;
+use glam::DVec3;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Scene, Skipped, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -22,6 +23,8 @@ fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
     let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
     (scene.image.width, scene.image.height) = (61, 43);
+    // Shadows need a light.
+    scene.lighting.lights.push(Light::white(LightSource::Direction(DVec3::new(1.0, 2.0, 0.5))));
     scene
 }
 

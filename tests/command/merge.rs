@@ -64,7 +64,8 @@ fn merged_tiles_are_the_full_frame_byte_for_byte() {
     let mut rng = Rng::new(1);
     let sixteen = FormatOptions { bits: Bits::Sixteen, transparent: true, ..FormatOptions::default() };
     let several = [Aov::Color, Aov::Depth, Aov::Normal, Aov::Id];
-    let cases: [(FileFormat, &[Aov], FormatOptions); 9] = [
+    let lit = [Aov::Color, Aov::Shadow, Aov::Occlusion];
+    let cases: [(FileFormat, &[Aov], FormatOptions); 15] = [
         (FileFormat::Png, &[Aov::Color], FormatOptions::default()),
         (FileFormat::Png, &[Aov::Color], sixteen),
         (FileFormat::Png, &[Aov::Depth], FormatOptions::default()),
@@ -74,6 +75,12 @@ fn merged_tiles_are_the_full_frame_byte_for_byte() {
         (FileFormat::Npz, &several, FormatOptions::default()),
         (FileFormat::Pfm, &[Aov::Normal], FormatOptions::default()),
         (FileFormat::Pfm, &[Aov::Distance], FormatOptions::default()),
+        (FileFormat::Npy, &[Aov::Shadow], FormatOptions::default()),
+        (FileFormat::Npz, &lit, FormatOptions::default()),
+        (FileFormat::Exr, &lit, FormatOptions::default()),
+        (FileFormat::Png, &[Aov::Occlusion], FormatOptions::default()),
+        (FileFormat::Png, &[Aov::Occlusion], sixteen),
+        (FileFormat::Pfm, &[Aov::Occlusion], FormatOptions::default()),
     ];
     for (n, (format, aovs, style)) in cases.into_iter().enumerate() {
         let mut tiles = Tiles::new();

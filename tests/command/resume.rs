@@ -71,6 +71,9 @@ fn a_setting_that_changes_bytes_renders_again() {
         (&["--bits", "16"][..], vec!["a.png".to_owned()]),
         (&["--no-return", "zero"], vec!["d.exr".into()]),
         (&["--shade", "normal"], vec!["a.png".into()]),
+        (&["--silhouette"], vec!["a.png".into()]),
+        (&["--depth-cue"], vec!["a.png".into()]),
+        (&["--sun", "1,1,1"], both()),
         (&["--accuracy", "exact"], both()),
         (&["--tolerance", "1e-7", "--accuracy", "certified"], both()),
         // The background is black anyway, so the provenance of depth is unchanged.

@@ -24,7 +24,7 @@ impl Bits for Frame {
     }
 
     fn bits_in(&self, window: Window, aov: Aov) -> Vec<u64> {
-        let (width, channels) = (self.width as usize, aov.channels());
+        let (width, channels) = (self.width as usize, self.get(aov).expect("a requested buffer").channels());
         let columns = channels * window.x0 as usize..channels * window.x1 as usize;
         let bits = self.bits(aov);
         let rows = bits.chunks_exact(channels * width).take(window.y1 as usize).skip(window.y0 as usize);

@@ -4,8 +4,12 @@ use crate::rng::Rng;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Buffer, Data, Frame};
 use halfline::report::Report;
+use halfline::scene::Sky;
 use halfline::settings::Settings;
 use halfline::window::Window;
+
+/// The lights of the frames.
+const LIGHTS: usize = 3;
 
 /// A full frame of every buffer. A third of its pixels are misses, with the values that a miss has.
 pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
@@ -16,7 +20,7 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
     let mut buffers = Vec::new();
     for aov in Aov::ALL {
         let mut values = |miss: f64, hit: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            let channels = misses.iter().flat_map(|miss| std::iter::repeat_n(*miss, aov.channels()));
+            let channels = misses.iter().flat_map(|miss| std::iter::repeat_n(*miss, aov.channels(LIGHTS)));
             channels.map(|missed| if missed { miss } else { hit(rng.unit()) }).collect()
         };
         let f32s = |values: Vec<f64>| Data::F32(values.into_iter().map(|x| x as f32).collect());
@@ -32,7 +36,8 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
                 Data::U8(values(0.0, &known).into_iter().map(|x| x as u8).collect())
             }
             Aov::Bound => Data::F64(values(0.0, &|x| 1e-6 * x)),
-            Aov::Shadow | Aov::Occlusion => f32s(values(1.0, &|x| x)),
+            Aov::Shadow => f32s(values(0.0, &|x| x)),
+            Aov::Occlusion => f32s(values(1.0, &|x| x)),
             Aov::Alpha => f32s(values(0.0, &|x| (1.0 + (3.0 * x).floor()) / 4.0)),
         };
         buffers.push(Buffer::new(aov, width as usize, height as usize, data).expect("a whole buffer"));
@@ -44,6 +49,8 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
         method: "stable",
         accuracy: "certified",
         shade: Some("headlight"),
+        lights: LIGHTS as u64,
+        occlusion: Some(Sky { rays: 64, reach: 2.5 }),
         ..Report::default()
     };
     Frame { width, height, window: Window::full(width, height), full, buffers, report }

@@ -136,6 +136,48 @@ fn a_broken_nff_is_refused_at_its_place() {
 }
 
 #[test]
+fn a_broken_light_is_refused_at_its_place() {
+    // (lines after [[light]] or [occlusion], place, field, a part of the message)
+    let cases = [
+        ("[[light]]\n", ":17:1", "light 0 direction", "add direction ="),
+        ("[[light]]\ndirection = [0, 0, 0]", ":18:13", "light 0 direction", "length zero"),
+        ("[[light]]\ndirection = [0, 0]", ":18:13", "light 0 direction", "expected 3 values"),
+        ("[[light]]\ndirection = [0, 0, inf]", ":18:20", "light 0 direction", "finite"),
+        ("[[light]]\ndirection = 1", ":18:13", "light 0 direction", "expected an array"),
+        ("[[light]]\ndirection = [0, 0, 1]\nposition = [0, 0, 1]", ":19:12", "light 0 position", "exclude each other"),
+        ("[[light]]\nsphere = 0\nposition = [0, 0, 1]", ":19:12", "light 0 position", "exclude each other"),
+        ("[[light]]\ndirection = [0, 0, 1]\nradius = 1", ":19:10", "light 0 radius", "no radius"),
+        ("[[light]]\nsphere = 1\nradius = 1", ":19:10", "light 0 radius", "no radius"),
+        ("[[light]]\nradius = 1", ":17:1", "light 0 direction", "position ="),
+        ("[[light]]\nposition = [0, 9, 0]\nradius = 0", ":19:10", "light 0 radius", "positive"),
+        ("[[light]]\nposition = [0, 9, 0]\nradius = '1'", ":19:10", "light 0 radius", "expected a number"),
+        ("[[light]]\nsphere = 2", ":18:10", "light 0 sphere", "there is no sphere 2"),
+        ("[[light]]\nsphere = -1", ":18:10", "light 0 sphere", "there is no sphere -1"),
+        ("[[light]]\nsphere = 4294967296", ":18:10", "light 0 sphere", "there is no sphere 4294967296"),
+        ("[[light]]\nsphere = 1.0", ":18:10", "light 0 sphere", "sphere = 0"),
+        ("[[light]]\nsphere = 1\n[[light]]\nsphere = 7", ":20:10", "light 1 sphere", "from 0"),
+        ("[[light]]\nsphere = 1\ncolor = [1, -1, 1]", ":19:9", "light 0 color", "0 or more"),
+        ("[[light]]\nsphere = 1\nintensity = -1", ":19:13", "light 0 intensity", "0 or more"),
+        ("[[light]]\nsphere = 1\nintensity = 1e300", ":19:13", "light 0 intensity", "finite"),
+        ("[[light]]\nsphere = 1\npower = 2", ":19:1", "light 0 power", "intensity"),
+        ("[light]\nsphere = 1", ":17:1", "light", "expected an array"),
+        ("[[occlusion]]\nrays = 1", ":17:1", "occlusion", "expected a table"),
+        ("[occlusion]\nrays = 0", ":18:8", "occlusion.rays", "between 1 and"),
+        ("[occlusion]\nrays = 5000000000", ":18:8", "occlusion.rays", "5000000000 rays"),
+        ("[occlusion]\nrays = 16.0", ":18:8", "occlusion.rays", "rays = 16"),
+        ("[occlusion]\nreach = 0", ":18:9", "occlusion.reach", "positive"),
+        ("[occlusion]\nreach = inf", ":18:9", "occlusion.reach", "reach = 5.0"),
+        ("[occlusion]\ndepth = 1", ":18:1", "occlusion.depth", "rays, reach"),
+    ];
+    for (lines, place, field, part) in cases {
+        let content = format!("{TOML}{lines}\n");
+        let error = read("s.toml", &content).expect_err(lines).to_string();
+        assert!(error.contains(part), "{error}");
+        assert_refused(read("s.toml", &content), &format!("s.toml{place}"), field, &content);
+    }
+}
+
+#[test]
 fn a_broken_csv_is_refused_at_its_place() {
     let cases: [(&[u8], &str, &str); 17] = [
         (b"", "", ""),

@@ -21,7 +21,7 @@ fn random_window(rng: &mut Rng, [width, height]: [u32; 2]) -> Window {
 }
 
 /// Writes the file of `frame` and reads it back.
-fn written(frame: &Frame, target: &Target) -> (Vec<u8>, ImageFile<'static>) {
+pub(crate) fn written(frame: &Frame, target: &Target) -> (Vec<u8>, ImageFile<'static>) {
     let settings = Settings::default();
     target.write(frame, &origin(frame, &settings, "scene")).expect("written");
     let bytes = std::fs::read(target.path()).expect("there");
@@ -47,7 +47,7 @@ fn values(frame: &Frame, aov: Aov) -> Vec<f64> {
 }
 
 /// Every sample of a layer, in f64.
-fn samples(layer: &Layer) -> Vec<f64> {
+pub(crate) fn samples(layer: &Layer) -> Vec<f64> {
     let number = |bytes: &[u8]| match layer.kind {
         SampleType::U8 => f64::from(bytes[0]),
         SampleType::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
@@ -88,7 +88,7 @@ fn expected(frame: &Frame, aov: Aov, format: FileFormat, style: &FormatOptions) 
             found.chunks(3).zip(&alpha).flat_map(straight).collect()
         }
         (FileFormat::Png, Aov::Color) => map(&|x| srgb(x, levels)),
-        (FileFormat::Png, Aov::Alpha) => map(&|x| (levels * x).round()),
+        (FileFormat::Png, Aov::Alpha | Aov::Occlusion) => map(&|x| (levels * x).round()),
         (FileFormat::Png, Aov::Normal) => map(&|x| (levels * (x + 1.0) / 2.0).round()),
         (FileFormat::Png, Aov::Mask) => map(&|x| 255.0 * x),
         (FileFormat::Png, _) => {

@@ -24,7 +24,7 @@ fn buffers() -> Vec<Buffer> {
     Aov::ALL
         .into_iter()
         .map(|aov| {
-            let n = SIZE[0] * SIZE[1] * aov.channels();
+            let n = SIZE[0] * SIZE[1] * aov.channels(2);
             let float = |i: usize| awkward[i % awkward.len()];
             let data = match aov.dtype() {
                 "float32" => Data::F32((0..n).map(|i| float(i) as f32).collect()),

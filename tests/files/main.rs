@@ -17,6 +17,7 @@ mod skip;
 mod broken;
 mod formats;
 mod frames;
+mod lit;
 mod molecules;
 mod readers;
 mod scenes;

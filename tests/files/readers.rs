@@ -9,7 +9,7 @@ use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
 use halfline::read::ReadOptions;
-use halfline::scene::{DEFAULT_COLOR, Scene};
+use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Scene, Sky};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -138,20 +138,69 @@ fn an_unreadable_file_is_an_io_error() {
 }
 
 #[test]
-fn lights_and_materials_are_counted_or_refused() {
+fn lights_of_a_scene_file_have_their_exact_values() {
+    let lines = "[[light]]
+direction = [-1, 2.5, 1e-3]
+[[light]]
+position = [4, 3, 2]
+color = [1, 0.5, 0]
+intensity = 2
+[[light]]
+position = [4, 3, 2]
+radius = 0.5
+[[light]]
+sphere = 3
+[occlusion]
+reach = 2.5
+";
+    let folder = folder(&[("a.csv", CSV.as_bytes())]);
+    let path = folder.path().join("s.toml");
+    // The spheres that a light may name include those of files, wherever the tables are.
+    std::fs::write(&path, format!("{TOML}{lines}[[spheres]]\nfile = 'a.csv'\n")).expect("written");
+    let Lighting { lights, shadows, sky } = Scene::read(&path, &ReadOptions::default()).expect("a scene").lighting;
+    let place = DVec3::new(4.0, 3.0, 2.0);
+    let expected = [
+        Light::white(LightSource::Direction(DVec3::new(-1.0, 2.5, 1e-3))),
+        Light { color: [1.0, 0.5, 0.0], intensity: 2.0, ..Light::white(LightSource::Point(place)) },
+        Light::white(LightSource::Ball { center: place, radius: 0.5 }),
+        Light::white(LightSource::Sphere(3)),
+    ];
+    assert_eq!(lights, expected);
+    assert!(shadows, "the lights of a file cast shadows");
+    assert_eq!(sky, Some(Sky { rays: 16, reach: 2.5 }));
+    assert_eq!(read("s.toml", TOML).expect("a scene").lighting, Lighting::default());
+    let sky = read("s.toml", TOML.to_owned() + "[occlusion]\nrays = 0x40\n").expect("a sky").lighting;
+    assert_eq!(sky, Lighting { sky: Some(Sky { rays: 64, reach: f64::INFINITY }), ..Lighting::default() });
+}
+
+#[test]
+fn lights_of_an_nff_file_share_their_intensity_unless_they_have_a_colour() {
+    let scene = read("s.nff", NFF).expect("a scene").lighting;
+    let point = Light::white(LightSource::Point(DVec3::new(4.0, 3.0, 2.0)));
+    assert_eq!(scene.lights, [Light { intensity: 0.5f32.sqrt(), ..point }, point], "in the order of the file");
+    assert!(scene.shadows && scene.sky.is_none());
+    let one = read("s.nff", NFF.replace("l 4 3 2 1 1 1\n", "")).expect("a scene").lighting;
+    assert_eq!(one.lights, [point]);
+    let colored = read("s.nff", NFF.replace("2 1 1 1", "2 0.5 0 1")).expect("a scene").lighting;
+    assert_eq!(colored.lights[1], Light { color: [0.5, 0.0, 1.0], ..point });
+    let none = NFF.replace("l 4 3 2 1 1 1\n", "").replace("l 4 3 2\n", "");
+    assert_eq!(read("s.nff", none).expect("a scene").lighting, Lighting::default());
+}
+
+#[test]
+fn materials_are_counted_or_refused() {
     let scene =
         |lines: &str| format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\n{lines}\ns 0 0 0 1\n");
     for (lines, warnings, refused) in [
         ("f 1 0.5 0", vec![], None),
         ("f 1 0.5 0 1 0 30 0 1.5", vec![], None),
-        ("l 1 2 3", vec!["1 light left out"], Some(":7:1: light: a light is not supported")),
-        ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec!["2 lights left out"], Some(":8:1: light: ")),
+        ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec![], None),
         ("f 1 0.5 0 0.8 0 0 0 0", vec!["1 material reduced to the colour"], Some(":7:1: fill: a material")),
         ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),
-        ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["1 light ", "2 materials "], Some(":7:1: fill: ")),
+        ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["2 materials "], Some(":7:1: fill: ")),
     ] {
         let found = read("s.nff", scene(lines)).expect("lenient").skipped;
-        assert_eq!(found.total(), 0, "lights and materials are not counted as shapes");
+        assert_eq!(found.total(), 0, "materials are not counted as shapes");
         let starts = |(found, start): (&String, &&str)| found.starts_with(start);
         let found = found.warnings();
         assert!(found.len() == warnings.len() && found.iter().zip(&warnings).all(starts), "{found:?}");
@@ -215,13 +264,12 @@ fn scenes_of_the_databases_have_their_spheres() {
         assert_eq!(count("s "), spheres as u64, "{name}");
         assert_eq!(scene.skipped.total(), count("c ") + count("p ") + count("pp "), "{name}");
         assert!(scene.skipped.kinds.iter().all(|(k, _)| *k == kind), "{name} {:?}", scene.skipped);
-        // Each has lights, and fills that reflect.
+        assert_eq!(scene.lighting.lights.len() as u64, count("l "), "{name}");
+        // Each has fills that reflect.
         read_with(name, text.as_bytes(), &strict()).expect_err(name);
         let warnings = scene.skipped.warnings().join("; ");
-        for (number, noun, rest) in [(count("l "), "light", "left out"), (count("f "), "material", "reduced")] {
-            let plural = if number == 1 { "" } else { "s" };
-            assert!(warnings.contains(&format!("{number} {noun}{plural} {rest}")), "{name}: {warnings}");
-        }
+        let (number, plural) = (count("f "), if count("f ") == 1 { "" } else { "s" });
+        assert!(warnings.contains(&format!("{number} material{plural} reduced")), "{name}: {warnings}");
         scene.check().expect("a scene that can be rendered");
     }
 }
@@ -235,6 +283,7 @@ fn the_databases_real_files_hold_the_same_scenes() {
         let (_, text) = made.iter().find(|(known, _)| *known == name).expect("one of them");
         let scene = read(name, text).expect("a scene");
         assert_eq!((scene.camera, scene.image, &scene.skipped), (real.camera, real.image, &real.skipped), "{name}");
+        assert_eq!(scene.lighting.lights.len(), real.lighting.lights.len(), "{name}");
         assert_eq!((scene.spheres.len(), &scene.spheres.colors), (real.spheres.len(), &real.spheres.colors), "{name}");
         // Half a unit of the sixth digit; sums that vanish are rounded to about 1e-16.
         let close = |a: f64, b: f64| (a - b).abs() <= 5e-6 * b.abs() + 1e-13;

@@ -1,6 +1,6 @@
 //! OpenEXR files of any program: channels become buffers by the names in the technical introduction to OpenEXR. R, G, B
-//! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`. In files
-//! with several parts the name of a buffer includes its part's name.
+//! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`, as are
+//! `layer.0`, `layer.1` and so on. In files with several parts the name of a buffer includes its part's name.
 
 use super::super::{Array, Values};
 use super::file::{FrameFile, NamedBuffer};
@@ -55,7 +55,8 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<FrameFile> {
             if samples.iter().any(|samples| samples.len() != width * height) {
                 return Err(fail(&format!("channels of {buffer} have fewer samples than pixels")));
             }
-            let shape = if samples.len() > 1 { vec![height, width, samples.len()] } else { vec![height, width] };
+            let is_vector = samples.len() > 1 || buffer == "shadow";
+            let shape = if is_vector { vec![height, width, samples.len()] } else { vec![height, width] };
             let array = Array::new(name, shape, values(&buffer, &samples))?;
             buffers.push(NamedBuffer { name: Some(format!("{prefix}{buffer}")), array });
         }
@@ -68,7 +69,8 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<FrameFile> {
 
 /// The buffer of a channel, and the channel's index in it.
 fn component(channel: &str) -> (String, usize) {
-    let place = |last: &str| ["X", "Y", "Z"].iter().chain(&["R", "G", "B", "A"]).position(|known| *known == last);
+    let letter = |last: &str| ["X", "Y", "Z"].iter().chain(&["R", "G", "B", "A"]).position(|known| *known == last);
+    let place = |last: &str| letter(last).or_else(|| last.parse().ok());
     match channel {
         "R" => ("color".into(), 0),
         "G" => ("color".into(), 1),

@@ -2,7 +2,7 @@
 
 use crate::certify::binned::BinnedScene;
 use crate::intersect::predict::Prediction;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 use serde::Serialize;
 
 /// What a scene requires; the command line prints it.
@@ -27,6 +27,19 @@ pub struct Explanation {
     /// Samples per pixel whose mean is the colour and the alpha: one more pass per sample, by a kernel that writes only
     /// ids and colour. 1 for pixel centres.
     pub samples: u32,
+    /// The number of lights; without any, and without a sky, the light is at the eye.
+    pub lights: u64,
+    /// Where each light is, with its colour and intensity unless it is white with intensity 1.
+    pub lit_by: Vec<String>,
+    /// Whether shadows of the lights are computed, for the picture or for the buffer `shadow`.
+    pub shadows: bool,
+    /// The sky whose open share is computed, for the picture or for the buffer `occlusion`; a reach of any distance is
+    /// `null` in JSON.
+    pub occlusion: Option<Sky>,
+    /// Whether outlines are drawn in the picture.
+    pub silhouette: bool,
+    /// Whether colours fade with depth.
+    pub depth_cue: bool,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
     /// The adapter's name; `cpu` for the reference path.

@@ -1,0 +1,224 @@
+//! The promise of the options for light: they add lights, a sky and lines to the scene, looks stand for several of them, and
+//! what cannot be meant is refused before anything is written. `plan` says what `render` would do.
+
+use crate::test_dir::{SCENE, TestDir};
+use serde_json::{Value, json};
+
+const LIGHT: &str = "[[light]]\nposition = [4, 3, 2]\nintensity = 2\n";
+
+fn dir() -> TestDir {
+    let lit = format!("{SCENE}{LIGHT}[occlusion]\nrays = 32\nreach = 7\n");
+    TestDir::new(&[("scene.toml", SCENE), ("lit.toml", &lit), ("one.xyz", "1\none\nC 0 0 0\n")])
+}
+
+/// The plan of rendering with these options, and what is said about it.
+fn plan(dir: &TestDir, options: &str) -> (Value, String) {
+    let planned = dir.good(&format!("plan {options} --backend cpu --json"));
+    (planned.json(), planned.err)
+}
+
+/// Lights, rays of the sky, samples, silhouette, depth cue.
+fn parts(plan: &Value) -> Value {
+    json!([plan["lights"], plan["occlusion"]["rays"], plan["samples"], plan["silhouette"], plan["depth_cue"]])
+}
+
+#[test]
+fn invalid_options_are_refused() {
+    let dir = dir();
+    for (options, words) in [
+        ("-o a.png --sun 0,0,0", &["--sun", "not all 0"][..]),
+        ("-o a.png --sun=-0,0,0", &["--sun"]),
+        ("-o a.png --sun nan,0,1", &["--sun"]),
+        ("-o a.png --sun inf,0,1", &["--sun"]),
+        ("-o a.png --sun 1,2", &["--sun", "toward the light"]),
+        ("-o a.png --occlusion 0", &["--occlusion", "between 1 and"]),
+        ("-o a.png --occlusion 1.5", &["--occlusion"]),
+        ("-o a.png --occlusion --reach 0", &["--reach", "positive"]),
+        ("-o a.png --occlusion --reach -1", &["--reach", "positive"]),
+        ("-o a.png --occlusion --reach inf", &["--reach", "positive"]),
+        ("-o a.png --reach 2", &["--reach", "--occlusion"]),
+        ("--aov depth=d.npy --reach 2", &["--reach", "--aov occlusion"]),
+        ("-o a.png --look pretty", &["--look", "pretty"]),
+        ("--aov shadow=s.npy", &["shadow needs a light", "--sun", "[[light]]"]),
+        ("-o a.exr --aov shadow --occlusion", &["light"]),
+        ("--aov shadow=s.png --sun 0,0,1", &["s.png cannot hold the shadow buffer", ".exr, .npy"]),
+        ("--aov shadow=s.pfm --sun 0,0,1", &["cannot hold"]),
+    ] {
+        dir.refused_render(2, &format!("scene.toml {options}"), words);
+    }
+    dir.refused(2, "plan scene.toml --aov shadow=s.npy --backend cpu", &["light"]);
+    dir.put("rays.csv", "0,0,0,0,0,-1\n");
+    for option in ["--sun 0,0,1", "--shadows", "--occlusion", "--silhouette", "--depth-cue", "--look soft", "--reach 1"]
+    {
+        dir.refused(2, &format!("trace scene.toml --rays rays.csv -o hits.csv {option}"), &["unexpected argument"]);
+    }
+    dir.put("broken.toml", format!("{SCENE}[[light]]\nsphere = 1\n"));
+    dir.refused_render(3, "broken.toml -o a.png", &["broken.toml:16:10: light 0 sphere", "there is no sphere 1"]);
+}
+
+#[test]
+fn options_add_lights_and_a_sky() {
+    let dir = dir();
+    let point = "a point at 4, 3, 2, intensity 2";
+    let sun = "infinitely far in the direction -1, 2, 0.5";
+    for (options, lit_by, shadows, sky) in [
+        ("scene.toml", &[][..], false, Value::Null),
+        ("scene.toml --sun -1,2,.5", &[sun], false, Value::Null),
+        ("scene.toml --sun -1,2,.5 --shadows", &[sun], true, Value::Null),
+        ("lit.toml --sun -1,2,.5", &[point, sun], true, json!({"rays": 32, "reach": 7.0})),
+        ("lit.toml --occlusion", &[point], true, json!({"rays": 32, "reach": 7.0})),
+        ("lit.toml --occlusion 9 --reach 2", &[point], true, json!({"rays": 9, "reach": 2.0})),
+        ("lit.toml --reach 2", &[point], true, json!({"rays": 32, "reach": 2.0})),
+        ("scene.toml --occlusion", &[], false, json!({"rays": 16, "reach": null})),
+        ("scene.toml --occlusion 64 --reach 3", &[], false, json!({"rays": 64, "reach": 3.0})),
+        ("scene.toml --aov occlusion=o.npy", &[], false, json!({"rays": 16, "reach": null})),
+        ("scene.toml --aov occlusion=o.npy --reach 3", &[], false, json!({"rays": 16, "reach": 3.0})),
+        ("scene.toml --aov shadow=s.npy --sun -1,2,.5", &[sun], true, Value::Null),
+        ("lit.toml --shade flat", &[point], false, json!({"rays": 32, "reach": 7.0})),
+    ] {
+        let (plan, _) = plan(&dir, &format!("{options} -o a.png"));
+        assert_eq!(plan["lit_by"], json!(lit_by), "{options}");
+        assert_eq!(plan["lights"], lit_by.len(), "{options}");
+        assert_eq!((&plan["shadows"], &plan["occlusion"]), (&json!(shadows), &sky), "{options}");
+    }
+    let (plan, _) = plan(&dir, "scene.toml -o a.exr --aov shadow,occlusion --sun 0,0,1 --sun 0,1,0");
+    let frame = plan["frame"].as_array().expect("buffers");
+    let shape = |name: &str| frame.iter().find(|shown| shown["name"] == name).map(|shown| shown["shape"].clone());
+    assert_eq!((shape("shadow"), shape("occlusion")), (Some(json!([31, 45, 2])), Some(json!([31, 45]))));
+}
+
+#[test]
+fn a_light_from_above_left_belongs_to_the_camera() {
+    let dir = dir();
+    let lit_by = |options: &str| plan(&dir, options).0["lit_by"].clone();
+    let [first, turned] = ["", " --view 1,0,0"].map(|view| lit_by(&format!("scene.toml -o a.png --shadows{view}")));
+    let [first, turned] = [first, turned].map(|lit_by| {
+        let text = lit_by[0].as_str().expect("one light").rsplit("direction ").next().expect("numbers").to_owned();
+        text.split(", ").map(|x| x.parse().expect("a number")).collect::<Vec<f64>>()
+    });
+    assert!(first[0] < 0.0 && first[1] > 0.0 && first[2] > 0.0, "{first:?}");
+    // Looking along x, left is -z and the viewer's side is -x.
+    assert!(turned[0] < 0.0 && turned[1] > 0.0 && turned[2] < 0.0, "{turned:?}");
+    assert_eq!(lit_by("lit.toml -o a.png --shadows"), json!(["a point at 4, 3, 2, intensity 2"]), "it has a light");
+}
+
+#[test]
+fn looks_stand_for_options() {
+    let dir = dir();
+    for (options, expected) in [
+        ("scene.toml --look plain", json!([0, null, 1, false, false])),
+        ("scene.toml --look soft", json!([1, 16, 1, true, false])),
+        ("scene.toml --look soft --samples 4", json!([1, 4, 4, true, false])),
+        ("scene.toml --look soft --samples 16", json!([1, 4, 16, true, false])),
+        ("scene.toml --look soft --occlusion 64 --depth-cue", json!([1, 64, 1, true, true])),
+        ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 16, 1, true, false])),
+        ("lit.toml --look soft", json!([1, 32, 1, true, false])),
+        ("scene.toml --look figure", json!([0, null, 1, true, true])),
+        ("scene.toml --silhouette", json!([0, null, 1, true, false])),
+        ("scene.toml --depth-cue", json!([0, null, 1, false, true])),
+    ] {
+        let (plan, err) = plan(&dir, &format!("{options} -o a.png"));
+        assert_eq!(parts(&plan), expected, "{options}");
+        let look = ["soft", "figure"].into_iter().find(|look| options.contains(look));
+        let lines: Vec<_> = err.lines().filter(|line| line.contains("look ")).collect();
+        assert_eq!(lines.len(), usize::from(look.is_some()), "{options}: {err}");
+        assert!(look.is_none_or(|look| lines[0].contains(&format!("look {look}: --"))), "{options}: {err}");
+    }
+    let left_out = |options: &str| {
+        let (plan, _) = plan(&dir, &format!("scene.toml {options}"));
+        let all = plan["left_out"].as_array().expect("a list").clone();
+        all.into_iter().map(|left| left["what"].as_str().expect("a name").to_owned()).collect::<Vec<_>>()
+    };
+    for what in ["shadows", "occlusion", "silhouette", "depth cue"] {
+        assert!(left_out("-o a.png").iter().any(|left| left == what), "{what}");
+        assert!(!left_out("-o a.png --look soft --shadows --depth-cue").iter().any(|left| left == what), "{what}");
+    }
+    assert!(left_out("--aov id=i.npy --silhouette").contains(&"silhouette".to_owned()), "no picture");
+}
+
+#[test]
+fn pictures_of_particles_are_soft_unless_an_option_asks_for_something_else() {
+    let dir = dir();
+    let soft = json!([1, 4, 4, true, false]);
+    let plain = json!([0, null, 1, false, false]);
+    for options in ["", " --size 20x20", " --color #ff0000", " --backend cpu"] {
+        let planned = dir.good(&format!("plan one.xyz -o a.png --json{options}"));
+        assert_eq!(parts(&planned.json()), soft, "{options}");
+        assert!(planned.err.contains("look soft (the default for particles; see --look plain): --occlusion 4"));
+    }
+    for (options, samples) in [
+        ("-o a.png --look plain", 1),
+        ("-o a.png --aov id=i.npy", 1),
+        ("-o a.png --accuracy fast", 1),
+        ("-o a.png --accuracy auto", 1),
+        ("-o a.png --method stable", 1),
+        ("-o a.png --samples 9", 9),
+        ("-o a.png --shade flat", 1),
+        ("--aov color=c.npy", 1),
+        ("--aov color=c.npy --samples 1", 1),
+    ] {
+        let (plan, err) = plan(&dir, &format!("one.xyz {options}"));
+        let mut expected = plain.clone();
+        expected[2] = json!(samples);
+        assert_eq!(parts(&plan), expected, "{options}");
+        assert!(!err.contains("look"), "{options}: {err}");
+    }
+    assert_eq!(parts(&plan(&dir, "scene.toml -o a.png").0), plain, "a scene file");
+    let added = plan(&dir, "one.xyz -o a.png --sun 0,0,1 --sun 0,1,0 --shadows --occlusion 8").0;
+    assert_eq!((parts(&added), &added["shadows"]), (json!([2, 8, 4, true, false]), &json!(true)), "parts are added");
+    let of = |name: &str, value: &str| {
+        let planned = dir.run_with("plan one.xyz -o a.png --backend cpu --json", &[(name, value)]);
+        assert_eq!(planned.code, 0, "{}", planned.err);
+        parts(&planned.json())
+    };
+    assert_eq!(of("HALFLINE_LOOK", "plain"), plain);
+    assert_eq!(of("HALFLINE_ACCURACY", "auto"), plain);
+    assert_eq!(of("HALFLINE_DEPTH_CUE", "1"), json!([1, 4, 4, true, true]));
+    dir.put("c.toml", "occlusion = 8\nsilhouette = true\nlook = \"plain\"\nshadows = true\n");
+    assert_eq!(of("HALFLINE_CONFIG", "c.toml"), json!([1, 8, 1, true, false]));
+}
+
+#[test]
+fn a_light_follows_its_sphere() {
+    let dir = dir();
+    let sphere = |x: u32| format!("[[sphere]]\ncenter = [{x}.0, 0.0, -9.0]\nradius = 0.5\n");
+    // Spheres 2 and 3 are equal.
+    let spheres = [1, 2, 2, 3].map(sphere).concat();
+    dir.put("s.toml", format!("{SCENE}{spheres}[[light]]\nsphere = 3\n"));
+    for (clip, expected) in [
+        ("", "sphere 3"),
+        (" --clip=-1,0,0,-1", "sphere 2"),
+        (" --clip=-1,0,0,-1.5", "sphere 1"),
+        (" --clip=1,0,0,1.5", "a ball at 2, 0, -9 of radius 0.5"),
+    ] {
+        assert_eq!(plan(&dir, &format!("s.toml -o a.png{clip}")).0["lit_by"], json!([expected]), "{clip}");
+    }
+}
+
+#[test]
+fn the_plan_says_what_lights_the_scene() {
+    let dir = dir();
+    let text = |options: &str| dir.good(&format!("plan {options} -o a.png --backend cpu")).out;
+    let of = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    assert!(of(text("scene.toml")).contains("light      at the eye\n"));
+    let lit = of(text("lit.toml --silhouette --depth-cue"));
+    assert!(lit.contains("light      1 light, with shadows\n           a point at 4, 3, 2, intensity 2\n"), "{lit}");
+    assert!(lit.contains("sky        32 rays for each point, that end after 7\n"), "{lit}");
+    assert!(lit.contains("drawn      silhouette, depth cue\n"), "{lit}");
+}
+
+#[test]
+fn rendering_reports_its_lights_and_writes_their_shadows() {
+    let dir = dir();
+    let report = dir.render("lit.toml -o a.png --json --sun 0,0,1").json();
+    assert_eq!((&report["lights"], &report["occlusion"]["rays"]), (&json!(2), &json!(32)));
+    assert_eq!(dir.render("scene.toml -o a.png --json").json()["lights"], 0);
+    dir.render("scene.toml --sun 0,0,1 --sun 0,0,-1 --aov shadow=s.npy --aov occlusion=o.png");
+    let (shares, shape) = dir.array("s.npy");
+    assert_eq!(shape, [31, 45, 2]);
+    let middle = 2 * (15 * 45 + 22);
+    assert_eq!(shares[middle..middle + 2], [0.0, 1.0], "the light before the sphere, and the one behind it");
+    assert_eq!(shares[..2], [0.0; 2], "a miss has no shadow");
+    let (open, shape) = dir.array("o.png");
+    assert_eq!((shape, open[0], open[15 * 45 + 22]), (vec![31, 45], 255.0, 255.0), "nothing hides the sky");
+}
