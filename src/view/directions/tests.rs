@@ -1,0 +1,214 @@
+use super::*;
+use crate::testing::Rng;
+use std::f64::consts::{PI, SQRT_2};
+
+type Direction = [f64; 3];
+
+/// The sample with this number in a frame of 64 columns and 4 samples a pixel.
+fn sample(number: u32) -> PixelSample {
+    PixelSample { row: number / 256, column: number / 4 % 64, sample: number % 4, seed: 0 }
+}
+
+fn sky(set: &SkyDirections, at: PixelSample) -> Vec<Direction> {
+    let mut out = vec![[0.0; 3]; set.len()];
+    set.of(at, &mut out);
+    out.into_iter().map(|l| l.map(f64::from)).collect()
+}
+
+fn disc(set: &DiscPoints, at: PixelSample, light: u32) -> Vec<[f64; 2]> {
+    let mut out = vec![[0.0; 2]; set.len()];
+    set.of(at, light, &mut out);
+    out
+}
+
+fn dot(a: Direction, b: Direction) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A direction, uniform on the sphere.
+fn random_direction(rng: &mut Rng) -> Direction {
+    let (z, angle) = (rng.between(-1.0, 1.0), rng.between(0.0, 2.0 * PI));
+    let r = (1.0 - z * z).sqrt();
+    [r * angle.cos(), r * angle.sin(), z]
+}
+
+/// sum(w open)/sum(w) with each direction turned to the side of `n`.
+fn open_share(directions: &[Direction], n: Direction, open: impl Fn(Direction) -> bool) -> f64 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for &l in directions {
+        let cosine = dot(n, l);
+        let l = if cosine < 0.0 { l.map(|x| -x) } else { l };
+        all += cosine.abs();
+        sum += if open(l) { cosine.abs() } else { 0.0 };
+    }
+    sum / all
+}
+
+/// Mean and standard deviation.
+fn moments(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / values.len() as f64;
+    [mean, variance.sqrt()]
+}
+
+#[test]
+fn the_bits_are_those_of_another_implementation() {
+    let at = PixelSample { row: 7, column: 11, sample: 3, seed: 5 };
+    let mut out = [[0.0; 3]; 16];
+    SkyDirections::new(16).of(at, &mut out);
+    assert_eq!(out[15].map(f32::to_bits), [0xbde5_b415, 0x3f78_2770, 0x3e5f_d384]);
+    let point = disc(&DiscPoints::new(9), at, 2)[8];
+    assert_eq!(point.map(f64::to_bits), [0x3fdf_277d_eceb_709e, 0x3fea_ea76_729b_1af8]);
+}
+
+#[test]
+fn sets_repeat_and_differ_between_samples_pixels_seeds_and_lights() {
+    let at = PixelSample { row: 7, column: 11, sample: 3, seed: 5 };
+    let others = [
+        PixelSample { row: 8, ..at },
+        PixelSample { column: 12, ..at },
+        PixelSample { sample: 2, ..at },
+        PixelSample { seed: 6, ..at },
+        PixelSample { row: 11, column: 7, ..at },
+    ];
+    let (set, points) = (SkyDirections::new(16), DiscPoints::new(16));
+    assert_eq!(sky(&set, at), sky(&SkyDirections::new(16), at));
+    assert_eq!(disc(&points, at, 1), disc(&DiscPoints::new(16), at, 1));
+    assert_ne!(disc(&points, at, 0), disc(&points, at, 1));
+    for other in others {
+        assert_ne!(sky(&set, at), sky(&set, other), "{other:?}");
+        assert_ne!(disc(&points, at, 0), disc(&points, other, 0), "{other:?}");
+    }
+    // A shorter list has the same beginning.
+    let mut few = [[0.0; 3]; 4];
+    set.of(at, &mut few);
+    assert_eq!(few.map(|l| l.map(f64::from)), sky(&set, at)[..4]);
+}
+
+#[test]
+fn directions_have_length_one_and_points_lie_in_the_disc() {
+    for count in [1, 2, 3, 16, 1000, 1 << 20] {
+        let (set, points) = (SkyDirections::new(count), DiscPoints::new(count));
+        for number in 0..if count > 1000 { 1 } else { 100 } {
+            for l in sky(&set, sample(number)) {
+                let length = dot(l, l).sqrt();
+                assert!((length - 1.0).abs() < 1.0 / f64::from(1 << 22), "{l:?}: {length}");
+            }
+            assert!(disc(&points, sample(number), 0).into_iter().all(|p| square(p) < 1.0));
+        }
+    }
+}
+
+/// Every direction of the set is uniform on the sphere, whatever its place in it, and so are rotations about it.
+#[test]
+fn rotations_are_uniform() {
+    const MANY: u32 = 1 << 16;
+    let mut sums = [[0.0; 4]; 9];
+    let (mut traces, mut cross) = ([0.0; 2], [0.0; 36]);
+    for number in 0..MANY {
+        let rows = sample(number).rotation(0);
+        let entries = rows.as_flattened();
+        for (sums, x) in sums.iter_mut().zip(entries) {
+            let square = x * x;
+            [*x, square, square * x, square * square].iter().zip(sums).for_each(|(power, sum)| *sum += power);
+        }
+        let trace = rows[0][0] + rows[1][1] + rows[2][2];
+        traces = [traces[0] + trace, traces[1] + trace * trace];
+        let pairs = (0..9).flat_map(|i| (0..i).map(move |j| (i, j)));
+        cross.iter_mut().zip(pairs).for_each(|(sum, (i, j))| *sum += entries[i] * entries[j]);
+    }
+    // Over all rotations an entry is uniform between -1 and 1, the entries are uncorrelated, and the square of the
+    // trace has the mean 1. No summand has a larger deviation than 1.5, so five deviations of the mean are below
+    // 7.5/sqrt(MANY), 0.03; those of an entry's powers are below 0.6 each, so 0.012.
+    let off = |sum: f64, expected: f64| (sum / f64::from(MANY) - expected).abs();
+    for sums in sums {
+        let expected = [0.0, 1.0 / 3.0, 0.0, 1.0 / 5.0];
+        assert!(sums.iter().zip(expected).all(|(sum, x)| off(*sum, x) < 0.012), "{sums:?}");
+    }
+    assert!(cross.iter().all(|sum| off(*sum, 0.0) < 0.012), "{cross:?}");
+    assert!(off(traces[0], 0.0) < 0.03 && off(traces[1], 1.0) < 0.03, "{traces:?}");
+}
+
+#[test]
+fn caps_of_the_sphere_hold_their_share_of_directions() {
+    const MANY: u32 = 2000;
+    let (set, mut rng) = (SkyDirections::new(16), Rng(1));
+    let all: Vec<Direction> = (0..MANY).flat_map(|number| sky(&set, sample(number))).collect();
+    for _ in 0..50 {
+        let (axis, cosine) = (random_direction(&mut rng), rng.unit());
+        // With its mirror image a direction lies in the cap or in the opposite one.
+        let inside = all.iter().filter(|l| dot(**l, axis).abs() > cosine).count() as f64;
+        let (expected, count) = (1.0 - cosine, all.len() as f64);
+        // Five deviations of independent directions; those of evenly spread ones are smaller.
+        let limit = 5.0 * (expected * cosine / count).sqrt();
+        assert!((inside / count - expected).abs() < limit, "{inside} of {count} beyond {cosine}");
+    }
+}
+
+/// The doc comment of [`SkyDirections`] states these bounds.
+#[test]
+fn the_open_share_has_the_standard_error_that_is_stated() {
+    const MANY: u32 = 300;
+    let mut rng = Rng(2);
+    let cases: Vec<_> =
+        (0..40).map(|_| (random_direction(&mut rng), random_direction(&mut rng), rng.between(-1.0, 1.0))).collect();
+    let flat: Vec<_> = cases.iter().map(|&(n, axis, _)| (n, axis, 0.0)).collect();
+    for count in [4, 16, 64, 256] {
+        let set = SkyDirections::new(count);
+        let law = f64::from(count).powf(-0.75);
+        let sets: Vec<_> = (0..MANY).map(|number| sky(&set, sample(number))).collect();
+        // Sets of one are independent.
+        let lone = SkyDirections::new(1);
+        let loose: Vec<_> = (0..MANY * count).map(|number| sky(&lone, sample(number))[0]).collect();
+        let loose: Vec<_> = loose.chunks_exact(count as usize).map(<[_]>::to_vec).collect();
+        let error = |sets: &[Vec<Direction>], (n, axis, cosine): (Direction, Direction, f64)| {
+            let shares: Vec<f64> = sets.iter().map(|set| open_share(set, n, |l| dot(l, axis) <= cosine)).collect();
+            moments(&shares)
+        };
+        let summary = |sets: &[Vec<Direction>], cases: &[(Direction, Direction, f64)]| {
+            let errors = || cases.iter().map(|case| error(sets, *case)[1] / law);
+            [(errors().map(|e| e * e).sum::<f64>() / cases.len() as f64).sqrt(), errors().fold(0.0, f64::max)]
+        };
+        for &(n, axis, cosine) in cases.iter().chain(&flat) {
+            // Where the mean is known: half-spaces, and caps above the horizon.
+            let (facing, sine2) = (dot(n, axis), 1.0 - cosine * cosine);
+            let hidden = match cosine {
+                0.0 => (1.0 + facing) / 2.0,
+                _ if cosine > 0.0 && facing * facing > sine2 => facing.max(0.0) * sine2,
+                _ => continue,
+            };
+            let [mean, deviation] = error(&sets, (n, axis, cosine));
+            // Five deviations of the mean over the rotations.
+            let limit = 5.0 * deviation / f64::from(MANY).sqrt() + 0.03 / f64::from(count);
+            assert!((mean - 1.0 + hidden).abs() < limit, "{count}: {mean} of {}", 1.0 - hidden);
+        }
+        let [caps, halves, independent] =
+            [(&sets, &cases), (&sets, &flat), (&loose, &cases)].map(|(s, c)| summary(s, c));
+        println!("N = {count}: caps {caps:.3?}, half-spaces {halves:.3?}, independent {independent:.3?} N^-3/4");
+        // The measured values, and a tenth for the noise of fewer caps and rotations.
+        assert!(caps[0] < 0.43 && caps[1] < 0.7 && halves[0] < 0.48 && halves[1] < 0.6, "{caps:?} {halves:?}");
+        assert!(independent[0] > 0.52 && independent[0] > 1.3 * caps[0], "{independent:?} {caps:?}");
+    }
+}
+
+#[test]
+fn the_share_of_a_disc_beyond_a_chord_has_the_standard_error_that_is_stated() {
+    const MANY: u32 = 1000;
+    for count in [4, 16, 64, 256] {
+        let set = DiscPoints::new(count);
+        let law = f64::from(count).powf(-0.75);
+        for distance in [0.0, 0.3, 0.5, 1.0 / SQRT_2, 0.9] {
+            let beyond = |number: u32| {
+                let points = disc(&set, sample(number), 0);
+                points.iter().filter(|p| p[0] > distance).count() as f64 / points.len() as f64
+            };
+            let [mean, deviation] = moments(&(0..MANY).map(beyond).collect::<Vec<_>>());
+            let expected = (distance.acos() - distance * (1.0 - distance * distance).sqrt()) / PI;
+            println!("N = {count}, chord at {distance:.2}: {:.3} N^-3/4", deviation / law);
+            assert!(deviation < 0.5 * law, "{count} {distance}");
+            // The mean differs from the area by the set itself: at most what one point stands for, in part.
+            let limit = 5.0 * deviation / f64::from(MANY).sqrt() + 0.1 / f64::from(count);
+            assert!((mean - expected).abs() < limit, "{count} {distance}: {mean} {expected}");
+        }
+    }
+}
