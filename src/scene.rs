@@ -8,6 +8,7 @@ mod check;
 mod fit;
 pub mod lidar;
 mod light;
+mod material;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
@@ -18,7 +19,8 @@ use glam::DVec3;
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub use fit::Framing;
-pub use light::{Light, LightSource, Lighting, MOST_RAYS, Sky};
+pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_RAYS, Sky};
+pub use material::{Material, Materials};
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
@@ -65,6 +67,8 @@ pub struct Spheres {
     pub radii: Vec<f64>,
     /// Linear RGB per sphere; `None` when no sphere of the scene has a colour, so that none is uploaded.
     pub colors: Option<Vec<[f32; 3]>>,
+    /// What the spheres are made of; `None` where all of them reflect diffusely only.
+    pub materials: Option<Materials>,
 }
 
 impl Spheres {
@@ -141,8 +145,22 @@ impl Spheres {
             }
             (None, None) => {}
         }
+        if let Some(materials) = &mut self.materials {
+            materials.push(Material::default());
+        }
         self.centers.push(center);
         self.radii.push(radius);
+    }
+
+    /// Changes the material of the sphere that was added last.
+    pub fn set_last_material(&mut self, material: Material) {
+        let (count, plain) = (self.len(), Material::default());
+        if count == 0 || self.materials.is_none() && material == plain {
+            return;
+        }
+        let materials = self.materials.get_or_insert_with(|| Materials { kinds: vec![plain], of: vec![0; count] });
+        materials.of.pop();
+        materials.push(material);
     }
 }
 
@@ -218,6 +236,16 @@ impl Scene {
         for (index, (center, radius)) in s.centers.iter().zip(&s.radii).enumerate() {
             check_sphere(*center, *radius, || Place::field(format!("sphere {index}")))?;
         }
+        if let Some(materials) = &s.materials {
+            let count = materials.kinds.len();
+            if materials.of.len() != s.radii.len() || materials.of.iter().any(|kind| *kind as usize >= count) {
+                let problem = format!("found materials of {} spheres", materials.of.len());
+                return Err(Error::scene("spheres", problem, "give every sphere one of the materials"));
+            }
+            for (index, material) in materials.kinds.iter().enumerate() {
+                material.check(|field| Place::field(format!("material {index} {field}")))?;
+            }
+        }
         self.image.check()?;
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
@@ -243,6 +271,10 @@ impl Scene {
         if let Some(colors) = &self.spheres.colors {
             hash.update(b"colors");
             hash.update_rayon(bytemuck::cast_slice(colors));
+        }
+        if let Some(materials) = &self.spheres.materials {
+            hash.update(format!("{:?}", materials.kinds).as_bytes());
+            hash.update_rayon(bytemuck::cast_slice(&materials.of));
         }
         hash.finalize().to_hex()[..32].to_owned()
     }

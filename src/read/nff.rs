@@ -110,7 +110,7 @@ fn lighting(lights: &[(DVec3, Option<[f32; 3]>)]) -> Lighting {
         Some(color) => Light { color, ..Light::white(LightSource::Point(position)) },
         None => Light { intensity: dimmed, ..Light::white(LightSource::Point(position)) },
     };
-    Lighting { lights: lights.iter().map(light).collect(), shadows: !lights.is_empty(), sky: None }
+    Lighting { lights: lights.iter().map(light).collect(), shadows: !lights.is_empty(), sky: None, bounces: None }
 }
 
 /// A range of the current line.

@@ -138,7 +138,7 @@ impl Style {
         let mut skipped = std::mem::take(&mut particles.skipped);
         let (colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let radii = self.radii_of(&particles, &mut skipped)?;
-        let spheres = Spheres { centers: particles.positions, radii, colors };
+        let spheres = Spheres { centers: particles.positions, radii, colors, materials: None };
         let bad = spheres
             .centers
             .par_iter()

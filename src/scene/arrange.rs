@@ -1,6 +1,6 @@
 //! Arranges spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
 
-use super::{Cell, Spheres};
+use super::{Cell, Materials, Spheres};
 use crate::error::{Error, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
@@ -97,6 +97,10 @@ fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch:
         spheres.centers.par_extend((start..total.min(start + BATCH)).into_par_iter().map(copy));
     }
     spheres.radii = repeated(own.radii, total, watch)?;
+    spheres.materials = own
+        .materials
+        .map(|Materials { kinds, of }| Ok(Materials { kinds, of: repeated(of, total, watch)? }))
+        .transpose()?;
     spheres.colors = own.colors.map(|colors| repeated(colors, total, watch)).transpose()?;
     Ok(())
 }
@@ -122,11 +126,14 @@ fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
         *n += 1;
         kept[*n - 1]
     };
-    let (mut a, mut b, mut c) = (0, 0, 0);
+    let (mut a, mut b, mut c, mut d) = (0, 0, 0, 0);
     spheres.centers.retain(|_| keep(&mut a));
     spheres.radii.retain(|_| keep(&mut b));
     if let Some(colors) = &mut spheres.colors {
         colors.retain(|_| keep(&mut c));
+    }
+    if let Some(materials) = &mut spheres.materials {
+        materials.of.retain(|_| keep(&mut d));
     }
     Ok(())
 }

@@ -16,7 +16,12 @@ pub struct Lighting {
     pub shadows: bool,
     /// A white sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
     pub sky: Option<Sky>,
+    /// How often a ray goes on from mirrors and through glass; `None` for [`BOUNCES`] where a material asks for it.
+    pub bounces: Option<u32>,
 }
+
+/// Bounces of a ray, unless stated otherwise.
+pub const BOUNCES: u32 = 6;
 
 /// A light. A surface that faces it reflects its own colour times `color` times `intensity`, at any distance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,7 +10,7 @@ pub(super) fn read(root: &TomlTable<'_>, spheres: usize) -> Result<Lighting> {
     let tables = root.tables("light")?.enumerate();
     let lights: Vec<_> = tables.map(|(index, table)| light(&table?, index, spheres)).collect::<Result<_>>()?;
     let sky = root.get("occlusion").map(|value| sky(&value.table(TomlName::part("occlusion"))?)).transpose()?;
-    Ok(Lighting { shadows: !lights.is_empty(), lights, sky })
+    Ok(Lighting { shadows: !lights.is_empty(), lights, sky, bounces: None })
 }
 
 fn light(table: &TomlTable<'_>, index: usize, spheres: usize) -> Result<Light> {

@@ -33,7 +33,7 @@ impl ParticleFrames for Array {
         }
         let mut spheres = Spheres::default();
         let width = npy.read(&header, &[3, 4, 7], &mut spheres)?;
-        let Spheres { centers, radii, colors } = spheres;
+        let Spheres { centers, radii, colors, .. } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii };
         Ok(Some(Particles { positions: centers, radii, colors: colors.unwrap_or_default(), ..Particles::default() }))
     }

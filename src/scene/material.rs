@@ -1,0 +1,101 @@
+//! What spheres are made of.
+
+use crate::error::{Error, Place, Result};
+
+/// How a sphere reflects light and lets it through. Its colour is that of its diffuse reflection, and of a metal's mirror.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Material {
+    /// Plastic and mirrors as NFF describes them: the shares of light by kind.
+    Phong {
+        /// Diffuse reflection by Lambert's law, Kd.
+        diffuse: f32,
+        /// The mirror image of the scene and the highlights of lights, Ks.
+        specular: f32,
+        /// The exponent of the cosine in a highlight; 0 for no highlights.
+        shine: f32,
+        /// What passes through, T.
+        transmission: f32,
+        /// Index of refraction.
+        index: f64,
+    },
+    /// A mirror that takes the sphere's colour.
+    Metal {
+        /// Radius of the ball by which reflected directions of length 1 are scattered, 0 to 1.
+        fuzz: f32,
+    },
+    /// Clear glass, which reflects what Fresnel's equations say (in Schlick's approximation) and refracts the rest.
+    Glass {
+        /// Index of refraction.
+        index: f64,
+    },
+}
+
+impl Default for Material {
+    /// Diffuse reflection only.
+    fn default() -> Self {
+        Self::Phong { diffuse: 1.0, specular: 0.0, shine: 0.0, transmission: 0.0, index: 1.0 }
+    }
+}
+
+impl Material {
+    /// Whether a ray goes on from it.
+    #[must_use]
+    pub fn bounces(&self) -> bool {
+        match *self {
+            Self::Phong { specular, transmission, .. } => specular > 0.0 || transmission > 0.0,
+            Self::Metal { .. } | Self::Glass { .. } => true,
+        }
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `place`, with the name of the field appended.
+    pub fn check(&self, place: impl Fn(&str) -> Place) -> Result<()> {
+        let share = |field: &str, x: f32, most: f32| match x {
+            x if (0.0..=most).contains(&x) => Ok(()),
+            x => Err(Error::scene(place(field), format!("found {x}"), format!("give a number from 0 to {most}"))),
+        };
+        let index = |index: f64| match index {
+            x if (0.1..=10.0).contains(&x) => Ok(()),
+            x => Err(Error::scene(place("index"), format!("found {x}"), "give an index of refraction from 0.1 to 10")),
+        };
+        match *self {
+            Self::Phong { diffuse, specular, shine, transmission, index: n } => {
+                share("diffuse", diffuse, 1.0)?;
+                share("specular", specular, 1.0)?;
+                share("shine", shine, f32::MAX)?;
+                share("transmission", transmission, 1.0)?;
+                if transmission > 0.0 { index(n) } else { Ok(()) }
+            }
+            Self::Metal { fuzz } => share("fuzz", fuzz, 1.0),
+            Self::Glass { index: n } => index(n),
+        }
+    }
+}
+
+/// The materials of a scene's spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Materials {
+    /// Each material once.
+    pub kinds: Vec<Material>,
+    /// For each sphere the index of its material.
+    pub of: Vec<u32>,
+}
+
+impl Materials {
+    /// The material of a sphere.
+    #[must_use]
+    pub fn of(&self, id: u32) -> Material {
+        self.of.get(id as usize).and_then(|kind| self.kinds.get(*kind as usize)).copied().unwrap_or_default()
+    }
+
+    /// Adds one sphere of this material.
+    pub fn push(&mut self, material: Material) {
+        let kind = self.kinds.iter().position(|kind| *kind == material).unwrap_or_else(|| {
+            self.kinds.push(material);
+            self.kinds.len() - 1
+        });
+        self.of.push(kind as u32);
+    }
+}
