@@ -1,6 +1,7 @@
 //! Shading: the colour of a hit. The twin of shade/.
 
 pub(crate) mod lit;
+pub(crate) mod optics;
 
 use crate::error::Error;
 use crate::intersect::Intersect;

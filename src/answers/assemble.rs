@@ -80,9 +80,9 @@ impl Answers<'_> {
                 Aov::Certainty => {
                     let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
                     if self.depths.is_some() {
-                        self.lit.settled.iter().for_each(|pixel| certainty[*pixel as usize] = 1);
+                        self.settled.iter().for_each(|s| certainty[s.pixel as usize] = 1);
+                        self.lit.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
                     }
-                    self.settled.iter().for_each(|s| certainty[s.pixel as usize] = 1);
                     Data::U8(certainty)
                 }
             };

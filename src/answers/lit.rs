@@ -1,5 +1,10 @@
 //! What lights and the sky give to the pixels of a frame.
 
+/// The certainty of a pixel of which the judge decided a ray.
+pub(crate) const SETTLED: u8 = 1;
+/// That of a pixel of which a ray is not proved.
+pub(crate) const NOT_CERTIFIED: u8 = 255;
+
 /// The buffers of lights and sky in row order; those that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Lit {
@@ -9,8 +14,8 @@ pub(crate) struct Lit {
     pub(crate) shadow: Vec<f32>,
     /// Share of the sky that is open.
     pub(crate) occlusion: Vec<f32>,
-    /// Pixels of which the judge decided a secondary ray, in their order.
-    pub(crate) settled: Vec<u32>,
+    /// Pixels that are less than certain in f64, in their order, and their certainty.
+    pub(crate) unsure: Vec<(u32, u8)>,
 }
 
 /// A run of consecutive pixels of a [`Lit`].
@@ -20,6 +25,21 @@ pub(crate) struct Chunk<'a> {
     pub(crate) color: &'a mut [f32],
     pub(crate) shadow: &'a mut [f32],
     pub(crate) occlusion: &'a mut [f32],
+}
+
+impl Chunk<'_> {
+    /// Fills what is requested of a pixel that shows no sphere.
+    pub(crate) fn miss(&mut self, n: usize, lights: usize, background: [f32; 3]) {
+        if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
+            color.copy_from_slice(&background);
+        }
+        if let Some(shadow) = self.shadow.get_mut(n * lights..(n + 1) * lights) {
+            shadow.fill(0.0);
+        }
+        if let Some(occlusion) = self.occlusion.get_mut(n) {
+            *occlusion = 1.0;
+        }
+    }
 }
 
 impl Lit {

@@ -149,6 +149,12 @@ impl CertifiedRay {
         self.tilt
     }
 
+    /// What the start is off by.
+    #[inline(always)]
+    pub(crate) fn blur(&self) -> f64 {
+        self.blur
+    }
+
     /// What boxes have to be larger by on all sides beside what a given ray needs: its start and its direction, over the
     /// longest way through the scene.
     #[inline(always)]

@@ -3,7 +3,7 @@
 //! A point is its sphere's centre, an exact point of the world, and an offset of known error. So a scene far from the
 //! origin of the world loses nothing, and the sphere of the hit is decided by the side of its surface: no epsilon.
 
-use super::given::{CertifiedRay, EPS, SHORT, dot};
+use super::given::{Bounds, CertifiedRay, EPS, SHORT, dot};
 use crate::exact::{Root, Toward, Truth};
 use crate::view::View;
 use crate::view::placement::Placement;
@@ -58,18 +58,56 @@ impl SurfacePoint {
         let blur = START * dot(start, start).sqrt();
         let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
             .beside(start, blur, DIRECTION);
+        match ray.meet(center, radius) {
+            Some(bounds) => Self::met(&ray, &bounds, (id, center, radius)),
+            None => {
+                let p = ray.to(center);
+                let nearest = dot(p, ray.direction) / ray.a;
+                let offset = std::array::from_fn(|n| nearest * ray.direction[n] - p[n]);
+                Self::new((id, center, radius), offset, f64::NAN, true)
+            }
+        }
+    }
+
+    /// Where a ray hits this sphere, within these bounds.
+    #[inline(always)]
+    pub(crate) fn met(ray: &CertifiedRay, bounds: &Bounds, (id, center, radius): (u32, [f64; 3], f64)) -> Self {
         let p = ray.to(center);
         let (size, length) = (dot(p, p).sqrt(), ray.a.sqrt());
-        let Some(bounds) = ray.meet(center, radius) else {
-            let nearest = dot(p, ray.direction) / ray.a;
-            let offset = std::array::from_fn(|n| nearest * ray.direction[n] - p[n]);
-            return Self::new((id, center, radius), offset, f64::NAN, true);
-        };
         let offset: [f64; 3] = std::array::from_fn(|n| bounds.t * ray.direction[n] - p[n]);
         let along = bounds.t * length;
-        // p, t d and their difference take three roundings, and START and DIRECTION count for p and d.
-        let blur = (bounds.high - bounds.low) * length + (DIRECTION + 3.0 * EPS) * along + 4.0 * EPS * size + blur;
+        // p, t d and their difference take four roundings beside what the start and the direction are off by.
+        let blur = (bounds.high - bounds.low) * length
+            + (ray.tilt() + 3.0 * EPS) * along
+            + 4.0 * EPS * (size + dot(offset, offset).sqrt())
+            + ray.blur();
         Self::new((id, center, radius), offset, blur * (1.0 + BLURRED), bounds.outside)
+    }
+
+    /// What the direction of a viewing ray of length 1 is off by.
+    pub(crate) const VIEWING_TILT: f64 = DIRECTION + 4.0 * EPS;
+
+    /// What the mirrored direction of a ray of length 1 is off by, if that of the ray is off by `tilt`: a mirror turns a
+    /// direction twice as far as its normal is turned, once in each factor, and takes ten roundings.
+    pub(crate) fn mirrored_tilt(&self, placement: &Placement, tilt: f64) -> f64 {
+        let normal = self.blur / placement.radius(self.radius) + 4.0 * EPS;
+        tilt + 4.0 * normal + 10.0 * EPS
+    }
+
+    /// The ray from here in a direction of length 1 that is off by `tilt`.
+    #[inline(always)]
+    pub(crate) fn onward(&self, placement: &Placement, along: [f64; 3], tilt: f64) -> CertifiedRay {
+        CertifiedRay::in_unit(placement, self.center, along, f64::INFINITY, 0).beside(self.offset, self.blur, tilt)
+    }
+
+    /// Where a ray from here leaves the sphere of the point, which it goes through: the power of its start is 0.
+    #[inline(always)]
+    pub(crate) fn chord(&self, ray: &CertifiedRay) -> Bounds {
+        let (along, doubt) = (-2.0 * self.along(ray), 2.0 * self.doubt(ray));
+        let relative = 4.0 * EPS + 3.0 * ray.tilt();
+        let low = ((along - doubt) / ray.a * (1.0 - relative)).max(0.0);
+        let high = ((along + doubt) / ray.a * (1.0 + relative)).max(low);
+        Bounds { low, high, t: (along / ray.a).max(low).min(high), sure: along > doubt, outside: false }
     }
 
     /// The point that the judge gives for the hit of this sphere.

@@ -8,7 +8,7 @@ use crate::exact::Judge;
 use crate::frame::Aov;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::Scene;
+use crate::scene::{BOUNCES, Material, Scene};
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
 use crate::shade::Shade;
@@ -29,9 +29,16 @@ pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Result<Wanted> {
         let problem = "the buffer shadow needs a light, and the scene has none";
         return Err(Error::settings(problem, "add [[light]] to the scene, or use --sun"));
     }
-    let lit = !lighting.lights.is_empty() || lighting.sky.is_some();
+    let lit = !lighting.lights.is_empty() || lighting.sky.is_some() || bounces(scene) > 0;
     let color = lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]);
     Ok(Wanted { color, shadow, occlusion: settings.asks(&[Aov::Occlusion]) })
+}
+
+/// How often a ray of the picture goes on: not at all where no material asks for it.
+pub(super) fn bounces(scene: &Scene) -> u32 {
+    let materials = scene.spheres.materials.iter().flat_map(|materials| &materials.kinds);
+    let asked = materials.map(Material::bounces).any(|bounces| bounces);
+    if asked { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
 }
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
@@ -95,6 +102,7 @@ impl Renderer {
             directions: &directions,
             disc: &disc,
             seed: settings.seed,
+            bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);
         lighting.fill(ids, &mut lit, &|pixels| doing.next(pixels));

@@ -1,4 +1,4 @@
-//! The colour that a surface reflects of lights and the sky, by Lambert's law, in linear RGB.
+//! What a surface reflects of lights and the sky, in linear RGB.
 
 use glam::DVec3;
 
@@ -6,81 +6,50 @@ use glam::DVec3;
 /// open sky is white.
 const BESIDE_LIGHTS: f64 = 0.5;
 
-/// The light that a surface of white colour reflects, and what it shines with itself.
+/// The white light that a surface gets from the sky, which is open in this share, or absent.
+pub(crate) fn of_sky(open: Option<f64>, lights: bool) -> f64 {
+    open.map_or(0.0, |open| if lights { BESIDE_LIGHTS * open } else { open })
+}
+
+/// The cap of a sphere that shines.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reflected {
-    white: [f64; 3],
-    shine: [f64; 3],
+pub(crate) struct Cap {
+    from: DVec3,
+    /// Toward the centre, and across.
+    axes: [DVec3; 3],
+    distance: f64,
+    radius: f64,
+    /// One minus the cosine of the angle at which it is seen.
+    versine: f64,
 }
 
-impl Reflected {
-    /// The part of the sky, which is open in this share, or absent.
-    pub(crate) fn of_sky(open: Option<f64>, lights: bool) -> Self {
-        let sky = open.map_or(0.0, |open| if lights { BESIDE_LIGHTS * open } else { open });
-        Self { white: [sky; 3], shine: [0.0; 3] }
-    }
-
-    /// Adds a light whose mean cosine over the part that is not hidden is `cosine`.
-    pub(crate) fn add(&mut self, color: [f32; 3], intensity: f32, cosine: f64) {
-        let factor = f64::from(intensity) * cosine;
-        self.white.iter_mut().zip(color).for_each(|(sum, c)| *sum += f64::from(c) * factor);
-    }
-
-    /// Adds the light that the surface shines with.
-    pub(crate) fn shine(&mut self, color: [f32; 3], intensity: f32) {
-        self.shine.iter_mut().zip(color).for_each(|(sum, c)| *sum += f64::from(c * intensity));
-    }
-
-    /// The colour of a surface that reflects `own` of white light.
-    pub(crate) fn color(&self, own: [f32; 3]) -> [f32; 3] {
-        std::array::from_fn(|n| (f64::from(own[n]) * self.white[n] + self.shine[n]) as f32)
-    }
-}
-
-/// The part of a sphere that a point sees.
-pub(crate) mod of_light {
-    use super::DVec3;
-
-    /// The cap of a sphere that shines.
-    #[derive(Debug, Clone, Copy)]
-    pub(crate) struct Cap {
-        from: DVec3,
-        /// Toward the centre, and across.
-        axes: [DVec3; 3],
-        distance: f64,
-        radius: f64,
-        /// One minus the cosine of the angle at which it is seen.
-        versine: f64,
-    }
-
-    impl Cap {
-        /// As seen from a point; `None` from inside the sphere.
-        pub(crate) fn new(from: DVec3, center: DVec3, radius: f64) -> Option<Self> {
-            let away = center - from;
-            let distance = away.length();
-            if !(distance > radius) {
-                return None;
-            }
-            let axis = away / distance;
-            let (across, up) = axis.any_orthonormal_pair();
-            let sine = radius / distance;
-            // 1 - cos = sin^2 / (1 + cos), which keeps small angles.
-            let versine = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
-            Some(Self { from, axes: [axis, across, up], distance, radius, versine })
+impl Cap {
+    /// As seen from a point; `None` from inside the sphere.
+    pub(crate) fn new(from: DVec3, center: DVec3, radius: f64) -> Option<Self> {
+        let away = center - from;
+        let distance = away.length();
+        if !(distance > radius) {
+            return None;
         }
+        let axis = away / distance;
+        let (across, up) = axis.any_orthonormal_pair();
+        let sine = radius / distance;
+        // 1 - cos = sin^2 / (1 + cos), which keeps small angles.
+        let versine = sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+        Some(Self { from, axes: [axis, across, up], distance, radius, versine })
+    }
 
-        /// The point of the surface at a point of the unit disc: equal areas of the disc have equal solid angles.
-        pub(crate) fn point(&self, [x, y]: [f64; 2]) -> DVec3 {
-            let area = x * x + y * y;
-            let lowered = self.versine * area;
-            let sine2 = lowered * (2.0 - lowered);
-            // The direction's part across is its sine along (x, y).
-            let scale = if area > 0.0 { (sine2 / area).sqrt() } else { 0.0 };
-            let cosine = 1.0 - lowered;
-            let direction = self.axes[0] * cosine + (self.axes[1] * x + self.axes[2] * y) * scale;
-            // Where it enters the sphere.
-            let half = (self.radius * self.radius - self.distance * self.distance * sine2).max(0.0).sqrt();
-            self.from + direction * (self.distance * cosine - half)
-        }
+    /// The point of the surface at a point of the unit disc: equal areas of the disc have equal solid angles.
+    pub(crate) fn point(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let area = x * x + y * y;
+        let lowered = self.versine * area;
+        let sine2 = lowered * (2.0 - lowered);
+        // The direction's part across is its sine along (x, y).
+        let scale = if area > 0.0 { (sine2 / area).sqrt() } else { 0.0 };
+        let cosine = 1.0 - lowered;
+        let direction = self.axes[0] * cosine + (self.axes[1] * x + self.axes[2] * y) * scale;
+        // Where it enters the sphere.
+        let half = (self.radius * self.radius - self.distance * self.distance * sine2).max(0.0).sqrt();
+        self.from + direction * (self.distance * cosine - half)
     }
 }

@@ -39,7 +39,7 @@ fn scene(eye: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
 /// A light from the side, so that there are shadows.
 fn lighting() -> Lighting {
     let lights = vec![Light::white(LightSource::Direction(DVec3::new(1.0, 2.0, 0.5)))];
-    Lighting { lights, shadows: true, sky: None }
+    Lighting { lights, shadows: true, ..Lighting::default() }
 }
 
 fn scenes() -> Vec<(&'static str, Scene)> {

@@ -1,0 +1,211 @@
+//! Rays that go on from mirrors and through glass.
+
+use super::Lighting;
+use super::point::PointLight;
+use crate::certify::given::{Bounds, CertifiedRay};
+use crate::certify::surface::SurfacePoint;
+use crate::scene::Material;
+use crate::search::tree::lanes::Lanes;
+use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::{BoxRay, Tree};
+use crate::shade::optics::{reflected, refracted, schlick};
+use crate::view::directions::{PixelSample, SkyDirections};
+use glam::DVec3;
+
+/// A ray with less weight than this is not followed: it changes a picture of 8 bits by less than half a level.
+const NEGLIGIBLE: f64 = 1.0 / 512.0;
+
+/// A ray that goes on.
+#[derive(Debug, Clone, Copy)]
+struct Onward {
+    from: SurfacePoint,
+    /// Of length 1, off by `tilt`.
+    along: DVec3,
+    tilt: f64,
+    /// It goes through the sphere that it starts from.
+    within: bool,
+    /// The part of its light that reaches the eye.
+    weight: DVec3,
+    /// How many rays came before it.
+    depth: u32,
+    proved: bool,
+}
+
+/// The rays of one pixel that are still to be followed.
+#[derive(Default)]
+pub(super) struct Bounces {
+    waiting: Vec<Onward>,
+}
+
+impl Bounces {
+    /// The light that reaches a point over mirrors and glass, toward where a ray in the unit direction `along` comes from,
+    /// and whether every ray of it is proved.
+    #[inline(always)]
+    pub(super) fn follow<L: Lanes>(
+        &mut self,
+        lanes: L,
+        at_point: &mut PointLight<'_>,
+        (point, along): (SurfacePoint, DVec3),
+        at: PixelSample,
+    ) -> (DVec3, bool) {
+        let lighting = at_point.of;
+        let (mut sum, mut proved) = (DVec3::ZERO, true);
+        let first = Onward {
+            from: point,
+            along,
+            tilt: SurfacePoint::VIEWING_TILT,
+            within: false,
+            weight: DVec3::ONE,
+            depth: 0,
+            proved: true,
+        };
+        self.push(lighting, &first, &point, at);
+        while let Some(ray) = self.waiting.pop() {
+            let (hit, sure) = ray.nearest(lanes, lighting.tree);
+            let known = ray.proved && sure;
+            proved &= known;
+            let Some(hit) = hit else {
+                sum += ray.weight * DVec3::from_array(lighting.scene.image.background.map(f64::from));
+                continue;
+            };
+            let (hit, sharp) = match lighting.judge {
+                Some(_) if hit.is_sharp(&lighting.tree.placement) => (hit, true),
+                _ => (hit.trusted(&lighting.tree.placement), false),
+            };
+            proved &= sharp || lighting.judge.is_none();
+            // Light passes through the far side of a clear sphere.
+            let clear = match lighting.material(hit.id) {
+                Material::Phong { transmission, .. } => transmission > 0.0,
+                Material::Metal { .. } => false,
+                Material::Glass { .. } => true,
+            };
+            if hit.outside || !clear {
+                at_point.see(lanes, &hit, ray.along, at);
+                proved &= !at_point.give_up();
+                sum += ray.weight * at_point.color(&hit, ray.along);
+            }
+            if ray.depth < lighting.bounces {
+                self.push(lighting, &Onward { proved: known && sharp, ..ray }, &hit, at);
+            }
+        }
+        (sum, proved)
+    }
+
+    /// Adds the rays that go on where `ray` meets a point.
+    fn push(&mut self, lighting: &Lighting<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
+        let (normal, along) = (DVec3::from_array(point.normal), ray.along);
+        let depth = ray.depth + 1;
+        let mirror = |weight: DVec3| Onward {
+            from: *point,
+            along: reflected(along, normal),
+            tilt: point.mirrored_tilt(&lighting.tree.placement, ray.tilt),
+            within: !point.outside,
+            weight: ray.weight * weight,
+            depth,
+            ..*ray
+        };
+        let through = |weight: DVec3, index: f64| {
+            let eta = if point.outside { 1.0 / index } else { index };
+            match refracted(along, normal, eta) {
+                // What is refracted is not proved.
+                Some(along) => {
+                    let within = point.outside;
+                    Onward { along, tilt: 0.0, within, proved: false, ..mirror(weight) }
+                }
+                None => mirror(weight),
+            }
+        };
+        match lighting.material(point.id) {
+            Material::Phong { specular, transmission, index, .. } => {
+                self.add((specular > 0.0 && point.outside).then(|| mirror(DVec3::splat(specular.into()))));
+                self.add((transmission > 0.0).then(|| through(DVec3::splat(transmission.into()), index)));
+            }
+            Material::Metal { fuzz } => {
+                let mut ray = mirror(lighting.own_color(point.id));
+                if fuzz > 0.0 {
+                    let mut scattered = [[0.0f32; 3]];
+                    let sample = at.sample ^ depth << 24;
+                    SkyDirections::new(1).of(PixelSample { sample, ..at }, &mut scattered);
+                    let aside = DVec3::from_array(scattered[0].map(f64::from)) * f64::from(fuzz);
+                    let along = ray.along + aside;
+                    ray = Onward { along: along.normalize(), proved: false, ..ray };
+                }
+                // What is scattered into the metal is lost.
+                self.add((ray.along.dot(normal) > 0.0).then_some(ray));
+            }
+            Material::Glass { index } => {
+                let share = schlick(-along.dot(normal), if point.outside { 1.0 / index } else { index });
+                self.add(Some(mirror(DVec3::splat(share))));
+                self.add(Some(through(DVec3::splat(1.0 - share), index)));
+            }
+        }
+    }
+
+    fn add(&mut self, ray: Option<Onward>) {
+        self.waiting.extend(ray.filter(|ray| ray.weight.max_element() >= NEGLIGIBLE));
+    }
+}
+
+impl Onward {
+    /// The point that it meets first, and whether that is certain.
+    #[inline(always)]
+    fn nearest<L: Lanes>(&self, lanes: L, tree: &Tree) -> (Option<SurfacePoint>, bool) {
+        let ray = self.from.onward(&tree.placement, self.along.to_array(), self.tilt);
+        let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
+            return (None, true);
+        };
+        let own = self.within.then(|| (OWN, self.from.chord(&ray)));
+        let limit = boxes.limit(own.map_or(f64::INFINITY, |(_, bounds)| bounds.high));
+        let (boxes, rival) = (&boxes, f64::INFINITY);
+        let mut search = Nearest { lanes, tree, ray: &ray, boxes, from: &self.from, limit, best: own, rival };
+        walk(lanes, tree, boxes, limit, &mut search);
+        let Some((place, bounds)) = search.best else {
+            return (None, search.rival == f64::INFINITY);
+        };
+        let sphere = match place {
+            OWN => (self.from.id, self.from.center, self.from.radius),
+            place => {
+                let [x, y, z, radius] = tree.spheres[place];
+                (tree.ids[place], [x, y, z], radius)
+            }
+        };
+        (Some(SurfacePoint::met(&ray, &bounds, sphere)), search.rival > bounds.high)
+    }
+}
+
+/// The place of the sphere that the ray starts from.
+const OWN: usize = usize::MAX;
+
+struct Nearest<'a, L> {
+    lanes: L,
+    tree: &'a Tree,
+    ray: &'a CertifiedRay,
+    boxes: &'a BoxRay,
+    from: &'a SurfacePoint,
+    limit: f32,
+    best: Option<(usize, Bounds)>,
+    /// The least t at which any other sphere may be hit.
+    rival: f64,
+}
+
+impl<L: Lanes> Test for Nearest<'_, L> {
+    #[inline(always)]
+    fn test(&mut self, block: u32) -> f32 {
+        for place in may_meet(self.lanes, self.tree, block, self.boxes, self.limit) {
+            let [x, y, z, radius] = self.tree.spheres[place];
+            if ([x, y, z], radius) == (self.from.center, self.from.radius) {
+                continue;
+            }
+            let Some(bounds) = self.ray.meet([x, y, z], radius) else { continue };
+            let best = self.best.map_or(f64::INFINITY, |(_, best)| best.high);
+            if !bounds.sure || bounds.high >= best {
+                self.rival = self.rival.min(bounds.low);
+                continue;
+            }
+            self.rival = self.rival.min(self.best.map_or(f64::INFINITY, |(_, best)| best.low));
+            self.best = Some((place, bounds));
+            self.limit = self.boxes.limit(bounds.high);
+        }
+        self.limit
+    }
+}

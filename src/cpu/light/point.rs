@@ -1,0 +1,299 @@
+//! What one point sees of lights and sky.
+
+use super::super::given_certified::AnyHit;
+use super::super::hidden::LightRay;
+use super::Lighting;
+use crate::certify::given::{CertifiedRay, dot};
+use crate::certify::surface::{Own, SurfacePoint};
+use crate::exact::{LightQuestion, Toward};
+use crate::scene::{LightSource, Material};
+use crate::search::tree::lanes::Lanes;
+use crate::shade::lit::{self, Cap};
+use crate::view::directions::PixelSample;
+use crate::view::ray::NONE;
+use glam::{DVec3, Vec3};
+
+/// The rays of one light from one point.
+#[derive(Debug, Clone, Copy, Default)]
+struct LightShare {
+    /// Rays, and those of them that are hidden.
+    rays: u32,
+    hidden: u32,
+    /// The sum of the cosines of the others, and of their highlights.
+    reflected: f64,
+    gloss: f64,
+    /// The point is on the light.
+    shines: bool,
+}
+
+impl LightShare {
+    /// Adds a ray that is not hidden, with its cosine and its highlight.
+    fn add(&mut self, [cosine, gloss]: [f64; 2]) {
+        self.reflected += cosine;
+        self.gloss += gloss;
+    }
+
+    fn hidden(&self) -> f32 {
+        if self.rays == 0 { 0.0 } else { (f64::from(self.hidden) / f64::from(self.rays)) as f32 }
+    }
+}
+
+/// The sky's rays from one point: their cosines, all of them and those that are open.
+#[derive(Debug, Clone, Copy, Default)]
+struct SkyShare {
+    all: f64,
+    open: f64,
+}
+
+impl SkyShare {
+    fn open(&self) -> f64 {
+        if self.all > 0.0 { self.open / self.all } else { 1.0 }
+    }
+}
+
+/// What an unsure ray counts for.
+#[derive(Debug, Clone, Copy)]
+enum Of {
+    Light(usize, [f64; 2]),
+    Sky(f64),
+}
+
+/// Lights and sky at one point after the other.
+pub(super) struct PointLight<'a> {
+    pub(super) of: &'a Lighting<'a>,
+    lights: Vec<LightShare>,
+    sky: SkyShare,
+    /// The direction in which a mirror would reflect the ray, and the exponent of highlights; 0 for none.
+    mirrored: [f64; 3],
+    shine: f32,
+    unsure: Vec<(Of, LightQuestion)>,
+    directions: Vec<[f32; 3]>,
+    disc: Vec<[f64; 2]>,
+}
+
+impl<'a> PointLight<'a> {
+    pub(super) fn new(of: &'a Lighting<'a>) -> Self {
+        Self {
+            of,
+            lights: vec![LightShare::default(); of.scene.lighting.lights.len()],
+            sky: SkyShare::default(),
+            mirrored: [0.0; 3],
+            shine: 0.0,
+            unsure: Vec::new(),
+            directions: vec![[0.0; 3]; of.directions.len()],
+            disc: vec![[0.0; 2]; of.disc.len()],
+        }
+    }
+
+    /// Asks all lights and the sky at a point that a ray meets in the unit direction `along`.
+    #[inline(always)]
+    pub(super) fn see<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, along: DVec3, at: PixelSample) {
+        self.unsure.clear();
+        self.sky = SkyShare::default();
+        self.mirrored = (along - 2.0 * along.dot(point.normal.into()) * DVec3::from_array(point.normal)).to_array();
+        self.shine = match self.of.material(point.id) {
+            Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
+            _ => 0.0,
+        };
+        for n in 0..self.lights.len() {
+            self.lights[n] = LightShare::default();
+            self.light(lanes, point, n, at);
+        }
+        if self.of.sky.is_some() {
+            self.sky(lanes, point, at);
+        }
+    }
+
+    /// Share of each light that is hidden.
+    pub(super) fn hidden(&self) -> impl Iterator<Item = f32> {
+        self.lights.iter().map(LightShare::hidden)
+    }
+
+    /// Share of the sky that is open.
+    pub(super) fn open(&self) -> f64 {
+        self.sky.open()
+    }
+
+    #[inline(always)]
+    fn light<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, n: usize, at: PixelSample) {
+        let spheres = &self.of.scene.spheres;
+        match self.of.scene.lighting.lights[n].source {
+            LightSource::Direction(direction) => {
+                self.light_ray(lanes, point, n, &Toward::Direction(direction.to_array()), NONE);
+            }
+            LightSource::Point(position) => {
+                self.light_ray(lanes, point, n, &Toward::Point(position.to_array()), NONE);
+            }
+            LightSource::Sphere(id) if id == point.id => self.lights[n].shines = true,
+            LightSource::Sphere(id) => {
+                let ball = (DVec3::from_array(spheres.centers[id as usize]), spheres.radii[id as usize]);
+                self.ball(lanes, point, n, ball, id, at);
+            }
+            LightSource::Ball { center, radius } => self.ball(lanes, point, n, (center, radius), NONE, at),
+        }
+    }
+
+    /// A light with a size: points of its surface, spread evenly over the solid angle that the point sees.
+    #[inline(always)]
+    fn ball<L: Lanes>(
+        &mut self,
+        lanes: L,
+        point: &SurfacePoint,
+        n: usize,
+        (center, radius): (DVec3, f64),
+        light: u32,
+        at: PixelSample,
+    ) {
+        let from = point.world();
+        self.of.disc.of(at, n as u32, &mut self.disc);
+        let Some(cap) = Cap::new(from, center, radius) else {
+            // Inside the light.
+            self.lights[n].reflected = 1.0;
+            return;
+        };
+        for k in 0..self.disc.len() {
+            let toward = Toward::Point(cap.point(self.disc[k]).to_array());
+            self.light_ray(lanes, point, n, &toward, light);
+        }
+    }
+
+    #[inline(always)]
+    fn light_ray<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
+        let tree = self.of.tree;
+        let ray = point.ray(&tree.placement, toward);
+        let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
+        let seen = [cosine, ray.as_ref().map_or(0.0, |ray| self.highlight(ray))];
+        self.lights[n].rays += 1;
+        let shadows = self.of.wanted.shadow || self.of.scene.lighting.shadows;
+        let answer = match &ray {
+            _ if !shadows => AnyHit::Free,
+            Some(ray) if !self.of.exact => LightRay { tree, point, ray, light }.answer(lanes),
+            _ => AnyHit::Unsure,
+        };
+        match answer {
+            AnyHit::Free => self.lights[n].add(seen),
+            AnyHit::Blocked => self.hide(n, seen),
+            AnyHit::Unsure => {
+                // A ray of unknown direction may meet anything.
+                let among = match &ray {
+                    Some(ray) => LightRay { tree, point, ray, light }.candidates(),
+                    None => tree.others(light),
+                };
+                let question = LightQuestion { toward: *toward, turned: false, among };
+                self.unsure.push((Of::Light(n, seen), question));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn sky<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, at: PixelSample) {
+        let (tree, reach) = (self.of.tree, self.of.sky.map_or(f64::INFINITY, |sky| sky.reach));
+        self.of.directions.of(at, &mut self.directions);
+        for k in 0..self.directions.len() {
+            let direction = self.directions[k].map(f64::from);
+            let toward = |direction: [f64; 3]| match reach {
+                f64::INFINITY => Toward::Direction(direction),
+                reach => Toward::Within { direction, reach },
+            };
+            let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
+            let (cosine, side) = point.cosine(&ray);
+            let weight = cosine.abs();
+            self.sky.all += weight;
+            let (toward, ray) = match side {
+                Own::Open if !self.of.exact => (toward(direction), ray),
+                Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
+                _ => {
+                    let both =
+                        [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: NONE }.candidates());
+                    let question = LightQuestion { toward: toward(direction), turned: true, among: both.concat() };
+                    self.unsure.push((Of::Sky(weight), question));
+                    continue;
+                }
+            };
+            let ray = LightRay { tree, point, ray: &ray, light: NONE };
+            // From outside the sphere of the point does not hide what is on the side of its normal.
+            match if point.outside { ray.others(lanes) } else { ray.answer(lanes) } {
+                AnyHit::Free => self.sky.open += weight,
+                AnyHit::Blocked => {}
+                AnyHit::Unsure => {
+                    let among = ray.candidates();
+                    self.unsure.push((Of::Sky(weight), LightQuestion { toward, turned: false, among }));
+                }
+            }
+        }
+    }
+
+    /// Counts a ray that is hidden.
+    fn hide(&mut self, n: usize, seen: [f64; 2]) {
+        self.lights[n].hidden += 1;
+        if !self.of.scene.lighting.shadows {
+            self.lights[n].add(seen);
+        }
+    }
+
+    /// The highlight of a light in this direction, by Phong's law.
+    #[inline(always)]
+    fn highlight(&self, ray: &CertifiedRay) -> f64 {
+        if self.shine == 0.0 {
+            return 0.0;
+        }
+        let cosine = dot(self.mirrored, ray.direction) / ray.a.sqrt();
+        if cosine > 0.0 { cosine.powf(f64::from(self.shine)) } else { 0.0 }
+    }
+
+    /// Lets the judge decide the unsure rays of the viewing ray at this row and column; whether there were any. Without a
+    /// judge they are hidden.
+    pub(super) fn settle(&mut self, point: &SurfacePoint, [i, j]: [u32; 2]) -> bool {
+        if self.unsure.is_empty() {
+            return false;
+        }
+        let (of, asked): (Vec<Of>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
+        let answers = self.of.judge.and_then(|judge| judge.ask(i, j, (point.center, point.radius), &asked));
+        let answers = answers.unwrap_or_else(|| vec![true; asked.len()]);
+        of.into_iter().zip(answers).for_each(|(of, hidden)| self.count(of, hidden));
+        true
+    }
+
+    /// Takes the unsure rays for hidden; whether there were any.
+    pub(super) fn give_up(&mut self) -> bool {
+        let unsure = std::mem::take(&mut self.unsure);
+        unsure.iter().for_each(|(of, _)| self.count(*of, true));
+        !unsure.is_empty()
+    }
+
+    fn count(&mut self, of: Of, hidden: bool) {
+        match (of, hidden) {
+            (Of::Light(n, seen), true) => self.hide(n, seen),
+            (Of::Light(n, seen), false) => self.lights[n].add(seen),
+            (Of::Sky(_), true) => {}
+            (Of::Sky(weight), false) => self.sky.open += weight,
+        }
+    }
+
+    /// The light that the point reflects of lights and the sky, or shines with, toward where a ray in the unit direction
+    /// `along` comes from.
+    pub(super) fn color(&self, point: &SurfacePoint, along: DVec3) -> DVec3 {
+        let scene = self.of.scene;
+        let own = self.of.own_color(point.id);
+        let lights = &scene.lighting.lights;
+        let (diffuse, specular) = match self.of.material(point.id) {
+            Material::Phong { diffuse, specular, .. } => (diffuse, specular),
+            Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
+        };
+        let mut white = match scene.lighting.sky {
+            None if lights.is_empty() => DVec3::splat((-along.dot(point.normal.into())).max(0.0)),
+            sky => DVec3::splat(lit::of_sky(sky.map(|_| self.sky.open()), !lights.is_empty())),
+        };
+        let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
+        for (light, share) in lights.iter().zip(&self.lights) {
+            let color = Vec3::from_array(light.color).as_dvec3() * f64::from(light.intensity);
+            let rays = f64::from(share.rays.max(1));
+            white += color * (share.reflected / rays);
+            gloss += color * (share.gloss / rays);
+            if share.shines {
+                shine += color;
+            }
+        }
+        own * white * f64::from(diffuse) + gloss * f64::from(specular) + shine
+    }
+}
