@@ -119,10 +119,10 @@ impl Render {
                 printed.insert(words);
             }
         };
-        picture.look.words().into_iter().for_each(&mut once);
         once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;
+        picture.look.words().into_iter().for_each(&mut once);
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             once(frame.report.reason.clone());
         }

@@ -170,7 +170,7 @@ impl Sky {
             let problem = format!("the sky cannot have {} rays", self.rays);
             return Err(Error::scene(place("rays"), problem, format!("give a whole number between 1 and {MOST_RAYS}")));
         }
-        if !(self.reach > 0.0) {
+        if self.reach.is_nan() || self.reach <= 0.0 {
             let problem = format!("the reach is {}", self.reach);
             return Err(Error::scene(place("reach"), problem, "give a positive length, or remove it"));
         }
