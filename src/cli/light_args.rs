@@ -107,7 +107,7 @@ impl LightArgs {
     /// [`Error::Settings`] for a reach without a sky; the camera's.
     pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
         let mut picture = self.look(request);
-        let Lighting { lights, shadows, sky } = &mut scene.lighting;
+        let Lighting { lights, shadows, sky, .. } = &mut scene.lighting;
         lights.extend(self.sun.iter().map(|sun| Light::white(LightSource::Direction(*sun))));
         if lights.is_empty() && (self.shadows || picture.look == Look::Soft) {
             lights.push(Light::above_left(&scene.camera)?);

@@ -3,7 +3,7 @@
 use super::renderer::Renderer;
 use crate::answers::lit::Lit;
 use crate::cpu::light::{Lighting, Wanted};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::exact::Judge;
 use crate::frame::Aov;
 use crate::memory::Pool;
@@ -19,19 +19,14 @@ use crate::view::directions::{DiscPoints, SkyDirections};
 const LIGHT_POINTS: u32 = 64;
 
 /// What the settings request of lights and sky.
-///
-/// # Errors
-/// [`Error::Settings`] for shadows without lights.
-pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Result<Wanted> {
+pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
     let lighting = &scene.lighting;
-    let shadow = settings.asks(&[Aov::Shadow]);
-    if shadow && lighting.lights.is_empty() {
-        let problem = "the buffer shadow needs a light, and the scene has none";
-        return Err(Error::settings(problem, "add [[light]] to the scene, or use --sun"));
-    }
     let lit = !lighting.lights.is_empty() || lighting.sky.is_some() || bounces(scene) > 0;
-    let color = lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]);
-    Ok(Wanted { color, shadow, occlusion: settings.asks(&[Aov::Occlusion]) })
+    Wanted {
+        color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
+        shadow: settings.asks(&[Aov::Shadow]),
+        occlusion: settings.asks(&[Aov::Occlusion]),
+    }
 }
 
 /// How often a ray of the picture goes on: not at all where no material asks for it.
@@ -65,7 +60,7 @@ impl Renderer {
     /// What lights and sky give to the pixels that show these spheres.
     ///
     /// # Errors
-    /// [`Error::Interrupted`], and [`Error::Limits`] where memory is short.
+    /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
     pub(super) fn light(
         &self,
         setup: &LightSetup,
@@ -80,9 +75,7 @@ impl Renderer {
         lit.color = pool.values(some(wanted.color, 3))?;
         lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
         lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
-        // The buffer alone does not light the picture.
-        let sky = scene.lighting.sky.or(wanted.occlusion.then(Default::default));
-        let sky = sky.filter(|_| wanted.occlusion || wanted.color);
+        let sky = if wanted.occlusion { settings.sky(scene) } else { scene.lighting.sky };
         let sized = lights.iter().any(|light| light.source.has_size());
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
         let samples = view.record.strata * view.record.strata;

@@ -65,7 +65,7 @@ impl Plan {
             return Err(search::only_given_rays());
         }
         let mut plan = Self::for_method(settings)?;
-        plan.wanted = super::light::wanted(scene, settings)?;
+        plan.wanted = super::light::wanted(scene, settings);
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.wanted.color);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
