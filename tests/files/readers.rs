@@ -157,7 +157,7 @@ reach = 2.5
     let path = folder.path().join("s.toml");
     // The spheres that a light may name include those of files, wherever the tables are.
     std::fs::write(&path, format!("{TOML}{lines}[[spheres]]\nfile = 'a.csv'\n")).expect("written");
-    let Lighting { lights, shadows, sky } = Scene::read(&path, &ReadOptions::default()).expect("a scene").lighting;
+    let Lighting { lights, shadows, sky, .. } = Scene::read(&path, &ReadOptions::default()).expect("a scene").lighting;
     let place = DVec3::new(4.0, 3.0, 2.0);
     let expected = [
         Light::white(LightSource::Direction(DVec3::new(-1.0, 2.5, 1e-3))),
