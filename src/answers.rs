@@ -2,11 +2,10 @@
 //! averaged, and the values get their units.
 
 pub(crate) mod assemble;
-#[cfg_attr(not(test), expect(dead_code, reason = "no setting asks for it yet"))]
 pub(crate) mod depth_cue;
+pub(crate) mod finish;
 pub(crate) mod lit;
 pub(crate) mod raw;
 pub(crate) mod samples;
 pub(crate) mod settle;
-#[cfg_attr(not(test), expect(dead_code, reason = "no setting asks for it yet"))]
 pub(crate) mod silhouette;

@@ -52,7 +52,7 @@ impl Need {
         };
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
-            let colors = u64::from(kernel.shade.is_some());
+            let colors = u64::from(kernel.shade.is_some() || plan.wanted.color);
             bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);

@@ -68,8 +68,8 @@ impl Renderer {
         let plan = Plan::new(scene, settings, &mut |method| self.check_method(method).is_ok())?;
         let window = settings.window_of(scene)?;
         settings.check_lighting(scene)?;
-        let samples =
-            Raster::samples(window, settings.samples, settings.seed, &scene.image)?.filter(|_| plan.sampled.is_some());
+        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let samples = plan.sampled.map(|_| samples.unwrap_or(Raster::centres(window)));
         let rays = FrameRays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
         self.check_method(plan.kernel.method)?;

@@ -3,6 +3,7 @@
 mod choose;
 mod search;
 
+use crate::answers::finish::Finish;
 use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -33,9 +34,13 @@ pub struct Plan {
     /// What is computed of lights and sky.
     #[serde(skip)]
     pub(crate) wanted: Wanted,
+    /// What is drawn over the colours.
+    #[serde(skip)]
+    pub(crate) finish: Option<Finish>,
     #[serde(skip)]
     pub(crate) kernel: Kernel,
-    /// The kernel of the samples, with several samples per pixel; `kernel` then computes no colour.
+    /// The kernel of the samples, with several samples per pixel or where something is drawn over the colours; `kernel` then
+    /// computes no colour.
     #[serde(skip)]
     pub(crate) sampled: Option<Kernel>,
 }
@@ -65,6 +70,10 @@ impl Plan {
             return Err(search::only_given_rays());
         }
         let mut plan = Self::for_method(settings)?;
+        let (silhouette, depth_cue) = (settings.silhouette, settings.depth_cue);
+        // Touching spheres of flat colours would run into each other.
+        let between = settings.shade == Shade::Flat;
+        plan.finish = (silhouette || depth_cue).then_some(Finish { silhouette, between, depth_cue });
         plan.wanted = super::light::wanted(scene, settings);
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.wanted.color);
         plan.kernel.shade = shade;
@@ -83,7 +92,8 @@ impl Plan {
         (plan.search, plan.search_reason) =
             search::for_viewing_rays(settings.search, plan.kernel.certify, scene.spheres.len());
         plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
-        if settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
+        let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
+        if finished || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
             plan.sampled =
                 Some(Kernel { samples: true, t: false, normal: false, depth_interval: false, ..plan.kernel });
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
@@ -114,6 +124,7 @@ impl Plan {
             search,
             search_reason,
             wanted: Wanted::default(),
+            finish: None,
             kernel,
             sampled: None,
         })
