@@ -56,6 +56,24 @@ impl Window {
         })
     }
 
+    /// The window with so many pixels more on all sides, as far as the frame of `width` x `height` reaches.
+    #[must_use]
+    pub fn grown(self, margin: u32, width: u32, height: u32) -> Self {
+        Self {
+            x0: self.x0.saturating_sub(margin),
+            y0: self.y0.saturating_sub(margin),
+            x1: self.x1.saturating_add(margin).min(width),
+            y1: self.y1.saturating_add(margin).min(height),
+        }
+    }
+
+    /// The place of this window in another that contains it.
+    #[must_use]
+    pub fn inside(self, outer: Self) -> Self {
+        let Self { x0, y0, .. } = outer;
+        Self { x0: self.x0 - x0, y0: self.y0 - y0, x1: self.x1 - x0, y1: self.y1 - y0 }
+    }
+
     /// Columns.
     #[must_use]
     pub fn width(&self) -> u32 {

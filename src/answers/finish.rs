@@ -1,7 +1,7 @@
 //! What is drawn over the colours of a frame or of a sample of it: silhouettes and depth cue.
 
 use super::depth_cue::DepthCue;
-use super::silhouette::{PixelSize, Shown, with_margin};
+use super::silhouette::{MARGIN, PixelSize, Shown};
 use crate::double_double as dd;
 use crate::scene::Scene;
 use crate::view::View;
@@ -20,37 +20,26 @@ pub(crate) struct Finish {
 }
 
 impl Finish {
-    /// The window to render, which is wider than `window` where lines depend on neighbours, and the place of `window` in
-    /// it.
-    pub(crate) fn windows(self, window: Window, width: u32, height: u32) -> [Window; 2] {
-        if self.silhouette {
-            return with_margin(window, width, height);
-        }
-        [window, Window { x0: 0, y0: 0, x1: window.width(), y1: window.height() }]
+    /// How many pixels around a window its lines depend on.
+    pub(crate) fn margin(self) -> u32 {
+        if self.silhouette { MARGIN } else { 0 }
     }
 
-    /// Draws over the colours of `part`, from what the whole view shows.
+    /// Fades the colours of a view's rays.
+    pub(crate) fn fade(self, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
+        if let Some(cue) = DepthCue::of(scene, &view.basis).filter(|_| self.depth_cue) {
+            cue.apply(ids, &depths(scene, view, ids), scene.image.background, color);
+        }
+    }
+
+    /// Draws the lines of `part` over its colours, from what the pixels' centres of the whole view show.
     pub(crate) fn draw(self, scene: &Scene, view: &View, ids: &[u32], part: Window, color: &mut [f32]) {
-        let depths = depths(scene, view, ids);
-        let width = view.record.columns as usize;
         if self.silhouette {
+            let (depths, width) = (depths(scene, view, ids), view.record.columns as usize);
             let (pixel, radii) = (PixelSize::of(view), &scene.spheres.radii);
             Shown { width, ids, depths: &depths, radii, pixel }.draw(part, self.between, color);
         }
-        if let Some(cue) = DepthCue::of(scene, &view.basis).filter(|_| self.depth_cue) {
-            let (ids, depths) = (cut(ids, width, part, 1), cut(&depths, width, part, 1));
-            cue.apply(&ids, &depths, scene.image.background, color);
-        }
     }
-}
-
-/// The numbers of a part of a rectangle, `each` per pixel.
-pub(crate) fn cut<T: Copy + Send + Sync>(all: &[T], width: usize, part: Window, each: usize) -> Vec<T> {
-    let row = |y: u32| {
-        let first = (y as usize * width + part.x0 as usize) * each;
-        all[first..first + part.width() as usize * each].iter().copied()
-    };
-    (part.y0..part.y1).flat_map(row).collect()
 }
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss. f64 without a bound is good for pictures.

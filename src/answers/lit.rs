@@ -1,5 +1,8 @@
 //! What lights and the sky give to the pixels of a frame.
 
+use crate::view::ray::NONE;
+use crate::window::Window;
+
 /// The certainty of a pixel of which the judge decided a ray.
 pub(crate) const SETTLED: u8 = 1;
 /// That of a pixel of which a ray is not proved.
@@ -16,6 +19,37 @@ pub(crate) struct Lit {
     pub(crate) occlusion: Vec<f32>,
     /// Pixels that are less than certain in f64, in their order, and their certainty.
     pub(crate) unsure: Vec<(u32, u8)>,
+}
+
+/// The open share of the sky at the centres of a window's pixels, for the samples around them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OpenSky<'a> {
+    pub(crate) window: Window,
+    /// The sphere of each pixel, and the share at its hit.
+    pub(crate) ids: &'a [u32],
+    pub(crate) open: &'a [f32],
+}
+
+/// How many pixels around a sample [`OpenSky`] needs.
+pub(crate) const AROUND: u32 = 1;
+
+impl OpenSky<'_> {
+    /// The mean share over the pixels around this one that show the sphere, or over all that show any.
+    pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> f64 {
+        let Window { x0, y0, x1, y1 } = self.window;
+        let near = |at: u32, first: u32, end: u32| at.saturating_sub(AROUND).max(first)..(at + AROUND + 1).min(end);
+        let columns = || near(column, x0, x1);
+        let at = |y: u32, x: u32| ((y - y0) * (x1 - x0) + x - x0) as usize;
+        let pixels = || near(row, y0, y1).flat_map(move |y| columns().map(move |x| at(y, x)));
+        let mean = |shows: &dyn Fn(u32) -> bool| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for n in pixels().filter(|n| shows(self.ids[*n])) {
+                (sum, count) = (sum + f64::from(self.open[n]), count + 1.0);
+            }
+            (count > 0.0).then(|| sum / count)
+        };
+        mean(&|other| other == id).or_else(|| mean(&|other| other != NONE)).unwrap_or(1.0)
+    }
 }
 
 /// A run of consecutive pixels of a [`Lit`].

@@ -1,5 +1,6 @@
 //! Means over the samples of each pixel.
 
+use super::raw::Raw;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::view::ray::NONE;
@@ -33,9 +34,9 @@ impl Sums {
     }
 
     /// Adds one sample of every pixel.
-    pub(crate) fn add(&mut self, color: &[f32], ids: &[u32]) {
-        self.color.par_iter_mut().zip(color).for_each(|(sum, x)| *sum += f64::from(*x));
-        self.hits.par_iter_mut().zip(ids).for_each(|(hits, id)| *hits += u32::from(*id != NONE));
+    pub(crate) fn add(&mut self, raw: &Raw) {
+        self.color.par_iter_mut().zip(&raw.color).for_each(|(sum, x)| *sum += f64::from(*x));
+        self.hits.par_iter_mut().zip(&raw.id).for_each(|(hits, id)| *hits += u32::from(*id != NONE));
     }
 
     /// The means of `count` samples.

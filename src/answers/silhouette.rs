@@ -103,19 +103,6 @@ struct Spot {
     depth: f64,
 }
 
-/// The window with the neighbours of its pixels, as far as the frame of `width` x `height` reaches; and the window's
-/// place in it.
-pub(crate) fn with_margin(window: Window, width: u32, height: u32) -> [Window; 2] {
-    let wide = Window {
-        x0: window.x0.saturating_sub(MARGIN),
-        y0: window.y0.saturating_sub(MARGIN),
-        x1: window.x1.saturating_add(MARGIN).min(width),
-        y1: window.y1.saturating_add(MARGIN).min(height),
-    };
-    let [x, y] = [wide.x0, wide.y0];
-    [wide, Window { x0: window.x0 - x, y0: window.y0 - y, x1: window.x1 - x, y1: window.y1 - y }]
-}
-
 impl Shown<'_> {
     /// Draws the lines of the pixels of `part`, whose linear RGB is `color`; with `between`, also where two spheres meet
     /// without a gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.

@@ -135,7 +135,7 @@ impl PlanText<'_> {
             }
         }
         e.lit_by.iter().try_for_each(|light| writeln!(f, "           {light}"))?;
-        if let Some(Sky { rays, reach }) = e.occlusion {
+        if let Some(Sky { rays, reach, .. }) = e.occlusion {
             let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
             writeln!(f, "sky        {} for each point, {reach}", count(rays.into(), "ray"))?;
         }

@@ -6,7 +6,7 @@ mod tests;
 mod bounce;
 mod point;
 
-use crate::answers::lit::{Chunk, Lit, NOT_CERTIFIED, SETTLED};
+use crate::answers::lit::{Chunk, Lit, NOT_CERTIFIED, OpenSky, SETTLED};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
 use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky};
@@ -45,6 +45,8 @@ pub(crate) struct Lighting<'a> {
     pub(crate) directions: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
+    /// The open share of the sky at the hits of viewing rays, if it is known.
+    pub(crate) open: Option<OpenSky<'a>>,
     /// How often a ray goes on; 0 where no material asks for it.
     pub(crate) bounces: u32,
 }
@@ -138,7 +140,10 @@ impl Work for Task<'_, '_, '_> {
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
             let point = lighting.point(pixel, id);
             let along = lighting.direction(pixel);
-            at_point.see(lanes, &point, along, at);
+            match lighting.open {
+                None => at_point.see(lanes, &point, along, at),
+                Some(open) => at_point.see_lights(lanes, &point, along, at, open.around(row, column, id)),
+            }
             let settled = at_point.settle(&point, lighting.position(pixel));
             if shadow {
                 let shares = chunk.shadow[n * lights..(n + 1) * lights].iter_mut();

@@ -130,13 +130,15 @@ impl Renderer {
         let wanted = Wanted { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
         let lit = match &lights {
             Some(lights) if wanted.is_any() => {
-                timings.time("light", || self.light(lights, (scene, settings, view), wanted, &raw.id, &pool))?
+                timings.time("light", || self.light(lights, (scene, settings, view), wanted, (&raw.id, None), &pool))?
             }
             _ => Lit::default(),
         };
         let sampled = samples
             .zip(plan.sampled)
-            .map(|(raster, kernel)| self.sample(plan, kernel, (scene, settings, lights.as_ref()), raster, &mut timings))
+            .map(|(raster, kernel)| {
+                self.sample(plan, kernel, (scene, settings, lights.as_ref()), (raster, &raw.id), &mut timings)
+            })
             .transpose()?;
         let kernel_ms = self.kernel_ms();
         if let Some(shade) = plan.kernel.shade {

@@ -1,7 +1,7 @@
 //! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
 
 use super::renderer::Renderer;
-use crate::answers::lit::Lit;
+use crate::answers::lit::{Lit, OpenSky};
 use crate::cpu::light::{Lighting, Wanted};
 use crate::error::Result;
 use crate::exact::Judge;
@@ -66,7 +66,7 @@ impl Renderer {
         setup: &LightSetup,
         (scene, settings, view): (&Scene, &Settings, &View),
         wanted: Wanted,
-        ids: &[u32],
+        (ids, open): (&[u32], Option<OpenSky<'_>>),
         pool: &Pool,
     ) -> Result<Lit> {
         let mut lit = Lit::default();
@@ -95,6 +95,7 @@ impl Renderer {
             directions: &directions,
             disc: &disc,
             seed: settings.seed,
+            open,
             bounces: bounces(scene),
         };
         let doing = self.watch.begin(Step::Light, ids.len() as u64);

@@ -5,7 +5,7 @@ use super::light::LightSetup;
 use super::plan::Plan;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
-use crate::answers::finish::cut;
+use crate::answers::lit::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
 use crate::answers::settle;
@@ -16,37 +16,44 @@ use crate::frame::report::Timings;
 use crate::kernel::Kernel;
 use crate::scene::Scene;
 use crate::settings::Settings;
+use crate::view::View;
 use crate::view::raster::Raster;
 use crate::window::Window;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Renderer {
-    /// Renders all samples of `raster` with `kernel`, in their order.
+    /// Renders all samples of `raster` with `kernel`, in their order. `centers` are the spheres that the pixels' centres
+    /// show.
     pub(super) fn sample(
         &mut self,
         plan: &Plan,
         kernel: Kernel,
         (scene, settings, lights): (&Scene, &Settings, Option<&LightSetup>),
-        raster: Raster,
+        (raster, centers): (Raster, &[u32]),
         timings: &mut Timings,
     ) -> Result<Means> {
         let pool = Arc::clone(&self.pool);
-        let plan = Plan { kernel, ..plan.clone() };
-        // The spheres are binned once for all passes, since only the positions within the pixels differ.
-        let window = raster.window;
-        let whole = Window { x0: 0, y0: 0, x1: window.width(), y1: window.height() };
         let finish = plan.finish.filter(|_| settings.asks(&[Aov::Color]));
-        let [wide, part] =
-            finish.map_or([window, whole], |finish| finish.windows(window, scene.image.width, scene.image.height));
-        let raster = Raster { window: wide, ..raster };
-        let mut setup = FrameSetup::new(plan, scene, settings, raster, &pool, timings)?;
+        let lights = lights.filter(|_| plan.wanted.color);
+        let shared = lights.is_some() && raster.count() > 1 && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+        let margin = finish.map_or(0, |finish| finish.margin()).max(if shared { AROUND } else { 0 });
+        let around = self.centers(plan, (scene, settings), (raster.window, margin), centers, timings)?;
+        let sky = match lights.filter(|_| shared) {
+            Some(lights) => {
+                let wanted = Wanted { occlusion: true, ..Wanted::default() };
+                let of = (scene, settings, &around.view);
+                timings.time("light", || self.light(lights, of, wanted, (&around.ids, None), &pool))?.occlusion
+            }
+            None => Vec::new(),
+        };
+        let open = shared.then_some(OpenSky { window: around.window, ids: &around.ids, open: &sky });
+        // The spheres are binned once for all passes, since only the positions within the pixels differ.
+        let mut setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
         let pixels = setup.view.record.pixels();
-        let columns = wide.width() as usize;
         let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
-        let lights = lights.filter(|_| setup.plan.wanted.color);
         let wanted = Wanted { color: true, ..Wanted::default() };
-        let mut sums =
-            Sums::new(whole.x1 as usize * whole.y1 as usize, kernel.shade.is_some() || lights.is_some(), &pool)?;
+        let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
         for sample in 0..raster.count() {
             setup.view.record.sample = sample;
             let settled = self.answer(&setup, scene, &mut raw, timings)?;
@@ -54,26 +61,62 @@ impl Renderer {
             if let Some(shade) = kernel.shade {
                 timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
             }
-            if let Some(lights) = &lights {
-                let lit = timings
-                    .time("light", || self.light(lights, (scene, settings, &setup.view), wanted, &raw.id, &pool))?;
+            if let Some(lights) = lights {
+                let of = (scene, settings, &setup.view);
+                let lit = timings.time("light", || self.light(lights, of, wanted, (&raw.id, open), &pool))?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
-            let Some(finish) = finish else {
-                timings.time("samples", || sums.add(&raw.color, &raw.id));
-                continue;
-            };
-            timings.time("finish", || {
-                let mut color = cut(&raw.color, columns, part, 3);
-                finish.draw(scene, &setup.view, &raw.id, part, &mut color);
-                sums.add(&color, &cut(&raw.id, columns, part, 1));
-            });
+            if let Some(finish) = finish {
+                timings.time("finish", || finish.fade(scene, &setup.view, &raw.id, &mut raw.color));
+            }
+            timings.time("samples", || sums.add(&raw));
         }
-        let means = sums.means(raster.count(), &pool);
+        let mut means = sums.means(raster.count(), &pool);
+        if let Some(finish) = finish {
+            let part = raster.window.inside(around.window);
+            timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
+        }
         raw.put_back(&pool);
         if let Some(binned) = setup.binned {
             binned.put_back(&pool);
         }
         Ok(means)
     }
+
+    /// What the pixels' centres of a window show, and those around it as far as `margin` and the frame reach.
+    fn centers<'a>(
+        &mut self,
+        plan: &Plan,
+        (scene, settings): (&Scene, &Settings),
+        (window, margin): (Window, u32),
+        centers: &'a [u32],
+        timings: &mut Timings,
+    ) -> Result<Centers<'a>> {
+        let pool = Arc::clone(&self.pool);
+        let wide = window.grown(margin, scene.image.width, scene.image.height);
+        let raster = Raster::centres(wide);
+        if wide == window {
+            let view = View::for_rays(scene, raster, crate::view::Records::None)?;
+            return Ok(Centers { window, view, ids: centers.into() });
+        }
+        let kernel =
+            Kernel { shade: None, colors: false, t: false, normal: false, depth_interval: false, ..plan.kernel };
+        let setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
+        let mut raw = Raw::new(&setup.plan.kernel, setup.view.record.pixels(), &pool)?;
+        let settled = self.answer(&setup, scene, &mut raw, timings)?;
+        raw.settle(&settled);
+        let ids = std::mem::take(&mut raw.id).into();
+        raw.put_back(&pool);
+        if let Some(binned) = setup.binned {
+            binned.put_back(&pool);
+        }
+        Ok(Centers { window: wide, view: setup.view, ids })
+    }
+}
+
+/// What pixels' centres show.
+struct Centers<'a> {
+    window: Window,
+    view: View,
+    ids: Cow<'a, [u32]>,
 }

@@ -60,6 +60,9 @@ pub struct Sky {
     /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
     /// distance.
     pub reach: f64,
+    /// With several samples per pixel, the rays leave from the hits of pixel centres only, and a sample takes the mean of
+    /// the pixels around it that show its sphere: as little noise from fewer rays. Else rays leave from every sample.
+    pub at_centers: bool,
 }
 
 /// The most rays for a point.
@@ -68,7 +71,7 @@ pub const MOST_RAYS: u32 = 1 << 20;
 impl Default for Sky {
     /// 16 rays that end nowhere.
     fn default() -> Self {
-        Self { rays: 16, reach: f64::INFINITY }
+        Self { rays: 16, reach: f64::INFINITY, at_centers: false }
     }
 }
 

@@ -273,7 +273,8 @@ fn a_window_with_its_margin_has_the_bits_of_the_whole_on_any_number_of_threads()
             let row = |y: u32| &from[3 * (y * width + w.x0) as usize..3 * (y * width + w.x1) as usize];
             (w.y0..w.y1).flat_map(row).copied().collect()
         };
-        let [wide, part] = with_margin(window, width, height);
+        let wide = window.grown(MARGIN, width, height);
+        let part = window.inside(wide);
         let pixels = || (wide.y0..wide.y1).flat_map(|y| (wide.x0..wide.x1).map(move |x| (y * width + x) as usize));
         let piece = Picture {
             width: wide.width() as usize,

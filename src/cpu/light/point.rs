@@ -88,8 +88,25 @@ impl<'a> PointLight<'a> {
     /// Asks all lights and the sky at a point that a ray meets in the unit direction `along`.
     #[inline(always)]
     pub(super) fn see<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, along: DVec3, at: PixelSample) {
+        self.see_lights(lanes, point, along, at, 1.0);
+        if self.of.sky.is_some() {
+            self.sky = SkyShare::default();
+            self.sky(lanes, point, at);
+        }
+    }
+
+    /// The same where the sky is open in a known share.
+    #[inline(always)]
+    pub(super) fn see_lights<L: Lanes>(
+        &mut self,
+        lanes: L,
+        point: &SurfacePoint,
+        along: DVec3,
+        at: PixelSample,
+        open: f64,
+    ) {
         self.unsure.clear();
-        self.sky = SkyShare::default();
+        self.sky = SkyShare { all: 1.0, open };
         self.mirrored = (along - 2.0 * along.dot(point.normal.into()) * DVec3::from_array(point.normal)).to_array();
         self.shine = match self.of.material(point.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
@@ -98,9 +115,6 @@ impl<'a> PointLight<'a> {
         for n in 0..self.lights.len() {
             self.lights[n] = LightShare::default();
             self.light(lanes, point, n, at);
-        }
-        if self.of.sky.is_some() {
-            self.sky(lanes, point, at);
         }
     }
 

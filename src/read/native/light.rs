@@ -58,7 +58,7 @@ fn sky(table: &TomlTable<'_>) -> Result<Sky> {
         let mend = format!("give a whole number between 1 and {MOST_RAYS}");
         Error::scene(place(table, "rays", "occlusion.rays".into()), format!("the sky cannot have {rays} rays"), mend)
     })?;
-    let sky = Sky { rays, reach };
+    let sky = Sky { rays, reach, ..Sky::default() };
     sky.check(|key| place(table, key, format!("occlusion.{key}")))?;
     Ok(sky)
 }
