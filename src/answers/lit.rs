@@ -40,15 +40,21 @@ impl OpenSky<'_> {
         let near = |at: u32, first: u32, end: u32| at.saturating_sub(AROUND).max(first)..(at + AROUND + 1).min(end);
         let columns = || near(column, x0, x1);
         let at = |y: u32, x: u32| ((y - y0) * (x1 - x0) + x - x0) as usize;
-        let pixels = || near(row, y0, y1).flat_map(move |y| columns().map(move |x| at(y, x)));
-        let mean = |shows: &dyn Fn(u32) -> bool| {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for n in pixels().filter(|n| shows(self.ids[*n])) {
-                (sum, count) = (sum + f64::from(self.open[n]), count + 1.0);
+        // Sums and counts of the same sphere and of any.
+        let (mut same, mut any) = ([0.0f64; 2], [0.0f64; 2]);
+        for y in near(row, y0, y1) {
+            for n in columns().map(|x| at(y, x)).filter(|n| self.ids[*n] != NONE) {
+                let add = |[sum, count]: [f64; 2]| [sum + f64::from(self.open[n]), count + 1.0];
+                any = add(any);
+                if self.ids[n] == id {
+                    same = add(same);
+                }
             }
-            (count > 0.0).then(|| sum / count)
-        };
-        mean(&|other| other == id).or_else(|| mean(&|other| other != NONE)).unwrap_or(1.0)
+        }
+        match (same, any) {
+            ([sum, count], _) | (_, [sum, count]) if count > 0.0 => sum / count,
+            _ => 1.0,
+        }
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) fn frame(seed: u64, full: [u32; 2]) -> Frame {
         accuracy: "certified",
         shade: Some("headlight"),
         lights: LIGHTS as u64,
-        occlusion: Some(Sky { rays: 64, reach: 2.5 }),
+        occlusion: Some(Sky { rays: 64, reach: 2.5, ..Sky::default() }),
         ..Report::default()
     };
     Frame { width, height, window: Window::full(width, height), full, buffers, report }

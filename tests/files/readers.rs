@@ -167,10 +167,10 @@ reach = 2.5
     ];
     assert_eq!(lights, expected);
     assert!(shadows, "the lights of a file cast shadows");
-    assert_eq!(sky, Some(Sky { rays: 16, reach: 2.5 }));
+    assert_eq!(sky, Some(Sky { rays: 16, reach: 2.5, ..Sky::default() }));
     assert_eq!(read("s.toml", TOML).expect("a scene").lighting, Lighting::default());
     let sky = read("s.toml", TOML.to_owned() + "[occlusion]\nrays = 0x40\n").expect("a sky").lighting;
-    assert_eq!(sky, Lighting { sky: Some(Sky { rays: 64, reach: f64::INFINITY }), ..Lighting::default() });
+    assert_eq!(sky, Lighting { sky: Some(Sky { rays: 64, ..Sky::default() }), ..Lighting::default() });
 }
 
 #[test]

@@ -7,9 +7,12 @@ use crate::testing::Rng;
 use glam::DVec3;
 
 /// A kind of scenes.
+#[derive(Clone, Copy)]
 pub(super) struct Family {
     pub(super) name: &'static str,
     pub(super) seed: u64,
+    /// The most rays from a point.
+    pub(super) most: usize,
     pub(super) make: fn(&mut Rng) -> (Scene, Vec<Aim>),
 }
 
@@ -191,13 +194,13 @@ fn sizes(random: &mut Rng) -> (Scene, Vec<Aim>) {
 
 /// All of them.
 pub(super) const FAMILIES: &[Family] = &[
-    Family { name: "clouds of 1e-20 to 1e20", seed: 1, make: clouds },
-    Family { name: "1e9 from the origin", seed: 2, make: far_from_the_origin },
-    Family { name: "touching neighbours", seed: 3, make: touching },
-    Family { name: "tangent rays", seed: 4, make: tangent },
-    Family { name: "nested shells", seed: 5, make: nested },
-    Family { name: "eye inside", seed: 6, make: inside },
-    Family { name: "ground of a planet", seed: 7, make: planet },
-    Family { name: "long lens", seed: 8, make: long_lens },
-    Family { name: "all sizes in one scene", seed: 9, make: sizes },
+    Family { name: "clouds of 1e-20 to 1e20", seed: 1, most: usize::MAX, make: clouds },
+    Family { name: "1e9 from the origin", seed: 2, most: usize::MAX, make: far_from_the_origin },
+    Family { name: "touching neighbours", seed: 3, most: usize::MAX, make: touching },
+    Family { name: "tangent rays", seed: 4, most: usize::MAX, make: tangent },
+    Family { name: "nested shells", seed: 5, most: usize::MAX, make: nested },
+    Family { name: "eye inside", seed: 6, most: usize::MAX, make: inside },
+    Family { name: "ground of a planet", seed: 7, most: usize::MAX, make: planet },
+    Family { name: "long lens", seed: 8, most: usize::MAX, make: long_lens },
+    Family { name: "all sizes in one scene", seed: 9, most: usize::MAX, make: sizes },
 ];
