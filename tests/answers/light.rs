@@ -9,9 +9,10 @@ use crate::bits::Bits;
 use crate::cloud::cloud;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
+use halfline::explain::explain;
 use halfline::frame::{Aov, Frame};
 use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Material, Scene, Skipped, Sky, Spheres};
-use halfline::settings::{Accuracy, Settings};
+use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::window::Window;
 
 /// Colour of every ray that hits nothing.
@@ -337,6 +338,10 @@ fn half_of_a_light_is_hidden() {
     let half = under_a_light(0.0);
     let shares: Vec<f64> = (0..32).map(|seed| shadow(&half, seed)).collect();
     assert!(shares.iter().all(|share| (share - 0.5).abs() < 3.0 * error), "{shares:?}");
+    let settings = Settings { backend: Backend::Cpu, aovs: vec![Aov::Color, Aov::Shadow], ..Settings::default() };
+    let planned = explain(&half, &settings).expect("a plan").rays_per_pixel;
+    assert_eq!((planned.lights, planned.onward), (64, 0));
+    assert!(shares.iter().all(|share| (64.0 * share).fract() == 0.0), "as many points as the plan says");
     let mean = shares.iter().sum::<f64>() / 32.0;
     assert!((mean - 0.5).abs() < 3.0 * error / 32f64.sqrt(), "{mean}");
 }
