@@ -19,7 +19,7 @@ use glam::DVec3;
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub use fit::Framing;
-pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_RAYS, Sky};
+pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use material::{Material, Materials};
 
 /// Linear RGB of a sphere without a colour.

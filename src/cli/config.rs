@@ -14,12 +14,13 @@ use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 25] = [
+const NAMES: [&str; 26] = [
     "accuracy",
     "adapter",
     "backend",
     "background",
     "bits",
+    "bounces",
     "depth-cue",
     "look",
     "map",

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::scene::{Light, LightSource, Lighting, MOST_RAYS, Scene, Sky, Spheres};
+use halfline::scene::{Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Materials, Scene, Sky, Spheres};
 use halfline::settings::Settings;
 use halfline::shade::Shade;
 use std::fmt;
@@ -33,6 +33,9 @@ pub(super) struct LightArgs {
     /// Lights cast shadows, as those of scene files always do; without any light, adds one from above left of the camera.
     #[arg(long)]
     shadows: bool,
+    /// How often a ray goes on from mirrors and through glass, up to 64; 0 switches them off [default: 6].
+    #[arg(long, value_name = "N", value_parser = bounces)]
+    bounces: Option<u32>,
     /// Draws dark lines where the depth jumps.
     #[arg(long)]
     silhouette: bool,
@@ -108,6 +111,7 @@ impl LightArgs {
     /// [`Error::Settings`] for a reach without a sky; the camera's.
     pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
         let mut picture = self.look(request);
+        self.apply_bounces(scene);
         let Lighting { lights, shadows, sky, .. } = &mut scene.lighting;
         lights.extend(self.sun.iter().map(|sun| Light::white(LightSource::Direction(*sun))));
         if lights.is_empty() && (self.shadows || picture.look == Look::Soft) {
@@ -133,6 +137,17 @@ impl LightArgs {
             }
         }
         Ok(picture)
+    }
+
+    /// Sets the number of bounces where a material asks for any, and else warns.
+    fn apply_bounces(&self, scene: &mut Scene) {
+        let Some(bounces) = self.bounces else { return };
+        if scene.spheres.materials.as_ref().is_some_and(Materials::bounce) {
+            scene.lighting.bounces = Some(bounces);
+        } else if bounces > 0 {
+            let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
+            scene.skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
+        }
     }
 }
 
@@ -224,6 +239,11 @@ fn direction(text: &str) -> Result<DVec3, String> {
 fn rays(text: &str) -> Result<u32, String> {
     let rays = text.parse().ok().filter(|rays| (1..=MOST_RAYS).contains(rays));
     rays.ok_or_else(|| format!("expected a whole number between 1 and {MOST_RAYS}"))
+}
+
+fn bounces(text: &str) -> Result<u32, String> {
+    let bounces = text.parse().ok().filter(|bounces| (0..=MOST_BOUNCES).contains(bounces));
+    bounces.ok_or_else(|| format!("expected a whole number between 0 and {MOST_BOUNCES}"))
 }
 
 fn reach(text: &str) -> Result<f64, String> {

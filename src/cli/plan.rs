@@ -4,7 +4,7 @@ use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use super::{print, say};
 use halfline::error::{Error, Result};
-use halfline::explain::{DeviceBuffer, Explanation, Room, ShaderFile, explain, wgsl};
+use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
 use halfline::quote::{count, number};
 use halfline::scene::Sky;
 use std::fmt::{self, Display};
@@ -138,6 +138,24 @@ impl PlanText<'_> {
         if let Some(Sky { rays, reach, .. }) = e.occlusion {
             let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
             writeln!(f, "sky        {} for each point, {reach}", count(rays.into(), "ray"))?;
+        }
+        let PixelRays { viewing, lights, sky, onward } = e.rays_per_pixel;
+        let MaterialCounts { mirrors, metals, clear } = e.materials;
+        if !e.materials.is_none() {
+            writeln!(
+                f,
+                "materials  spheres: {mirrors} with a mirror image, {metals} of metal, {clear} of glass or clear"
+            )?;
+        }
+        if e.bounces > 0 {
+            writeln!(f, "bounces    up to {}", e.bounces)?;
+        }
+        if [lights, sky, onward] != [0; 3] {
+            write!(f, "rays       per pixel {viewing} to the scene, {lights} to lights, {sky} to the sky")?;
+            match onward {
+                0 => writeln!(f)?,
+                onward => writeln!(f, ", up to {onward} onward, and lights and sky again at their hits")?,
+            }
         }
         let drawn = [(e.silhouette, "silhouette"), (e.depth_cue, "depth cue")];
         let drawn: Vec<_> = drawn.iter().filter(|(drawn, _)| *drawn).map(|(_, name)| *name).collect();

@@ -2,6 +2,7 @@
 //! Every error has the line, column and key.
 
 mod light;
+mod material;
 mod room;
 mod table;
 
@@ -66,6 +67,10 @@ fn bytes(mut reader: Input, path: &Path) -> Result<Vec<u8>> {
         reader.consume(read);
     }
 }
+
+/// The keys of a `[[sphere]]`; those after the colour are its material.
+const SPHERE: [&str; 10] =
+    ["center", "radius", "color", "material", "diffuse", "specular", "shine", "transmission", "index", "fuzz"];
 
 struct Document<'a> {
     text: &'a TomlText<'a>,
@@ -154,13 +159,16 @@ impl Document<'_> {
     }
 
     fn sphere(&self, table: &TomlTable<'_>, spheres: &mut Spheres) -> Result<()> {
-        table.allow(&["center", "radius", "color"])?;
+        table.allow(&SPHERE)?;
         let center = table.need("center")?.numbers()?;
         let radius = table.need("radius")?;
         let length = radius.number()?;
         check_sphere(center, length, || radius.place().named(format!("sphere {}", spheres.len())))?;
         let color = table.get("color").map(|color| color.color()).transpose()?;
-        spheres.add(center, length, color)
+        let material = material::read(table, spheres.len())?;
+        spheres.add(center, length, color)?;
+        spheres.set_last_material(material);
+        Ok(())
     }
 
     /// Reads the spheres of a file; returns its path.

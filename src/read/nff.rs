@@ -1,6 +1,9 @@
-//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres and lights are read; cones,
-//! polygons and polygonal patches are counted and skipped. The parameters of a fill beyond its colour are checked and
-//! counted but not used by any shading.
+//! Haines' Neutral File Format, as written by the Standard Procedural Databases. Spheres with their materials and lights are
+//! read; cones, polygons and polygonal patches are counted and skipped.
+//!
+//! A fill is the colour and the material of the spheres that follow: Kd, Ks, Shine, T and the index of refraction, or 1, 0,
+//! 0, 0 and 1. The description of the format sets no limits ("Usually, 0 <= Kd <= 1 and 0 <= Ks <= 1"), and files had any
+//! numbers before anything used them; here the nearest number in range is taken, with a warning.
 //!
 //! Lights are points that cast shadows. Of their brightness the description of the format (NFF.DOC) says: "Lights have a
 //! non-zero intensity of no particular value, if not specified (i.e. the program can determine a useful intensity as
@@ -17,7 +20,8 @@ use crate::error::{Error, Place, Result, relocate};
 use crate::quote::{count, quote};
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{
-    ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Spheres, check_color, check_size, check_sphere,
+    ImagePlane, Light, LightSource, Lighting, Material, Materials, Scene, Skipped, Spheres, check_color, check_size,
+    check_sphere,
 };
 use glam::DVec3;
 use std::fmt;
@@ -36,14 +40,7 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
     let mut background: Option<[f32; 3]> = None;
     let mut fill = None;
     let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
-    let (mut lights, mut materials) = (Vec::new(), 0_u64);
-    let ignored = |what: &str, place: Place| match options.strict {
-        true => {
-            let mend = "remove it, or read without strict to skip it";
-            Err(Error::scene(place, format!("a {what} is not supported"), mend))
-        }
-        false => Ok(()),
-    };
+    let (mut lights, mut limited, mut dimmed) = (Vec::new(), 0_u64, 0_u64);
     while let Some(word) = nff.peek()? {
         let spot = nff.spot(word);
         let unknown = |problem: String| {
@@ -69,20 +66,23 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
             "b" if background.is_some() => return unknown("found a second background".into()),
             "b" => background = Some(nff.color(&at("background", None), 3)?),
             "f" => {
-                let (color, plain) = nff.fill(&at("fill", None))?;
-                fill = Some(color);
-                if !plain {
-                    ignored(
-                        "material of Kd, Ks, Shine, T and index of refraction",
-                        spot.of(nff.lines.file()).named("fill"),
-                    )?;
-                    materials += 1;
+                let (color, material, in_range) = nff.fill(&at("fill", None))?;
+                if !in_range && options.strict {
+                    let place = spot.of(nff.lines.file()).named("fill");
+                    let mend = "use Kd, Ks and T from 0 to 1 and an index from 0.1 to 10, or read without strict";
+                    return Err(Error::scene(place, "a part of the material is out of range", mend));
                 }
+                limited += u64::from(!in_range);
+                dimmed += u64::from(matches!(material, Material::Phong { diffuse, .. } if diffuse != 1.0));
+                fill = Some((color, material));
             }
             "l" => lights.push(nff.light(&at("light", None))?),
             "s" => {
                 let (center, radius) = nff.sphere(&at("sphere", Some(spheres.len())))?;
-                spheres.add(center, radius, fill)?;
+                spheres.add(center, radius, fill.map(|(color, _)| color))?;
+                if let Some((_, material)) = fill {
+                    spheres.set_last_material(material);
+                }
                 nff.lines.found();
             }
             _ => {
@@ -96,9 +96,14 @@ pub(super) fn read(reader: Input, path: &Path, options: &ReadOptions) -> Result<
         return Err(Error::scene(nff.lines.file().named("camera"), "the v block is missing", mend));
     };
     image.background = background.unwrap_or(image.background);
-    if materials > 0 {
-        let what = "Kd, Ks, Shine, T and index of refraction are left out";
-        skipped.assumed.push(format!("{} reduced to the colour: {what}", count(materials, "material")));
+    if limited > 0 {
+        let what = "Kd, Ks and T are used from 0 to 1, Shine from 0, the index of refraction from 0.1 to 10";
+        skipped.assumed.push(format!("{} out of range: {what}", count(limited, "material")));
+    }
+    let bounces = spheres.materials.as_ref().is_some_and(Materials::bounce);
+    if dimmed > 0 && lights.is_empty() && !bounces {
+        let what = "the file has no lights, and the light at the eye shows the whole colour";
+        skipped.assumed.push(format!("Kd of {} is left out: {what}", count(dimmed, "material")));
     }
     Ok(Scene { camera, image, spheres, skipped, lighting: lighting(&lights) })
 }
@@ -247,14 +252,22 @@ impl Reader {
         self.check_color(at, &numbers, 0)
     }
 
-    /// r g b [Kd Ks Shine T ior]: the colour, and whether the rest describes plain diffuse shading: no reflection and
-    /// no transmission.
-    fn fill(&mut self, at: &Statement) -> Result<([f32; 3], bool)> {
+    /// r g b [Kd Ks Shine T ior]: the colour, the material, and whether all its numbers are in range.
+    fn fill(&mut self, at: &Statement) -> Result<([f32; 3], Material, bool)> {
         let numbers = self.numbers(at, 3, 8)?;
-        let [.., diffuse, specular, _, through, _] = numbers.values;
-        let given = |n: usize| numbers.count > n;
-        let plain = !(given(3) && diffuse != 1.0 || given(4) && specular != 0.0 || given(6) && through != 0.0);
-        Ok((self.check_color(at, &numbers, 0)?, plain))
+        let mut in_range = true;
+        let mut part = |n: usize, default: f64, low: f64, high: f64| {
+            let value = if numbers.count > n { numbers.values[n] } else { default };
+            in_range &= (low..=high).contains(&value);
+            value.clamp(low, high)
+        };
+        let [diffuse, specular] = [(3, 1.0), (4, 0.0)].map(|(n, default)| part(n, default, 0.0, 1.0) as f32);
+        let shine = part(5, 0.0, 0.0, f64::from(f32::MAX)) as f32;
+        let transmission = part(6, 0.0, 0.0, 1.0) as f32;
+        // Files of opaque spheres have any number here, often 0.
+        let index = if transmission > 0.0 { part(7, 1.0, 0.1, 10.0) } else { 1.0 };
+        let material = Material::Phong { diffuse, specular, shine, transmission, index };
+        Ok((self.check_color(at, &numbers, 0)?, material, in_range))
     }
 
     fn check_color(&self, at: &Statement, numbers: &Numbers, first: usize) -> Result<[f32; 3]> {

@@ -6,6 +6,7 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
+use super::light;
 use super::plan::Plan;
 use super::renderer::{Executor, Renderer};
 use super::setup::FrameSetup;
@@ -16,13 +17,15 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
-use crate::scene::Scene;
+use crate::scene::{Light, Scene};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
 use work::Work;
 
-pub use explanation::{BinnedCounts, DeviceBuffer, Explanation, LeftOut, Room, ShaderFile, Shown};
+pub use explanation::{
+    BinnedCounts, DeviceBuffer, Explanation, LeftOut, MaterialCounts, PixelRays, Room, ShaderFile, Shown,
+};
 
 /// Reports what `scene` requires on the adapter that `settings` select, or on the CPU path if there is none.
 ///
@@ -108,8 +111,11 @@ impl Renderer {
             lit_by: scene.lighting.lights.iter().map(ToString::to_string).collect(),
             shadows: has_shadows(plan, scene, settings),
             occlusion: settings.sky(scene),
-            silhouette: settings.silhouette && plan.shade().is_some(),
-            depth_cue: settings.depth_cue && plan.shade().is_some(),
+            materials: MaterialCounts::of(scene),
+            bounces: bounces(plan, scene),
+            rays_per_pixel: rays_per_pixel(plan, scene, settings, samples.map_or(1, |raster| raster.count())),
+            silhouette: settings.silhouette && shading(plan).is_some(),
+            depth_cue: settings.depth_cue && shading(plan).is_some(),
             backend: if gpu.is_some() { "gpu" } else { "cpu" },
             adapter: self.adapter().to_owned(),
             accuracy: plan.accuracy.name(),
@@ -169,13 +175,46 @@ fn frame(settings: &Settings, lights: usize, [width, height]: [u32; 2]) -> Vec<S
 /// Whether shadows are computed.
 fn has_shadows(plan: &Plan, scene: &Scene, settings: &Settings) -> bool {
     let lighting = &scene.lighting;
-    let in_picture = lighting.shadows && plan.shade() == Some(Shade::Headlight);
+    let in_picture = lighting.shadows && shading(plan) == Some(Shade::Headlight);
     !lighting.lights.is_empty() && (in_picture || settings.aovs.contains(&Aov::Shadow))
+}
+
+/// The shading of the picture: by the kernel, or after it by lights, the sky and what mirrors show.
+fn shading(plan: &Plan) -> Option<Shade> {
+    if plan.wanted.color { Some(Shade::Headlight) } else { plan.shade() }
+}
+
+/// How often a ray of the picture goes on.
+fn bounces(plan: &Plan, scene: &Scene) -> u32 {
+    if plan.wanted.color { light::bounces(scene) } else { 0 }
+}
+
+/// Points of a light with a size, for all samples of a pixel together.
+const LIGHT_POINTS: u32 = 64;
+
+/// The rays of a pixel whose viewing rays all hit.
+fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32) -> PixelRays {
+    let viewing = u64::from(samples);
+    // Buffers are of the centre; without a picture there are no samples.
+    let points = if plan.wanted.color { viewing } else { u64::from(plan.wanted.is_any()) };
+    let spread = u64::from(LIGHT_POINTS.div_ceil(if plan.wanted.color { samples } else { 1 }));
+    let of_light = |light: &Light| if light.source.has_size() { spread } else { 1 };
+    let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
+    let lights = if has_shadows(plan, scene, settings) { points * lights } else { 0 };
+    let sky = points * settings.sky(scene).map_or(0, |sky| u64::from(sky.rays));
+    // Glass divides a ray: 2 + 4 + .. + 2^n.
+    let counts = MaterialCounts::of(scene);
+    let bounces = bounces(plan, scene);
+    let each = match counts.clear {
+        0 => u64::from(bounces),
+        _ => 1u64.checked_shl(bounces + 1).map_or(u64::MAX, |n| n - 2),
+    };
+    PixelRays { viewing, lights, sky, onward: viewing.saturating_mul(each) }
 }
 
 /// What is left out of the light and of the lines of the picture.
 fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl FnMut(&'static str, &str)) {
-    let (lighting, shade) = (&scene.lighting, plan.shade());
+    let (lighting, shade) = (&scene.lighting, shading(plan));
     if !has_shadows(plan, scene, settings) {
         leave(
             "shadows",
@@ -189,6 +228,17 @@ fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl
     }
     if settings.sky(scene).is_none() {
         leave("occlusion", "neither --occlusion nor [occlusion] nor a buffer of it is requested");
+    }
+    if bounces(plan, scene) == 0 {
+        leave(
+            "mirrors and glass",
+            match shade {
+                _ if MaterialCounts::of(scene).is_none() => "no sphere asks for them",
+                None => "no picture is requested",
+                Some(Shade::Headlight) => "--bounces 0 switches them off",
+                Some(_) => "this shading shows none",
+            },
+        );
     }
     let why = if shade.is_some() { "not requested" } else { "no picture is requested" };
     for (drawn, what) in [(settings.silhouette, "silhouette"), (settings.depth_cue, "depth cue")] {
@@ -210,7 +260,7 @@ fn left_out(plan: &Plan, kernel: &Kernel, scene: &Scene, settings: &Settings, de
         };
         leave("device", why);
     }
-    match plan.shade() {
+    match shading(plan) {
         None => leave("shading", "no picture is requested"),
         Some(shade) if !shade.needs_colors() => leave("sphere colours", "this shading does not use them"),
         Some(_) if scene.spheres.colors.is_none() => {

@@ -16,12 +16,16 @@ pub struct Lighting {
     pub shadows: bool,
     /// A white sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
     pub sky: Option<Sky>,
-    /// How often a ray goes on from mirrors and through glass; `None` for [`BOUNCES`] where a material asks for it.
+    /// How often a ray goes on from mirrors and through glass, up to [`MOST_BOUNCES`]; `None` for [`BOUNCES`] where a
+    /// material asks for it.
     pub bounces: Option<u32>,
 }
 
 /// Bounces of a ray, unless stated otherwise.
 pub const BOUNCES: u32 = 6;
+
+/// The most bounces of a ray.
+pub const MOST_BOUNCES: u32 = 64;
 
 /// A light. A surface that faces it reflects its own colour times `color` times `intensity`, at any distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,8 +186,12 @@ impl Sky {
 }
 
 impl Lighting {
-    /// Checks every light and the sky.
+    /// Checks every light, the sky and the bounces.
     pub(super) fn check(&self, spheres: usize) -> Result<()> {
+        if let Some(bounces) = self.bounces.filter(|bounces| *bounces > MOST_BOUNCES) {
+            let mend = format!("give a whole number between 0 and {MOST_BOUNCES}");
+            return Err(Error::scene("lighting.bounces", format!("a ray cannot bounce {bounces} times"), mend));
+        }
         for (index, light) in self.lights.iter().enumerate() {
             light.check(spheres, |field| Place::field(format!("light {index} {field}")))?;
         }

@@ -74,10 +74,14 @@ impl Material {
     }
 }
 
+/// Materials among which [`Materials::push`] looks for an equal one, so that a scene in which all differ takes no longer
+/// than in proportion to its spheres.
+const RECENT: usize = 256;
+
 /// The materials of a scene's spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Materials {
-    /// Each material once.
+    /// Each material, as a rule once.
     pub kinds: Vec<Material>,
     /// For each sphere the index of its material.
     pub of: Vec<u32>,
@@ -90,9 +94,17 @@ impl Materials {
         self.of.get(id as usize).and_then(|kind| self.kinds.get(*kind as usize)).copied().unwrap_or_default()
     }
 
+    /// Whether a ray goes on from any sphere.
+    #[must_use]
+    pub fn bounce(&self) -> bool {
+        self.of.iter().any(|kind| self.kinds.get(*kind as usize).is_some_and(Material::bounces))
+    }
+
     /// Adds one sphere of this material.
     pub fn push(&mut self, material: Material) {
-        let kind = self.kinds.iter().position(|kind| *kind == material).unwrap_or_else(|| {
+        let first = self.kinds.len().saturating_sub(RECENT);
+        let known = self.kinds[first..].iter().position(|kind| *kind == material);
+        let kind = known.map(|place| first + place).unwrap_or_else(|| {
             self.kinds.push(material);
             self.kinds.len() - 1
         });

@@ -28,6 +28,7 @@ mod crop;
 mod extremes;
 mod frames;
 mod given;
+mod light;
 mod measure;
 mod metamorphic;
 mod ortho;

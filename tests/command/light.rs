@@ -38,6 +38,8 @@ fn invalid_options_are_refused() {
         ("-o a.png --occlusion --reach inf", &["--reach", "positive"]),
         ("-o a.png --reach 2", &["--reach", "--occlusion"]),
         ("--aov depth=d.npy --reach 2", &["--reach", "--aov occlusion"]),
+        ("-o a.png --bounces 65", &["--bounces", "between 0 and 64"]),
+        ("-o a.png --bounces=-1", &["--bounces", "whole number"]),
         ("-o a.png --look pretty", &["--look", "pretty"]),
         ("--aov shadow=s.npy", &["shadow needs a light", "--sun", "[[light]]"]),
         ("-o a.exr --aov shadow --occlusion", &["light"]),
@@ -176,6 +178,53 @@ fn pictures_of_particles_are_soft_unless_an_option_asks_for_something_else() {
     assert_eq!(of("HALFLINE_DEPTH_CUE", "1"), json!([1, 4, 4, true, true]));
     dir.put("c.toml", "occlusion = 8\nsilhouette = true\nlook = \"plain\"\nshadows = true\n");
     assert_eq!(of("HALFLINE_CONFIG", "c.toml"), json!([1, 8, 1, true, false]));
+}
+
+#[test]
+fn bounces_are_those_that_materials_ask_for() {
+    let dir = dir();
+    let ball = |lines: &str| format!("[[sphere]]\ncenter = [3.0, 0.0, -9.0]\nradius = 0.5\n{lines}\n");
+    dir.put("metal.toml", format!("{SCENE}{}", ball("material = 'metal'")));
+    dir.put("glass.toml", format!("{SCENE}{}{}", ball("material = 'glass'"), ball("specular = 0.5")));
+    let left_out = |plan: &Value| {
+        let left_out =
+            plan["left_out"].as_array().expect("a list").iter().find(|left| left["what"] == "mirrors and glass");
+        left_out.map(|left| left["why"].as_str().expect("words").to_owned())
+    };
+    // Options; mirrors, metals, clear spheres; bounces; rays; why they are left out.
+    for (options, materials, bounces, rays, why) in [
+        ("scene.toml -o a.png", [0, 0, 0], 0, [1, 0, 0, 0], Some("no sphere asks for them")),
+        ("lit.toml -o a.png", [0, 0, 0], 0, [1, 1, 32, 0], Some("no sphere asks for them")),
+        ("lit.toml -o a.png --samples 4", [0, 0, 0], 0, [4, 4, 128, 0], Some("no sphere asks for them")),
+        ("metal.toml -o a.png", [0, 1, 0], 6, [1, 0, 0, 6], None),
+        ("metal.toml -o a.png --bounces 2 --samples 9", [0, 1, 0], 2, [9, 0, 0, 18], None),
+        ("metal.toml -o a.png --bounces 0", [0, 1, 0], 0, [1, 0, 0, 0], Some("--bounces 0 switches them off")),
+        ("metal.toml -o a.png --shade flat", [0, 1, 0], 0, [1, 0, 0, 0], Some("this shading shows none")),
+        ("metal.toml --aov depth=d.npy", [0, 1, 0], 0, [1, 0, 0, 0], Some("no picture is requested")),
+        ("glass.toml -o a.png --bounces 3 --occlusion 5", [1, 0, 1], 3, [1, 0, 5, 14], None),
+    ] {
+        let (plan, err) = plan(&dir, options);
+        let [mirrors, metals, clear] = materials;
+        assert_eq!(plan["materials"], json!({"mirrors": mirrors, "metals": metals, "clear": clear}), "{options}");
+        let [viewing, lights, sky, onward] = rays;
+        let rays = json!({"viewing": viewing, "lights": lights, "sky": sky, "onward": onward});
+        assert_eq!((&plan["bounces"], &plan["rays_per_pixel"]), (&json!(bounces), &rays), "{options}");
+        assert_eq!(left_out(&plan).as_deref(), why, "{options}");
+        assert!(!err.contains("--bounces"), "{err}");
+    }
+    let text = dir.good("plan glass.toml -o a.png --backend cpu --bounces 2").out;
+    let text = String::from_utf8(text).expect("text");
+    assert!(text.contains("materials  spheres: 1 with a mirror image, 0 of metal, 1 of glass or clear\n"), "{text}");
+    assert!(text.contains("bounces    up to 2\nrays       per pixel 1 to the scene"), "{text}");
+    // Where no sphere asks for them, the option changes nothing and says so.
+    let report = dir.render("scene.toml -o b.png --json --bounces 3").json();
+    assert!(report["warnings"][0].as_str().expect("a warning").contains("light"), "{report}");
+    dir.render("scene.toml -o c.png");
+    assert!(dir.get("b.png") == dir.get("c.png"), "pixels and provenance");
+    dir.render("metal.toml -o m.npy --bounces 0");
+    dir.put("plain.toml", format!("{SCENE}{}", ball("")));
+    dir.render("plain.toml -o p.npy");
+    assert_eq!(dir.array("m.npy"), dir.array("p.npy"));
 }
 
 #[test]

@@ -178,6 +178,34 @@ fn a_broken_light_is_refused_at_its_place() {
 }
 
 #[test]
+fn a_broken_material_is_refused_at_its_place() {
+    // (lines after the last [[sphere]], place, field, a part of the message)
+    let cases = [
+        ("material = 'wood'", ":17:12", "sphere 1 material", "\"phong\", \"metal\" or \"glass\""),
+        ("material = 1", ":17:12", "sphere 1 material", "material = \"metal\""),
+        ("material = 'metal'\nindex = 1.5", ":18:9", "sphere 1 index", "the keys of metal are fuzz"),
+        ("material = 'metal'\ndiffuse = 1", ":18:11", "sphere 1 diffuse", "remove it"),
+        ("material = 'glass'\nfuzz = 0", ":18:8", "sphere 1 fuzz", "the keys of glass are index"),
+        ("fuzz = 0", ":17:8", "sphere 1 fuzz", "change the material"),
+        ("material = 'metal'\nfuzz = 1.5", ":18:8", "sphere 1 fuzz", "from 0 to 1"),
+        ("material = 'metal'\nfuzz = true", ":18:8", "sphere 1 fuzz", "fuzz = 0.1"),
+        ("material = 'glass'\nindex = 0", ":18:9", "sphere 1 index", "from 0.1 to 10"),
+        ("diffuse = -1", ":17:11", "sphere 1 diffuse", "from 0 to 1"),
+        ("specular = 1.5", ":17:12", "sphere 1 specular", "from 0 to 1"),
+        ("shine = 1e300", ":17:9", "sphere 1 shine", "found inf"),
+        ("transmission = inf", ":17:16", "sphere 1 transmission", "transmission = 0.5"),
+        ("transmission = 1\nindex = 100", ":18:9", "sphere 1 index", "from 0.1 to 10"),
+        ("metal = 1", ":17:1", "sphere 1 metal", "material, diffuse"),
+    ];
+    for (lines, place, field, part) in cases {
+        let content = format!("{TOML}{lines}\n");
+        let error = read("s.toml", &content).expect_err(lines).to_string();
+        assert!(error.contains(part), "{error}");
+        assert_refused(read("s.toml", &content), &format!("s.toml{place}"), field, &content);
+    }
+}
+
+#[test]
 fn a_broken_csv_is_refused_at_its_place() {
     let cases: [(&[u8], &str, &str); 17] = [
         (b"", "", ""),

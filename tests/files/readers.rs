@@ -9,7 +9,7 @@ use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
 use halfline::read::ReadOptions;
-use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Scene, Sky};
+use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -188,25 +188,56 @@ fn lights_of_an_nff_file_share_their_intensity_unless_they_have_a_colour() {
 }
 
 #[test]
-fn materials_are_counted_or_refused() {
+fn materials_of_a_scene_file_have_their_exact_values() {
+    let plain = read("s.toml", TOML.to_owned() + "material = 'phong'\ndiffuse = 1\n").expect("a scene").spheres;
+    assert_eq!(plain.materials, None, "plain spheres have no list");
+    for (lines, material) in [
+        ("material = 'metal'", Material::Metal { fuzz: 0.0 }),
+        ("fuzz = 0.25\nmaterial = 'metal'", Material::Metal { fuzz: 0.25 }),
+        ("material = 'glass'", Material::Glass { index: 1.5 }),
+        ("material = 'glass'\nindex = 1.33", Material::Glass { index: 1.33 }),
+        ("specular = 0.5", phong([1.0, 0.5, 0.0, 0.0], 1.0)),
+        ("material = 'phong'\nshine = 30", phong([1.0, 0.0, 30.0, 0.0], 1.0)),
+        ("diffuse = 0\nspecular = 1\nshine = 3\ntransmission = 0.5\nindex = 2", phong([0.0, 1.0, 3.0, 0.5], 2.0)),
+    ] {
+        let spheres = read("s.toml", format!("{TOML}{lines}\n")).expect(lines).spheres;
+        let materials = spheres.materials.expect("a list");
+        assert_eq!((materials.of(0), materials.of(1)), (Material::default(), material), "{lines}");
+    }
+}
+
+fn phong([diffuse, specular, shine, transmission]: [f32; 4], index: f64) -> Material {
+    Material::Phong { diffuse, specular, shine, transmission, index }
+}
+
+#[test]
+fn materials_of_an_nff_file_are_those_of_the_fill_before() {
     let scene =
         |lines: &str| format!("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 20\nresolution 9 9\n{lines}\ns 0 0 0 1\n");
-    for (lines, warnings, refused) in [
-        ("f 1 0.5 0", vec![], None),
-        ("f 1 0.5 0 1 0 30 0 1.5", vec![], None),
-        ("f 1 1 1\nl 1 2 3\nl 4 5 6 1 1 1", vec![], None),
-        ("f 1 0.5 0 0.8 0 0 0 0", vec!["1 material reduced to the colour"], Some(":7:1: fill: a material")),
-        ("f 1 0.5 0 1 0.5 3 0 0", vec!["1 material reduced"], Some(":7:1: fill: ")),
-        ("f 1 0.5 0 1 0 0 0.5 1.5\nf 1 1 1 0 0 0 0 0\nl 0 0 0", vec!["2 materials "], Some(":7:1: fill: ")),
+    let (left_out, limited) = ("Kd of 1 material is left out", "1 material out of range");
+    for (lines, material, warnings) in [
+        ("f 1 0.5 0", phong([1.0, 0.0, 0.0, 0.0], 1.0), vec![]),
+        ("f 1 0.5 0 1 0 30 0 1.5", phong([1.0, 0.0, 30.0, 0.0], 1.0), vec![]),
+        ("f 1 0.5 0 0.8 0 100000 0 0", phong([0.8, 0.0, 1e5, 0.0], 1.0), vec![left_out]),
+        ("l 0 0 0\nf 1 0.5 0 0.8 0 100000 0 0", phong([0.8, 0.0, 1e5, 0.0], 1.0), vec![]),
+        ("f 1 0.5 0 0.8", phong([0.8, 0.0, 0.0, 0.0], 1.0), vec![left_out]),
+        ("f 1 0.5 0 0.8 0.5", phong([0.8, 0.5, 0.0, 0.0], 1.0), vec![]),
+        ("f 1 0.5 0 0.8 0 9 0.5 1.5", phong([0.8, 0.0, 9.0, 0.5], 1.5), vec![]),
+        ("f 1 1 1 0 0 0 1 9\nf 1 0.5 0 0 1 3 0 0", phong([0.0, 1.0, 3.0, 0.0], 1.0), vec![]),
+        ("f 1 0.5 0 2 0 0 0 1", phong([1.0, 0.0, 0.0, 0.0], 1.0), vec![limited]),
+        ("f 1 0.5 0 -1 7 -3 2 0", phong([0.0, 1.0, 0.0, 1.0], 0.1), vec![limited]),
+        ("f 1 0.5 0 1 0 1e300 0 1", phong([1.0, 0.0, f32::MAX, 0.0], 1.0), vec![limited]),
     ] {
-        let found = read("s.nff", scene(lines)).expect("lenient").skipped;
-        assert_eq!(found.total(), 0, "materials are not counted as shapes");
+        let Scene { spheres, skipped, .. } = read("s.nff", scene(lines)).expect("lenient");
+        assert_eq!(spheres.materials.map_or(Material::default(), |materials| materials.of(0)), material, "{lines}");
+        assert_eq!(spheres.colors, Some(vec![[1.0, 0.5, 0.0]]));
+        assert_eq!(skipped.total(), 0, "materials are not counted as shapes");
         let starts = |(found, start): (&String, &&str)| found.starts_with(start);
-        let found = found.warnings();
-        assert!(found.len() == warnings.len() && found.iter().zip(&warnings).all(starts), "{found:?}");
-        match (read_with("s.nff", scene(lines).as_bytes(), &strict()), refused) {
-            (Ok(_), None) => {}
-            (Err(error), Some(place)) => assert!(error.to_string().contains(&format!("s.nff{place}")), "{error}"),
+        let found = skipped.warnings();
+        assert!(found.len() == warnings.len() && found.iter().zip(&warnings).all(starts), "{lines}: {found:?}");
+        match (read_with("s.nff", scene(lines).as_bytes(), &strict()), warnings.contains(&limited)) {
+            (Ok(_), false) => {}
+            (Err(error), true) => assert!(error.to_string().contains("s.nff:7:1: fill: "), "{error}"),
             (found, _) => panic!("{lines}: {found:?}"),
         }
     }

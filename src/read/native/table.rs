@@ -69,6 +69,13 @@ impl TomlName {
             (_, "intensity") => "intensity = 1.0",
             (_, "rays") => "rays = 16",
             (_, "reach") => "reach = 5.0",
+            (_, "material") => "material = \"metal\"",
+            (_, "diffuse") => "diffuse = 1.0",
+            (_, "specular") => "specular = 0.5",
+            (_, "shine") => "shine = 30.0",
+            (_, "transmission") => "transmission = 0.5",
+            (_, "index") => "index = 1.5",
+            (_, "fuzz") => "fuzz = 0.1",
             _ => "color = [0.8, 0.8, 0.8]",
         }
     }

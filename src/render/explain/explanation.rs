@@ -2,7 +2,7 @@
 
 use crate::certify::binned::BinnedScene;
 use crate::intersect::predict::Prediction;
-use crate::scene::{Scene, Sky};
+use crate::scene::{Material, Scene, Sky};
 use serde::Serialize;
 
 /// What a scene requires; the command line prints it.
@@ -36,6 +36,12 @@ pub struct Explanation {
     /// The sky whose open share is computed, for the picture or for the buffer `occlusion`; a reach of any distance is
     /// `null` in JSON.
     pub occlusion: Option<Sky>,
+    /// The spheres from which rays go on, by what they are made of.
+    pub materials: MaterialCounts,
+    /// How often a ray of the picture goes on from mirrors and through glass; 0 where no material asks for it.
+    pub bounces: u32,
+    /// The rays of a pixel whose viewing rays all hit.
+    pub rays_per_pixel: PixelRays,
     /// Whether outlines are drawn in the picture.
     pub silhouette: bool,
     /// Whether colours fade with depth.
@@ -79,6 +85,31 @@ pub struct Explanation {
     pub left_out: Vec<LeftOut>,
     /// The warnings of the frame's report, as far as they are known before a ray is traced.
     pub warnings: Vec<String>,
+}
+
+/// Spheres from which rays go on. One that reflects and lets light through counts as a mirror and as clear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct MaterialCounts {
+    /// Plastic with a mirror image: NFF's Ks is not 0.
+    pub mirrors: u64,
+    /// Metal.
+    pub metals: u64,
+    /// Glass, and what light passes through: NFF's T is not 0.
+    pub clear: u64,
+}
+
+/// Rays by kind. The centre of a pixel is one more point where buffers are requested of it beside several samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PixelRays {
+    /// Viewing rays: the samples.
+    pub viewing: u64,
+    /// From their hits to lights: one to a light, several to one with a size. 0 without shadows.
+    pub lights: u64,
+    /// From their hits to the sky.
+    pub sky: u64,
+    /// Rays that go on from mirrors and through glass, at most: those of little weight are not followed. Lights and sky are
+    /// asked at each of their hits too.
+    pub onward: u64,
 }
 
 /// Spheres by their place in the candidate lists.
@@ -146,6 +177,31 @@ pub struct LeftOut {
     pub what: &'static str,
     /// Why.
     pub why: String,
+}
+
+impl MaterialCounts {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let mut counts = Self::default();
+        let Some(materials) = &scene.spheres.materials else { return counts };
+        for kind in &materials.of {
+            match materials.kinds.get(*kind as usize) {
+                Some(Material::Phong { specular, transmission, .. }) => {
+                    counts.mirrors += u64::from(*specular > 0.0);
+                    counts.clear += u64::from(*transmission > 0.0);
+                }
+                Some(Material::Metal { .. }) => counts.metals += 1,
+                Some(Material::Glass { .. }) => counts.clear += 1,
+                None => {}
+            }
+        }
+        counts
+    }
+
+    /// Whether rays go on from no sphere.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl BinnedCounts {
