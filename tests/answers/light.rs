@@ -193,7 +193,8 @@ fn lit_cloud() -> Scene {
         LightSource::Sphere(150),
     ];
     let lights = lights.map(|source| Light { intensity: 0.25, ..Light::white(source) }).to_vec();
-    scene.lighting = Lighting { lights, shadows: true, sky: Some(Sky { rays: 8, reach: 1.5 }), bounces: None };
+    scene.lighting =
+        Lighting { lights, shadows: true, sky: Some(Sky { rays: 8, reach: 1.5, ..Sky::default() }), bounces: None };
     scene
 }
 
