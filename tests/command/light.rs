@@ -227,6 +227,30 @@ fn bounces_are_those_that_materials_ask_for() {
     assert_eq!(dir.array("m.npy"), dir.array("p.npy"));
 }
 
+/// Kd changes a picture only where something beside the light at the eye lights it.
+#[test]
+fn an_nff_file_without_lights_and_mirrors_shows_its_colours() {
+    let dir = dir();
+    let file = |name: &str, fill: &str| {
+        let view = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nresolution 31 21\n";
+        dir.put(name, format!("{view}f 1 0.5 0.25{fill}\ns 0 0 0 1\n"));
+    };
+    file("bare.nff", "");
+    file("dim.nff", " 0.5 0 30 0 1");
+    file("mirror.nff", " 0.5 0.25 0 0 1");
+    let picture = |options: &str| {
+        let said = dir.render(&format!("{options} -o c.npy --json")).json();
+        (dir.array("c.npy").0, said["warnings"].as_array().map_or(0, Vec::len))
+    };
+    let bare = picture("bare.nff");
+    assert_eq!((picture("dim.nff").0, bare.1, picture("dim.nff").1), (bare.0.clone(), 0, 1));
+    let lit = picture("bare.nff --sun 1,2,3").0;
+    let dim = picture("dim.nff --sun 1,2,3").0;
+    // Half of what is rounded to f32 once is exact.
+    assert!(lit.iter().zip(&dim).all(|(all, half)| 0.5 * all == *half) && lit.iter().any(|x| *x > 0.1));
+    assert_ne!(picture("mirror.nff").0, bare.0);
+}
+
 #[test]
 fn a_light_follows_its_sphere() {
     let dir = dir();
