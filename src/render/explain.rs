@@ -6,8 +6,7 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
-use super::light;
-use super::plan::Plan;
+use super::plan::{Plan, lights};
 use super::renderer::{Executor, Renderer};
 use super::setup::FrameSetup;
 use crate::error::{Error, Result};
@@ -17,7 +16,7 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
-use crate::scene::{Light, Scene};
+use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
 use crate::view::raster::Raster;
@@ -186,22 +185,20 @@ fn shading(plan: &Plan) -> Option<Shade> {
 
 /// How often a ray of the picture goes on.
 fn bounces(plan: &Plan, scene: &Scene) -> u32 {
-    if plan.wanted.color { light::bounces(scene) } else { 0 }
+    if plan.wanted.color { lights::bounces(scene) } else { 0 }
 }
-
-/// Points of a light with a size, for all samples of a pixel together.
-const LIGHT_POINTS: u32 = 64;
 
 /// The rays of a pixel whose viewing rays all hit.
 fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32) -> PixelRays {
     let viewing = u64::from(samples);
     // Buffers are of the centre; without a picture there are no samples.
     let points = if plan.wanted.color { viewing } else { u64::from(plan.wanted.is_any()) };
-    let spread = u64::from(LIGHT_POINTS.div_ceil(if plan.wanted.color { samples } else { 1 }));
+    let spread = u64::from(lights::light_points(if plan.wanted.color { samples } else { 1 }));
     let of_light = |light: &Light| if light.source.has_size() { spread } else { 1 };
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { points * lights } else { 0 };
-    let sky = points * settings.sky(scene).map_or(0, |sky| u64::from(sky.rays));
+    let of_sky = |sky: Sky| u64::from(sky.rays) * if sky.at_centers { points.min(1) } else { points };
+    let sky = settings.sky(scene).map_or(0, of_sky);
     // Glass divides a ray: 2 + 4 + .. + 2^n.
     let counts = MaterialCounts::of(scene);
     let bounces = bounces(plan, scene);

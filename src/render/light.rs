@@ -1,40 +1,18 @@
 //! The stage of lights and sky: after the nearest hits, before the buffers are assembled.
 
+use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
 use crate::answers::lit::{Lit, OpenSky};
 use crate::cpu::light::{Lighting, Wanted};
 use crate::error::Result;
 use crate::exact::Judge;
-use crate::frame::Aov;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::{BOUNCES, Material, Scene};
+use crate::scene::Scene;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
-use crate::shade::Shade;
 use crate::view::View;
 use crate::view::directions::{DiscPoints, SkyDirections};
-
-/// Points of a light with a size for each pixel.
-const LIGHT_POINTS: u32 = 64;
-
-/// What the settings request of lights and sky.
-pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
-    let lighting = &scene.lighting;
-    let lit = !lighting.lights.is_empty() || lighting.sky.is_some() || bounces(scene) > 0;
-    Wanted {
-        color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
-        shadow: settings.asks(&[Aov::Shadow]),
-        occlusion: settings.asks(&[Aov::Occlusion]),
-    }
-}
-
-/// How often a ray of the picture goes on: not at all where no material asks for it.
-pub(super) fn bounces(scene: &Scene) -> u32 {
-    let materials = scene.spheres.materials.iter().flat_map(|materials| &materials.kinds);
-    let asked = materials.map(Material::bounces).any(|bounces| bounces);
-    if asked { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
-}
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
 pub(super) struct LightSetup {
@@ -79,7 +57,7 @@ impl Renderer {
         let sized = lights.iter().any(|light| light.source.has_size());
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
         let samples = view.record.strata * view.record.strata;
-        let disc = DiscPoints::new(if sized { LIGHT_POINTS.div_ceil(samples) } else { 0 });
+        let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 });
         let Some(tree) = &setup.tree else {
             return Ok(lit.of_nothing(scene.image.background));
         };

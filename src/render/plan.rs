@@ -1,6 +1,7 @@
 //! Decides what a scene requires: accuracy, method, search, kernel and buffers.
 
 mod choose;
+pub(super) mod lights;
 mod search;
 
 use crate::answers::finish::Finish;
@@ -74,7 +75,7 @@ impl Plan {
         // Touching spheres of flat colours would run into each other.
         let between = settings.shade == Shade::Flat;
         plan.finish = (silhouette || depth_cue).then_some(Finish { silhouette, between, depth_cue });
-        plan.wanted = super::light::wanted(scene, settings);
+        plan.wanted = lights::wanted(scene, settings);
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.wanted.color);
         plan.kernel.shade = shade;
         plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);

@@ -38,6 +38,16 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Whether light passes through it.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        match *self {
+            Self::Phong { transmission, .. } => transmission > 0.0,
+            Self::Metal { .. } => false,
+            Self::Glass { .. } => true,
+        }
+    }
+
     /// Whether a ray goes on from it.
     #[must_use]
     pub fn bounces(&self) -> bool {

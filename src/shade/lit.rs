@@ -28,7 +28,7 @@ impl Cap {
     pub(crate) fn new(from: DVec3, center: DVec3, radius: f64) -> Option<Self> {
         let away = center - from;
         let distance = away.length();
-        if !(distance > radius) {
+        if distance.is_nan() || distance <= radius {
             return None;
         }
         let axis = away / distance;

@@ -1,6 +1,6 @@
 //! Rays that go on from mirrors and through glass.
 
-use super::Lighting;
+use super::lighting::Lighting;
 use super::point::PointLight;
 use crate::certify::given::{Bounds, CertifiedRay};
 use crate::certify::surface::SurfacePoint;
@@ -73,13 +73,7 @@ impl Bounces {
                 _ => (hit.trusted(&lighting.tree.placement), false),
             };
             proved &= sharp || lighting.judge.is_none();
-            // Light passes through the far side of a clear sphere.
-            let clear = match lighting.material(hit.id) {
-                Material::Phong { transmission, .. } => transmission > 0.0,
-                Material::Metal { .. } => false,
-                Material::Glass { .. } => true,
-            };
-            if hit.outside || !clear {
+            if hit.outside || !lighting.material(hit.id).is_clear() {
                 at_point.see(lanes, &hit, ray.along, at);
                 proved &= !at_point.give_up();
                 sum += ray.weight * at_point.color(&hit, ray.along);

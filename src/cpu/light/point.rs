@@ -2,7 +2,7 @@
 
 use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
-use super::Lighting;
+use super::lighting::Lighting;
 use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
@@ -176,7 +176,7 @@ impl<'a> PointLight<'a> {
         let tree = self.of.tree;
         let ray = point.ray(&tree.placement, toward);
         let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
-        let seen = [cosine, ray.as_ref().map_or(0.0, |ray| self.highlight(ray))];
+        let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, |ray| self.highlight(ray))];
         self.lights[n].rays += 1;
         let shadows = self.of.wanted.shadow || self.of.scene.lighting.shadows;
         let answer = match &ray {
@@ -288,10 +288,16 @@ impl<'a> PointLight<'a> {
     /// `along` comes from.
     pub(super) fn color(&self, point: &SurfacePoint, along: DVec3) -> DVec3 {
         let scene = self.of.scene;
+        // Light passes through the far side of a clear sphere.
+        if !point.outside && self.of.bounces > 0 && self.of.material(point.id).is_clear() {
+            return DVec3::ZERO;
+        }
         let own = self.of.own_color(point.id);
         let lights = &scene.lighting.lights;
         let (diffuse, specular) = match self.of.material(point.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
+            // Without bounces mirrors and glass are like any other sphere.
+            Material::Metal { .. } | Material::Glass { .. } if self.of.bounces == 0 => (1.0, 0.0),
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
         };
         let mut white = match scene.lighting.sky {

@@ -1,0 +1,87 @@
+//! A scene set up for its lights.
+
+use crate::answers::lit::OpenSky;
+use crate::certify::surface::SurfacePoint;
+use crate::exact::Judge;
+use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky};
+use crate::search::tree::Tree;
+use crate::view::View;
+use crate::view::directions::{DiscPoints, SkyDirections};
+use glam::{DVec3, Vec3};
+
+/// What is computed of lights and sky.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Wanted {
+    /// The colour of the picture.
+    pub(crate) color: bool,
+    /// The share of each light that is hidden.
+    pub(crate) shadow: bool,
+    /// The share of the sky that is open.
+    pub(crate) occlusion: bool,
+}
+
+/// A scene set up for its lights.
+pub(crate) struct Lighting<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) view: &'a View,
+    pub(crate) tree: &'a Tree,
+    pub(crate) wanted: Wanted,
+    /// Decides what f64 leaves unsure; `None` for answers that are not certified.
+    pub(crate) judge: Option<&'a Judge>,
+    /// The judge decides every ray.
+    pub(crate) exact: bool,
+    pub(crate) sky: Option<Sky>,
+    pub(crate) directions: &'a SkyDirections,
+    pub(crate) disc: &'a DiscPoints,
+    pub(crate) seed: u32,
+    /// The open share of the sky at the hits of viewing rays, if it is known.
+    pub(crate) open: Option<OpenSky<'a>>,
+    /// How often a ray goes on; 0 where no material asks for it.
+    pub(crate) bounces: u32,
+}
+
+impl Wanted {
+    /// Whether there is anything to compute.
+    pub(crate) fn is_any(self) -> bool {
+        self.color || self.shadow || self.occlusion
+    }
+}
+
+impl Lighting<'_> {
+    /// The hit point of a pixel.
+    pub(super) fn point(&self, pixel: u32, id: u32) -> SurfacePoint {
+        let sphere = (id, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
+        let placement = &self.tree.placement;
+        let [i, j] = self.position(pixel);
+        let point = SurfacePoint::seen(self.view, placement, [i, j], sphere);
+        match self.judge {
+            None => point.trusted(placement),
+            Some(_) if point.is_sharp(placement) => point,
+            Some(judge) => match judge.hit_of(i, j, (sphere.1, sphere.2)) {
+                Some(truth) => SurfacePoint::judged(placement, &truth, sphere),
+                None => point,
+            },
+        }
+    }
+
+    pub(super) fn material(&self, id: u32) -> Material {
+        self.scene.spheres.materials.as_ref().map_or(Material::default(), |materials| materials.of(id))
+    }
+
+    pub(super) fn own_color(&self, id: u32) -> DVec3 {
+        let color = self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
+        Vec3::from_array(color).as_dvec3()
+    }
+
+    /// The unit direction of a pixel's viewing ray.
+    pub(super) fn direction(&self, pixel: u32) -> DVec3 {
+        let [i, j] = self.position(pixel);
+        self.view.to_world(self.view.direction(i, j)).normalize()
+    }
+
+    /// Row and column of a pixel's ray, in the finer frame of its samples.
+    pub(super) fn position(&self, pixel: u32) -> [u32; 2] {
+        let [row, column] = self.view.record.place(pixel);
+        self.view.record.sample_position(row, column)
+    }
+}

@@ -1,0 +1,32 @@
+//! What the lights and materials of a scene require.
+
+use crate::cpu::light::Wanted;
+use crate::frame::Aov;
+use crate::scene::{BOUNCES, Materials, Scene};
+use crate::settings::Settings;
+use crate::shade::Shade;
+
+/// What the settings request of lights and sky.
+pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
+    let lighting = &scene.lighting;
+    let lit = !lighting.lights.is_empty() || lighting.sky.is_some() || bounces(scene) > 0;
+    Wanted {
+        color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
+        shadow: settings.asks(&[Aov::Shadow]),
+        occlusion: settings.asks(&[Aov::Occlusion]),
+    }
+}
+
+/// How often a ray of the picture goes on: not at all where no material asks for it.
+pub(crate) fn bounces(scene: &Scene) -> u32 {
+    let asked = scene.spheres.materials.as_ref().is_some_and(Materials::bounce);
+    if asked { scene.lighting.bounces.unwrap_or(BOUNCES) } else { 0 }
+}
+
+/// Points of a light with a size for each pixel, over all its samples.
+const LIGHT_POINTS: u32 = 64;
+
+/// The points of a light with a size for each of so many samples of a pixel.
+pub(crate) fn light_points(samples: u32) -> u32 {
+    LIGHT_POINTS.div_ceil(samples.max(1))
+}
