@@ -25,6 +25,7 @@ mod test_dir;
 mod cloud;
 mod command;
 mod crop;
+mod eclipse;
 mod extremes;
 mod frames;
 mod given;
