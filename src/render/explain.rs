@@ -193,10 +193,10 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     let viewing = u64::from(samples);
     // Buffers are of the centre; without a picture there are no samples.
     let points = if plan.wanted.color { viewing } else { u64::from(plan.wanted.is_any()) };
-    let spread = u64::from(lights::light_points(if plan.wanted.color { samples } else { 1 }));
-    let of_light = |light: &Light| if light.source.has_size() { spread } else { 1 };
+    let spread = u64::from(lights::light_rays(if plan.wanted.color { samples } else { 1 }));
+    let of_light = |light: &Light| if light.source.has_size() { spread } else { points };
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
-    let lights = if has_shadows(plan, scene, settings) { points * lights } else { 0 };
+    let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
     let of_sky = |sky: Sky| u64::from(sky.rays) * if sky.at_centers { points.min(1) } else { points };
     let sky = settings.sky(scene).map_or(0, of_sky);
     // Glass divides a ray: 2 + 4 + .. + 2^n.

@@ -57,7 +57,7 @@ impl Renderer {
         let sized = lights.iter().any(|light| light.source.has_size());
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
         let samples = view.record.strata * view.record.strata;
-        let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 });
+        let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
         let Some(tree) = &setup.tree else {
             return Ok(lit.of_nothing(scene.image.background));
         };

@@ -143,26 +143,49 @@ impl SkyDirections {
 #[derive(Debug, Clone)]
 pub(crate) struct DiscPoints {
     points: Vec<[f64; 2]>,
+    samples: usize,
+    rim: Vec<[f64; 2]>,
 }
 
+/// Points on the rim of a disc, evenly spread: the least that keep the umbra of an eclipse as large as it is (docs/light.md).
+pub(crate) const RIM: u32 = 16;
+
 impl DiscPoints {
-    /// `count` points.
-    pub(crate) fn new(count: u32) -> Self {
+    /// `count` points for each of so many samples of a pixel, which together are one spiral.
+    pub(crate) fn new(count: u32, samples: u32) -> Self {
         let point = |(area, turn): (f64, [f64; 2])| turn.map(|x| area.sqrt() * x);
-        Self { points: spiral(count).map(point).collect() }
+        // A sixteenth of a turn: half of an eighth.
+        let half = 0.5f64.sqrt();
+        let step = [((1.0 + half) / 2.0).sqrt(), ((1.0 - half) / 2.0).sqrt()];
+        let rim = std::iter::successors(Some([1.0, 0.0]), |turn| Some(times(*turn, step)));
+        Self {
+            points: spiral(count * samples).map(point).collect(),
+            samples: samples as usize,
+            rim: rim.take(RIM as usize).collect(),
+        }
     }
 
-    /// The number of points.
+    /// The number of points of a sample.
     pub(crate) fn len(&self) -> usize {
-        self.points.len()
+        self.points.len() / self.samples
     }
 
     /// The points of this sample for the light with this index, as many as `out` has room for; all within the disc.
     pub(crate) fn of(&self, at: PixelSample, light: u32, out: &mut [[f64; 2]]) {
-        // The purpose 0 is the sky.
-        let turn = at.turn(light.wrapping_add(1));
-        for (out, point) in out.iter_mut().zip(&self.points) {
-            *out = times(turn, *point);
-        }
+        let turn = turn(at, light);
+        let own = self.points.iter().skip(at.sample as usize % self.samples).step_by(self.samples);
+        out.iter_mut().zip(own).for_each(|(out, point)| *out = times(turn, *point));
     }
+
+    /// Points on the rim for the light with this index; none where there are several samples.
+    pub(crate) fn rim(&self, at: PixelSample, light: u32) -> impl Iterator<Item = [f64; 2]> {
+        let turn = turn(at, light);
+        self.rim.iter().filter(|_| self.samples == 1).map(move |point| times(turn, *point))
+    }
+}
+
+/// How the points of a light are turned: the same for all samples of a pixel.
+fn turn(at: PixelSample, light: u32) -> [f64; 2] {
+    // The purpose 0 is the sky.
+    PixelSample { sample: 0, ..at }.turn(light.wrapping_add(1))
 }

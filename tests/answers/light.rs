@@ -121,6 +121,31 @@ fn the_number_of_bounces_is_a_limit() {
     assert_eq!(bounces(2), bounces(64));
 }
 
+/// Without bounces mirrors and glass reflect like any other sphere, also under a light.
+#[test]
+fn without_bounces_every_material_is_lit() {
+    for material in [Material::Metal { fuzz: 0.0 }, Material::Glass { index: 1.5 }, Material::default()] {
+        let mut scene = scene(STRAIGHT, [1, 1], spheres(&[([0.0, 0.0, -3.0], 1.0, [1.0; 3], material)]));
+        let lights = vec![Light::white(LightSource::Direction(DVec3::Z))];
+        scene.lighting = Lighting { lights, shadows: true, bounces: Some(0), ..Lighting::default() };
+        assert!(close(&color(&scene), &[1.0; 3]), "{material:?}");
+    }
+}
+
+/// A light behind a surface has no highlight on it, whether or not it casts shadows.
+#[test]
+fn a_light_behind_a_surface_has_no_highlight() {
+    let shiny = Material::Phong { diffuse: 0.0, specular: 1.0, shine: 4.0, transmission: 0.0, index: 1.0 };
+    let list = [([0.0, 0.0, -3.0], 1.0, [0.0; 3], shiny)];
+    let mut scene = scene(looking([0.0; 3], [0.0, 0.0, -1.0], 45.0), [21, 21], spheres(&list));
+    scene.image.background = [0.0; 3];
+    for (toward, is_lit) in [(DVec3::NEG_Z, false), (DVec3::Z, true)] {
+        let lights = vec![Light::white(LightSource::Direction(toward))];
+        scene.lighting = Lighting { lights, bounces: Some(0), ..Lighting::default() };
+        assert_eq!(color(&scene).iter().any(|x| *x > 0.0), is_lit, "{toward}");
+    }
+}
+
 #[test]
 fn clear_spheres_of_index_1_change_nothing() {
     let mut covered =
@@ -341,8 +366,8 @@ fn half_of_a_light_is_hidden() {
     assert!(shares.iter().all(|share| (share - 0.5).abs() < 3.0 * error), "{shares:?}");
     let settings = Settings { backend: Backend::Cpu, aovs: vec![Aov::Color, Aov::Shadow], ..Settings::default() };
     let planned = explain(&half, &settings).expect("a plan").rays_per_pixel;
-    assert_eq!((planned.lights, planned.onward), (64, 0));
-    assert!(shares.iter().all(|share| (64.0 * share).fract() == 0.0), "as many points as the plan says");
+    assert_eq!((planned.lights, planned.onward), (80, 0), "64 points, and 16 on the rim");
+    assert!(shares.iter().all(|share| (64.0 * share).fract() == 0.0), "shares of 64 points");
     let mean = shares.iter().sum::<f64>() / 32.0;
     assert!((mean - 0.5).abs() < 3.0 * error / 32f64.sqrt(), "{mean}");
 }

@@ -22,6 +22,8 @@ struct LightShare {
     /// The sum of the cosines of the others, and of their highlights.
     reflected: f64,
     gloss: f64,
+    /// A point of the rim is hidden, or open.
+    rim: [bool; 2],
     /// The point is on the light.
     shines: bool,
 }
@@ -33,8 +35,20 @@ impl LightShare {
         self.gloss += gloss;
     }
 
+    fn see_rim(&mut self, hidden: bool) {
+        self.rim[usize::from(!hidden)] = true;
+    }
+
+    /// The share that is hidden. Where the rim differs from all points within, it is half a point off: the light is
+    /// neither wholly hidden nor wholly seen.
     fn hidden(&self) -> f32 {
-        if self.rays == 0 { 0.0 } else { (f64::from(self.hidden) / f64::from(self.rays)) as f32 }
+        let [some_hidden, some_open] = self.rim;
+        let hidden = match f64::from(self.hidden) {
+            0.0 if some_hidden => 0.5,
+            all if self.hidden == self.rays && some_open => all - 0.5,
+            hidden => hidden,
+        };
+        if self.rays == 0 { 0.0 } else { (hidden / f64::from(self.rays)) as f32 }
     }
 }
 
@@ -55,6 +69,7 @@ impl SkyShare {
 #[derive(Debug, Clone, Copy)]
 enum Of {
     Light(usize, [f64; 2]),
+    Rim(usize),
     Sky(f64),
 }
 
@@ -169,33 +184,59 @@ impl<'a> PointLight<'a> {
             let toward = Toward::Point(cap.point(self.disc[k]).to_array());
             self.light_ray(lanes, point, n, &toward, light);
         }
+        if !self.casts_shadows() {
+            return;
+        }
+        let disc = self.of.disc;
+        for place in disc.rim(at, n as u32) {
+            let toward = Toward::Point(cap.point(place).to_array());
+            let (answer, question) = self.ask(lanes, point, &toward, light);
+            match question {
+                Some(question) => self.unsure.push((Of::Rim(n), question)),
+                None => self.lights[n].see_rim(answer == AnyHit::Blocked),
+            }
+        }
+    }
+
+    fn casts_shadows(&self) -> bool {
+        self.of.wanted.shadow || self.of.scene.lighting.shadows
     }
 
     #[inline(always)]
     fn light_ray<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
-        let tree = self.of.tree;
-        let ray = point.ray(&tree.placement, toward);
+        let ray = point.ray(&self.of.tree.placement, toward);
         let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, |ray| self.highlight(ray))];
         self.lights[n].rays += 1;
-        let shadows = self.of.wanted.shadow || self.of.scene.lighting.shadows;
-        let answer = match &ray {
-            _ if !shadows => AnyHit::Free,
-            Some(ray) if !self.of.exact => LightRay { tree, point, ray, light }.answer(lanes),
-            _ => AnyHit::Unsure,
+        if !self.casts_shadows() {
+            return self.lights[n].add(seen);
+        }
+        match self.ask(lanes, point, toward, light) {
+            (_, Some(question)) => self.unsure.push((Of::Light(n, seen), question)),
+            (AnyHit::Blocked, None) => self.hide(n, seen),
+            _ => self.lights[n].add(seen),
+        }
+    }
+
+    /// Whether the light in this direction is hidden; if that is unsure, the question for the judge.
+    #[inline(always)]
+    fn ask<L: Lanes>(
+        &self,
+        lanes: L,
+        point: &SurfacePoint,
+        toward: &Toward,
+        light: u32,
+    ) -> (AnyHit, Option<LightQuestion>) {
+        let tree = self.of.tree;
+        let question = |among| Some(LightQuestion { toward: *toward, turned: false, among });
+        let Some(ray) = point.ray(&tree.placement, toward) else {
+            // A ray of unknown direction may meet anything.
+            return (AnyHit::Unsure, question(tree.others(light)));
         };
-        match answer {
-            AnyHit::Free => self.lights[n].add(seen),
-            AnyHit::Blocked => self.hide(n, seen),
-            AnyHit::Unsure => {
-                // A ray of unknown direction may meet anything.
-                let among = match &ray {
-                    Some(ray) => LightRay { tree, point, ray, light }.candidates(),
-                    None => tree.others(light),
-                };
-                let question = LightQuestion { toward: *toward, turned: false, among };
-                self.unsure.push((Of::Light(n, seen), question));
-            }
+        let ray = LightRay { tree, point, ray: &ray, light };
+        match if self.of.exact { AnyHit::Unsure } else { ray.answer(lanes) } {
+            AnyHit::Unsure => (AnyHit::Unsure, question(ray.candidates())),
+            answer => (answer, None),
         }
     }
 
@@ -279,6 +320,7 @@ impl<'a> PointLight<'a> {
         match (of, hidden) {
             (Of::Light(n, seen), true) => self.hide(n, seen),
             (Of::Light(n, seen), false) => self.lights[n].add(seen),
+            (Of::Rim(n), hidden) => self.lights[n].see_rim(hidden),
             (Of::Sky(_), true) => {}
             (Of::Sky(weight), false) => self.sky.open += weight,
         }

@@ -5,6 +5,7 @@ use crate::frame::Aov;
 use crate::scene::{BOUNCES, Materials, Scene};
 use crate::settings::Settings;
 use crate::shade::Shade;
+use crate::view::directions::RIM;
 
 /// What the settings request of lights and sky.
 pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
@@ -25,6 +26,11 @@ pub(crate) fn bounces(scene: &Scene) -> u32 {
 
 /// Points of a light with a size for each pixel, over all its samples.
 const LIGHT_POINTS: u32 = 64;
+
+/// The rays to them for all samples of a pixel; one sample has more rays, to the rim.
+pub(crate) fn light_rays(samples: u32) -> u32 {
+    light_points(samples) * samples + if samples == 1 { RIM } else { 0 }
+}
 
 /// The points of a light with a size for each of so many samples of a pixel.
 pub(crate) fn light_points(samples: u32) -> u32 {

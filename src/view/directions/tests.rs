@@ -57,8 +57,8 @@ fn the_bits_are_those_of_another_implementation() {
     let mut out = [[0.0; 3]; 16];
     SkyDirections::new(16).of(at, &mut out);
     assert_eq!(out[15].map(f32::to_bits), [0xbde5_b415, 0x3f78_2770, 0x3e5f_d384]);
-    let point = disc(&DiscPoints::new(9), at, 2)[8];
-    assert_eq!(point.map(f64::to_bits), [0x3fdf_277d_eceb_709e, 0x3fea_ea76_729b_1af8]);
+    let point = disc(&DiscPoints::new(9, 1), at, 2)[8];
+    assert_eq!(point.map(f64::to_bits), [0x3fe7_e9b0_030c_5ee2, 0xbfe3_e1bf_8128_9d06]);
 }
 
 #[test]
@@ -71,14 +71,25 @@ fn sets_repeat_and_differ_between_samples_pixels_seeds_and_lights() {
         PixelSample { seed: 6, ..at },
         PixelSample { row: 11, column: 7, ..at },
     ];
-    let (set, points) = (SkyDirections::new(16), DiscPoints::new(16));
+    let (set, points) = (SkyDirections::new(16), DiscPoints::new(16, 1));
     assert_eq!(sky(&set, at), sky(&SkyDirections::new(16), at));
-    assert_eq!(disc(&points, at, 1), disc(&DiscPoints::new(16), at, 1));
+    assert_eq!(disc(&points, at, 1), disc(&DiscPoints::new(16, 1), at, 1));
     assert_ne!(disc(&points, at, 0), disc(&points, at, 1));
     for other in others {
         assert_ne!(sky(&set, at), sky(&set, other), "{other:?}");
-        assert_ne!(disc(&points, at, 0), disc(&points, other, 0), "{other:?}");
+        // The samples of a pixel share one spiral.
+        let same = disc(&points, at, 0) == disc(&points, other, 0);
+        assert_eq!(same, other.sample != at.sample, "{other:?}");
     }
+    let parts = DiscPoints::new(4, 4);
+    let all = disc(&points, at, 0);
+    for sample in 0..4 {
+        let own: Vec<_> = all.iter().copied().skip(sample).step_by(4).collect();
+        assert_eq!(disc(&parts, PixelSample { sample: sample as u32, ..at }, 0), own);
+    }
+    let rim: Vec<_> = points.rim(at, 0).collect();
+    assert!(rim.len() == 16 && rim.iter().all(|[x, y]| (x * x + y * y - 1.0).abs() < 1e-14), "{rim:?}");
+    assert_eq!(parts.rim(at, 0).count(), 0);
     // A shorter list has the same beginning.
     let mut few = [[0.0; 3]; 4];
     set.of(at, &mut few);
@@ -88,7 +99,7 @@ fn sets_repeat_and_differ_between_samples_pixels_seeds_and_lights() {
 #[test]
 fn directions_have_length_one_and_points_lie_in_the_disc() {
     for count in [1, 2, 3, 16, 1000, 1 << 20] {
-        let (set, points) = (SkyDirections::new(count), DiscPoints::new(count));
+        let (set, points) = (SkyDirections::new(count), DiscPoints::new(count, 1));
         for number in 0..if count > 1000 { 1 } else { 100 } {
             for l in sky(&set, sample(number)) {
                 let length = dot(l, l).sqrt();
@@ -195,7 +206,7 @@ fn the_open_share_has_the_standard_error_that_is_stated() {
 fn the_share_of_a_disc_beyond_a_chord_has_the_standard_error_that_is_stated() {
     const MANY: u32 = 1000;
     for count in [4, 16, 64, 256] {
-        let set = DiscPoints::new(count);
+        let set = DiscPoints::new(count, 1);
         let law = f64::from(count).powf(-0.75);
         for distance in [0.0, 0.3, 0.5, 1.0 / SQRT_2, 0.9] {
             let beyond = |number: u32| {
