@@ -17,6 +17,10 @@ use crate::window::Window;
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 104;
 
+/// Bytes per sphere of the tree for rays to lights: centre and radius 32, id 4, a block's lane 16, a node's part 3, boxes while
+/// it is built 3.
+const TREE: u64 = 58;
+
 /// Frames keep ids as i32.
 const MOST: u64 = i32::MAX as u64;
 
@@ -50,6 +54,7 @@ impl Need {
             // The twin has copies in its own number type.
             _ => records + if wide { 48 } else { 24 },
         };
+        let sphere = sphere + if plan.wanted.is_any() { TREE } else { 0 };
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some() || plan.wanted.color);
