@@ -4,7 +4,7 @@
 use super::given_certified::AnyHit;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::{Own, SurfacePoint};
-use crate::search::tree::lanes::{Lanes, Portable};
+use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, walk};
 use crate::search::tree::{BoxRay, Tree};
 use crate::view::ray::NONE;
@@ -21,12 +21,11 @@ pub(crate) struct LightRay<'a> {
 
 impl LightRay<'_> {
     /// Whether the light is hidden, by the sphere of the point or by another.
-    #[inline(always)]
-    pub(crate) fn answer<L: Lanes>(&self, lanes: L) -> AnyHit {
+    pub(crate) fn answer(&self) -> AnyHit {
         match self.point.own(self.ray) {
             Own::Hides => AnyHit::Blocked,
-            Own::Open => self.others(lanes),
-            Own::Unsure => match self.others(lanes) {
+            Own::Open => self.others(),
+            Own::Unsure => match self.others() {
                 AnyHit::Free => AnyHit::Unsure,
                 answer => answer,
             },
@@ -34,15 +33,12 @@ impl LightRay<'_> {
     }
 
     /// Whether a sphere other than that of the point hides the light.
-    #[inline(always)]
-    pub(crate) fn others<L: Lanes>(&self, lanes: L) -> AnyHit {
-        let Some(boxes) = self.boxes() else {
-            return AnyHit::Free;
-        };
-        let limit = boxes.limit(self.ray.limit[1]);
-        let mut search = HiddenSearch { lanes, of: self, boxes: &boxes, limit, found: AnyHit::Free };
-        walk(lanes, self.tree, &boxes, limit, &mut search);
-        search.found
+    pub(crate) fn others(&self) -> AnyHit {
+        let mut found = AnyHit::Free;
+        if let Some(boxes) = self.boxes() {
+            dispatch(Others { of: self, boxes: &boxes, found: &mut found });
+        }
+        found
     }
 
     /// All spheres that may hide the light, beside that of the point.
@@ -56,7 +52,6 @@ impl LightRay<'_> {
         search.all
     }
 
-    #[inline(always)]
     fn boxes(&self) -> Option<BoxRay> {
         BoxRay::new(self.ray.placed(), self.ray.direction, self.ray.doubt())
     }
@@ -67,6 +62,24 @@ impl LightRay<'_> {
         let [x, y, z, r] = self.tree.spheres[place];
         ([x, y, z], r) != (self.point.center, self.point.radius)
             && (self.light == NONE || self.tree.ids[place] != self.light)
+    }
+}
+
+/// The search of one ray. The choice of vectors is made here, for every ray: what surrounds it is compiled once.
+struct Others<'a> {
+    of: &'a LightRay<'a>,
+    boxes: &'a BoxRay,
+    found: &'a mut AnyHit,
+}
+
+impl Work for Others<'_> {
+    #[inline(always)]
+    fn work<L: Lanes>(self, lanes: L) {
+        let Self { of, boxes, found } = self;
+        let limit = boxes.limit(of.ray.limit[1]);
+        let mut search = HiddenSearch { lanes, of, boxes, limit, found: AnyHit::Free };
+        walk(lanes, of.tree, boxes, limit, &mut search);
+        *found = search.found;
     }
 }
 

@@ -8,7 +8,7 @@ mod lighting;
 mod point;
 
 use crate::answers::lit::{Chunk, Lit, NOT_CERTIFIED, SETTLED};
-use crate::search::tree::lanes::{Lanes, TASK, Work, dispatch};
+use crate::search::tree::lanes::TASK;
 use crate::view::directions::PixelSample;
 use crate::view::ray::NONE;
 use bounce::Bounces;
@@ -26,7 +26,7 @@ impl Lighting<'_> {
             let ids = &ids[chunk.first..chunk.first + chunk.count];
             let mut unsure = Vec::new();
             if go_on(ids.len() as u64) {
-                dispatch(Task { lighting: self, ids, chunk: &mut chunk, unsure: &mut unsure });
+                Task { lighting: self, ids, chunk: &mut chunk, unsure: &mut unsure }.work();
             }
             unsure
         };
@@ -42,9 +42,8 @@ struct Task<'a, 'b, 'c> {
     unsure: &'b mut Vec<(u32, u8)>,
 }
 
-impl Work for Task<'_, '_, '_> {
-    #[inline(always)]
-    fn work<L: Lanes>(self, lanes: L) {
+impl Task<'_, '_, '_> {
+    fn work(self) {
         let Task { lighting, ids, chunk, unsure } = self;
         let Wanted { color, shadow, occlusion } = lighting.wanted;
         let lights = lighting.scene.lighting.lights.len();
@@ -62,8 +61,8 @@ impl Work for Task<'_, '_, '_> {
             let point = lighting.point(pixel, id);
             let along = lighting.direction(pixel);
             match lighting.open {
-                None => at_point.see(lanes, &point, along, at),
-                Some(open) => at_point.see_lights(lanes, &point, along, at, open.around(row, column, id)),
+                None => at_point.see(&point, along, at),
+                Some(open) => at_point.see_lights(&point, along, at, open.around(row, column, id)),
             }
             let settled = at_point.settle(&point, lighting.position(pixel));
             if shadow {
@@ -77,7 +76,7 @@ impl Work for Task<'_, '_, '_> {
             if color {
                 let mut rgb = at_point.color(&point, along);
                 if lighting.bounces > 0 {
-                    let (more, sure) = bounces.follow(lanes, &mut at_point, (point, along), at);
+                    let (more, sure) = bounces.follow(&mut at_point, (point, along), at);
                     (rgb, proved) = (rgb + more, sure);
                 }
                 chunk.color[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());

@@ -5,7 +5,7 @@ use super::point::PointLight;
 use crate::certify::given::{Bounds, CertifiedRay};
 use crate::certify::surface::SurfacePoint;
 use crate::scene::Material;
-use crate::search::tree::lanes::Lanes;
+use crate::search::tree::lanes::{Lanes, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, walk};
 use crate::search::tree::{BoxRay, Tree};
 use crate::shade::optics::{reflected, refracted, schlick};
@@ -40,10 +40,8 @@ pub(super) struct Bounces {
 impl Bounces {
     /// The light that reaches a point over mirrors and glass, toward where a ray in the unit direction `along` comes from,
     /// and whether every ray of it is proved.
-    #[inline(always)]
-    pub(super) fn follow<L: Lanes>(
+    pub(super) fn follow(
         &mut self,
-        lanes: L,
         at_point: &mut PointLight<'_>,
         (point, along): (SurfacePoint, DVec3),
         at: PixelSample,
@@ -61,7 +59,7 @@ impl Bounces {
         };
         self.push(lighting, &first, &point, at);
         while let Some(ray) = self.waiting.pop() {
-            let (hit, sure) = ray.nearest(lanes, lighting.tree);
+            let (hit, sure) = ray.nearest(lighting.tree);
             let known = ray.proved && sure;
             proved &= known;
             let Some(hit) = hit else {
@@ -74,7 +72,7 @@ impl Bounces {
             };
             proved &= sharp || lighting.judge.is_none();
             if hit.outside || !lighting.material(hit.id).is_clear() {
-                at_point.see(lanes, &hit, ray.along, at);
+                at_point.see(&hit, ray.along, at);
                 proved &= !at_point.give_up();
                 sum += ray.weight * at_point.color(&hit, ray.along);
             }
@@ -142,8 +140,7 @@ impl Bounces {
 
 impl Onward {
     /// The point that it meets first, and whether that is certain.
-    #[inline(always)]
-    fn nearest<L: Lanes>(&self, lanes: L, tree: &Tree) -> (Option<SurfacePoint>, bool) {
+    fn nearest(&self, tree: &Tree) -> (Option<SurfacePoint>, bool) {
         let ray = self.from.onward(&tree.placement, self.along.to_array(), self.tilt);
         let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
             return (None, true);
@@ -151,10 +148,11 @@ impl Onward {
         let own = self.within.then(|| (OWN, self.from.chord(&ray)));
         let limit = boxes.limit(own.map_or(f64::INFINITY, |(_, bounds)| bounds.high));
         let (boxes, rival) = (&boxes, f64::INFINITY);
-        let mut search = Nearest { lanes, tree, ray: &ray, boxes, from: &self.from, limit, best: own, rival };
-        walk(lanes, tree, boxes, limit, &mut search);
-        let Some((place, bounds)) = search.best else {
-            return (None, search.rival == f64::INFINITY);
+        let (mut best, mut rival) = (own, rival);
+        let found = (&mut best, &mut rival);
+        dispatch(NearestOf { tree, ray: &ray, boxes, from: &self.from, limit, found });
+        let Some((place, bounds)) = best else {
+            return (None, rival == f64::INFINITY);
         };
         let sphere = match place {
             OWN => (self.from.id, self.from.center, self.from.radius),
@@ -163,12 +161,32 @@ impl Onward {
                 (tree.ids[place], [x, y, z], radius)
             }
         };
-        (Some(SurfacePoint::met(&ray, &bounds, sphere)), search.rival > bounds.high)
+        (Some(SurfacePoint::met(&ray, &bounds, sphere)), rival > bounds.high)
     }
 }
 
 /// The place of the sphere that the ray starts from.
 const OWN: usize = usize::MAX;
+
+/// The search of one ray: the nearest hit so far, and the least t at which any other sphere may be hit.
+struct NearestOf<'a> {
+    tree: &'a Tree,
+    ray: &'a CertifiedRay,
+    boxes: &'a BoxRay,
+    from: &'a SurfacePoint,
+    limit: f32,
+    found: (&'a mut Option<(usize, Bounds)>, &'a mut f64),
+}
+
+impl Work for NearestOf<'_> {
+    #[inline(always)]
+    fn work<L: Lanes>(self, lanes: L) {
+        let Self { tree, ray, boxes, from, limit, found: (best, rival) } = self;
+        let mut search = Nearest { lanes, tree, ray, boxes, from, limit, best: *best, rival: *rival };
+        walk(lanes, tree, boxes, limit, &mut search);
+        (*best, *rival) = (search.best, search.rival);
+    }
+}
 
 struct Nearest<'a, L> {
     lanes: L,

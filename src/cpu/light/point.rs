@@ -7,7 +7,6 @@ use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
 use crate::scene::{LightSource, Material};
-use crate::search::tree::lanes::Lanes;
 use crate::shade::lit::{self, Cap};
 use crate::view::directions::PixelSample;
 use crate::view::ray::NONE;
@@ -101,25 +100,16 @@ impl<'a> PointLight<'a> {
     }
 
     /// Asks all lights and the sky at a point that a ray meets in the unit direction `along`.
-    #[inline(always)]
-    pub(super) fn see<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, along: DVec3, at: PixelSample) {
-        self.see_lights(lanes, point, along, at, 1.0);
+    pub(super) fn see(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample) {
+        self.see_lights(point, along, at, 1.0);
         if self.of.sky.is_some() {
             self.sky = SkyShare::default();
-            self.sky(lanes, point, at);
+            self.sky(point, at);
         }
     }
 
     /// The same where the sky is open in a known share.
-    #[inline(always)]
-    pub(super) fn see_lights<L: Lanes>(
-        &mut self,
-        lanes: L,
-        point: &SurfacePoint,
-        along: DVec3,
-        at: PixelSample,
-        open: f64,
-    ) {
+    pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, open: f64) {
         self.unsure.clear();
         self.sky = SkyShare { all: 1.0, open };
         self.mirrored = (along - 2.0 * along.dot(point.normal.into()) * DVec3::from_array(point.normal)).to_array();
@@ -129,7 +119,7 @@ impl<'a> PointLight<'a> {
         };
         for n in 0..self.lights.len() {
             self.lights[n] = LightShare::default();
-            self.light(lanes, point, n, at);
+            self.light(point, n, at);
         }
     }
 
@@ -143,36 +133,26 @@ impl<'a> PointLight<'a> {
         self.sky.open()
     }
 
-    #[inline(always)]
-    fn light<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, n: usize, at: PixelSample) {
+    fn light(&mut self, point: &SurfacePoint, n: usize, at: PixelSample) {
         let spheres = &self.of.scene.spheres;
         match self.of.scene.lighting.lights[n].source {
             LightSource::Direction(direction) => {
-                self.light_ray(lanes, point, n, &Toward::Direction(direction.to_array()), NONE);
+                self.light_ray(point, n, &Toward::Direction(direction.to_array()), NONE);
             }
             LightSource::Point(position) => {
-                self.light_ray(lanes, point, n, &Toward::Point(position.to_array()), NONE);
+                self.light_ray(point, n, &Toward::Point(position.to_array()), NONE);
             }
             LightSource::Sphere(id) if id == point.id => self.lights[n].shines = true,
             LightSource::Sphere(id) => {
                 let ball = (DVec3::from_array(spheres.centers[id as usize]), spheres.radii[id as usize]);
-                self.ball(lanes, point, n, ball, id, at);
+                self.ball(point, n, ball, id, at);
             }
-            LightSource::Ball { center, radius } => self.ball(lanes, point, n, (center, radius), NONE, at),
+            LightSource::Ball { center, radius } => self.ball(point, n, (center, radius), NONE, at),
         }
     }
 
     /// A light with a size: points of its surface, spread evenly over the solid angle that the point sees.
-    #[inline(always)]
-    fn ball<L: Lanes>(
-        &mut self,
-        lanes: L,
-        point: &SurfacePoint,
-        n: usize,
-        (center, radius): (DVec3, f64),
-        light: u32,
-        at: PixelSample,
-    ) {
+    fn ball(&mut self, point: &SurfacePoint, n: usize, (center, radius): (DVec3, f64), light: u32, at: PixelSample) {
         let from = point.world();
         self.of.disc.of(at, n as u32, &mut self.disc);
         let Some(cap) = Cap::new(from, center, radius) else {
@@ -182,7 +162,7 @@ impl<'a> PointLight<'a> {
         };
         for k in 0..self.disc.len() {
             let toward = Toward::Point(cap.point(self.disc[k]).to_array());
-            self.light_ray(lanes, point, n, &toward, light);
+            self.light_ray(point, n, &toward, light);
         }
         if !self.casts_shadows() {
             return;
@@ -190,7 +170,7 @@ impl<'a> PointLight<'a> {
         let disc = self.of.disc;
         for place in disc.rim(at, n as u32) {
             let toward = Toward::Point(cap.point(place).to_array());
-            let (answer, question) = self.ask(lanes, point, &toward, light);
+            let (answer, question) = self.ask(point, &toward, light);
             match question {
                 Some(question) => self.unsure.push((Of::Rim(n), question)),
                 None => self.lights[n].see_rim(answer == AnyHit::Blocked),
@@ -202,8 +182,7 @@ impl<'a> PointLight<'a> {
         self.of.wanted.shadow || self.of.scene.lighting.shadows
     }
 
-    #[inline(always)]
-    fn light_ray<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
+    fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
         let ray = point.ray(&self.of.tree.placement, toward);
         let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, |ray| self.highlight(ray))];
@@ -211,7 +190,7 @@ impl<'a> PointLight<'a> {
         if !self.casts_shadows() {
             return self.lights[n].add(seen);
         }
-        match self.ask(lanes, point, toward, light) {
+        match self.ask(point, toward, light) {
             (_, Some(question)) => self.unsure.push((Of::Light(n, seen), question)),
             (AnyHit::Blocked, None) => self.hide(n, seen),
             _ => self.lights[n].add(seen),
@@ -219,14 +198,7 @@ impl<'a> PointLight<'a> {
     }
 
     /// Whether the light in this direction is hidden; if that is unsure, the question for the judge.
-    #[inline(always)]
-    fn ask<L: Lanes>(
-        &self,
-        lanes: L,
-        point: &SurfacePoint,
-        toward: &Toward,
-        light: u32,
-    ) -> (AnyHit, Option<LightQuestion>) {
+    fn ask(&self, point: &SurfacePoint, toward: &Toward, light: u32) -> (AnyHit, Option<LightQuestion>) {
         let tree = self.of.tree;
         let question = |among| Some(LightQuestion { toward: *toward, turned: false, among });
         let Some(ray) = point.ray(&tree.placement, toward) else {
@@ -234,14 +206,13 @@ impl<'a> PointLight<'a> {
             return (AnyHit::Unsure, question(tree.others(light)));
         };
         let ray = LightRay { tree, point, ray: &ray, light };
-        match if self.of.exact { AnyHit::Unsure } else { ray.answer(lanes) } {
+        match if self.of.exact { AnyHit::Unsure } else { ray.answer() } {
             AnyHit::Unsure => (AnyHit::Unsure, question(ray.candidates())),
             answer => (answer, None),
         }
     }
 
-    #[inline(always)]
-    fn sky<L: Lanes>(&mut self, lanes: L, point: &SurfacePoint, at: PixelSample) {
+    fn sky(&mut self, point: &SurfacePoint, at: PixelSample) {
         let (tree, reach) = (self.of.tree, self.of.sky.map_or(f64::INFINITY, |sky| sky.reach));
         self.of.directions.of(at, &mut self.directions);
         for k in 0..self.directions.len() {
@@ -267,7 +238,7 @@ impl<'a> PointLight<'a> {
             };
             let ray = LightRay { tree, point, ray: &ray, light: NONE };
             // From outside the sphere of the point does not hide what is on the side of its normal.
-            match if point.outside { ray.others(lanes) } else { ray.answer(lanes) } {
+            match if point.outside { ray.others() } else { ray.answer() } {
                 AnyHit::Free => self.sky.open += weight,
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
@@ -287,7 +258,6 @@ impl<'a> PointLight<'a> {
     }
 
     /// The highlight of a light in this direction, by Phong's law.
-    #[inline(always)]
     fn highlight(&self, ray: &CertifiedRay) -> f64 {
         if self.shine == 0.0 {
             return 0.0;

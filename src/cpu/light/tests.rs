@@ -8,7 +8,6 @@ use super::super::hidden::LightRay;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{Judge, LightQuestion, Toward};
 use crate::search::tree::Tree;
-use crate::search::tree::lanes::Portable;
 use crate::testing::Rng;
 use crate::view::View;
 use crate::view::ray::NONE;
@@ -62,7 +61,7 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
                     Some(ray) => {
                         let ray = LightRay { tree: &tree, point: &point, ray: &ray, light: NONE };
                         among = ray.candidates();
-                        ray.answer(Portable)
+                        ray.answer()
                     }
                     None => AnyHit::Unsure,
                 };
