@@ -14,7 +14,7 @@ use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Spheres};
+use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
 use std::path::Path;
@@ -83,8 +83,12 @@ fn windows() -> Vec<Window> {
 
 /// Settings for every accuracy, method and search of `renderer`, with all buffers.
 fn kinds(renderer: &mut Renderer) -> Vec<(String, Settings)> {
-    let all = || Settings { aovs: Aov::ALL.to_vec(), ..Settings::default() };
-    let accuracy = |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, ..all() });
+    let sky = |rays: u32| Sky { rays, ..Sky::default() };
+    let all = || Settings { aovs: Aov::ALL.to_vec(), sky: sky(4), ..Settings::default() };
+    // The judge takes a millisecond for each ray to the sky.
+    let rays = |accuracy: Accuracy| if accuracy == Accuracy::Exact { 1 } else { 4 };
+    let accuracy =
+        |accuracy: Accuracy| (accuracy.name().to_owned(), Settings { accuracy, sky: sky(rays(accuracy)), ..all() });
     let mut kinds = vec![accuracy(Accuracy::Certified), accuracy(Accuracy::Exact)];
     kinds.push(("certified, all".into(), Settings { search: Search::All, ..kinds[0].1.clone() }));
     for method in admitted(renderer) {

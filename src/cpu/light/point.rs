@@ -27,6 +27,9 @@ struct LightShare {
     shines: bool,
 }
 
+/// The share of a light of which only points of the rim are hidden, or seen: so small that it changes no mean.
+const NEARLY: f32 = 1.0 / (1u32 << 16) as f32;
+
 impl LightShare {
     /// Adds a ray that is not hidden, with its cosine and its highlight.
     fn add(&mut self, [cosine, gloss]: [f64; 2]) {
@@ -38,16 +41,16 @@ impl LightShare {
         self.rim[usize::from(!hidden)] = true;
     }
 
-    /// The share that is hidden. Where the rim differs from all points within, it is half a point off: the light is
-    /// neither wholly hidden nor wholly seen.
+    /// The share that is hidden. Where the rim differs from all points within, it is nearly 0 or 1: the light is neither
+    /// wholly hidden nor wholly seen.
     fn hidden(&self) -> f32 {
         let [some_hidden, some_open] = self.rim;
-        let hidden = match f64::from(self.hidden) {
-            0.0 if some_hidden => 0.5,
-            all if self.hidden == self.rays && some_open => all - 0.5,
-            hidden => hidden,
-        };
-        if self.rays == 0 { 0.0 } else { (hidden / f64::from(self.rays)) as f32 }
+        match (self.hidden, self.rays) {
+            (_, 0) => 0.0,
+            (0, _) if some_hidden => NEARLY,
+            (hidden, rays) if hidden == rays && some_open => 1.0 - NEARLY,
+            (hidden, rays) => (f64::from(hidden) / f64::from(rays)) as f32,
+        }
     }
 }
 
