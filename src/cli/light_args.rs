@@ -122,10 +122,10 @@ impl LightArgs {
             (Some(Some(rays)), _) => Some(rays),
             (Some(None), Some(sky)) => Some(sky.rays),
             (Some(None), None) => Some(Sky::default().rays),
-            (None, None) if picture.look == Look::Soft => Some(SOFT_RAYS),
+            (None, None) if picture.look == Look::Soft => Some(picture.soft_rays()),
             (None, sky) => sky.map(|sky| sky.rays),
         };
-        let at_centers = picture.look == Look::Soft && self.occlusion.is_none() && sky.is_none();
+        let at_centers = picture.look == Look::Soft && picture.samples > 1 && self.occlusion.is_none() && sky.is_none();
         *sky = rays.map(|rays| Sky { rays, at_centers, ..sky.unwrap_or_default() });
         match (self.reach, sky) {
             (None, _) => {}
@@ -164,6 +164,11 @@ impl PictureLook {
         }
     }
 
+    /// Rays for each pixel in the look `soft`: as many as usual without samples, whose noise would average out.
+    fn soft_rays(&self) -> u32 {
+        if self.samples > 1 { SOFT_RAYS } else { Sky::default().rays }
+    }
+
     /// The options that the look stands for, in a sentence; `None` for the plain one.
     pub(super) fn words(&self) -> Option<String> {
         let stands_for = match self.look {
@@ -171,7 +176,7 @@ impl PictureLook {
             Look::Soft => {
                 let samples = if self.is_default { format!(" --samples {}", self.samples) } else { String::new() };
                 let light = "a light from above left without shadows if the scene has no light";
-                format!("--occlusion {SOFT_RAYS} at pixels' centres, --silhouette{samples}, and {light}")
+                format!("--occlusion {} at pixels' centres, --silhouette{samples}, and {light}", self.soft_rays())
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

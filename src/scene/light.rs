@@ -66,6 +66,7 @@ pub struct Sky {
     pub reach: f64,
     /// With several samples per pixel, the rays leave from the hits of pixel centres only, and a sample takes the mean of
     /// the pixels around it that show its sphere: as little noise from fewer rays. Else rays leave from every sample.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
 }
 
