@@ -39,9 +39,12 @@ fn main() {
     }
 }
 
+/// The camera of the book's last scene.
+const CAMERA: &str = "[camera]\neye = [13.0, 2.0, 3.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 20.0";
+
 fn weekend() {
     println!("# A ground, a field of small spheres, three big ones. Made by `cargo run --example weekend`.");
-    println!("[camera]\neye = [13.0, 2.0, 3.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 20.0");
+    println!("{CAMERA}");
     println!("\n[image]\nsize = [1200, 675]\nbackground = [0.48, 0.67, 1.0]");
     sphere([0.0, -1000.0, 0.0], 1000.0, [0.5, 0.5, 0.5]);
     let mut random = Random(2026);
@@ -65,7 +68,7 @@ fn weekend() {
 fn cover() {
     println!("# The cover of Ray Tracing in One Weekend. Made by `cargo run --example weekend -- cover`.");
     println!("# halfline render scenes/cover.toml --samples 16 -o cover.png");
-    println!("[camera]\neye = [13.0, 2.0, 3.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 20.0");
+    println!("{CAMERA}");
     println!("\n[image]\nsize = [1200, 675]\nbackground = [0.75, 0.85, 1.0]\n\n[occlusion]\nrays = 4");
     sphere([0.0, -1000.0, 0.0], 1000.0, [0.5, 0.5, 0.5]);
     let mut random = Random(1995);

@@ -18,7 +18,7 @@ pub enum Step {
     /// Pixels are decided in exact arithmetic: those that a certified kernel could not prove, or all of them with
     /// [`crate::Accuracy::Exact`].
     Settle,
-    /// Lights and sky are asked about at the hits.
+    /// Rays from the hits to lights and to the sky are traced.
     Light,
     /// Given rays are traced. Where their number is not known beforehand, the total is 0.
     Rays,

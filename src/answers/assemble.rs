@@ -1,6 +1,6 @@
 //! The frame's buffers, assembled from the kernel's output and the settled pixels.
 
-use super::lit::Lit;
+use super::lit::{Lit, NOT_CERTIFIED, SETTLED};
 use super::raw::Raw;
 use super::samples::Means;
 use super::settle::Settled;
@@ -78,9 +78,9 @@ impl Answers<'_> {
                 Aov::Occlusion => Data::F32(std::mem::take(&mut self.lit.occlusion)),
                 Aov::Mask => Data::U8(self.raw.id.par_iter().map(|id| u8::from(*id != NONE)).collect()),
                 Aov::Certainty => {
-                    let mut certainty = vec![if self.depths.is_some() { 0 } else { 255 }; w * h];
+                    let mut certainty = vec![if self.depths.is_some() { 0 } else { NOT_CERTIFIED }; w * h];
                     if self.depths.is_some() {
-                        self.settled.iter().for_each(|s| certainty[s.pixel as usize] = 1);
+                        self.settled.iter().for_each(|s| certainty[s.pixel as usize] = SETTLED);
                         self.lit.unsure.iter().for_each(|(pixel, known)| certainty[*pixel as usize] = *known);
                     }
                     Data::U8(certainty)

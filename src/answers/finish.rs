@@ -25,11 +25,9 @@ impl Finish {
         if self.silhouette { MARGIN } else { 0 }
     }
 
-    /// Fades the colours of a view's rays.
-    pub(crate) fn fade(self, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
-        if let Some(cue) = DepthCue::of(scene, &view.basis).filter(|_| self.depth_cue) {
-            cue.apply(ids, &depths(scene, view, ids), scene.image.background, color);
-        }
+    /// The depth cue of the frame; `None` where none is requested or no sphere is in front of the eye.
+    pub(crate) fn cue(self, scene: &Scene, view: &View) -> Option<DepthCue> {
+        if self.depth_cue { DepthCue::of(scene, &view.basis) } else { None }
     }
 
     /// Draws the lines of `part` over its colours, from what the pixels' centres of the whole view show.
@@ -40,6 +38,11 @@ impl Finish {
             Shown { width, ids, depths: &depths, radii, pixel }.draw(part, self.between, color);
         }
     }
+}
+
+/// Fades the colours of a view's rays.
+pub(crate) fn fade(cue: DepthCue, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
+    cue.apply(ids, &depths(scene, view, ids), scene.image.background, color);
 }
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss. f64 without a bound is good for pictures.

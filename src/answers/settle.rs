@@ -102,13 +102,7 @@ impl Settler<'_> {
         for &id in &ids {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
-        let few = Scene {
-            camera: scene.camera,
-            image: scene.image,
-            spheres,
-            lighting: Default::default(),
-            skipped: Default::default(),
-        };
+        let few = Scene { spheres, ..scene.bare() };
         let judge = Judge::new(&few)?.refined(self.twin.view.fine());
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let decide = |(&pixel, own): (&u32, &Vec<u32>)| {

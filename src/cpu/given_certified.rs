@@ -24,6 +24,19 @@ pub(crate) enum AnyHit {
     Unsure,
 }
 
+impl AnyHit {
+    /// What a sphere does to a ray: blocked where it is hit for certain before the limit.
+    #[inline(always)]
+    pub(super) fn of(ray: &CertifiedRay, [x, y, z, radius]: [f64; 4]) -> Self {
+        match ray.meet([x, y, z], radius) {
+            Some(bounds) if bounds.low >= ray.limit[1] => Self::Free,
+            Some(bounds) if bounds.sure && bounds.high < ray.limit[0] => Self::Blocked,
+            Some(_) => Self::Unsure,
+            None => Self::Free,
+        }
+    }
+}
+
 /// Rays and the spheres that they may hit.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a> {
@@ -204,14 +217,13 @@ impl<L: Lanes> Test for AnySearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
         for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
-            if let Some(bounds) = self.given.meet(self.ray, place)
-                && bounds.low < self.ray.limit[1]
-            {
-                if bounds.sure && bounds.high < self.ray.limit[0] {
+            match AnyHit::of(self.ray, self.given.tree.spheres[place]) {
+                AnyHit::Free => {}
+                AnyHit::Unsure => self.found = AnyHit::Unsure,
+                AnyHit::Blocked => {
                     self.found = AnyHit::Blocked;
                     return -1.0;
                 }
-                self.found = AnyHit::Unsure;
             }
         }
         self.limit

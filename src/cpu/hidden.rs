@@ -99,15 +99,13 @@ impl<L: Lanes> Test for HiddenSearch<'_, L> {
             if !self.of.counts(place) {
                 continue;
             }
-            let [x, y, z, radius] = tree.spheres[place];
-            if let Some(bounds) = ray.meet([x, y, z], radius)
-                && bounds.low < ray.limit[1]
-            {
-                if bounds.sure && bounds.high < ray.limit[0] {
+            match AnyHit::of(ray, tree.spheres[place]) {
+                AnyHit::Free => {}
+                AnyHit::Unsure => self.found = AnyHit::Unsure,
+                AnyHit::Blocked => {
                     self.found = AnyHit::Blocked;
                     return -1.0;
                 }
-                self.found = AnyHit::Unsure;
             }
         }
         self.limit
@@ -124,8 +122,9 @@ impl Test for Candidates<'_> {
     fn test(&mut self, block: u32) -> f32 {
         let LightRay { tree, ray, .. } = *self.of;
         for place in tree.places(block).filter(|place| self.of.counts(*place)) {
-            let [x, y, z, radius] = tree.spheres[place];
-            if ray.meet([x, y, z], radius).is_some_and(|bounds| bounds.low < ray.limit[1]) {
+            let sphere = tree.spheres[place];
+            if AnyHit::of(ray, sphere) != AnyHit::Free {
+                let [x, y, z, radius] = sphere;
                 self.all.push(([x, y, z], radius));
             }
         }

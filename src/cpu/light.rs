@@ -58,13 +58,14 @@ impl Task<'_, '_, '_> {
             let record = &lighting.view.record;
             let [row, column] = record.place(pixel);
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
-            let point = lighting.point(pixel, id);
-            let along = lighting.direction(pixel);
+            let position = record.sample_position(row, column);
+            let point = lighting.point(position, id);
+            let along = lighting.direction(position);
             match lighting.open {
                 None => at_point.see(&point, along, at),
                 Some(open) => at_point.see_lights(&point, along, at, open.around(row, column, id)),
             }
-            let settled = at_point.settle(&point, lighting.position(pixel));
+            let settled = at_point.settle(&point, position);
             if shadow {
                 let shares = chunk.shadow[n * lights..(n + 1) * lights].iter_mut();
                 shares.zip(at_point.hidden()).for_each(|(out, x)| *out = x);

@@ -93,7 +93,7 @@ pub enum Toward {
     },
 }
 
-/// A hit whose neighbourhood is asked about.
+/// A hit from which rays leave to lights.
 pub(super) struct HitPoint<'a> {
     field: TowerField<'a>,
     eye: &'a Dyadic3,

@@ -5,6 +5,7 @@ use super::light::LightSetup;
 use super::plan::Plan;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
+use crate::answers::finish::fade;
 use crate::answers::lit::{AROUND, OpenSky};
 use crate::answers::raw::Raw;
 use crate::answers::samples::{Means, Sums};
@@ -16,8 +17,8 @@ use crate::frame::report::Timings;
 use crate::kernel::Kernel;
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::view::View;
 use crate::view::raster::Raster;
+use crate::view::{Records, View};
 use crate::window::Window;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -38,18 +39,23 @@ impl Renderer {
         let lights = lights.filter(|_| plan.wanted.color);
         let shared = lights.is_some() && raster.count() > 1 && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         let margin = finish.map_or(0, |finish| finish.margin()).max(if shared { AROUND } else { 0 });
-        let around = self.centers(plan, (scene, settings), (raster.window, margin), centers, timings)?;
-        let sky = match lights.filter(|_| shared) {
-            Some(lights) => {
+        let around = match margin {
+            0 => None,
+            margin => Some(self.centers(plan, (scene, settings), (raster.window, margin), centers, timings)?),
+        };
+        let sky = match (&around, lights) {
+            (Some(around), Some(lights)) if shared => {
                 let wanted = Wanted { occlusion: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
                 timings.time("light", || self.light(lights, of, wanted, (&around.ids, None), &pool))?.occlusion
             }
-            None => Vec::new(),
+            _ => Vec::new(),
         };
-        let open = shared.then_some(OpenSky { window: around.window, ids: &around.ids, open: &sky });
+        let open = around.as_ref().filter(|_| shared);
+        let open = open.map(|around| OpenSky { window: around.window, ids: &around.ids, open: &sky });
         // The spheres are binned once for all passes, since only the positions within the pixels differ.
         let mut setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
+        let cue = finish.and_then(|finish| finish.cue(scene, &setup.view));
         let pixels = setup.view.record.pixels();
         let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
         let wanted = Wanted { color: true, ..Wanted::default() };
@@ -66,13 +72,13 @@ impl Renderer {
                 let lit = timings.time("light", || self.light(lights, of, wanted, (&raw.id, open), &pool))?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
-            if let Some(finish) = finish {
-                timings.time("finish", || finish.fade(scene, &setup.view, &raw.id, &mut raw.color));
+            if let Some(cue) = cue {
+                timings.time("finish", || fade(cue, scene, &setup.view, &raw.id, &mut raw.color));
             }
             timings.time("samples", || sums.add(&raw));
         }
         let mut means = sums.means(raster.count(), &pool);
-        if let Some(finish) = finish {
+        if let (Some(finish), Some(around)) = (finish, around) {
             let part = raster.window.inside(around.window);
             timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
@@ -96,7 +102,7 @@ impl Renderer {
         let wide = window.grown(margin, scene.image.width, scene.image.height);
         let raster = Raster::centres(wide);
         if wide == window {
-            let view = View::for_rays(scene, raster, crate::view::Records::None)?;
+            let view = View::for_rays(scene, raster, Records::None)?;
             return Ok(Centers { window, view, ids: centers.into() });
         }
         let kernel =

@@ -169,6 +169,11 @@ fn a_broken_light_is_refused_at_its_place() {
         ("[occlusion]\nreach = inf", ":18:9", "occlusion.reach", "reach = 5.0"),
         ("[occlusion]\ndepth = 1", ":18:1", "occlusion.depth", "rays, reach"),
     ];
+    assert_lines_refused(&cases);
+}
+
+/// Adds lines to [`TOML`]: each is refused at its place and field, with a part of the message.
+fn assert_lines_refused(cases: &[(&str, &str, &str, &str)]) {
     for (lines, place, field, part) in cases {
         let content = format!("{TOML}{lines}\n");
         let error = read("s.toml", &content).expect_err(lines).to_string();
@@ -197,12 +202,7 @@ fn a_broken_material_is_refused_at_its_place() {
         ("transmission = 1\nindex = 100", ":18:9", "sphere 1 index", "from 0.1 to 10"),
         ("metal = 1", ":17:1", "sphere 1 metal", "material, diffuse"),
     ];
-    for (lines, place, field, part) in cases {
-        let content = format!("{TOML}{lines}\n");
-        let error = read("s.toml", &content).expect_err(lines).to_string();
-        assert!(error.contains(part), "{error}");
-        assert_refused(read("s.toml", &content), &format!("s.toml{place}"), field, &content);
-    }
+    assert_lines_refused(&cases);
 }
 
 #[test]

@@ -136,7 +136,7 @@ fn spheres_at_equal_depths_have_lines_only_where_they_are_asked_for() {
         assert_eq!(step.lines(true), step.lines(false));
         assert!(step.lines(true)[10 * 40 + 20..11 * 40].iter().all(|dark| *dark == 0.0), "on the nearer side");
     }
-    // Whatever the gap, one of two spheres has a full line where lines are asked for, and the other has none.
+    // Whatever the gap, one of two spheres has a full line where lines are requested, and the other has none.
     for (gap, ids) in (0..60).flat_map(|gap| [[0, 1], [1, 0]].map(|ids| (gap, ids))) {
         let depth = [50.0, 50.0 + 0.5 * f64::from(gap)];
         let step = planes(40, 20, |_, column| (ids[column / 20], depth[column / 20])).lines(true);

@@ -48,11 +48,10 @@ impl Wanted {
 }
 
 impl Lighting<'_> {
-    /// The hit point of a pixel.
-    pub(super) fn point(&self, pixel: u32, id: u32) -> SurfacePoint {
+    /// The hit point of the viewing ray of row `i` and column `j`, in the finer frame of its samples.
+    pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = (id, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
         let placement = &self.tree.placement;
-        let [i, j] = self.position(pixel);
         let point = SurfacePoint::seen(self.view, placement, [i, j], sphere);
         match self.judge {
             None => point.trusted(placement),
@@ -73,15 +72,8 @@ impl Lighting<'_> {
         Vec3::from_array(color).as_dvec3()
     }
 
-    /// The unit direction of a pixel's viewing ray.
-    pub(super) fn direction(&self, pixel: u32) -> DVec3 {
-        let [i, j] = self.position(pixel);
+    /// The unit direction of that ray.
+    pub(super) fn direction(&self, [i, j]: [u32; 2]) -> DVec3 {
         self.view.to_world(self.view.direction(i, j)).normalize()
-    }
-
-    /// Row and column of a pixel's ray, in the finer frame of its samples.
-    pub(super) fn position(&self, pixel: u32) -> [u32; 2] {
-        let [row, column] = self.view.record.place(pixel);
-        self.view.record.sample_position(row, column)
     }
 }

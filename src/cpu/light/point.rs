@@ -8,6 +8,7 @@ use crate::certify::surface::{Own, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
 use crate::scene::{LightSource, Material};
 use crate::shade::lit::{self, Cap};
+use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
 use crate::view::ray::NONE;
 use glam::{DVec3, Vec3};
@@ -102,7 +103,7 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Asks all lights and the sky at a point that a ray meets in the unit direction `along`.
+    /// Traces rays to all lights and to the sky from a point that a ray meets in the unit direction `along`.
     pub(super) fn see(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample) {
         self.see_lights(point, along, at, 1.0);
         if self.of.sky.is_some() {
@@ -115,7 +116,7 @@ impl<'a> PointLight<'a> {
     pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, open: f64) {
         self.unsure.clear();
         self.sky = SkyShare { all: 1.0, open };
-        self.mirrored = (along - 2.0 * along.dot(point.normal.into()) * DVec3::from_array(point.normal)).to_array();
+        self.mirrored = reflected(along, point.normal.into()).to_array();
         self.shine = match self.of.material(point.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
             _ => 0.0,
