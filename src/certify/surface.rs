@@ -28,7 +28,9 @@ pub(crate) struct SurfacePoint {
     pub(crate) radius: f64,
     /// From the centre, in the tree's unit.
     pub(crate) offset: [f64; 3],
-    /// What that is off by.
+    /// Its length.
+    pub(crate) size: f64,
+    /// What the offset is off by.
     pub(crate) blur: f64,
     /// The camera sees the sphere from outside.
     pub(crate) outside: bool,
@@ -120,7 +122,7 @@ impl SurfacePoint {
     fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
         let size = dot(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
-        Self { id, center, radius, offset, blur, outside, normal: offset.map(|x| x * sign) }
+        Self { id, center, radius, offset, size, blur, outside, normal: offset.map(|x| x * sign) }
     }
 
     /// The point as if it were exact, for answers that are not certified. A ray that f64 lets pass a sphere beside its rim
@@ -128,7 +130,7 @@ impl SurfacePoint {
     pub(crate) fn trusted(self, placement: &Placement) -> Self {
         let r = placement.radius(self.radius);
         let sign = if self.outside { r } else { -r };
-        Self { offset: self.normal.map(|x| x * sign), blur: 0.0, ..self }
+        Self { offset: self.normal.map(|x| x * sign), size: r, blur: 0.0, ..self }
     }
 
     /// In the world, rounded.
@@ -152,7 +154,7 @@ impl SurfacePoint {
             Toward::Point(point) => {
                 let l: [f64; 3] =
                     std::array::from_fn(|n| placement.difference(point[n], self.center[n]) - self.offset[n]);
-                let (length, size) = (dot(l, l).sqrt(), dot(self.offset, self.offset).sqrt());
+                let (length, size) = (dot(l, l).sqrt(), self.size);
                 // Two roundings of l, and one of the offset in the difference that l is taken from.
                 let tilt = (2.0 * EPS * (length + size) + self.blur + SHORT) / length;
                 if !(tilt <= BLURRED && length <= 1.0 / SHORT) {
@@ -169,9 +171,8 @@ impl SurfacePoint {
     #[inline(always)]
     pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, Own) {
         let along = self.along(ray);
-        let (size, length) = (dot(self.offset, self.offset).sqrt(), ray.a.sqrt());
         let side = if self.outside { along } else { -along };
-        (side / (size * length), sign(-side, self.doubt(ray)))
+        (side / (self.size * ray.a.sqrt()), sign(-side, self.doubt(ray)))
     }
 
     /// What the sphere of the point does to the ray.
@@ -203,8 +204,7 @@ impl SurfacePoint {
     /// What [`Self::along`] is off by: the blur, the tilt, and five roundings.
     #[inline(always)]
     fn doubt(&self, ray: &CertifiedRay) -> f64 {
-        let (size, length) = (dot(self.offset, self.offset).sqrt(), ray.a.sqrt());
-        ((ray.tilt() + 5.0 * EPS) * size + self.blur + SHORT) * length * (1.0 + BLURRED)
+        ((ray.tilt() + 5.0 * EPS) * self.size + self.blur + SHORT) * ray.a.sqrt() * (1.0 + BLURRED)
     }
 }
 

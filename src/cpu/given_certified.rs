@@ -3,7 +3,7 @@
 
 use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
 use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
-use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::walk::{Test, may_meet, may_pass, walk, walk_any};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
 use rayon::prelude::*;
@@ -79,7 +79,11 @@ impl Given<'_> {
         let limit = boxes.limit(ray.limit[1]);
         let mut search =
             NearestSearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, best: None, rival: f64::INFINITY };
-        self.search(lanes, &boxes, limit, &mut search);
+        if self.all {
+            self.test_all(&mut search);
+        } else {
+            walk(lanes, self.tree, &boxes, limit, &mut search);
+        }
         match search.best {
             None if search.rival == f64::INFINITY => NearestHit::Miss,
             Some((place, bounds)) if search.rival > bounds.high => self.hit(&ray, place, &bounds),
@@ -102,8 +106,13 @@ impl Given<'_> {
             return AnyHit::Free;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let mut search = AnySearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, found: AnyHit::Free };
-        self.search(lanes, &boxes, limit, &mut search);
+        let limits = [boxes.limit_below(ray.limit[0]), limit];
+        let mut search = AnySearch { lanes, given: self, ray: &ray, boxes: &boxes, limits, found: AnyHit::Free };
+        if self.all {
+            self.test_all(&mut search);
+        } else {
+            walk_any(lanes, self.tree, &boxes, limit, &mut search);
+        }
         search.found
     }
 
@@ -122,12 +131,8 @@ impl Given<'_> {
     }
 
     #[inline(always)]
-    fn search<L: Lanes>(&self, lanes: L, boxes: &BoxRay, limit: f32, test: &mut impl Test) {
-        if self.all {
-            (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
-        } else {
-            walk(lanes, self.tree, boxes, limit, test);
-        }
+    fn test_all(&self, test: &mut impl Test) {
+        (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
     }
 
     /// The numbers of the rays in an order in which neighbours visit the same boxes.
@@ -209,14 +214,19 @@ struct AnySearch<'a, 'b, L> {
     given: &'a Given<'b>,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
-    limit: f32,
+    /// What is hit before the first counts; what is hit from the second on does not.
+    limits: [f32; 2],
     found: AnyHit,
 }
 
 impl<L: Lanes> Test for AnySearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
+        let Some(places) = may_pass(self.lanes, self.given.tree, block, self.boxes, self.limits) else {
+            self.found = AnyHit::Blocked;
+            return -1.0;
+        };
+        for place in places {
             match AnyHit::of(self.ray, self.given.tree.spheres[place]) {
                 AnyHit::Free => {}
                 AnyHit::Unsure => self.found = AnyHit::Unsure,
@@ -226,7 +236,7 @@ impl<L: Lanes> Test for AnySearch<'_, '_, L> {
                 }
             }
         }
-        self.limit
+        self.limits[1]
     }
 }
 

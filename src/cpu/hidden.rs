@@ -5,7 +5,7 @@ use super::given_certified::AnyHit;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
-use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::walk::{Test, may_pass, walk, walk_any};
 use crate::search::tree::{BoxRay, Tree};
 use crate::view::ray::NONE;
 
@@ -77,8 +77,10 @@ impl Work for Others<'_> {
     fn work<L: Lanes>(self, lanes: L) {
         let Self { of, boxes, found } = self;
         let limit = boxes.limit(of.ray.limit[1]);
-        let mut search = HiddenSearch { lanes, of, boxes, limit, found: AnyHit::Free };
-        walk(lanes, of.tree, boxes, limit, &mut search);
+        // The sphere that is the light hides nothing, however surely it is met.
+        let certain = if of.light == NONE { boxes.limit_below(of.ray.limit[0]) } else { 0.0 };
+        let mut search = HiddenSearch { lanes, of, boxes, limits: [certain, limit], found: AnyHit::Free };
+        walk_any(lanes, of.tree, boxes, limit, &mut search);
         *found = search.found;
     }
 }
@@ -87,7 +89,8 @@ struct HiddenSearch<'a, L> {
     lanes: L,
     of: &'a LightRay<'a>,
     boxes: &'a BoxRay,
-    limit: f32,
+    /// What is hit before the first hides the light; what is hit from the second on does not.
+    limits: [f32; 2],
     found: AnyHit,
 }
 
@@ -95,7 +98,11 @@ impl<L: Lanes> Test for HiddenSearch<'_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
         let LightRay { tree, ray, .. } = *self.of;
-        for place in may_meet(self.lanes, tree, block, self.boxes, self.limit) {
+        let Some(places) = may_pass(self.lanes, tree, block, self.boxes, self.limits) else {
+            self.found = AnyHit::Blocked;
+            return -1.0;
+        };
+        for place in places {
             if !self.of.counts(place) {
                 continue;
             }
@@ -108,7 +115,7 @@ impl<L: Lanes> Test for HiddenSearch<'_, L> {
                 }
             }
         }
-        self.limit
+        self.limits[1]
     }
 }
 

@@ -98,6 +98,13 @@ impl BoxRay {
         let from = ((t - self.start) as f32).next_up();
         if from < f32::MAX { from } else { f32::MAX }
     }
+
+    /// The same, rounded down.
+    #[inline(always)]
+    pub(crate) fn limit_below(&self, t: f64) -> f32 {
+        let from = ((t - self.start) as f32).next_down();
+        if from < f32::MAX { from } else { f32::MAX }
+    }
 }
 
 /// Above what rounding takes from |direction|^2 and from its root.

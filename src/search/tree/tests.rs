@@ -2,6 +2,7 @@
 
 mod device;
 mod method;
+mod sure;
 
 use super::lanes::{LANE, Lanes, NEVER, Portable};
 use super::walk::{Test, may_meet, walk};

@@ -49,9 +49,51 @@ pub(crate) fn walk<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: 
     }
 }
 
+/// The same until a test returns a negative number, in the order of the tree: for rays that end at any sphere.
+#[inline(always)]
+pub(crate) fn walk_any<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
+    let lowest = tree.levels() - 1;
+    let children = |node: &Node| {
+        let (near, far) = slabs(l, node, ray, limit);
+        l.at_most(near, far)
+    };
+    // Of each level the children that wait, one bit each, and the place of the first.
+    let mut waiting = [(0u32, 0u32); LEVELS];
+    let mut level = 0;
+    waiting[0].0 = children(&tree.nodes[0]);
+    loop {
+        let (mask, first) = &mut waiting[level];
+        if *mask == 0 {
+            if level == 0 {
+                return;
+            }
+            level -= 1;
+            continue;
+        }
+        let place = *first + mask.trailing_zeros();
+        *mask &= *mask - 1;
+        if level == lowest {
+            if test.test(place) < 0.0 {
+                return;
+            }
+        } else {
+            level += 1;
+            let node = &tree.nodes[(tree.firsts[level] + place) as usize];
+            waiting[level] = (children(node), place * WIDE as u32);
+        }
+    }
+}
+
 /// The children whose boxes the ray enters before `limit`.
 #[inline(always)]
 fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
+    let (near, far) = slabs(l, node, ray, limit);
+    l.keys(near, far)
+}
+
+/// Where the ray enters the eight boxes of a node, and where it leaves them or ends.
+#[inline(always)]
+fn slabs<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> (L::Number, L::Number) {
     let (mut near, mut far) = (l.splat(0.0), l.splat(limit));
     for n in 0..3 {
         let (low, high) = (&node.planes[n], &node.planes[n + 3]);
@@ -60,7 +102,7 @@ fn enter<L: Lanes>(l: L, node: &Node, ray: &BoxRay, limit: f32) -> L::Keys {
         near = l.max(l.mul(l.sub(l.load(first), l.splat(ray.enter[n])), inverse), near);
         far = l.min(l.mul(l.sub(l.load(last), l.splat(ray.leave[n])), inverse), far);
     }
-    l.keys(near, far)
+    (near, far)
 }
 
 /// Places of spheres in the order of the tree.
@@ -85,25 +127,80 @@ impl Iterator for Places {
 /// The spheres of a block that the ray may meet before `limit`.
 #[inline(always)]
 pub(crate) fn may_meet<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, limit: f32) -> Places {
-    Places { first: block as usize * WIDE, mask: mask(l, &tree.blocks[block as usize], ray, limit) }
+    let mask = Passing::new(l, &tree.blocks[block as usize], ray).may_meet(limit);
+    Places { first: block as usize * WIDE, mask }
 }
 
-/// The same, one bit each.
+/// The same for a ray that ends at any sphere; `None` if it surely meets one before `certain`. The sphere on whose surface
+/// the ray starts is never sure.
 #[inline(always)]
-fn mask<L: Lanes>(l: L, block: &Block, ray: &BoxRay, limit: f32) -> u32 {
-    let d = ray.direction.map(|x| l.splat(x));
-    let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
-    let reach = l.add(l.mul(l.load(&block.radius), l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
-    let dot =
-        |a: [L::Number; 3], b: [L::Number; 3]| l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]));
-    let minor = |m: usize, n: usize| l.sub(l.mul(p[m], d[n]), l.mul(p[n], d[m]));
-    let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
-    let b = dot(p, d);
-    let along = l.mul(reach, l.splat(ray.length));
-    let aside = l.at_most(dot(g, g), l.mul(l.mul(reach, reach), l.splat(ray.a)));
-    let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
-    let before = l.at_most(l.sub(b, along), l.splat(limit * ray.a));
-    aside & ahead & before
+pub(crate) fn may_pass<L: Lanes>(
+    l: L,
+    tree: &Tree,
+    block: u32,
+    ray: &BoxRay,
+    [certain, limit]: [f32; 2],
+) -> Option<Places> {
+    let passing = Passing::new(l, &tree.blocks[block as usize], ray);
+    let mask = passing.may_meet(limit);
+    let blocked = mask != 0 && passing.surely_meet(certain) != 0;
+    (!blocked).then_some(Places { first: block as usize * WIDE, mask })
+}
+
+/// How a line passes eight spheres, in f32: docs/certificate.md, section 9.
+struct Passing<'a, L: Lanes> {
+    l: L,
+    ray: &'a BoxRay,
+    radius: L::Number,
+    /// Length of the direction times the radius and twice the padding.
+    along: L::Number,
+    /// The square of radius and padding times that of the direction.
+    aside: L::Number,
+    /// From the start to the centre, along the ray times the length of the direction.
+    b: L::Number,
+    /// The square of the distance of the centre from the line, times that of the direction.
+    g2: L::Number,
+}
+
+impl<'a, L: Lanes> Passing<'a, L> {
+    #[inline(always)]
+    fn new(l: L, block: &Block, ray: &'a BoxRay) -> Self {
+        let d = ray.direction.map(|x| l.splat(x));
+        let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
+        let dot = |a: [L::Number; 3], b: [L::Number; 3]| {
+            l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
+        };
+        let minor = |m: usize, n: usize| l.sub(l.mul(p[m], d[n]), l.mul(p[n], d[m]));
+        let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        let radius = l.load(&block.radius);
+        let reach = l.add(l.mul(radius, l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
+        let aside = l.mul(l.mul(reach, reach), l.splat(ray.a));
+        Self { l, ray, radius, along: l.mul(reach, l.splat(ray.length)), aside, b: dot(p, d), g2: dot(g, g) }
+    }
+
+    /// One bit for each sphere that may be met before `limit`.
+    #[inline(always)]
+    fn may_meet(&self, limit: f32) -> u32 {
+        let Self { l, ray, along, aside, b, g2, .. } = *self;
+        let near = l.at_most(g2, aside);
+        let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
+        let before = l.at_most(l.sub(b, along), l.splat(limit * ray.a));
+        near & ahead & before
+    }
+
+    /// One bit for each sphere that is met before `certain` by a ray that starts outside, for certain.
+    #[inline(always)]
+    fn surely_meet(&self, certain: f32) -> u32 {
+        let Self { l, ray, radius, along, b, g2, .. } = *self;
+        let inner = l.sub(l.mul(radius, l.splat(1.0 - ROUNDED)), l.splat(ray.pad * 2.0));
+        // `a` exceeds the square of the direction's length.
+        let a = ray.a * (1.0 - 4.0 * ROUNDED);
+        let large = l.at_most(l.splat(f32::MIN_POSITIVE), inner);
+        let within = l.at_most(g2, l.mul(l.mul(inner, inner), l.splat(a)));
+        let ahead = l.at_most(along, b);
+        let before = l.at_most(l.add(b, along), l.splat(certain * a));
+        large & within & ahead & before
+    }
 }
 
 /// Roundings of the numbers that are compared, of themselves.
