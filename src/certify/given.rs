@@ -20,6 +20,10 @@ pub(crate) struct GivenTerms {
     pub(crate) power_dd: f64,
     /// Relative error of the last sums, products and quotients.
     pub(crate) quotient: f64,
+    /// How often the blur of the start counts in p x d and b, and how often in |p|^2, of the length of p.
+    pub(crate) blur: [f64; 2],
+    /// How often the tilt of the direction counts in p x d and b, and how often in |d|^2 and its quotients.
+    pub(crate) tilt: [f64; 2],
 }
 
 /// Those that hold.
@@ -29,6 +33,8 @@ pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
     power: 8.0 * EPS,
     power_dd: power_of_two(-94),
     quotient: 8.0 * EPS,
+    blur: [4.0, 2.0],
+    tilt: [1.0, 3.0],
 };
 
 /// A power whose relative error is larger is computed again in double-double.
@@ -187,10 +193,11 @@ impl CertifiedRay {
         let (g2, ar2) = (dot(g, g), self.a * r2);
         let n = (p2 * self.a).sqrt();
         // |d| is at most 4, and at least 1, so that |p| is at most n.
-        let e = terms.cross * (n + SHORT) + (self.tilt * n + 4.0 * self.blur);
+        let e = terms.cross * (n + SHORT) + (terms.tilt[0] * self.tilt * n + terms.blur[0] * self.blur);
         let disc = ar2 - g2;
-        let error = ((2.0 * g2.sqrt() + e) * e + (terms.squares + 3.0 * self.tilt) * (ar2 + g2) + TINY) * ROUNDED;
-        let (rounding, blurred) = (terms.power * (p2 + r2) + TINY, 2.0 * self.blur * (n + self.blur));
+        let error =
+            ((2.0 * g2.sqrt() + e) * e + (terms.squares + terms.tilt[1] * self.tilt) * (ar2 + g2) + TINY) * ROUNDED;
+        let (rounding, blurred) = (terms.power * (p2 + r2) + TINY, terms.blur[1] * self.blur * (n + self.blur));
         let (mut power, mut power_error) = (p2 - r2, rounding + blurred);
         if power > -power_error && (b < -e || disc < -error) {
             // Outside or on the surface. Inside, D is at least b^2, and b may have any sign.
@@ -207,7 +214,7 @@ impl CertifiedRay {
         let root = |x: f64| if x > 0.0 { x.sqrt() } else { 0.0 };
         let (root_low, root_mid, root_high) = (root(disc - error), root(disc), root(disc + error));
         // The quotients and products below take at most four roundings.
-        let relative = terms.quotient + 3.0 * self.tilt;
+        let relative = terms.quotient + terms.tilt[1] * self.tilt;
         let (less, more) = (1.0 - relative, 1.0 + relative);
         let outside = power > power_error;
         let (low, t, high) = if outside {

@@ -3,9 +3,12 @@
 //! The fixture is made by `python3 -m pip install mpmath==1.3.0 && python3 tests/truth/make.py`, which shares neither
 //! code nor algebra with `src/exact`. Where a thousand digits do not suffice, the answers are known by construction.
 
+use crate::adapter::cpu;
 use halfline::camera::{Camera, Lens, Look};
-use halfline::exact::{Judge, Root, Truth, judge_ray};
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::exact::{Judge, Root, Toward, Truth, judge_ray};
+use halfline::frame::Aov;
+use halfline::scene::{ImagePlane, Light, LightSource, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Settings};
 use serde::Deserialize;
 
 /// Hexadecimal digits of an f64's bits.
@@ -32,6 +35,16 @@ struct Case {
     size: [u32; 2],
     spheres: Vec<[Bits; 4]>,
     pixels: Vec<Pixel>,
+    #[serde(default)]
+    lights: Vec<Lamp>,
+}
+
+/// A light of lights.json.
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Lamp {
+    Direction([Bits; 3]),
+    Position([Bits; 3]),
 }
 
 #[derive(Deserialize)]
@@ -41,6 +54,9 @@ struct Pixel {
     id: i64,
     #[serde(flatten)]
     answer: Option<Answer>,
+    /// Whether each light is hidden.
+    #[serde(default)]
+    hidden: Vec<bool>,
 }
 
 /// Decimal numbers with far more digits than f64 holds; t has 40, and `tail` is t minus the nearest f64.
@@ -177,4 +193,38 @@ fn rays_along_the_axes_are_judged_without_a_camera() {
         let truth = judge_ray([0.0; 3], [0.0, 0.0, -1.0], &case.scene().spheres);
         assert_eq!(truth.map_or(-1, |truth| i64::from(truth.id)), case.pixels[0].id, "{}", case.name);
     }
+}
+
+/// The fixture is made by `tests/truth/lights.py`.
+#[test]
+fn lights_are_hidden_where_a_thousand_digits_say_so() {
+    let cases: Vec<Case> = serde_json::from_str(include_str!("../truth/lights.json")).expect("the fixture");
+    let mut counts = [0, 0];
+    for case in &cases {
+        let mut scene = case.scene();
+        let toward = |lamp: &Lamp| match lamp {
+            Lamp::Direction(direction) => Toward::Direction(vector(direction)),
+            Lamp::Position(position) => Toward::Point(vector(position)),
+        };
+        let source = |lamp: &Lamp| match lamp {
+            Lamp::Direction(direction) => LightSource::Direction(vector(direction).into()),
+            Lamp::Position(position) => LightSource::Point(vector(position).into()),
+        };
+        let lights: Vec<Toward> = case.lights.iter().map(toward).collect();
+        scene.lighting.lights = case.lights.iter().map(|lamp| Light::white(source(lamp))).collect();
+        let settings = Settings { accuracy: Accuracy::Certified, aovs: vec![Aov::Shadow], ..Settings::default() };
+        let frame = cpu().render(&scene, &settings).expect("a frame");
+        let shares = frame.f32(Aov::Shadow).expect("a requested buffer");
+        let judge = Judge::new(&scene).expect("a scene");
+        for pixel in &case.pixels {
+            let place = format!("{} ({}, {})", case.name, pixel.i, pixel.j);
+            assert_eq!(judge.hidden(pixel.i, pixel.j, &lights).expect("a hit"), pixel.hidden, "{place}");
+            let first = (pixel.i * case.size[0] + pixel.j) as usize * lights.len();
+            let rendered: Vec<bool> = shares[first..][..lights.len()].iter().map(|share| *share == 1.0).collect();
+            assert_eq!(rendered, pixel.hidden, "{place}");
+            pixel.hidden.iter().for_each(|hidden| counts[usize::from(*hidden)] += 1);
+        }
+    }
+    println!("{} lights seen, {} hidden", counts[0], counts[1]);
+    assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
 }
