@@ -8,6 +8,7 @@
 pub(crate) mod directions;
 pub(crate) mod given;
 mod moved;
+pub(crate) mod picture_rays;
 pub(crate) mod placement;
 pub(crate) mod raster;
 pub mod ray;

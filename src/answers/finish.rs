@@ -2,12 +2,11 @@
 
 use super::depth_cue::DepthCue;
 use super::silhouette::{MARGIN, PixelSize, Shown};
-use crate::double_double as dd;
 use crate::scene::Scene;
 use crate::view::View;
+use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use crate::window::Window;
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// What is drawn.
@@ -45,26 +44,12 @@ pub(crate) fn fade(cue: DepthCue, scene: &Scene, view: &View, ids: &[u32], color
     cue.apply(ids, &depths(scene, view, ids), scene.image.background, color);
 }
 
-/// The planar depth of each pixel's hit in the scene's unit, +inf on a miss. f64 without a bound is good for pictures.
+/// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.
 fn depths(scene: &Scene, view: &View, ids: &[u32]) -> Vec<f64> {
-    let spheres = &scene.spheres;
-    // In the frame's unit squares neither overflow nor vanish.
-    let scaled = |x: DVec3| x.to_array().map(|x| dd::ldexp(x, -view.unit));
-    let depth = |(pixel, id): (usize, &u32)| {
-        if *id == NONE {
-            return f64::INFINITY;
-        }
-        let [row, column] = view.record.place(pixel as u32);
-        let [i, j] = view.record.sample_position(row, column);
-        let direction = view.direction(i, j);
-        let d = view.to_world(direction);
-        let from = view.basis.e + view.to_world(view.origin(i, j));
-        let p = DVec3::from_array(scaled(DVec3::from_array(spheres.centers[*id as usize]) - from));
-        let r = dd::ldexp(spheres.radii[*id as usize], -view.unit);
-        let (a, b) = (d.length_squared(), p.dot(d));
-        let root = (a * r * r - p.cross(d).length_squared()).max(0.0).sqrt();
-        let t = if p.length_squared() > r * r { b - root } else { b + root } / a;
-        dd::ldexp(-direction[2] * t, view.unit)
+    let (spheres, rays) = (&scene.spheres, PictureRays::new(view));
+    let depth = |(pixel, id): (usize, &u32)| match *id {
+        NONE => f64::INFINITY,
+        id => rays.hit(pixel as u32, spheres.centers[id as usize], spheres.radii[id as usize]).depth,
     };
     ids.par_iter().enumerate().map(depth).collect()
 }

@@ -176,7 +176,8 @@ impl PictureLook {
             Look::Soft => {
                 let samples = if self.is_default { format!(" --samples {}", self.samples) } else { String::new() };
                 let light = "a light from above left without shadows if the scene has no light";
-                format!("--occlusion {} at pixels' centres, --silhouette{samples}, and {light}", self.soft_rays())
+                let at = if self.samples > 1 { " at every second pixel's centre" } else { "" };
+                format!("--occlusion {}{at}, --silhouette{samples}, and {light}", self.soft_rays())
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

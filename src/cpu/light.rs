@@ -10,8 +10,10 @@ mod point;
 use crate::answers::lit::{Chunk, Lit, NOT_CERTIFIED, SETTLED};
 use crate::search::tree::lanes::TASK;
 use crate::view::directions::PixelSample;
+use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use bounce::Bounces;
+use glam::DVec3;
 pub(crate) use lighting::{Lighting, Wanted};
 use point::PointLight;
 use rayon::prelude::*;
@@ -49,11 +51,24 @@ impl Task<'_, '_, '_> {
         let lights = lighting.scene.lighting.lights.len();
         let mut at_point = PointLight::new(lighting);
         let mut bounces = Bounces::default();
+        let rayless = color && lighting.is_rayless();
+        let rays = PictureRays::new(lighting.view);
         for (n, &id) in ids.iter().enumerate() {
             let pixel = (chunk.first + n) as u32;
             if id == NONE {
                 chunk.miss(n, lights, lighting.scene.image.background);
                 continue;
+            }
+            let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
+            if rayless {
+                let (surface, along) = lighting.surface(&rays, pixel, id);
+                let [row, column] = lighting.view.record.place(pixel);
+                let open = lighting.open.map_or(1.0, |open| open.around(row, column, id));
+                at_point.see_far_lights(&surface, along, open);
+                write(at_point.color(&surface, along), chunk.color);
+                if !shadow && !occlusion {
+                    continue;
+                }
             }
             let record = &lighting.view.record;
             let [row, column] = record.place(pixel);
@@ -74,13 +89,13 @@ impl Task<'_, '_, '_> {
                 chunk.occlusion[n] = at_point.open() as f32;
             }
             let mut proved = true;
-            if color {
-                let mut rgb = at_point.color(&point, along);
+            if color && !rayless {
+                let mut rgb = at_point.color(&(&point).into(), along);
                 if lighting.bounces > 0 {
                     let (more, sure) = bounces.follow(&mut at_point, (point, along), at);
                     (rgb, proved) = (rgb + more, sure);
                 }
-                chunk.color[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
+                write(rgb, chunk.color);
             }
             if !proved {
                 unsure.push((pixel, NOT_CERTIFIED));

@@ -197,7 +197,11 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     let of_light = |light: &Light| if light.source.has_size() { spread } else { points };
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
-    let of_sky = |sky: Sky| u64::from(sky.rays) * if sky.at_centers { points.min(1) } else { points };
+    // At centres every second pixel has rays.
+    let of_sky = |sky: Sky| match sky.at_centers {
+        true => u64::from(sky.rays.div_ceil(2)) * points.min(1),
+        false => u64::from(sky.rays) * points,
+    };
     let sky = settings.sky(scene).map_or(0, of_sky);
     // Glass divides a ray: 2 + 4 + .. + 2^n.
     let counts = MaterialCounts::of(scene);

@@ -18,8 +18,10 @@ use crate::kernel::Kernel;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::view::raster::Raster;
+use crate::view::ray::NONE;
 use crate::view::{Records, View};
 use crate::window::Window;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -45,14 +47,15 @@ impl Renderer {
         };
         let sky = match (&around, lights) {
             (Some(around), Some(lights)) if shared => {
+                let ids = every_second(&around.view, &around.ids);
                 let wanted = Wanted { occlusion: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
-                timings.time("light", || self.light(lights, of, wanted, (&around.ids, None), &pool))?.occlusion
+                let open = timings.time("light", || self.light(lights, of, wanted, (&ids, None), &pool))?.occlusion;
+                Some((around.window, ids, open))
             }
-            _ => Vec::new(),
+            _ => None,
         };
-        let open = around.as_ref().filter(|_| shared);
-        let open = open.map(|around| OpenSky { window: around.window, ids: &around.ids, open: &sky });
+        let open = sky.as_ref().map(|(window, ids, open)| OpenSky { window: *window, ids, open });
         // The spheres are binned once for all passes, since only the positions within the pixels differ.
         let mut setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
         let cue = finish.and_then(|finish| finish.cue(scene, &setup.view));
@@ -118,6 +121,15 @@ impl Renderer {
         }
         Ok(Centers { window: wide, view: setup.view, ids })
     }
+}
+
+/// The spheres of every second pixel, as on a chessboard: enough for a sky that is averaged over the pixels around.
+fn every_second(view: &View, ids: &[u32]) -> Vec<u32> {
+    let one = |(pixel, id): (usize, &u32)| {
+        let [row, column] = view.record.place(pixel as u32);
+        if (row ^ column) & 1 == 0 { *id } else { NONE }
+    };
+    ids.par_iter().enumerate().map(one).collect()
 }
 
 /// What pixels' centres show.

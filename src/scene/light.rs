@@ -64,8 +64,9 @@ pub struct Sky {
     /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
     /// distance.
     pub reach: f64,
-    /// With several samples per pixel, the rays leave from the hits of pixel centres only, and a sample takes the mean of
-    /// the pixels around it that show its sphere: as little noise from fewer rays. Else rays leave from every sample.
+    /// With several samples per pixel, the rays leave only from the hits of the centres of every second pixel, as on a
+    /// chessboard, and a sample takes the mean of the pixels around it that show its sphere: little noise from few rays.
+    /// Else rays leave from every sample.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
 }
@@ -85,6 +86,15 @@ impl LightSource {
     #[must_use]
     pub fn has_size(&self) -> bool {
         matches!(self, Self::Ball { .. } | Self::Sphere(_))
+    }
+
+    /// The direction of length 1 toward a light that is infinitely far.
+    pub(crate) fn far(&self) -> Option<DVec3> {
+        match *self {
+            // The quotient keeps the squares within f64.
+            Self::Direction(direction) => Some((direction / direction.abs().max_element()).normalize()),
+            _ => None,
+        }
     }
 }
 

@@ -74,7 +74,7 @@ impl Bounces {
             if hit.outside || !lighting.material(hit.id).is_clear() {
                 at_point.see(&hit, ray.along, at);
                 proved &= !at_point.give_up();
-                sum += ray.weight * at_point.color(&hit, ray.along);
+                sum += ray.weight * at_point.color(&(&hit).into(), ray.along);
             }
             if ray.depth < lighting.bounces {
                 self.push(lighting, &Onward { proved: known && sharp, ..ray }, &hit, at);

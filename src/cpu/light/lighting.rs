@@ -1,5 +1,6 @@
 //! A scene set up for its lights.
 
+use super::point::Surface;
 use crate::answers::lit::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
@@ -7,6 +8,7 @@ use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::directions::{DiscPoints, SkyDirections};
+use crate::view::picture_rays::PictureRays;
 use glam::{DVec3, Vec3};
 
 /// What is computed of lights and sky.
@@ -61,6 +63,25 @@ impl Lighting<'_> {
                 None => point,
             },
         }
+    }
+
+    /// Whether colours need no rays: there are only lights infinitely far that cast no shadows, the sky is known, and
+    /// nothing is mirrored.
+    pub(super) fn is_rayless(&self) -> bool {
+        let Scene { lighting, .. } = self.scene;
+        let far = lighting.lights.iter().all(|light| light.source.far().is_some());
+        far && !lighting.shadows && (lighting.sky.is_none() || self.open.is_some()) && self.bounces == 0
+    }
+
+    /// What the viewing ray of a pixel shows of a sphere, and the direction of the ray, of length 1.
+    pub(super) fn surface(&self, rays: &PictureRays<'_>, pixel: u32, id: u32) -> (Surface, DVec3) {
+        let hit = rays.hit(pixel, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);
+        if hit.near {
+            return (Surface { id, outside: hit.outside, normal: hit.normal }, hit.along);
+        }
+        let [row, column] = self.view.record.place(pixel);
+        let point = self.point(self.view.record.sample_position(row, column), id);
+        (Surface::from(&point), hit.along)
     }
 
     pub(super) fn material(&self, id: u32) -> Material {

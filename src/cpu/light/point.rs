@@ -76,13 +76,31 @@ enum Of {
     Sky(f64),
 }
 
+/// What the colour of a hit depends on beside the light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    pub(super) id: u32,
+    /// The ray comes from outside.
+    pub(super) outside: bool,
+    /// Of length 1, against the ray.
+    pub(super) normal: DVec3,
+}
+
+impl From<&SurfacePoint> for Surface {
+    fn from(point: &SurfacePoint) -> Self {
+        Self { id: point.id, outside: point.outside, normal: point.normal.into() }
+    }
+}
+
 /// Lights and sky at one point after the other.
 pub(super) struct PointLight<'a> {
     pub(super) of: &'a Lighting<'a>,
+    /// Toward each light that is infinitely far, of length 1.
+    far: Vec<Option<DVec3>>,
     lights: Vec<LightShare>,
     sky: SkyShare,
     /// The direction in which a mirror would reflect the ray, and the exponent of highlights; 0 for none.
-    mirrored: [f64; 3],
+    mirrored: DVec3,
     shine: f32,
     unsure: Vec<(Of, LightQuestion)>,
     directions: Vec<[f32; 3]>,
@@ -91,11 +109,13 @@ pub(super) struct PointLight<'a> {
 
 impl<'a> PointLight<'a> {
     pub(super) fn new(of: &'a Lighting<'a>) -> Self {
+        let lights = &of.scene.lighting.lights;
         Self {
             of,
-            lights: vec![LightShare::default(); of.scene.lighting.lights.len()],
+            far: lights.iter().map(|light| light.source.far()).collect(),
+            lights: vec![LightShare::default(); lights.len()],
             sky: SkyShare::default(),
-            mirrored: [0.0; 3],
+            mirrored: DVec3::ZERO,
             shine: 0.0,
             unsure: Vec::new(),
             directions: vec![[0.0; 3]; of.directions.len()],
@@ -114,17 +134,35 @@ impl<'a> PointLight<'a> {
 
     /// The same where the sky is open in a known share.
     pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, open: f64) {
+        self.start(&point.into(), along, open);
+        for n in 0..self.lights.len() {
+            self.light(point, n, at);
+        }
+    }
+
+    /// The same of lights that are infinitely far and cast no shadows, which needs no rays.
+    pub(super) fn see_far_lights(&mut self, surface: &Surface, along: DVec3, open: f64) {
+        self.start(surface, along, open);
+        for n in 0..self.lights.len() {
+            if let Some(direction) = self.far[n] {
+                let cosine = surface.normal.dot(direction).max(0.0);
+                let highlight = if cosine > 0.0 { self.highlight(self.mirrored.dot(direction)) } else { 0.0 };
+                self.lights[n].rays = 1;
+                self.lights[n].add([cosine, highlight]);
+            }
+        }
+    }
+
+    /// Forgets the point before.
+    fn start(&mut self, surface: &Surface, along: DVec3, open: f64) {
         self.unsure.clear();
         self.sky = SkyShare { all: 1.0, open };
-        self.mirrored = reflected(along, point.normal.into()).to_array();
-        self.shine = match self.of.material(point.id) {
+        self.mirrored = reflected(along, surface.normal);
+        self.shine = match self.of.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
             _ => 0.0,
         };
-        for n in 0..self.lights.len() {
-            self.lights[n] = LightShare::default();
-            self.light(point, n, at);
-        }
+        self.lights.fill(LightShare::default());
     }
 
     /// Share of each light that is hidden.
@@ -189,7 +227,9 @@ impl<'a> PointLight<'a> {
     fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
         let ray = point.ray(&self.of.tree.placement, toward);
         let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
-        let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, |ray| self.highlight(ray))];
+        let highlight =
+            |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
+        let seen = [cosine, ray.as_ref().filter(|_| cosine > 0.0).map_or(0.0, highlight)];
         self.lights[n].rays += 1;
         if !self.casts_shadows() {
             return self.lights[n].add(seen);
@@ -261,13 +301,9 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// The highlight of a light in this direction, by Phong's law.
-    fn highlight(&self, ray: &CertifiedRay) -> f64 {
-        if self.shine == 0.0 {
-            return 0.0;
-        }
-        let cosine = dot(self.mirrored, ray.direction) / ray.a.sqrt();
-        if cosine > 0.0 { cosine.powf(f64::from(self.shine)) } else { 0.0 }
+    /// The highlight of a light at this cosine from the mirrored ray, by Phong's law.
+    fn highlight(&self, cosine: f64) -> f64 {
+        if self.shine > 0.0 && cosine > 0.0 { cosine.powf(f64::from(self.shine)) } else { 0.0 }
     }
 
     /// Lets the judge decide the unsure rays of the viewing ray at this row and column; whether there were any. Without a
@@ -302,22 +338,22 @@ impl<'a> PointLight<'a> {
 
     /// The light that the point reflects of lights and the sky, or shines with, toward where a ray in the unit direction
     /// `along` comes from.
-    pub(super) fn color(&self, point: &SurfacePoint, along: DVec3) -> DVec3 {
+    pub(super) fn color(&self, surface: &Surface, along: DVec3) -> DVec3 {
         let scene = self.of.scene;
         // Light passes through the far side of a clear sphere.
-        if !point.outside && self.of.bounces > 0 && self.of.material(point.id).is_clear() {
+        if !surface.outside && self.of.bounces > 0 && self.of.material(surface.id).is_clear() {
             return DVec3::ZERO;
         }
-        let own = self.of.own_color(point.id);
+        let own = self.of.own_color(surface.id);
         let lights = &scene.lighting.lights;
-        let (diffuse, specular) = match self.of.material(point.id) {
+        let (diffuse, specular) = match self.of.material(surface.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
             // Without bounces mirrors and glass are like any other sphere.
             Material::Metal { .. } | Material::Glass { .. } if self.of.bounces == 0 => (1.0, 0.0),
             Material::Metal { .. } | Material::Glass { .. } => (0.0, 0.0),
         };
         let mut white = match scene.lighting.sky {
-            None if lights.is_empty() => DVec3::splat((-along.dot(point.normal.into())).max(0.0)),
+            None if lights.is_empty() => DVec3::splat((-along.dot(surface.normal)).max(0.0)),
             sky => DVec3::splat(lit::of_sky(sky.map(|_| self.sky.open()), !lights.is_empty())),
         };
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
