@@ -49,39 +49,53 @@ pub(crate) fn walk<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: 
     }
 }
 
-/// The same until a test returns a negative number, in the order of the tree: for rays that end at any sphere.
+/// The same until a test returns a negative number: for rays that end at any sphere. Only the blocks of a node are not
+/// sorted, which costs more than it saves.
 #[inline(always)]
 pub(crate) fn walk_any<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
     let lowest = tree.levels() - 1;
-    let children = |node: &Node| {
-        let (near, far) = slabs(l, node, ray, limit);
-        l.at_most(near, far)
-    };
-    // Of each level the children that wait, one bit each, and the place of the first.
-    let mut waiting = [(0u32, 0u32); LEVELS];
+    if lowest == 0 {
+        test_blocks(l, tree, 0, ray, limit, test);
+        return;
+    }
+    let root = Children::<L> { keys: enter(l, &tree.nodes[0], ray, limit), first: 0 };
+    let mut waiting = [root; LEVELS];
     let mut level = 0;
-    waiting[0].0 = children(&tree.nodes[0]);
     loop {
-        let (mask, first) = &mut waiting[level];
-        if *mask == 0 {
+        let now = &mut waiting[level];
+        let key = l.take_least(&mut now.keys);
+        let place = now.first + (key & LANE);
+        if key == NEVER {
             if level == 0 {
                 return;
             }
             level -= 1;
-            continue;
-        }
-        let place = *first + mask.trailing_zeros();
-        *mask &= *mask - 1;
-        if level == lowest {
-            if test.test(place) < 0.0 {
+        } else if level + 1 == lowest {
+            if !test_blocks(l, tree, place, ray, limit, test) {
                 return;
             }
         } else {
             level += 1;
             let node = &tree.nodes[(tree.firsts[level] + place) as usize];
-            waiting[level] = (children(node), place * WIDE as u32);
+            waiting[level] = Children { keys: enter(l, node, ray, limit), first: place * WIDE as u32 };
         }
     }
+}
+
+/// Tests the blocks of a node of the lowest level that the ray enters before `limit`, until a test returns a negative
+/// number; whether none did.
+#[inline(always)]
+fn test_blocks<L: Lanes>(l: L, tree: &Tree, node: u32, ray: &BoxRay, limit: f32, test: &mut impl Test) -> bool {
+    let lowest = tree.firsts[tree.levels() - 1];
+    let (near, far) = slabs(l, &tree.nodes[(lowest + node) as usize], ray, limit);
+    let mut mask = l.at_most(near, far);
+    while mask != 0 {
+        if test.test(node * WIDE as u32 + mask.trailing_zeros()) < 0.0 {
+            return false;
+        }
+        mask &= mask - 1;
+    }
+    true
 }
 
 /// The children whose boxes the ray enters before `limit`.
@@ -152,10 +166,12 @@ struct Passing<'a, L: Lanes> {
     l: L,
     ray: &'a BoxRay,
     radius: L::Number,
-    /// Length of the direction times the radius and twice the padding.
+    /// The radius and twice the padding.
+    reach: L::Number,
+    /// The same times the length of the direction.
     along: L::Number,
-    /// The square of radius and padding times that of the direction.
-    aside: L::Number,
+    /// From the start to the centre.
+    p: [L::Number; 3],
     /// From the start to the centre, along the ray times the length of the direction.
     b: L::Number,
     /// The square of the distance of the centre from the line, times that of the direction.
@@ -167,22 +183,19 @@ impl<'a, L: Lanes> Passing<'a, L> {
     fn new(l: L, block: &Block, ray: &'a BoxRay) -> Self {
         let d = ray.direction.map(|x| l.splat(x));
         let p: [L::Number; 3] = std::array::from_fn(|n| l.sub(l.load(&block.center[n]), l.splat(ray.origin[n])));
-        let dot = |a: [L::Number; 3], b: [L::Number; 3]| {
-            l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
-        };
         let minor = |m: usize, n: usize| l.sub(l.mul(p[m], d[n]), l.mul(p[n], d[m]));
         let g = [minor(1, 2), minor(2, 0), minor(0, 1)];
         let radius = l.load(&block.radius);
         let reach = l.add(l.mul(radius, l.splat(1.0 + ROUNDED)), l.splat(ray.pad * 2.0));
-        let aside = l.mul(l.mul(reach, reach), l.splat(ray.a));
-        Self { l, ray, radius, along: l.mul(reach, l.splat(ray.length)), aside, b: dot(p, d), g2: dot(g, g) }
+        let along = l.mul(reach, l.splat(ray.length));
+        Self { l, ray, radius, reach, along, p, b: dot(l, p, d), g2: dot(l, g, g) }
     }
 
     /// One bit for each sphere that may be met before `limit`.
     #[inline(always)]
     fn may_meet(&self, limit: f32) -> u32 {
-        let Self { l, ray, along, aside, b, g2, .. } = *self;
-        let near = l.at_most(g2, aside);
+        let Self { l, ray, reach, along, b, g2, .. } = *self;
+        let near = l.at_most(g2, l.mul(l.mul(reach, reach), l.splat(ray.a)));
         let ahead = l.at_most(l.sub(l.splat(0.0), along), b);
         let before = l.at_most(l.sub(b, along), l.splat(limit * ray.a));
         near & ahead & before
@@ -191,16 +204,22 @@ impl<'a, L: Lanes> Passing<'a, L> {
     /// One bit for each sphere that is met before `certain` by a ray that starts outside, for certain.
     #[inline(always)]
     fn surely_meet(&self, certain: f32) -> u32 {
-        let Self { l, ray, radius, along, b, g2, .. } = *self;
+        let Self { l, ray, radius, reach, along, p, b, g2 } = *self;
         let inner = l.sub(l.mul(radius, l.splat(1.0 - ROUNDED)), l.splat(ray.pad * 2.0));
         // `a` exceeds the square of the direction's length.
         let a = ray.a * (1.0 - 4.0 * ROUNDED);
         let large = l.at_most(l.splat(f32::MIN_POSITIVE), inner);
         let within = l.at_most(g2, l.mul(l.mul(inner, inner), l.splat(a)));
-        let ahead = l.at_most(along, b);
+        let outside = l.at_most(l.mul(reach, reach), dot(l, p, p));
+        let ahead = l.at_most(l.splat(ray.pad * 2.0 * ray.length), b);
         let before = l.at_most(l.add(b, along), l.splat(certain * a));
-        large & within & ahead & before
+        large & within & outside & ahead & before
     }
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(l: L, a: [L::Number; 3], b: [L::Number; 3]) -> L::Number {
+    l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
 }
 
 /// Roundings of the numbers that are compared, of themselves.
