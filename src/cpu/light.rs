@@ -6,6 +6,7 @@ mod tests;
 mod bounce;
 mod lighting;
 mod point;
+mod surface;
 
 use crate::answers::lit::{Chunk, Lit, NOT_CERTIFIED, SETTLED};
 use crate::search::tree::lanes::TASK;
@@ -60,9 +61,10 @@ impl Task<'_, '_, '_> {
                 continue;
             }
             let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
+            let record = &lighting.view.record;
+            let [row, column] = record.place(pixel);
             if rayless {
                 let (surface, along) = lighting.surface(&rays, pixel, id);
-                let [row, column] = lighting.view.record.place(pixel);
                 let open = lighting.open.map_or(1.0, |open| open.around(row, column, id));
                 at_point.see_far_lights(&surface, along, open);
                 write(at_point.color(&surface, along), chunk.color);
@@ -70,8 +72,6 @@ impl Task<'_, '_, '_> {
                     continue;
                 }
             }
-            let record = &lighting.view.record;
-            let [row, column] = record.place(pixel);
             let at = PixelSample { row, column, sample: record.sample, seed: lighting.seed };
             let position = record.sample_position(row, column);
             let point = lighting.point(position, id);

@@ -1,6 +1,6 @@
 //! A scene set up for its lights.
 
-use super::point::Surface;
+use super::surface::Surface;
 use crate::answers::lit::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;

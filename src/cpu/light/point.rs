@@ -3,6 +3,7 @@
 use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
 use super::lighting::Lighting;
+use super::surface::Surface;
 use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::exact::{LightQuestion, Toward};
@@ -74,22 +75,6 @@ enum Of {
     Light(usize, [f64; 2]),
     Rim(usize),
     Sky(f64),
-}
-
-/// What the colour of a hit depends on beside the light.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Surface {
-    pub(super) id: u32,
-    /// The ray comes from outside.
-    pub(super) outside: bool,
-    /// Of length 1, against the ray.
-    pub(super) normal: DVec3,
-}
-
-impl From<&SurfacePoint> for Surface {
-    fn from(point: &SurfacePoint) -> Self {
-        Self { id: point.id, outside: point.outside, normal: point.normal.into() }
-    }
 }
 
 /// Lights and sky at one point after the other.

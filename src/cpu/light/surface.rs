@@ -1,0 +1,20 @@
+//! The surface at a hit, as shading sees it.
+
+use crate::certify::surface::SurfacePoint;
+use glam::DVec3;
+
+/// What the colour of a hit depends on beside the light.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    pub(super) id: u32,
+    /// The ray comes from outside.
+    pub(super) outside: bool,
+    /// Of length 1, against the ray.
+    pub(super) normal: DVec3,
+}
+
+impl From<&SurfacePoint> for Surface {
+    fn from(point: &SurfacePoint) -> Self {
+        Self { id: point.id, outside: point.outside, normal: point.normal.into() }
+    }
+}
