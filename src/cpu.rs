@@ -1,6 +1,7 @@
 //! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
 
 mod certified;
+mod foremost;
 pub(crate) mod given_certified;
 mod given_rays;
 pub(crate) mod hidden;

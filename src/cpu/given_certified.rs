@@ -1,6 +1,7 @@
 //! Certified answers of given rays on the CPU path: boxes and spheres of the tree in f32 vectors, then bounds in f64 for
 //! the few spheres that are left.
 
+use super::foremost::Foremost;
 use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
 use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, may_pass, walk, walk_any};
@@ -77,16 +78,16 @@ impl Given<'_> {
             return NearestHit::Miss;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let mut search =
-            NearestSearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, best: None, rival: f64::INFINITY };
+        let foremost = Foremost::of(None);
+        let mut search = NearestSearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, foremost };
         if self.all {
             self.test_all(&mut search);
         } else {
             walk(lanes, self.tree, &boxes, limit, &mut search);
         }
-        match search.best {
-            None if search.rival == f64::INFINITY => NearestHit::Miss,
-            Some((place, bounds)) if search.rival > bounds.high => self.hit(&ray, place, &bounds),
+        match (search.foremost.best, search.foremost.rival) {
+            (None, f64::INFINITY) => NearestHit::Miss,
+            (Some((place, bounds)), rival) if rival > bounds.high => self.hit(&ray, place, &bounds),
             _ => NearestHit::Unsure,
         }
     }
@@ -149,11 +150,6 @@ impl Given<'_> {
         let [x, y, z, radius] = self.tree.spheres[place];
         ray.meet([x, y, z], radius)
     }
-
-    /// Whether two spheres are equal, so that the lower index wins.
-    fn same(&self, a: usize, b: usize) -> bool {
-        self.tree.spheres[a] == self.tree.spheres[b]
-    }
 }
 
 /// The search for the nearest hit of a ray.
@@ -163,48 +159,20 @@ struct NearestSearch<'a, 'b, L> {
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
     limit: f32,
-    best: Option<(usize, Bounds)>,
-    /// The least t at which any other sphere may be hit.
-    rival: f64,
+    foremost: Foremost,
 }
 
 impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
         for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
-            if let Some(bounds) = self.given.meet(self.ray, place) {
-                self.keep(place, bounds);
+            if let Some(bounds) = self.given.meet(self.ray, place)
+                && self.foremost.keep(self.given.tree, self.ray, place, bounds)
+            {
+                self.limit = self.boxes.limit(bounds.high);
             }
         }
         self.limit
-    }
-}
-
-impl<L> NearestSearch<'_, '_, L> {
-    #[inline(always)]
-    fn keep(&mut self, place: usize, bounds: Bounds) {
-        if bounds.low >= self.ray.limit[1] {
-            return;
-        }
-        if !bounds.sure || bounds.high >= self.ray.limit[0] {
-            self.rival = self.rival.min(bounds.low);
-            return;
-        }
-        if let Some((other, nearest)) = self.best {
-            // Of equal spheres the lower index is hit.
-            if bounds.low <= nearest.high && nearest.low <= bounds.high && self.given.same(place, other) {
-                let first = if self.given.tree.ids[place] < self.given.tree.ids[other] { place } else { other };
-                self.best = Some((first, nearest));
-                return;
-            }
-            if bounds.high >= nearest.high {
-                self.rival = self.rival.min(bounds.low);
-                return;
-            }
-            self.rival = self.rival.min(nearest.low);
-        }
-        self.best = Some((place, bounds));
-        self.limit = self.boxes.limit(bounds.high);
     }
 }
 

@@ -93,6 +93,16 @@ fn a_mirror_shows_what_is_before_it() {
     assert!(close(&found, &expected), "{found:?}");
 }
 
+/// As viewing rays do, and as certainly.
+#[test]
+fn of_equal_spheres_a_mirror_shows_the_one_with_the_lower_index() {
+    let (expected, mut twins) = (color(&corner(MIRROR)), corner(MIRROR));
+    let (center, radius) = (twins.spheres.centers[1], twins.spheres.radii[1]);
+    twins.spheres.push(center, radius, Some([0.0, 1.0, 0.0]));
+    assert_eq!(color(&twins), expected);
+    assert!(certainty(&twins)[0] <= 1);
+}
+
 #[test]
 fn a_metal_tints_what_it_shows() {
     let mut metal = corner(Material::Metal { fuzz: 0.0 });

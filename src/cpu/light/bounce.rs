@@ -1,8 +1,9 @@
 //! Rays that go on from mirrors and through glass.
 
+use super::super::foremost::Foremost;
 use super::lighting::Lighting;
 use super::point::PointLight;
-use crate::certify::given::{Bounds, CertifiedRay};
+use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
 use crate::scene::Material;
 use crate::search::tree::lanes::{Lanes, Work, dispatch};
@@ -147,12 +148,10 @@ impl Onward {
         };
         let own = self.within.then(|| (OWN, self.from.chord(&ray)));
         let limit = boxes.limit(own.map_or(f64::INFINITY, |(_, bounds)| bounds.high));
-        let (boxes, rival) = (&boxes, f64::INFINITY);
-        let (mut best, mut rival) = (own, rival);
-        let found = (&mut best, &mut rival);
-        dispatch(NearestOf { tree, ray: &ray, boxes, from: &self.from, limit, found });
-        let Some((place, bounds)) = best else {
-            return (None, rival == f64::INFINITY);
+        let mut found = Foremost::of(own);
+        dispatch(NearestOf { tree, ray: &ray, boxes: &boxes, from: &self.from, limit, found: &mut found });
+        let Foremost { best: Some((place, bounds)), rival } = found else {
+            return (None, found.rival == f64::INFINITY);
         };
         let sphere = match place {
             OWN => (self.from.id, self.from.center, self.from.radius),
@@ -168,55 +167,44 @@ impl Onward {
 /// The place of the sphere that the ray starts from.
 const OWN: usize = usize::MAX;
 
-/// The search of one ray: the nearest hit so far, and the least t at which any other sphere may be hit.
+/// The search of one ray.
 struct NearestOf<'a> {
     tree: &'a Tree,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
     from: &'a SurfacePoint,
     limit: f32,
-    found: (&'a mut Option<(usize, Bounds)>, &'a mut f64),
+    found: &'a mut Foremost,
 }
 
 impl Work for NearestOf<'_> {
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) {
-        let Self { tree, ray, boxes, from, limit, found: (best, rival) } = self;
-        let mut search = Nearest { lanes, tree, ray, boxes, from, limit, best: *best, rival: *rival };
-        walk(lanes, tree, boxes, limit, &mut search);
-        (*best, *rival) = (search.best, search.rival);
+        let (tree, boxes, limit) = (self.tree, self.boxes, self.limit);
+        walk(lanes, tree, boxes, limit, &mut Nearest { lanes, limit, of: self });
     }
 }
 
 struct Nearest<'a, L> {
     lanes: L,
-    tree: &'a Tree,
-    ray: &'a CertifiedRay,
-    boxes: &'a BoxRay,
-    from: &'a SurfacePoint,
     limit: f32,
-    best: Option<(usize, Bounds)>,
-    /// The least t at which any other sphere may be hit.
-    rival: f64,
+    of: NearestOf<'a>,
 }
 
 impl<L: Lanes> Test for Nearest<'_, L> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        for place in may_meet(self.lanes, self.tree, block, self.boxes, self.limit) {
-            let [x, y, z, radius] = self.tree.spheres[place];
-            if ([x, y, z], radius) == (self.from.center, self.from.radius) {
+        let NearestOf { tree, ray, boxes, from, ref mut found, .. } = self.of;
+        for place in may_meet(self.lanes, tree, block, boxes, self.limit) {
+            let [x, y, z, radius] = tree.spheres[place];
+            if ([x, y, z], radius) == (from.center, from.radius) {
                 continue;
             }
-            let Some(bounds) = self.ray.meet([x, y, z], radius) else { continue };
-            let best = self.best.map_or(f64::INFINITY, |(_, best)| best.high);
-            if !bounds.sure || bounds.high >= best {
-                self.rival = self.rival.min(bounds.low);
-                continue;
+            if let Some(bounds) = ray.meet([x, y, z], radius)
+                && found.keep(tree, ray, place, bounds)
+            {
+                self.limit = boxes.limit(bounds.high);
             }
-            self.rival = self.rival.min(self.best.map_or(f64::INFINITY, |(_, best)| best.low));
-            self.best = Some((place, bounds));
-            self.limit = self.boxes.limit(bounds.high);
         }
         self.limit
     }
