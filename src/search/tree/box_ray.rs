@@ -102,8 +102,7 @@ impl BoxRay {
     /// The same, rounded down.
     #[inline(always)]
     pub(crate) fn limit_below(&self, t: f64) -> f32 {
-        let from = ((t - self.start) as f32).next_down();
-        if from < f32::MAX { from } else { f32::MAX }
+        ((t - self.start).min(f64::from(f32::MAX)) as f32).next_down()
     }
 }
 

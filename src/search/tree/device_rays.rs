@@ -67,10 +67,9 @@ impl CertifiedRayRecord {
             return None;
         }
         let (steps, rest) = on_grid(std::array::from_fn(|n| origin[n] + boxes.start * direction[n]));
-        let below = |t: f64| (t as f32).next_down();
         Some(Self {
             steps,
-            sure_limit: below((limit[0] - boxes.start).min(f64::from(f32::MAX))),
+            sure_limit: boxes.limit_below(limit[0]),
             rest,
             limit: boxes.limit(limit[1]),
             direction: direction.map(|x| x as f32),
