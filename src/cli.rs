@@ -2,11 +2,13 @@
 
 mod adapters;
 mod bar;
+mod camera_file;
 mod clash;
 mod compare;
 mod config;
 mod exhaustion;
 mod file_args;
+mod info;
 mod legend;
 mod light_args;
 mod lines;
@@ -46,6 +48,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render::Render>),
+    Info(info::Info),
     Adapters(adapters::Adapters),
     Compare(compare::Compare),
     Merge(merge::Merge),
@@ -91,6 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     threads::start();
     match &arguments.command {
         Command::Render(render) => render.run(),
+        Command::Info(info) => info.run(),
         Command::Adapters(adapters) => adapters.run(),
         Command::Compare(compare) => compare.run(),
         Command::Merge(merge) => merge.run(),

@@ -5,6 +5,7 @@ mod csv;
 mod detect;
 mod foreign;
 mod format;
+pub mod info;
 mod input;
 mod lines;
 mod native;
@@ -13,6 +14,7 @@ mod npy;
 mod options;
 mod particles;
 pub mod rays;
+mod select;
 mod sequence;
 mod source;
 pub mod style;
@@ -22,7 +24,10 @@ use crate::scene::Scene;
 use std::path::Path;
 
 pub use format::Format;
-pub use options::{Altloc, FrameRange, ReadOptions};
+pub use info::info;
+pub use options::{Altloc, FrameRange, Hold, ReadOptions};
+pub use particles::Survey;
+pub use select::selection::Selection;
 pub use sequence::{SceneFrame, Sequence};
 pub use style::Style;
 

@@ -18,7 +18,7 @@ use glam::DVec3;
 
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
-pub use fit::Framing;
+pub use fit::{Framing, Reach};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use material::{Material, Materials};
 
@@ -75,6 +75,13 @@ impl Spheres {
     /// The number of spheres.
     pub fn len(&self) -> usize {
         self.radii.len()
+    }
+
+    /// Removes all spheres, and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.centers.clear();
+        self.radii.clear();
+        (self.colors, self.materials) = (None, None);
     }
 
     /// Whether there are no spheres.

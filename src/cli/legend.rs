@@ -4,6 +4,7 @@ use super::clash::place;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{check_pattern, numbered};
 use halfline::error::{Error, Result};
+use halfline::read::Hold;
 use halfline::read::style::Legend;
 use halfline::write::file::{check_writable, write_atomically};
 use std::path::{Path, PathBuf};
@@ -21,8 +22,9 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "use another file for the legend"));
     }
-    // Without a range each frame has a legend of its own.
-    if !args.color.has_range() && args.read.frames().is_some_and(|frames| frames.count() > 1) {
+    // Without a common range each frame has a legend of its own.
+    let is_common = args.color.range().is_some() || args.read.hold != Hold::None;
+    if !is_common && args.read.frames().is_some_and(|frames| frames.count() > 1) {
         check_pattern(path)?;
     }
     Ok(())

@@ -68,6 +68,7 @@ impl Display for PlanText<'_> {
             e.size[1],
             count(e.skipped, "object")
         )?;
+        self.write_camera(f)?;
         let [x0, y0, x1, y1] = e.window;
         if [x0, y0, x1, y1] != [0, 0, e.size[0], e.size[1]] {
             writeln!(f, "crop       columns {x0} to {x1}, rows {y0} to {y1}, ends excluded: {} rays", e.rays)?;
@@ -124,6 +125,18 @@ impl Display for PlanText<'_> {
 }
 
 impl PlanText<'_> {
+    fn write_camera(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let camera = &self.0.camera;
+        let point = |p: [f64; 3]| p.map(|x| number(x, 6)).join(", ");
+        let [eye, view, up] = [camera.eye, camera.view, camera.up].map(point);
+        writeln!(f, "camera     eye {eye}; view {view}; up {up}")?;
+        let [vw, vh] = camera.viewport.map(|side| number(side, 6));
+        match camera.distance {
+            Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6)),
+            None => writeln!(f, "           orthographic, a view of {vw} x {vh}"),
+        }
+    }
+
     /// The lights, the sky and the lines of the picture.
     fn write_light(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let e = self.0;

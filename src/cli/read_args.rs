@@ -2,14 +2,17 @@
 
 use super::watch;
 use clap::Args;
-use halfline::error::Result;
+use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, Format, FrameRange, ReadOptions, Style};
+use halfline::read::{Altloc, Format, FrameRange, Hold, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::path::PathBuf;
 
 /// The heading of the options that change how the spheres look.
 const LOOK: &str = "Spheres and colours";
+
+/// The heading of the options that select particles.
+const SELECTION: &str = "Selection";
 
 /// The options for reading a file that determine its spheres.
 #[derive(Debug, Args)]
@@ -22,6 +25,10 @@ pub(super) struct ReadArgs {
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     frames: Option<FrameRange>,
+    /// Where the camera, default radii and the range of colours of a sequence come from: first (frame of the file), all
+    /// (frames of the file, which is read twice), none (each frame by itself).
+    #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
+    pub(super) hold: Hold,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -37,12 +44,19 @@ pub(super) struct ReadArgs {
     /// Fails if the scene contains anything but spheres.
     #[arg(long)]
     strict: bool,
+    /// Takes only the particles that an expression selects, such as "protein and not name H*", "chain A B", "resid
+    /// 10:20", "element C N", "type 2", "bfactor < 30", "within 5 of (resname HEM)"; if repeated, those of any.
+    #[arg(long, help_heading = SELECTION, value_name = "EXPR")]
+    select: Vec<Selection>,
+    /// Leaves out the particles that an expression selects; may be repeated.
+    #[arg(long, help_heading = SELECTION, value_name = "EXPR")]
+    hide: Vec<Selection>,
     /// Radii of elements: vdw (van der Waals), covalent.
     #[arg(long, help_heading = LOOK, value_name = "R", default_value = "vdw")]
     radii: Radii,
-    /// Radius of all spheres; overrides the file.
-    #[arg(long, help_heading = LOOK, value_name = "X", value_parser = positive, allow_negative_numbers = true)]
-    radius: Option<f64>,
+    /// Radius of all spheres, or with EXPR=X of selected ones; overrides the file. Repeated, later ones win.
+    #[arg(long, help_heading = LOOK, value_name = "[EXPR=]X", value_parser = radius_rule, allow_negative_numbers = true)]
+    radius: Vec<Rule<f64>>,
     /// Multiplies every radius.
     #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
         allow_negative_numbers = true)]
@@ -63,9 +77,10 @@ pub(super) struct ReadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
 pub(super) struct ColorArgs {
-    /// Colour of all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
-    #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
-    color: Option<[f32; 3]>,
+    /// Colour of all spheres, or with EXPR=C of selected ones: #rrggbb in sRGB, or r,g,b in linear RGB. Repeated, later
+    /// ones win.
+    #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
+    color: Vec<Rule<[f32; 3]>>,
     /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     color_by: Option<String>,
@@ -86,19 +101,44 @@ pub(super) struct ColorArgs {
 }
 
 impl ReadArgs {
-    /// The options for reading.
-    pub(super) fn options(&self, coloring: Coloring) -> ReadOptions {
+    /// The options for reading, with the colours of the file.
+    pub(super) fn options(&self) -> ReadOptions {
         ReadOptions {
             strict: self.strict,
             format: self.format,
             frames: self.frames.clone().unwrap_or_default(),
+            hold: self.hold,
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
             as_listed: self.as_listed,
-            style: Style { radii: self.radii, radius: self.radius, radius_scale: self.radius_scale, coloring },
+            select: self.select.clone(),
+            hide: self.hide.clone(),
+            survey: None,
+            style: Style {
+                radii: self.radii,
+                radius: Rule::for_all(&self.radius),
+                radius_scale: self.radius_scale,
+                sizes: Rule::selected(&self.radius),
+                ..Style::default()
+            },
             watch: watch(),
         }
+    }
+
+    /// What the frames of a sequence are held to; `None` for a single picture.
+    pub(super) fn hold(&self) -> Option<&'static str> {
+        self.frames.as_ref().map(|_| self.hold.name())
+    }
+
+    /// The same in words.
+    pub(super) fn hold_words(&self) -> Option<String> {
+        let from = match (self.hold()?, self.hold) {
+            (_, Hold::First) => "the first frame",
+            (_, Hold::All) => "all frames",
+            (_, Hold::None) => return None,
+        };
+        Some(format!("camera, default radii and the range of colours are those of {from} of the file (see --hold)"))
     }
 
     /// The selected frames of a sequence.
@@ -114,9 +154,22 @@ impl ReadArgs {
 }
 
 impl ColorArgs {
-    pub(super) fn coloring(&self) -> Coloring {
-        match (&self.color, self.color_by.as_deref()) {
-            (Some(color), _) => Coloring::One(*color),
+    /// The same options with these colours.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for one colour and a column.
+    pub(super) fn of(&self, options: ReadOptions) -> Result<ReadOptions> {
+        let style = Style { coloring: self.coloring()?, paints: Rule::selected(&self.color), ..options.style };
+        Ok(ReadOptions { style, ..options })
+    }
+
+    fn coloring(&self) -> Result<Coloring> {
+        Ok(match (Rule::for_all(&self.color), self.color_by.as_deref()) {
+            (Some(_), Some(_)) => {
+                let mend = "remove one of them, or colour selected spheres with --color 'EXPR=COLOR'";
+                return Err(Error::settings("--color for all spheres and --color-by exclude each other", mend));
+            }
+            (Some(color), None) => Coloring::One(color),
             (None, Some("element")) => Coloring::Element,
             (None, Some(names)) => Coloring::Column(Scale {
                 columns: names.split(',').map(|name| name.trim().to_owned()).collect(),
@@ -125,13 +178,51 @@ impl ColorArgs {
                 log: self.log,
             }),
             (None, None) => Coloring::File,
+        })
+    }
+
+    /// The values at the ends of the colour map, if they are given.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        self.range
+    }
+}
+
+/// A value for all spheres, or for those that an expression selects.
+#[derive(Debug, Clone)]
+struct Rule<T> {
+    selection: Option<Selection>,
+    value: T,
+}
+
+impl<T: Copy> Rule<T> {
+    /// Parses `EXPR=VALUE` or `VALUE`; an expression may contain an equals sign, a value does not.
+    fn parse(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
+        match text.rsplit_once('=') {
+            None => Ok(Self { selection: None, value: value(text)? }),
+            Some((expression, last)) => {
+                let selection = expression.parse().map_err(|e: Error| e.to_string())?;
+                Ok(Self { selection: Some(selection), value: value(last.trim())? })
+            }
         }
     }
 
-    /// Whether each of several frames has its own range of values.
-    pub(super) fn has_range(&self) -> bool {
-        self.range.is_some()
+    /// The value for all spheres; the last one wins.
+    fn for_all(rules: &[Self]) -> Option<T> {
+        rules.iter().rev().find(|rule| rule.selection.is_none()).map(|rule| rule.value)
     }
+
+    /// The rules for selected spheres.
+    fn selected(rules: &[Self]) -> Vec<(Selection, T)> {
+        rules.iter().filter_map(|rule| Some((rule.selection.clone()?, rule.value))).collect()
+    }
+}
+
+fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
+    Rule::parse(text, positive)
+}
+
+fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
+    Rule::parse(text, color)
 }
 
 /// Finite numbers separated by commas, exactly `N` of them.

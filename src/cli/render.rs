@@ -122,6 +122,8 @@ impl Render {
         once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;
+        frame.report.hold = self.args.read.hold();
+        self.args.read.hold_words().into_iter().for_each(&mut once);
         picture.look.words().into_iter().for_each(&mut once);
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             once(frame.report.reason.clone());

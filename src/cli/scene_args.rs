@@ -49,6 +49,10 @@ pub(super) struct CameraArgs {
     /// Moves the eye so that all spheres are in view; the default for files without a camera.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
+    /// Takes the camera and the size of a picture or buffer that halfline wrote, or of a report of --json.
+    #[arg(long = "camera-from", value_name = "FILE",
+        conflicts_with_all = ["eye", "at", "view", "up", "fit", "vfov", "ortho"])]
+    pub(super) from: Option<PathBuf>,
     /// Vertical field of view, degrees; makes the camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
     vfov: Option<f64>,

@@ -1,16 +1,18 @@
 //! The scenes of one command: a single one, the frames of a sequence, or the turns of `--spin`, each with the options
 //! applied.
 
+use super::camera_file;
 use super::light_args::{PictureLook, SphereLights};
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::watch;
-use glam::DQuat;
-use halfline::camera::Look;
+use glam::{DQuat, DVec3};
+use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
+use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
-use halfline::read::{SceneFrame, Sequence};
-use halfline::scene::Scene;
+use halfline::read::{Hold, ReadOptions, SceneFrame, Sequence};
+use halfline::scene::{Reach, Scene};
 use std::path::{Path, PathBuf};
 
 /// Iterates over the scenes.
@@ -21,6 +23,12 @@ pub(super) struct SceneFrames<'a> {
     count: u32,
     /// The scene that `--spin` shows from all sides.
     standing: Option<SceneFrame>,
+    /// The camera that all frames have.
+    camera: Option<Camera>,
+    /// The point that it turns about.
+    middle: Option<DVec3>,
+    /// The size of the picture whose camera is taken.
+    size: Option<(u32, u32)>,
 }
 
 /// A scene that is ready to render, and its number for file names.
@@ -35,14 +43,23 @@ pub(super) struct Numbered {
 impl<'a> SceneFrames<'a> {
     /// Opens the scene file.
     pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
-        let sequence = Sequence::open(&args.scene, &args.read.options(args.color.coloring()))?;
-        Ok(Self { args, sequence, count: 0, standing: None })
+        let mut options = args.color.of(args.read.options())?;
+        let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        let (mut camera, mut middle) = (taken.map(|record| camera_file::resized(&record, args.image.size)), None);
+        if options.hold == Hold::All && args.read.frames().is_some() {
+            let held = hold_all(args, &mut options)?;
+            camera = camera.or(held.map(|(camera, _)| camera));
+            middle = held.map(|(_, middle)| middle);
+        }
+        let size = taken.map(|record| record.size.into());
+        let sequence = Sequence::open(&args.scene, &options)?;
+        Ok(Self { args, sequence, count: 0, standing: None, camera, middle, size })
     }
 
     /// Every file that is read.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
         let scene = [self.args.scene.clone()].into_iter();
-        scene.chain(self.sequence.files().iter().cloned()).collect()
+        scene.chain(self.sequence.files().iter().cloned()).chain(self.args.camera.from.clone()).collect()
     }
 
     /// The next scene; `None` after the last.
@@ -59,32 +76,102 @@ impl<'a> SceneFrames<'a> {
                 let standing = self.standing.as_ref().map(SceneFrame::copy).transpose()?;
                 standing.map(|frame| SceneFrame { number: u64::from(count) + 1, ..frame })
             }
-            None => self.sequence.next_scene()?,
+            None => {
+                if let Some(mut first) = self.sequence.unselected_first()? {
+                    self.prepare(&mut first)?;
+                }
+                self.sequence.next_scene()?
+            }
         };
         let Some(mut frame) = frame else {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
-        arrange(&self.args.read, &mut frame)?;
+        self.prepare(&mut frame)?;
         let scene = &mut frame.scene;
-        if let Some((width, height)) = self.args.image.size {
-            (scene.image.width, scene.image.height) = (width, height);
-        }
-        camera.apply(&mut scene.camera, frame.has_camera);
-        self.args.files.apply(scene);
-        if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {
-            scene.camera.look = Look::At(scene.spheres.middle());
-        }
-        if let Some(framing) = camera.framing(frame.has_camera)? {
-            scene.fit(&framing)?;
-        }
         if let Some(turns) = camera.spin {
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
-            spin(scene, (frame.number - 1) as f64 / f64::from(turns.get()));
+            let middle = self.middle.unwrap_or_else(|| scene.spheres.middle());
+            spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
         let request = self.args.look_request(!frame.has_camera);
         let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
         Ok(Some(Numbered { number: frame.number, scene: frame.scene, legend: frame.legend, look }))
+    }
+
+    /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
+    fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
+        arrange(&self.args.read, frame)?;
+        size(self.args.image.size.or(self.size), self.args, frame);
+        let holds = self.args.read.frames().is_some() && self.args.read.hold != Hold::None;
+        if holds && self.middle.is_none() {
+            self.middle = Some(frame.scene.spheres.middle());
+        }
+        if let Some(camera) = self.camera {
+            frame.scene.camera = camera;
+            return Ok(());
+        }
+        aim(self.args, frame);
+        if let Some(framing) = self.args.camera.framing(frame.has_camera)? {
+            frame.scene.fit(&framing)?;
+        }
+        if holds {
+            self.camera = Some(frame.scene.camera);
+        }
+        Ok(())
+    }
+}
+
+/// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours
+/// are set in `options`.
+fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camera, DVec3)>> {
+    if args.scene == Path::new("-") {
+        let mend = "use --hold first, or a file instead of standard input";
+        return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
+    }
+    let each = ReadOptions { frames: "1-".parse()?, hold: Hold::None, ..options.clone() };
+    let mut sequence = Sequence::open(&args.scene, &each)?;
+    let (mut first, mut all, mut range): (Option<SceneFrame>, Option<Reach>, Option<[f64; 2]>) = (None, None, None);
+    while let Some(mut frame) = sequence.next_scene()? {
+        if let Some(legend) = frame.legend.as_ref().filter(|legend| legend.categories.is_empty()) {
+            let [low, high] = range.unwrap_or(legend.range);
+            range = Some([low.min(legend.range[0]), high.max(legend.range[1])]);
+        }
+        arrange(&args.read, &mut frame)?;
+        size(args.image.size, args, &mut frame);
+        aim(args, &mut frame);
+        if let Some(framing) = args.camera.framing(frame.has_camera)?
+            && let Some(reach) = frame.scene.reach(&framing, all.as_ref())?
+        {
+            all = Some(all.map_or(reach, |all| all.with(&reach)));
+        }
+        first.get_or_insert(frame);
+    }
+    if let (Coloring::Column(scale), None) = (&mut options.style.coloring, args.color.range()) {
+        scale.range = range.or(scale.range);
+    }
+    let Some(mut first) = first else { return Ok(None) };
+    if let (Some(framing), Some(all)) = (args.camera.framing(first.has_camera)?, all) {
+        first.scene.fit_to(&framing, &all)?;
+    }
+    Ok(Some((first.scene.camera, first.scene.spheres.middle())))
+}
+
+/// Applies the size of the image and its background.
+fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
+    let scene = &mut frame.scene;
+    if let Some((width, height)) = size {
+        (scene.image.width, scene.image.height) = (width, height);
+    }
+    args.files.apply(scene);
+}
+
+/// Applies the options of the camera; a given eye without a direction looks at the middle of the spheres.
+fn aim(args: &SceneArgs, frame: &mut SceneFrame) {
+    let (camera, scene) = (&args.camera, &mut frame.scene);
+    camera.apply(&mut scene.camera, frame.has_camera);
+    if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {
+        scene.camera.look = Look::At(scene.spheres.middle());
     }
 }
 
@@ -99,9 +186,8 @@ pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, .. }: &mut Scen
     Ok(())
 }
 
-/// Rotates the camera about the up axis through the middle of all spheres, by a share of a full turn.
-fn spin(scene: &mut Scene, share: f64) {
-    let middle = scene.spheres.middle();
+/// Rotates the camera about the up axis through a point, by a share of a full turn.
+fn spin(scene: &mut Scene, middle: DVec3, share: f64) {
     let camera = &mut scene.camera;
     let Some(axis) = camera.up.try_normalize() else { return };
     if share == 0.0 {

@@ -14,7 +14,6 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
-use halfline::read::style::Coloring;
 use halfline::read::{SceneFrame, Sequence};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
@@ -193,7 +192,7 @@ impl Trace {
 
     /// The scene, and every file that is read for it.
     fn scene(&self) -> Result<(SceneFrame, Vec<PathBuf>)> {
-        let mut sequence = Sequence::open(&self.scene, &self.read.options(Coloring::File))?;
+        let mut sequence = Sequence::open(&self.scene, &self.read.options())?;
         let frame = sequence.next_scene()?;
         let mut frame = frame.ok_or_else(|| sequence.nothing())?;
         arrange(&self.read, &mut frame)?;

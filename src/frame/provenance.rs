@@ -3,6 +3,7 @@
 
 use super::report::{CPU_DRIVER, Report};
 use super::{Aov, MOST_LIGHTS};
+use crate::scene::camera::CameraRecord;
 use crate::trailer;
 use crate::window::Window;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -10,6 +11,7 @@ use serde::ser::{Serialize, Serializer};
 use std::fmt::{self, Write};
 
 const FRAME: &str = "halfline:frame";
+const CAMERA: &str = "halfline:camera";
 const WINDOW: &str = "halfline:window";
 const BUFFERS: &str = "halfline:buffers";
 const LIGHTS: &str = "halfline:lights";
@@ -49,6 +51,9 @@ impl Provenance {
         let mut words = Self::default();
         words.set("Software", format!("halfline {}", report.halfline));
         words.set("halfline:scene", fingerprint);
+        if let Some(camera) = report.camera.as_ref().and_then(|camera| serde_json::to_string(camera).ok()) {
+            words.set(CAMERA, camera);
+        }
         words.set("halfline:adapter", &report.adapter);
         // The answers do not depend on the number of threads.
         words.set("halfline:driver", if report.backend == "cpu" { CPU_DRIVER } else { &report.driver });
@@ -112,6 +117,11 @@ impl Provenance {
         let ends: Vec<u32> = self.get(WINDOW)?.split(',').map(|end| end.parse().ok()).collect::<Option<_>>()?;
         let [x0, y0, x1, y1] = ends.try_into().ok()?;
         Window { x0, y0, x1, y1 }.within(width, height).ok()
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> Option<CameraRecord> {
+        serde_json::from_str(self.get(CAMERA)?).ok()
     }
 
     /// The buffers in the file.

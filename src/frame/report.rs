@@ -2,6 +2,7 @@
 
 use crate::intersect::predict::Prediction;
 use crate::scene::Sky;
+use crate::scene::camera::CameraRecord;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -30,6 +31,11 @@ pub struct Report {
     pub hits: u64,
     /// Samples per pixel whose mean is the colour and the alpha; 1 for pixel centres.
     pub samples: u32,
+    /// The camera; `null` in JSON only where there is none.
+    pub camera: Option<CameraRecord>,
+    /// Where the camera, default radii and the range of colours of a sequence come from: `first`, `all` or `none`;
+    /// `None` for a single picture.
+    pub hold: Option<&'static str>,
     /// Lights of the scene; without any, and without a sky, the light is at the eye.
     pub lights: u64,
     /// The sky whose open share is computed, for the colour or for the buffer `occlusion`; a reach of any distance is

@@ -120,7 +120,7 @@ pub(crate) fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
 }
 
 /// Counts the bytes that a reader keeps in many small pieces: names, texts, maps of them.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Ledger {
     bytes: u64,
     /// The bytes for which free memory was checked.

@@ -4,19 +4,18 @@
 mod light;
 mod material;
 mod room;
+mod spheres;
 mod table;
 
-use super::format::ending;
 use super::input::Input;
 use super::lines::not_utf8;
-use super::{csv, npy};
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;
-use crate::quote::quote;
 use crate::scene::camera::{Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_size, check_sphere};
 use glam::DVec3;
+use spheres::NamedSpheres;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use table::{TomlName, TomlTable, TomlText};
@@ -88,15 +87,17 @@ impl Document<'_> {
             None => ImagePlane::default(),
         };
         let camera = self.camera(&root.need("camera")?.table(TomlName::part("camera"))?, &image)?;
-        let mut spheres = Spheres::default();
+        let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
         }
         for table in root.tables("spheres")? {
-            files.push(self.spheres(&table?, &mut spheres)?);
+            let named = NamedSpheres::of(&table?, self.path)?;
+            skipped.assumed.extend(named.read(&mut spheres, self.watch)?);
+            files.push(named.path);
         }
         let lighting = light::read(&root, spheres.len())?;
-        Ok(Scene { camera, image, spheres, lighting, skipped: Skipped::default() })
+        Ok(Scene { camera, image, spheres, lighting, skipped })
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
@@ -169,22 +170,5 @@ impl Document<'_> {
         spheres.add(center, length, color)?;
         spheres.set_last_material(material);
         Ok(())
-    }
-
-    /// Reads the spheres of a file; returns its path.
-    fn spheres(&self, table: &TomlTable<'_>, spheres: &mut Spheres) -> Result<PathBuf> {
-        table.allow(&["file"])?;
-        let file = table.need("file")?;
-        let name = file.string()?;
-        let path = self.path.parent().unwrap_or(Path::new("")).join(name);
-        match ending(&path).as_str() {
-            "csv" => csv::read(&path, spheres, self.watch),
-            "npy" => npy::read(&path, spheres, self.watch),
-            _ => {
-                let problem = format!("{} is not a supported file of spheres", quote(name));
-                Err(Error::scene(file.place(), problem, "use a .csv or a .npy file"))
-            }
-        }?;
-        Ok(path)
     }
 }

@@ -10,7 +10,7 @@ use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check_spheres, reserve};
 use crate::npy::{DType, Fault as HeaderFault, Header};
 use crate::progress::Watch;
-use crate::read::particles::Scalar;
+use crate::read::particles::{Scalar, Survey};
 use crate::scene::{Spheres, check_color, check_sphere};
 use crate::trailer;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const MEND: &str = "save a float64 array of shape (n, 4) or (n, 7) with numpy.sa
 pub(super) fn read(path: &Path, spheres: &mut Spheres, watch: &Watch) -> Result<()> {
     let mut npy = Npy::new(Input::open(path, watch)?, path, MEND);
     let header = npy.header()?;
-    npy.read(&header, &[4, 7], spheres).map(drop)
+    npy.read(&header, &[4, 7], spheres, None).map(drop)
 }
 
 /// An array file while it is read.
@@ -52,7 +52,14 @@ impl Npy<Input> {
 
 impl<R: BufRead> Npy<R> {
     /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
-    fn read(&mut self, header: &Header, widths: &[u64], spheres: &mut Spheres) -> Result<usize> {
+    /// For a survey the spheres of an array in C order are counted and dropped, block by block.
+    fn read(
+        &mut self,
+        header: &Header,
+        widths: &[u64],
+        spheres: &mut Spheres,
+        survey: Option<&Survey>,
+    ) -> Result<usize> {
         let (rows, width) = match header.shape[..] {
             [n, width] if widths.contains(&width) => (n, width as usize),
             ref other => {
@@ -68,10 +75,12 @@ impl<R: BufRead> Npy<R> {
             return Err(self.fail("dtype", format!("found {}, expected float64 or float32", header.dtype)));
         };
         let there = rows.min(self.bytes / (scalar.size() * width) as u64);
-        check_spheres(spheres.len() as u64 + there, width == COLUMNS.len())?;
-        spheres.grow(there as usize, width == COLUMNS.len())?;
+        if survey.is_none() {
+            check_spheres(spheres.len() as u64 + there, width == COLUMNS.len())?;
+            spheres.grow(there as usize, width == COLUMNS.len())?;
+        }
         let counts = Arc::clone(&self.counts);
-        let form = Form { rows, width, scalar, counts: &counts };
+        let form = Form { rows, width, scalar, counts: &counts, survey };
         let outcome = match header.fortran {
             false => fill_rows(&mut self.reader, &form, spheres),
             true => fill_columns(&mut self.reader, &form, spheres),
@@ -143,11 +152,12 @@ struct Form<'a> {
     width: usize,
     scalar: Scalar,
     counts: &'a Counts,
+    survey: Option<&'a Survey>,
 }
 
 /// Appends the spheres of an array that is stored row by row.
 fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let &Form { rows, width, scalar, counts } = form;
+    let &Form { rows, width, scalar, counts, survey } = form;
     let (size, row_bytes) = (scalar.size(), width * scalar.size());
     let values = |row: &[u8]| {
         let mut values = [0.0; 7];
@@ -178,6 +188,9 @@ fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) 
                 push(values(bytes), width, spheres).map_err(|e| Fault::Row(row, e))?;
             }
         }
+        if let Some(survey) = survey {
+            survey.count_spheres(spheres, width > 3);
+        }
         done += found;
         if (bytes.len() as u64) < wanted {
             return Err(Fault::Numbers(done, io::ErrorKind::UnexpectedEof.into()));
@@ -188,7 +201,7 @@ fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) 
 
 /// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
 fn fill_columns(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let &Form { rows, width, scalar, counts } = form;
+    let &Form { rows, width, scalar, counts, .. } = form;
     let mut columns = Vec::new();
     let mut bytes = [0; 8];
     let bytes = &mut bytes[..scalar.size()];

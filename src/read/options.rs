@@ -1,6 +1,8 @@
 //! The options for reading a scene.
 
 use super::format::Format;
+use super::particles::{EVERY, Survey};
+use super::select::selection::Selection;
 use super::style::Style;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
@@ -16,6 +18,8 @@ pub struct ReadOptions {
     pub format: Option<Format>,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
+    /// What the frames of a sequence have in common.
+    pub hold: Hold,
     /// The model number of a PDB or mmCIF file; `None` takes the first.
     pub model: Option<i64>,
     /// Selection of alternate locations.
@@ -24,10 +28,74 @@ pub struct ReadOptions {
     pub assembly: Option<String>,
     /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
+    /// The particles to take: those that one of these selects; all where the list is empty.
+    pub select: Vec<Selection>,
+    /// The particles to leave out: those that one of these selects.
+    pub hide: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
+    /// Counts the particles instead of keeping them, with all columns; see [`crate::read::info`].
+    pub survey: Option<Survey>,
     /// Cancellation of the reading.
     pub watch: Watch,
+}
+
+impl ReadOptions {
+    /// The columns that the reader must keep, as far as the file has them: for colours and for selections.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        if self.survey.is_some() {
+            return vec![EVERY.to_owned()];
+        }
+        let mut columns: Vec<String> = self.style.columns().to_vec();
+        for selection in self.select.iter().chain(&self.hide).chain(self.style.selections()) {
+            columns.extend(
+                selection
+                    .columns()
+                    .into_iter()
+                    .filter(|name| {
+                        // A column that two words need is kept once.
+                        !columns.iter().any(|known| known.eq_ignore_ascii_case(name))
+                    })
+                    .collect::<Vec<_>>(),
+            );
+        }
+        columns
+    }
+}
+
+/// Where default radii and ranges of colours come from, so that the frames of a film do not flicker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Hold {
+    /// From the first frame of the file, whether it is selected or not: a frame read alone is the same as in a film.
+    #[default]
+    First,
+    /// From all frames of the file, which is read twice.
+    All,
+    /// From each frame by itself.
+    None,
+}
+
+impl Hold {
+    /// All of them.
+    pub const ALL: &'static [Self] = &[Self::First, Self::All, Self::None];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::First => "first",
+            Self::All => "all",
+            Self::None => "none",
+        }
+    }
+}
+
+impl FromStr for Hold {
+    type Err = Error;
+    fn from_str(name: &str) -> Result<Self> {
+        crate::error::by_name("hold", name, Self::ALL, Self::name)
+    }
 }
 
 /// Selection of alternate locations of atoms.

@@ -11,17 +11,22 @@ mod layout;
 mod masses;
 mod mmcif;
 mod molecule;
+mod names;
 mod npz;
 mod pdb;
 mod ply;
 mod rows;
 mod scalar;
+mod survey;
 mod table;
 mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};
-pub(super) use layout::{Layout, Role, component, wanted};
+pub(super) use infer::{ResidueClass, class, is_ion};
+pub(super) use layout::{EVERY, Layout, Role, component, wanted};
 pub(super) use scalar::Scalar;
+pub use survey::Survey;
+pub(super) use survey::{ColumnCounts, Counts};
 pub(super) use table::{Table, axes, delimiter, fields, has_content};
 
 use super::format::Format;

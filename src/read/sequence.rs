@@ -2,10 +2,11 @@
 
 use super::format::Format;
 use super::input::Input;
-use super::options::ReadOptions;
-use super::particles::{self, ParticleFrames};
+use super::options::{Hold, ReadOptions};
+use super::particles::{self, ParticleFrames, Particles};
+use super::select;
 use super::source::SceneSource;
-use super::style::Legend;
+use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
@@ -64,7 +65,7 @@ impl Sequence {
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::begin(SceneSource::open(path, options.format, &options.watch)?, path, options)
+        Self::of_source(SceneSource::open(path, options.format, &options.watch)?, path, options)
     }
 
     /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
@@ -74,10 +75,11 @@ impl Sequence {
     /// Those of [`Scene::read`].
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
-        Self::begin(SceneSource::of(input, path, options.format)?, path, options)
+        Self::of_source(SceneSource::of(input, path, options.format)?, path, options)
     }
 
-    fn begin(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
+    /// The scenes of an opened source.
+    pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
         let mut files = Vec::new();
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
@@ -90,6 +92,9 @@ impl Sequence {
                         scene
                     }
                 };
+                if !(options.select.is_empty() && options.hide.is_empty()) {
+                    return Err(no_selections());
+                }
                 options.style.restyle(&mut scene.spheres)?;
                 SequenceState::One(Some(Box::new(scene)))
             }
@@ -103,45 +108,71 @@ impl Sequence {
         &self.files
     }
 
+    /// The first frame of the file, where the following ones are held to it but it is not selected. It must be called
+    /// before [`Sequence::next_scene`], which does the same and drops the frame.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`].
+    pub fn unselected_first(&mut self) -> Result<Option<SceneFrame>> {
+        let ReadOptions { hold, frames, model, .. } = &self.options;
+        if self.passed > 0 || *hold == Hold::None || frames.contains(1) || model.is_some() {
+            return Ok(None);
+        }
+        match &mut self.state {
+            SequenceState::One(_) => Ok(None),
+            SequenceState::Many(frames) => {
+                let first = frames.next()?;
+                self.passed = 1;
+                first.map(|particles| self.dress(particles, 1)).transpose()
+            }
+        }
+    }
+
+    /// The scene of a frame's particles; the first frame sets what the following ones are held to.
+    fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
+        let file = Place::file(self.path.display().to_string());
+        let cell = particles.cell;
+        self.options.watch.check()?;
+        select::apply(&self.options, &mut particles)?;
+        let spacing = self.options.style.spacing_of(&particles);
+        let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
+        if number == 1 && self.options.hold != Hold::None {
+            self.options.style.hold(spacing, legend.as_ref());
+        }
+        self.options.watch.check()?;
+        let mut scene = Scene {
+            camera: Camera::CANONICAL,
+            image: ImagePlane::default(),
+            spheres,
+            skipped,
+            lighting: Lighting::default(),
+        };
+        scene.frame_all(&Framing::default())?;
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell })
+    }
+
     /// The next selected frame; `None` after the last.
     ///
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn next_scene(&mut self) -> Result<Option<SceneFrame>> {
+        self.unselected_first()?;
         while self.passed < self.options.frames.last() {
             self.options.watch.check()?;
             let number = self.passed + 1;
             let wanted = self.options.frames.contains(number);
-            let file = Place::file(self.path.display().to_string());
             self.passed = number;
             match &mut self.state {
                 SequenceState::One(scene) => {
                     let Some(scene) = scene.take() else { return Ok(None) };
                     if wanted {
-                        return Ok(Some(SceneFrame {
-                            number,
-                            scene: *scene,
-                            has_camera: true,
-                            legend: None,
-                            cell: None,
-                        }));
+                        let (scene, has_camera) = (*scene, true);
+                        return Ok(Some(SceneFrame { number, scene, has_camera, legend: None, cell: None }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
                     let Some(particles) = frames.next()? else { return Ok(None) };
-                    let cell = particles.cell;
-                    self.options.watch.check()?;
-                    let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
-                    self.options.watch.check()?;
-                    let mut scene = Scene {
-                        camera: Camera::CANONICAL,
-                        image: ImagePlane::default(),
-                        spheres,
-                        skipped,
-                        lighting: Lighting::default(),
-                    };
-                    scene.frame_all(&Framing::default())?;
-                    return Ok(Some(SceneFrame { number, scene, has_camera: false, legend, cell }));
+                    return self.dress(particles, number).map(Some);
                 }
                 SequenceState::Many(frames) => {
                     if !frames.skip()? {

@@ -12,10 +12,11 @@ pub use colormap::ColorMap;
 pub use scale::{Category, Legend, Scale};
 
 use super::particles::Particles;
+use super::select::selection::Selection;
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
-use crate::scene::{Skipped, Spheres, check_sphere};
+use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere};
 use color::{linear, of_hex};
 use elements::{Element, element};
 use rayon::prelude::*;
@@ -32,12 +33,26 @@ pub struct Style {
     pub radius_scale: f64,
     /// The source of the colours.
     pub coloring: Coloring,
+    /// Colours of selected particles, linear RGB; later ones win.
+    pub paints: Vec<(Selection, [f32; 3])>,
+    /// The radius of particles without radii and elements, before it is scaled; `None` takes half their mean spacing.
+    pub default_radius: Option<f64>,
+    /// Radii of selected particles, before they are scaled; later ones win.
+    pub sizes: Vec<(Selection, f64)>,
 }
 
 impl Default for Style {
     /// The file's own radii and colours, or those of the elements.
     fn default() -> Self {
-        Self { radii: Radii::Vdw, radius: None, radius_scale: 1.0, coloring: Coloring::File }
+        Self {
+            radii: Radii::Vdw,
+            radius: None,
+            radius_scale: 1.0,
+            coloring: Coloring::File,
+            default_radius: None,
+            paints: Vec::new(),
+            sizes: Vec::new(),
+        }
     }
 }
 
@@ -97,7 +112,7 @@ pub enum Coloring {
 type Colors = Vec<[f32; 3]>;
 
 /// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
-const UNKNOWN_RADIUS: f64 = 1.6;
+pub(super) const UNKNOWN_RADIUS: f64 = 1.6;
 
 impl Style {
     /// The columns that the reader must keep.
@@ -109,11 +124,20 @@ impl Style {
         }
     }
 
+    /// The selections of its rules.
+    pub(super) fn selections(&self) -> impl Iterator<Item = &Selection> {
+        let paints = self.paints.iter().map(|(selection, _)| selection);
+        paints.chain(self.sizes.iter().map(|(selection, _)| selection))
+    }
+
     /// Applies the style to spheres that already have radii.
     ///
     /// # Errors
-    /// [`Error::Settings`] where a column gives the colours: such scenes have no columns.
+    /// [`Error::Settings`] where a column gives the colours or selections do: such scenes have no columns.
     pub(super) fn restyle(&self, spheres: &mut Spheres) -> Result<()> {
+        if self.selections().next().is_some() {
+            return Err(no_selections());
+        }
         let scale = self.radius_scale;
         spheres.radii.par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
         match &self.coloring {
@@ -136,8 +160,9 @@ impl Style {
     pub(super) fn dress(&self, mut particles: Particles, file: &Place) -> Result<(Spheres, Skipped, Option<Legend>)> {
         check_spheres(particles.positions.len() as u64, true)?;
         let mut skipped = std::mem::take(&mut particles.skipped);
-        let (colors, legend) = self.colors(&mut particles, &mut skipped)?;
-        let radii = self.radii_of(&particles, &mut skipped)?;
+        let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
+        let mut radii = self.radii_of(&particles, &mut skipped)?;
+        self.apply_rules(&particles, &mut colors, &mut radii);
         let spheres = Spheres { centers: particles.positions, radii, colors, materials: None };
         let bad = spheres
             .centers
@@ -148,6 +173,40 @@ impl Style {
             check_sphere(spheres.centers[n], spheres.radii[n], || file.clone().named(format!("particle {n}")))?;
         }
         Ok((spheres, skipped, legend))
+    }
+
+    /// Half the mean spacing, where it is the radius of these particles.
+    pub(super) fn spacing_of(&self, particles: &Particles) -> Option<f64> {
+        let elements = particles.elements.iter().any(|number| *number != 0);
+        let is_used = self.radius.is_none() && particles.radii.is_empty() && !elements;
+        is_used.then(|| spacing(&particles.positions) / 2.0)
+    }
+
+    /// Takes the radius and the range of colours of this frame for the following ones; with several frames, a range that
+    /// contains those of all.
+    pub(super) fn hold(&mut self, spacing: Option<f64>, legend: Option<&Legend>) {
+        self.default_radius = self.default_radius.or(spacing);
+        if let (Coloring::Column(scale), Some(legend)) = (&mut self.coloring, legend)
+            && legend.categories.is_empty()
+            && scale.range.is_none()
+        {
+            scale.range = Some(legend.range);
+        }
+    }
+
+    /// Applies the colours and radii of selected particles.
+    fn apply_rules(&self, particles: &Particles, colors: &mut Option<Colors>, radii: &mut [f64]) {
+        // Rules count from 1; 0 is none.
+        let rule = |number: u16| usize::from(number).checked_sub(1);
+        if !particles.paint.is_empty() {
+            let colors = colors.get_or_insert_with(|| vec![DEFAULT_COLOR; radii.len()]);
+            colors.par_iter_mut().zip(&particles.paint).for_each(|(color, number)| {
+                *color = rule(*number).map_or(*color, |rule| self.paints[rule].1);
+            });
+        }
+        radii.par_iter_mut().zip(&particles.size).for_each(|(radius, number)| {
+            *radius = rule(*number).map_or(*radius, |rule| self.sizes[rule].1 * self.radius_scale);
+        });
     }
 
     fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
@@ -169,12 +228,14 @@ impl Style {
             };
             return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
         }
-        if particles.elements.iter().all(|number| *number == 0) {
-            let radius = spacing(&particles.positions) / 2.0;
+        if let Some(spacing) = self.spacing_of(particles) {
+            let radius = self.default_radius.unwrap_or(spacing);
             if n > 0 {
                 let particles = if n == 1 { "particle has" } else { "particles have" };
+                let held =
+                    if self.default_radius.is_some_and(|held| held != spacing) { " of the held frame" } else { "" };
                 skipped.assumed.push(format!(
-                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
+                    "{n} {particles} no radius, so half the mean spacing{held} is used, {}; use --radius to set another",
                     number(radius, 4)
                 ));
             }
@@ -229,6 +290,12 @@ impl Style {
     }
 }
 
+/// The error for selections of a scene that has no particles.
+pub(super) fn no_selections() -> Error {
+    let mend = "select particles of a particle file, or add select = \"...\" to a [[spheres]] table of the scene";
+    Error::settings("this scene has no columns to select by", mend)
+}
+
 /// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
 fn is_8_bit(colors: &[[f32; 3]]) -> bool {
     let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
@@ -237,14 +304,20 @@ fn is_8_bit(colors: &[[f32; 3]]) -> bool {
 
 /// The mean distance between neighbours if the particles filled their box evenly; 1 for one particle.
 fn spacing(positions: &[[f64; 3]]) -> f64 {
-    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for position in positions {
-        for (end, x) in ends.iter_mut().zip(position) {
-            *end = [end[0].min(*x), end[1].max(*x)];
+        for (axis, x) in position.iter().enumerate() {
+            (ends[0][axis], ends[1][axis]) = (ends[0][axis].min(*x), ends[1][axis].max(*x));
         }
     }
-    let sides: Vec<f64> = ends.iter().map(|[a, b]| b - a).filter(|side| *side > 0.0 && side.is_finite()).collect();
-    let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (positions.len().max(1) as f64).ln();
+    spacing_of(ends, positions.len() as u64)
+}
+
+/// The same for this number of particles between these least and largest coordinates.
+pub(super) fn spacing_of([low, high]: [[f64; 3]; 2], count: u64) -> f64 {
+    let sides = low.iter().zip(high).map(|(a, b)| b - a).filter(|side| *side > 0.0 && side.is_finite());
+    let sides: Vec<f64> = sides.collect();
+    let spread = sides.iter().map(|side| side.ln()).sum::<f64>() - (count.max(1) as f64).ln();
     if sides.is_empty() { 1.0 } else { (spread / sides.len() as f64).exp() }
 }
 

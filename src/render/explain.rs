@@ -16,6 +16,7 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
+use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
@@ -103,6 +104,7 @@ impl Renderer {
             spheres: scene.spheres.len() as u64,
             skipped: scene.skipped.total(),
             size: [view.record.width, view.record.height],
+            camera: CameraRecord::new(&scene.camera, scene.image.width, scene.image.height)?,
             window: [window.x0, window.y0, window.x1, window.y1],
             rays: view.record.pixels() as u64,
             samples: samples.map_or(1, |raster| raster.count()),

@@ -18,6 +18,7 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, Output, Rays};
 use crate::progress::Step;
 use crate::scene::Scene;
+use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::view::raster::Raster;
@@ -191,6 +192,7 @@ impl Renderer {
             shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
+            camera: CameraRecord::new(&scene.camera, scene.image.width, scene.image.height).ok(),
             lights: scene.lighting.lights.len() as u64,
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,

@@ -16,6 +16,10 @@
 //! origin = e + u u + v v            direction = -w
 //! ```
 
+mod record;
+
+pub use record::{CameraRecord, Intrinsics};
+
 use crate::double_double::{Dd, Dd3};
 use crate::dyadic::{self, Dyadic3};
 use crate::error::{Error, Place, Result};

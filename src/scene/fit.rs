@@ -54,8 +54,20 @@ impl Scene {
     /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the
     /// limits of f64 that no eye is far enough.
     pub fn fit(&mut self, framing: &Framing) -> Result<()> {
+        match self.reach(framing, None)? {
+            Some(reach) => self.fit_to(framing, &reach),
+            None => Ok(()),
+        }
+    }
+
+    /// How far the spheres reach to the sides of the view, relative to a point: that of another reach, so that both can
+    /// be joined, or the middle of the spheres. `None` without spheres. An `at` of the camera becomes its view.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn reach(&mut self, framing: &Framing, like: Option<&Reach>) -> Result<Option<Reach>> {
         if self.spheres.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
         if let Look::At(at) = self.camera.look {
             // An `at` that gives no direction is reported before it is changed.
@@ -67,18 +79,38 @@ impl Scene {
         let around = framing.ball.then(|| ball(&self.spheres));
         let framed = around.as_ref().unwrap_or(&self.spheres);
         // Coordinates are relative to the middle, so that distant scenes lose no precision.
-        let middle = framed.middle();
-        let reach = |normal: DVec3| {
+        let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
+        let to = |normal: DVec3| {
             let each = framed.centers.par_iter().zip(&framed.radii);
             each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r).reduce(|| f64::INFINITY, f64::min)
         };
-        // Rounding errors here are far below this share of the image.
-        let free = 1.0 - framing.margin.clamp(1e-9, 0.9);
+        let sides = match viewport.is_parallel() {
+            true => [basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w].map(to),
+            false => {
+                let pair = |axis: DVec3, side: f64| {
+                    let [sine, cosine] = slope(framing, side, viewport.d);
+                    [to(cosine * axis - sine * basis.w), to(-cosine * axis - sine * basis.w)]
+                };
+                let ([left, right], [bottom, top]) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
+                [left, right, bottom, top, f64::INFINITY, f64::INFINITY]
+            }
+        };
+        Ok(Some(Reach { middle, sides }))
+    }
+
+    /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
+    /// of the view and the angles of the lens are those for which the reach was taken.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
+        let basis = self.camera.basis()?;
+        let viewport = self.camera.viewport(self.image.width, self.image.height)?;
+        let Reach { middle, sides: [left, right, bottom, top, _, front] } = *reach;
         if viewport.is_parallel() {
-            let extent = |axis: DVec3| (reach(axis), -reach(-axis));
-            let [(left, right), (bottom, top), (_, front)] = [basis.u, basis.v, basis.w].map(extent);
+            let (right, top, front) = (-right, -top, -front);
             let shape = f64::from(self.image.height) / f64::from(self.image.width);
-            let height = (top - bottom).max((right - left) * shape) / free;
+            let height = (top - bottom).max((right - left) * shape) / free(framing);
             if !framing.keep_height {
                 self.camera.lens = Lens::Orthographic { height };
             }
@@ -86,15 +118,12 @@ impl Scene {
             self.camera.eye = middle + (left + right) / 2.0 * basis.u + (bottom + top) / 2.0 * basis.v + back * basis.w;
             return self.framed();
         }
-        let pair = |axis: DVec3, side: f64| {
-            let slope = free * side / (2.0 * viewport.d);
-            let length = slope.hypot(1.0);
-            let (sine, cosine) = (slope / length, 1.0 / length);
-            let (low, high) = (reach(cosine * axis - sine * basis.w), reach(-cosine * axis - sine * basis.w));
+        let pair = |low: f64, high: f64, side: f64| {
+            let [sine, cosine] = slope(framing, side, viewport.d);
             // The eye's coordinate along the axis, and its least distance back.
             ((low - high) / (2.0 * cosine), -(low + high) / (2.0 * sine))
         };
-        let ((x, z_across), (y, z_down)) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
+        let ((x, z_across), (y, z_down)) = (pair(left, right, viewport.vw), pair(bottom, top, viewport.vh));
         self.camera.eye = middle + x * basis.u + y * basis.v + z_across.max(z_down) * basis.w;
         self.framed()
     }
@@ -106,6 +135,38 @@ impl Scene {
         let problem = format!("{}: the eye that sees them all is beyond the range of f64", self.spheres.extent());
         Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
     }
+}
+
+/// How far spheres reach to the sides of a view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// The point that the distances are relative to.
+    middle: DVec3,
+    /// The least distances of the spheres along the normals of the view's sides, which point inwards: left, right,
+    /// bottom, top, and for parallel rays back and front.
+    sides: [f64; 6],
+}
+
+impl Reach {
+    /// The reach of both; `other` was taken like this one.
+    #[must_use]
+    pub fn with(self, other: &Self) -> Self {
+        let mut sides = self.sides;
+        sides.iter_mut().zip(other.sides).for_each(|(side, other)| *side = side.min(other));
+        Self { sides, ..self }
+    }
+}
+
+/// The share of the image between its margins. Rounding errors of framing are far below the least margin.
+fn free(framing: &Framing) -> f64 {
+    1.0 - framing.margin.clamp(1e-9, 0.9)
+}
+
+/// Sine and cosine of the angle between the view axis and a side of the viewport less its margin.
+fn slope(framing: &Framing, side: f64, distance: f64) -> [f64; 2] {
+    let slope = free(framing) * side / (2.0 * distance);
+    let length = slope.hypot(1.0);
+    [slope / length, 1.0 / length]
 }
 
 impl Spheres {

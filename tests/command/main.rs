@@ -17,6 +17,7 @@ mod compare;
 mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
+mod film;
 mod habits;
 mod light;
 #[cfg(target_os = "linux")]
@@ -25,6 +26,7 @@ mod looks;
 mod merge;
 mod options;
 mod resume;
+mod select;
 mod shots;
 #[cfg(unix)]
 mod streams;

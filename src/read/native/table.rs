@@ -63,6 +63,7 @@ impl TomlName {
             (_, "center") => "center = [0.0, 0.0, 0.0]",
             (_, "radius") => "radius = 1.0",
             (_, "file") => "file = \"spheres.csv\"",
+            (_, "select") => "select = \"chain A\"",
             (_, "background") => "background = [0.0, 0.0, 0.0]",
             (_, "light") => "[[light]] tables",
             (_, "occlusion") => "an [occlusion] table",

@@ -6,7 +6,7 @@ use crate::memory::{check, reserve};
 use crate::npy::{DType, Field, Header};
 use crate::read::input::Input;
 use crate::read::options::ReadOptions;
-use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Scalar, wanted};
+use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Scalar, Survey, wanted};
 use crate::read::source::SceneSource;
 use crate::scene::Spheres;
 use std::io::{self, BufRead, Read};
@@ -15,11 +15,12 @@ use std::io::{self, BufRead, Read};
 pub(in crate::read) struct Array {
     source: Option<SceneSource>,
     wanted: Vec<String>,
+    survey: Option<Survey>,
 }
 
 impl Array {
     pub(in crate::read) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
+        Ok(Self { source: Some(source), wanted: wanted(&options.columns())?, survey: options.survey.clone() })
     }
 }
 
@@ -29,10 +30,10 @@ impl ParticleFrames for Array {
         let mut npy = Npy::new(reader, &path, MEND);
         let header = npy.header()?;
         if let DType::Record(fields) = &header.dtype {
-            return npy.records(&header, fields, &self.wanted).map(Some);
+            return npy.records(&header, fields, &self.wanted, self.survey.as_ref()).map(Some);
         }
         let mut spheres = Spheres::default();
-        let width = npy.read(&header, &[3, 4, 7], &mut spheres)?;
+        let width = npy.read(&header, &[3, 4, 7], &mut spheres, self.survey.as_ref())?;
         let Spheres { centers, radii, colors, .. } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii };
         Ok(Some(Particles { positions: centers, radii, colors: colors.unwrap_or_default(), ..Particles::default() }))
@@ -46,7 +47,13 @@ const MOST: usize = 1 << 16;
 const BLOCK: usize = 1 << 16;
 
 impl Npy<Input> {
-    fn records(&mut self, header: &Header, fields: &[Field], wanted: &[String]) -> Result<Particles> {
+    fn records(
+        &mut self,
+        header: &Header,
+        fields: &[Field],
+        wanted: &[String],
+        survey: Option<&Survey>,
+    ) -> Result<Particles> {
         let rows = match header.shape[..] {
             [n] => n,
             ref other => return Err(self.fail("shape", format!("found records in {other:?}, expected (n,)"))),
@@ -66,7 +73,7 @@ impl Npy<Input> {
         if (0..3).any(|axis| !layout.contains(Role::Position(axis))) {
             return Err(self.fail("dtype", "the fields x, y and z are missing"));
         }
-        let mut particles = layout.begin();
+        let mut particles = layout.begin(survey);
         let (mut record, mut numbers) = (vec![0; size], vec![0.0; places.len()]);
         for row in 0..rows {
             self.reader.read_exact(&mut record).map_err(|e| self.cut(e, row, rows))?;
@@ -172,7 +179,7 @@ mod tests {
     fn read(descr: &str, shape: &str, data: &[u8]) -> Result<Particles> {
         let header = format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}");
         let source = SceneSource::of_bytes(&npy(&header, data));
-        let mut array = Array { source: Some(source), wanted: vec!["t".into(), "v_y".into()] };
+        let mut array = Array { source: Some(source), wanted: vec!["t".into(), "v_y".into()], survey: None };
         Ok(array.next()?.expect("one frame"))
     }
 

@@ -74,7 +74,7 @@ struct SectionData {
 
 impl LammpsData {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        let wanted = wanted(options.style.columns())?;
+        let wanted = wanted(&options.columns())?;
         Ok(Self { lines: Lines::new(source.reader, &source.path), wanted, done: false })
     }
 
@@ -217,7 +217,7 @@ impl LammpsData {
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
             layout.add(name, role, &self.wanted).map_err(twice)?;
         }
-        let mut particles = layout.begin();
+        let mut particles = layout.begin(None);
         if !told {
             particles.skipped.assumed.push(format!(
                 "the atoms are read in the style {style} ({columns}), which has their number of columns; write `Atoms # {style}` to set the style"

@@ -3,7 +3,7 @@
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::{rows, surplus};
-use super::{ParticleFrames, Particles};
+use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -17,6 +17,7 @@ use crate::scene::Cell;
 pub(super) struct Dump {
     lines: Lines<Input>,
     wanted: Vec<String>,
+    survey: Option<Survey>,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
@@ -35,7 +36,8 @@ impl Dump {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self {
             lines: Lines::new(source.reader, &source.path),
-            wanted: wanted(options.style.columns())?,
+            wanted: wanted(&options.columns())?,
+            survey: options.survey.clone(),
             held: false,
         })
     }
@@ -176,7 +178,7 @@ impl ParticleFrames for Dump {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(DumpHeader { count, cell }) = self.head()? else { return Ok(None) };
         let (layout, scaled) = self.layout()?;
-        let mut particles = Particles { cell, ..layout.begin() };
+        let mut particles = Particles { cell, ..layout.begin(self.survey.as_ref()) };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
@@ -195,7 +197,7 @@ impl ParticleFrames for Dump {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout)?;
-        particles.settle_species();
+        particles.settle_texts();
         if let Some(cell) = scaling {
             particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
         }

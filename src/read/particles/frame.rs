@@ -1,6 +1,8 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
 use super::infer::{self, Inference, Inferred, Species};
+use super::names::Names;
+use super::survey::{Counted, Counts, PART, Survey};
 use crate::error::Result;
 use crate::memory::{entries, extend_to};
 use crate::scene::{Cell, Skipped};
@@ -17,21 +19,30 @@ pub(crate) struct Particles {
     pub(crate) elements: Vec<u8>,
     /// Linear RGB; empty if the file has no colours.
     pub(crate) colors: Vec<[f32; 3]>,
-    /// The columns of [`ReadOptions::columns`] that the file has, in that order, with a number for every particle.
-    /// Names of columns in files are converted to lower case.
+    /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
+    /// every particle. Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
-    /// The names of all numeric columns of the file, for messages.
+    /// The names of all columns of the file, for messages.
     pub(crate) has: Vec<String>,
     /// For columns of names: the column's name, and the names that its whole numbers, from 0, refer to.
     pub(crate) labels: BTreeMap<String, Vec<String>>,
+    /// The indices in the file, where some particles were removed; empty where none was.
+    pub(in crate::read) places: Vec<u32>,
+    /// The numbers from 1 of the style's rules for colour and radius, 0 for none; empty without rules.
+    pub(crate) paint: Vec<u16>,
+    pub(crate) size: Vec<u16>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
     /// Names that are not elements, with the number of their particles.
     pub(crate) unknown: BTreeMap<String, u64>,
+    /// The index and the names of each column of text, while it is read.
+    pub(in crate::read) texts: Vec<(usize, Names)>,
     /// The other content of a column of symbols, while it is read.
     pub(in crate::read) species: Species,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
+    /// Where the particles are counted and dropped instead of being kept.
+    pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
     pub(in crate::read) room: usize,
 }
@@ -68,6 +79,11 @@ impl Particles {
         self.radii.append(&mut more.radii);
         self.elements.append(&mut more.elements);
         self.colors.append(&mut more.colors);
+        // A part numbers its names by itself.
+        for ((column, known), (_, names)) in self.texts.iter_mut().zip(&more.texts) {
+            let numbers: Vec<u32> = names.list.iter().map(|name| known.number(name)).collect::<Result<_>>()?;
+            more.columns[*column].values.iter_mut().for_each(|value| *value = f64::from(numbers[*value as usize]));
+        }
         for (column, more) in self.columns.iter_mut().zip(&mut more.columns) {
             column.values.append(&mut more.values);
         }
@@ -76,8 +92,17 @@ impl Particles {
         Ok(())
     }
 
-    /// Finishes a column of symbols: finds the elements of names, and removes virtual sites.
-    pub(super) fn settle_species(&mut self) {
+    /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.
+    pub(super) fn settle_texts(&mut self) {
+        if let Some(survey) = self.survey.clone() {
+            let mut counts = survey.counts();
+            self.count(&mut counts);
+            let said = std::mem::take(&mut self.species).settle_counts(&mut counts.elements);
+            counts.warnings.extend(said);
+        }
+        for (column, names) in std::mem::take(&mut self.texts) {
+            self.labels.insert(self.columns[column].name.clone(), names.labels());
+        }
         let (said, sites) = std::mem::take(&mut self.species).settle(&mut self.elements);
         self.skipped.assumed.extend(said);
         self.leave_sites_out(sites);
@@ -96,12 +121,12 @@ impl Particles {
         let inferred = inference.finish(&mut self.elements);
         self.leave_sites_out(inferred.sites() > 0);
         let said = inferred.sentences(read);
-        self.count_unknown_atoms(inferred);
+        self.count_unknown_atoms(&inferred);
         said
     }
 
     /// Counts unknown atoms by the names that an inference numbered, and sets their atomic number to 0.
-    pub(super) fn count_unknown_atoms(&mut self, inferred: Inferred) {
+    pub(super) fn count_unknown_atoms(&mut self, inferred: &Inferred) {
         let mut counts = vec![0; inferred.names.len()];
         for element in &mut self.elements {
             if let Some(slot) = infer::unknown(*element) {
@@ -109,11 +134,74 @@ impl Particles {
                 *element = 0;
             }
         }
-        self.unknown = inferred.names.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
+        self.unknown = inferred.names.iter().cloned().zip(counts).filter(|(_, count)| *count > 0).collect();
+    }
+
+    /// The counts of a frame that was read for this survey.
+    pub(in crate::read) fn counted(mut self, survey: &Survey) -> Counts {
+        let mut shared = survey.counts();
+        self.count(&mut shared);
+        let mut counts = std::mem::take(&mut *shared);
+        for (name, labels) in self.labels {
+            if let Some(column) = counts.columns.get_mut(&name) {
+                column.labels = labels;
+            }
+        }
+        counts.add_unknown(self.unknown);
+        counts.cell = self.cell;
+        counts.warnings.extend(self.skipped.warnings());
+        let said = counts.inferred();
+        counts.warnings.extend(said);
+        counts
+    }
+
+    /// The same for a part whose elements are still being inferred.
+    pub(super) fn count_inferred(&mut self, inference: Inference, survey: &Survey) {
+        let inferred = inference.finish(&mut self.elements);
+        self.leave_sites_out(inferred.sites() > 0);
+        self.count_unknown_atoms(&inferred);
+        let mut counts = survey.counts();
+        counts.add_inferred(inferred, std::mem::take(&mut self.unknown));
+        self.count(&mut counts);
+    }
+
+    /// Counts the particles and drops them; what describes the frame as a whole is kept.
+    pub(super) fn count(&mut self, counts: &mut Counts) {
+        let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
+        counts.add(&Counted {
+            positions: &self.positions,
+            radii: &self.radii,
+            colors: self.colors.len(),
+            elements: &self.elements,
+            columns: columns.map(|column| (&column.name[..], &column.values[..], self.is_text(&column.name))).collect(),
+        });
+        self.positions.clear();
+        self.radii.clear();
+        self.elements.clear();
+        self.colors.clear();
+        self.columns.iter_mut().for_each(|column| column.values.clear());
+        self.places.clear();
+    }
+
+    /// Whether a column has names.
+    pub(super) fn is_text(&self, name: &str) -> bool {
+        let reading = self.texts.iter().any(|(column, _)| self.columns[*column].name == name);
+        reading || self.labels.contains_key(name)
+    }
+
+    /// The index of particle `n` in the file.
+    pub(in crate::read) fn index(&self, n: usize) -> u32 {
+        self.places.get(n).copied().unwrap_or(n as u32)
     }
 
     /// Keeps the particles whose flag is set.
-    pub(super) fn keep(&mut self, stays: &[bool]) {
+    pub(in crate::read) fn keep(&mut self, stays: &[bool]) {
+        if self.places.is_empty() {
+            self.places = (0..self.positions.len() as u32).collect();
+        }
+        keep(&mut self.places, stays);
+        keep(&mut self.paint, stays);
+        keep(&mut self.size, stays);
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);
         keep(&mut self.elements, stays);
@@ -128,6 +216,12 @@ impl Particles {
     /// [`Error::Limits`].
     pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
         let n = self.positions.len();
+        if n >= PART
+            && let Some(survey) = self.survey.clone()
+        {
+            self.count(&mut survey.counts());
+            return Ok(());
+        }
         if n + more <= self.room {
             return Ok(());
         }

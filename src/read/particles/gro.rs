@@ -3,7 +3,10 @@
 //! multiplied by ten to ångström. Velocities keep the file's unit, nm/ps.
 
 use super::infer::{self, AtomNames, Inference};
+use super::layout::named;
+use super::names::Names;
 use super::rows::surplus;
+use super::survey::{PART, Survey};
 use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
@@ -19,6 +22,7 @@ use std::ops::Range;
 pub(super) struct Gro {
     lines: Lines<Input>,
     wanted: Vec<GroColumn>,
+    survey: Option<Survey>,
     /// Whether the way elements were found was reported.
     told: bool,
     /// Whether the current line has not been parsed yet.
@@ -32,9 +36,15 @@ enum GroColumn {
     Residue,
     Serial,
     Velocity(usize),
+    /// Name of the atom.
+    Name,
+    /// Name of its residue.
+    Resname,
 }
 
-const KINDS: [(&str, GroColumn); 5] = [
+const KINDS: [(&str, GroColumn); 7] = [
+    ("name", GroColumn::Name),
+    ("resname", GroColumn::Resname),
     ("residue", GroColumn::Residue),
     ("serial", GroColumn::Serial),
     ("vx", GroColumn::Velocity(0)),
@@ -54,9 +64,10 @@ const NANOMETRE: f64 = 10.0;
 
 impl Gro {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
-        let kind = |name: &String| KINDS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
-        let wanted = options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect();
-        Self { lines: Lines::new(source.reader, &source.path).of_any_bytes(), wanted, told: false, held: false }
+        let columns = options.columns();
+        let wanted = named(&columns, &KINDS);
+        let lines = Lines::new(source.reader, &source.path).of_any_bytes();
+        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -110,7 +121,21 @@ impl Gro {
     }
 
     /// Parses the atom of the current line.
-    fn atom(&self, width: usize, particles: &mut Particles, inference: &mut Inference) -> Result<()> {
+    fn atom(
+        &self,
+        width: usize,
+        particles: &mut Particles,
+        names: &mut [Names; 2],
+        inference: &mut Inference,
+    ) -> Result<()> {
+        let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
+        let names_of = AtomNames { symbol: b"", name, residue, site };
+        if let Some(survey) = &self.survey
+            && particles.positions.len() >= PART
+            && inference.is_new_residue(&names_of)
+        {
+            particles.count_inferred(std::mem::take(inference), survey);
+        }
         particles.grow(1, infer::BYTES)?;
         let mut position = [0.0; 3];
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
@@ -125,16 +150,21 @@ impl Gro {
                     self.fail(byte, axis, problem, "use the columns of the first atom of the frame")
                 })?;
         }
-        let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
-        inference.push(&AtomNames { symbol: b"", name, residue, site }, &mut particles.elements);
+        inference.push(&names_of, &mut particles.elements);
         particles.positions.push(position);
         for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
             let columns = match kind {
                 GroColumn::Residue => RESIDUE,
                 GroColumn::Serial => SERIAL,
                 GroColumn::Velocity(k) => X + (3 + k) * width..X + (4 + k) * width,
+                GroColumn::Name | GroColumn::Resname => continue,
             };
             column.values.push(self.number(columns).unwrap_or(f64::NAN));
+        }
+        for (text, word) in [(GroColumn::Name, name), (GroColumn::Resname, residue)] {
+            let Some(at) = self.wanted.iter().position(|kind| *kind == text) else { continue };
+            let number = names[usize::from(text == GroColumn::Resname)].number(word)?;
+            particles.columns[at].values.push(f64::from(number));
         }
         Ok(())
     }
@@ -214,14 +244,20 @@ impl ParticleFrames for Gro {
         let name = |kind: &GroColumn| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
         particles.columns =
             self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
+        for name in ["name", "resname"] {
+            // The names follow at the end of the frame.
+            particles.labels.insert(name.into(), Vec::new());
+        }
         let (mut width, mut moving, mut inference) = (0, false, Inference::new(false));
+        // The names of atoms and of residues.
+        let mut names = [Names::default(), Names::default()];
         for n in 0..count {
             self.need("atom")?;
             if n == 0 {
                 width = self.width()?;
                 moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
             }
-            if let Err(error) = self.atom(width, &mut particles, &mut inference) {
+            if let Err(error) = self.atom(width, &mut particles, &mut names, &mut inference) {
                 return Err(self.early_box(n, count).unwrap_or(error));
             }
             self.lines.found();
@@ -235,6 +271,8 @@ impl ParticleFrames for Gro {
         let there = |kind: GroColumn| moving || !matches!(kind, GroColumn::Velocity(_));
         particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
         particles.columns.retain(|column| particles.has.contains(&column.name));
+        let labels = ["name", "resname"].into_iter().zip(&names);
+        particles.labels.extend(labels.map(|(name, names)| (name.to_owned(), names.labels())));
         let said = particles.infer(inference);
         // All frames would have the same message.
         if !std::mem::replace(&mut self.told, true) {

@@ -9,7 +9,8 @@ mod species;
 pub(in crate::read) use species::Species;
 
 use crate::quote::{count, quote};
-use residues::{ResidueClass, class};
+pub(in crate::read) use residues::{ResidueClass, class};
+pub(in crate::read) use rules::is_ion;
 use rules::{InferenceRule, Site};
 use std::collections::BTreeMap;
 
@@ -98,7 +99,7 @@ impl Evidence {
 }
 
 /// The result for a whole model.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Inferred {
     /// Atoms without an element in the file, by [`InferenceRule`] it was found.
     counts: [u64; 4],
@@ -146,6 +147,18 @@ impl Inferred {
         said
     }
 
+    /// Adds the result for another part of the model, whose unknown names are counted elsewhere.
+    pub(super) fn add(&mut self, other: Self) {
+        self.counts.iter_mut().zip(other.counts).for_each(|(count, more)| *count += more);
+        self.unknown += other.unknown;
+        self.beads += other.beads;
+        self.astray |= other.astray;
+        for (name, count) in other.sites {
+            let full = self.sites.len() > RESIDUE && !self.sites.contains_key(&name);
+            *self.sites.entry(if full { "others".into() } else { name }).or_default() += count;
+        }
+    }
+
     /// The number of particles that are not atoms and are left out.
     pub(super) fn sites(&self) -> u64 {
         self.sites.values().sum()
@@ -156,7 +169,7 @@ impl Inferred {
 #[derive(Default)]
 pub(super) struct Inference {
     /// Whether names have the columns of the PDB format.
-    columns: bool,
+    pub(super) columns: bool,
     site: Vec<u8>,
     residue: Vec<u8>,
     members: Vec<ResidueAtom>,
@@ -177,7 +190,7 @@ impl Inference {
 
     /// Adds the atom after the last of `elements` and appends its code there.
     pub(super) fn push(&mut self, atom: &AtomNames<'_>, elements: &mut Vec<u8>) {
-        if self.site != atom.site || self.residue != atom.residue || self.members.len() == RESIDUE {
+        if self.is_new_residue(atom) || self.members.len() == RESIDUE {
             self.decide(elements);
             self.site.clear();
             self.site.extend(atom.site);
@@ -200,6 +213,11 @@ impl Inference {
             self.found.unknown += 1;
         }
         self.members.push(member);
+    }
+
+    /// Whether an atom begins another residue.
+    pub(super) fn is_new_residue(&self, atom: &AtomNames<'_>) -> bool {
+        self.site != atom.site || self.residue != atom.residue
     }
 
     /// Decides the remaining atoms. Virtual sites have the code of [`is_site`], unknown atoms are numbered by their

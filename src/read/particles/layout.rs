@@ -1,6 +1,8 @@
 //! Columns by name: positions, radii, colours, elements, and requested columns. All formats with named columns share
 //! it.
 
+use super::names::Names;
+use super::survey::Survey;
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
@@ -22,7 +24,7 @@ pub(crate) enum Role {
     Symbol,
     /// An atomic number.
     Number,
-    /// Text; skipped.
+    /// Text, which is read only if it is requested.
     Text,
     /// A number that is read only if it is requested.
     Other,
@@ -34,7 +36,9 @@ pub(crate) struct Layout {
     slots: Vec<Slot>,
     /// The requested columns that the file has.
     requested: Vec<String>,
-    /// The names of all numeric columns.
+    /// Those of them that are text, by their index.
+    texts: Vec<usize>,
+    /// The names of all columns.
     has: Vec<String>,
     /// Bytes of all names.
     named: usize,
@@ -46,6 +50,8 @@ struct Slot {
     role: Role,
     /// Its index among the requested columns.
     requested: Option<usize>,
+    /// For requested text: its index among the columns of text.
+    text: Option<usize>,
     /// For a component of a vector whose length is requested: the index among the requested columns, and whether it is
     /// the first component.
     part: Option<(usize, bool)>,
@@ -88,16 +94,18 @@ impl Layout {
             role => role,
         };
         let name = name.to_lowercase();
-        let mut slot = Slot { name, role, requested: None, part: None };
-        if !matches!(role, Role::Symbol | Role::Text) {
-            self.has.push(slot.name.clone());
-            if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&slot.name)) {
-                if self.requested.contains(&slot.name) {
-                    return Err(format!("{} occurs twice", quote(&slot.name)));
-                }
-                slot.requested = Some(self.requested.len());
-                self.requested.push(slot.name.clone());
+        let mut slot = Slot { name, role, requested: None, text: None, part: None };
+        self.has.push(slot.name.clone());
+        if is_wanted(wanted, &slot.name) {
+            if self.requested.contains(&slot.name) {
+                return Err(format!("{} occurs twice", quote(&slot.name)));
             }
+            slot.requested = Some(self.requested.len());
+            if matches!(role, Role::Symbol | Role::Text) {
+                slot.text = Some(self.texts.len());
+                self.texts.push(self.requested.len());
+            }
+            self.requested.push(slot.name.clone());
         }
         self.slots.push(slot);
         Ok(())
@@ -133,15 +141,16 @@ impl Layout {
         self.slots[column].role
     }
 
-    /// An empty list of particles with a list for every requested column.
-    pub(crate) fn begin(&self) -> Particles {
-        Particles { has: self.has.clone(), ..self.begin_part() }
+    /// An empty list of particles with a list for every requested column; for a survey they are counted and dropped.
+    pub(crate) fn begin(&self, survey: Option<&Survey>) -> Particles {
+        Particles { has: self.has.clone(), survey: survey.cloned(), ..self.begin_part() }
     }
 
     /// The same for a part of the file, without the names of the other columns.
     pub(crate) fn begin_part(&self) -> Particles {
         let columns = self.requested.iter().map(|name| Column { name: name.clone(), values: Vec::new() }).collect();
-        Particles { columns, ..Particles::default() }
+        let texts = self.texts.iter().map(|column| (*column, Names::default())).collect();
+        Particles { columns, texts, ..Particles::default() }
     }
 
     /// Adds a particle from the words of a line; words after the last column are ignored.
@@ -191,6 +200,10 @@ impl Layout {
 impl Slot {
     fn word<R: BufRead>(&self, word: &Word<'_, R>, making: &mut Making, particles: &mut Particles) -> Result<()> {
         let unread = self.requested.is_none() && self.part.is_none();
+        if let (Some(column), Some(text)) = (self.requested, self.text) {
+            let number = particles.texts[text].1.number(word.text.as_bytes())?;
+            particles.columns[column].values.push(f64::from(number));
+        }
         let number = match self.role {
             Role::Text => return Ok(()),
             Role::Other if unread => return Ok(()),
@@ -253,14 +266,31 @@ pub(crate) fn component(name: &str, k: usize) -> String {
     }
 }
 
-/// The requested columns of a style, up to a limit.
+/// Whether a column is requested; `*` requests all.
+pub(crate) fn is_wanted(wanted: &[String], name: &str) -> bool {
+    wanted.iter().any(|wanted| wanted == EVERY || wanted.eq_ignore_ascii_case(name))
+}
+
+/// The requested ones of a format's columns, in the order of the request.
+pub(crate) fn named<T: Copy>(wanted: &[String], columns: &[(&str, T)]) -> Vec<T> {
+    if wanted.iter().any(|wanted| wanted == EVERY) {
+        return columns.iter().map(|(_, column)| *column).collect();
+    }
+    let find = |name: &String| columns.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    wanted.iter().filter_map(find).map(|(_, column)| *column).collect()
+}
+
+/// The name that requests every column.
+pub(crate) const EVERY: &str = "*";
+
+/// The requested columns, up to a limit.
 ///
 /// # Errors
 /// [`Error::Settings`] for more.
 pub(crate) fn wanted(columns: &[String]) -> Result<Vec<String>> {
     const ASKED: usize = 64;
     if columns.len() > ASKED {
-        let problem = format!("--color-by has {} columns, more than {ASKED}", columns.len());
+        let problem = format!("colours and selections read {} columns, more than {ASKED}", columns.len());
         return Err(Error::settings(problem, "use fewer columns"));
     }
     Ok(columns.to_vec())

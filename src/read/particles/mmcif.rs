@@ -8,7 +8,7 @@ mod symmetry;
 mod tokens;
 
 use super::infer::Inference;
-use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Passed, more_models, not_assembled};
+use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, NameTable, Passed, more_models, not_assembled};
 use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
@@ -17,7 +17,7 @@ use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use operators::{OperatorItem, Operators};
-use row::{AtomColumns, AtomRow, RowNames};
+use row::{AtomColumns, AtomRow};
 use tokens::{Token, Tokens};
 
 /// The reader.
@@ -27,7 +27,7 @@ pub(super) struct Mmcif {
     operators: Operators,
     layout: AtomColumns,
     row: AtomRow,
-    names: RowNames,
+    names: NameTable,
     state: State,
     /// The number of models read or skipped, and the numbers of the skipped ones.
     count: u64,
@@ -58,7 +58,7 @@ impl Mmcif {
             operators: Operators::default(),
             layout: AtomColumns::default(),
             row: AtomRow::default(),
-            names: RowNames::default(),
+            names: NameTable::default(),
             state: State::Before,
             count: 0,
             passed: Passed::default(),
@@ -302,18 +302,10 @@ impl ParticleFrames for Mmcif {
                 }),
                 (None, None) => Copies::None,
             };
-            let mut particles = model.finish(copies, &self.names.asyms.list, &file)?;
+            let mut particles = model.finish(copies, self.names.list(AtomProperty::Asym), &file)?;
             // An assembly is not periodic.
             particles.cell = self.operators.cell().filter(|_| assembly.is_none());
-            let names = &self.names;
-            let named = [
-                (AtomProperty::Chain, &names.chains),
-                (AtomProperty::Asym, &names.asyms),
-                (AtomProperty::Entity, &names.entities),
-            ];
-            for (kind, names) in named.into_iter().filter(|(kind, _)| self.choice.wants(*kind)) {
-                particles.labels.insert(kind.name().into(), names.labels());
-            }
+            self.names.label(&mut particles);
             let said = &mut particles.skipped.assumed;
             if self.blocks {
                 said.push("the file has several data blocks and the first with atoms is shown".into());

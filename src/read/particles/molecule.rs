@@ -3,6 +3,9 @@
 use super::assembly::{self, Assembly};
 use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
+use super::layout::named;
+use super::names::Names;
+use super::survey::{PART, Survey};
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
@@ -13,7 +16,7 @@ use crate::read::options::{Altloc, FrameRange, ReadOptions};
 use crate::scene::Cell;
 use std::collections::HashMap;
 
-/// Numeric columns of an atom that can give its colour.
+/// Columns of an atom that colours and selections can read; names are numbered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AtomProperty {
     /// B factor, Å².
@@ -31,22 +34,45 @@ pub(super) enum AtomProperty {
     Copy,
     /// Partial charge, elementary charges.
     Charge,
+    /// The name of the atom.
+    Name,
+    /// The name of the residue.
+    Resname,
+    Segid,
+    /// The identifier of the alternate location.
+    Altloc,
+    /// The residue's insertion code.
+    Icode,
+    /// `ATOM` or `HETATM`.
+    Record,
 }
 
 impl AtomProperty {
-    /// All of them, by their names in `--color-by`.
-    pub(super) const ALL: [(&'static str, Self); 10] = [
-        ("bfactor", Self::Bfactor),
-        ("occupancy", Self::Occupancy),
+    /// All of them, by their names in `--color-by` and selections.
+    pub(super) const ALL: [(&'static str, Self); 16] = [
+        ("name", Self::Name),
+        ("resname", Self::Resname),
         ("residue", Self::Residue),
         ("chain", Self::Chain),
-        ("model", Self::Model),
+        ("segid", Self::Segid),
         ("serial", Self::Serial),
+        ("bfactor", Self::Bfactor),
+        ("occupancy", Self::Occupancy),
+        ("charge", Self::Charge),
+        ("altloc", Self::Altloc),
+        ("icode", Self::Icode),
+        ("record", Self::Record),
+        ("model", Self::Model),
         ("asym", Self::Asym),
         ("entity", Self::Entity),
         ("copy", Self::Copy),
-        ("charge", Self::Charge),
     ];
+
+    /// Whether its values are names.
+    pub(super) fn is_text(self) -> bool {
+        use AtomProperty::{Altloc, Asym, Chain, Entity, Icode, Name, Record, Resname, Segid};
+        matches!(self, Chain | Asym | Entity | Name | Resname | Segid | Altloc | Icode | Record)
+    }
 
     pub(super) fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
@@ -66,6 +92,7 @@ pub(super) struct MoleculeOptions {
     pub(super) as_listed: bool,
     /// Cancellation.
     pub(super) watch: Watch,
+    pub(super) survey: Option<Survey>,
 }
 
 /// The copies to make of the atoms of a model.
@@ -78,15 +105,17 @@ pub(super) enum Copies<'a> {
 
 impl MoleculeOptions {
     pub(super) fn of(options: &ReadOptions) -> Self {
-        let kind = |name: &String| AtomProperty::ALL.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        let wanted = options.columns();
+        let columns = named(&wanted, &AtomProperty::ALL);
         Self {
-            columns: options.style.columns().iter().filter_map(kind).map(|(_, kind)| *kind).collect(),
+            columns,
             altloc: options.altloc.clone(),
             model: options.model,
             frames: options.frames.clone(),
             assembly: options.assembly.clone(),
             watch: options.watch.clone(),
             as_listed: options.as_listed,
+            survey: options.survey.clone(),
         }
     }
 
@@ -97,6 +126,35 @@ impl MoleculeOptions {
 
     pub(super) fn wants(&self, kind: AtomProperty) -> bool {
         self.columns.contains(&kind)
+    }
+}
+
+/// The names in the text columns of a file.
+#[derive(Debug, Default)]
+pub(super) struct NameTable([Names; AtomProperty::ALL.len()]);
+
+impl NameTable {
+    /// The number of a name in a column.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn number(&mut self, kind: AtomProperty, name: &[u8]) -> Result<f64> {
+        self.0[kind as usize].number(name).map(f64::from)
+    }
+
+    /// The names of a column.
+    pub(super) fn list(&self, kind: AtomProperty) -> &[Vec<u8>] {
+        &self.0[kind as usize].list
+    }
+
+    /// Adds the names of the stored columns to the particles.
+    pub(super) fn label(&self, particles: &mut Particles) {
+        for (name, kind) in AtomProperty::ALL {
+            let names = &self.0[kind as usize];
+            if kind.is_text() && particles.columns.iter().any(|column| column.name == name) {
+                particles.labels.insert(name.into(), names.labels());
+            }
+        }
     }
 }
 
@@ -116,46 +174,6 @@ pub(super) fn check(format: Format, options: &ReadOptions) -> Result<()> {
     match asked.iter().find(|(asked, known, ..)| *asked && !known) {
         Some((_, _, what, mend)) => Err(Error::settings(format!("{} files have no {what}", format.name()), *mend)),
         None => Ok(()),
-    }
-}
-
-/// Names numbered in the order of first occurrence.
-#[derive(Debug, Default)]
-pub(super) struct Names {
-    pub(super) list: Vec<Vec<u8>>,
-    numbers: HashMap<Vec<u8>, u32>,
-    last: u32,
-    ledger: Ledger,
-}
-
-/// Bytes per name, besides its letters, in a list and a map while they grow, and in a list of labels.
-const NAME: usize = 160;
-
-impl Names {
-    /// The names as text, as labels of a column.
-    pub(super) fn labels(&self) -> Vec<String> {
-        self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
-    }
-
-    /// The number of a name; a new name gets the next number.
-    ///
-    /// # Errors
-    /// [`Error::Limits`] where memory is short.
-    pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
-        // Atoms of a chain follow each other.
-        if self.list.get(self.last as usize).is_none_or(|last| last != name) {
-            self.last = match self.numbers.get(name) {
-                Some(number) => *number,
-                None => {
-                    self.ledger.add(NAME + 3 * name.len())?;
-                    let number = self.list.len() as u32;
-                    self.list.push(name.to_vec());
-                    self.numbers.insert(name.to_vec(), number);
-                    number
-                }
-            };
-        }
-        Ok(self.last)
     }
 }
 
@@ -192,6 +210,9 @@ impl Passed {
     }
 }
 
+/// Bytes per site with several locations, besides its key, in a map while it grows.
+const SITE: usize = 160;
+
 /// A model while it is read.
 pub(super) struct Model {
     particles: Particles,
@@ -207,6 +228,8 @@ pub(super) struct Model {
     watch: Watch,
     /// Inference of elements that the file does not give.
     inference: Inference,
+    /// Where the atoms are counted and dropped, residue by residue.
+    survey: Option<Survey>,
     /// The number of atoms, and of those that are alternate locations.
     met: u64,
     alternates: u64,
@@ -221,8 +244,11 @@ impl Model {
         let copy = choice.assembly.is_some();
         let there = |kind: AtomProperty| has.contains(&kind) || copy && kind == AtomProperty::Copy;
         let names = AtomProperty::ALL.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned());
+        let texts =
+            choice.columns.iter().filter(|kind| kind.is_text()).map(|kind| (kind.name().to_owned(), Vec::new()));
         Self {
-            particles: Particles { has: names.collect(), ..Particles::default() },
+            // The names of these columns follow at the end of the model.
+            particles: Particles { has: names.collect(), labels: texts.collect(), ..Particles::default() },
             altloc: choice.altloc.clone(),
             columns: choice.columns.iter().filter(|kind| there(**kind)).map(|kind| (*kind, Vec::new())).collect(),
             chains: choice.assembly.is_some().then(Vec::new),
@@ -231,6 +257,7 @@ impl Model {
             ledger: Ledger::default(),
             watch: choice.watch.clone(),
             inference,
+            survey: choice.survey.clone(),
             met: 0,
             alternates: 0,
             first: String::new(),
@@ -264,7 +291,7 @@ impl Model {
                 site(&mut key);
                 let here = self.particles.positions.len();
                 let Some(best) = self.best.get_mut(&key) else {
-                    self.ledger.add(NAME + key.len())?;
+                    self.ledger.add(SITE + key.len())?;
                     self.best.insert(key, (here, occupancy));
                     return Ok(true);
                 };
@@ -288,8 +315,11 @@ impl Model {
         atom: &AtomNames<'_>,
         position: [f64; 3],
         chain: u32,
-        value: impl Fn(AtomProperty) -> f64,
+        mut value: impl FnMut(AtomProperty) -> Result<f64>,
     ) -> Result<()> {
+        if self.survey.is_some() && self.particles.positions.len() >= PART && self.inference.is_new_residue(atom) {
+            self.count();
+        }
         let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
         self.particles.grow(1, beside)?;
         self.inference.push(atom, &mut self.particles.elements);
@@ -300,7 +330,7 @@ impl Model {
         }
         for (kind, values) in &mut self.columns {
             reserve(values, 1)?;
-            values.push(value(*kind));
+            values.push(value(*kind)?);
         }
         Ok(())
     }
@@ -310,13 +340,32 @@ impl Model {
         self.particles.radii.push(radius);
     }
 
+    /// Counts the atoms so far and drops them; the next residue is inferred by itself.
+    fn count(&mut self) {
+        let Some(survey) = self.survey.clone() else { return };
+        let next = Inference::new(self.inference.columns);
+        let inference = std::mem::replace(&mut self.inference, next);
+        self.move_columns();
+        self.particles.count_inferred(inference, &survey);
+        let columns = std::mem::take(&mut self.particles.columns).into_iter().map(|column| column.values);
+        self.columns.iter_mut().zip(columns).for_each(|((_, values), empty)| *values = empty);
+    }
+
+    /// Moves the columns to the particles.
+    fn move_columns(&mut self) {
+        let columns = self
+            .columns
+            .iter_mut()
+            .map(|(kind, values)| Column { name: kind.name().to_owned(), values: std::mem::take(values) });
+        self.particles.columns = columns.collect();
+    }
+
     /// The particles with their copies; in an assembly chains are indices of `names`.
     ///
     /// # Errors
     /// Those of [`assembly::build`] and of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
-        let columns = self.columns.drain(..).map(|(kind, values)| Column { name: kind.name().to_owned(), values });
-        self.particles.columns = columns.collect();
+        self.move_columns();
         let read = self.particles.elements.len() as u64;
         let inferred = self.inference.finish(&mut self.particles.elements);
         if !self.beaten.is_empty() || inferred.sites() > 0 {
@@ -333,7 +382,7 @@ impl Model {
             _ => self.particles,
         };
         self.particles.skipped.assumed.extend(inferred.sentences(read));
-        self.particles.count_unknown_atoms(inferred);
+        self.particles.count_unknown_atoms(&inferred);
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
             Altloc::All => {
@@ -447,7 +496,7 @@ mod tests {
         {
             if model.admits(location.as_bytes(), occupancy, |key| key.extend(b"same")).expect("room") {
                 let atom = AtomNames { symbol: b"", name: name.as_bytes(), residue: b"LIG", site: b"" };
-                model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| 0.0).expect("room");
+                model.push(&atom, [occupancy, 0.0, 0.0], 0, |_| Ok(0.0)).expect("room");
             }
         }
         let particles = model.finish(Copies::None, &[], &Place::default()).expect("particles");

@@ -3,7 +3,7 @@
 
 mod archive;
 
-use super::layout::wanted;
+use super::layout::{is_wanted, wanted};
 use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
@@ -41,7 +41,7 @@ const LONGEST_NAME: usize = 256;
 
 impl Npz {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())? })
+        Ok(Self { source: Some(source), wanted: wanted(&options.columns())? })
     }
 
     fn read(&self, source: SceneSource) -> Result<Particles> {
@@ -78,7 +78,7 @@ impl Arrays {
             ("x" | "y" | "z", [_]) => &mut self.axes[usize::from(name.as_bytes()[0] - b'x')],
             ("radii" | "radius", [_]) => &mut self.radii,
             ("colors" | "color" | "rgb", [_, 3]) => &mut self.colors,
-            (_, [_] | [_, 2..=3]) if wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name)) => {
+            (_, [_] | [_, 2..=3]) if is_wanted(wanted, &name) => {
                 let numbers = npy.numbers(header)?;
                 // For vectors their length.
                 let width = shape.get(1).map_or(1, |width| *width as usize);
@@ -91,7 +91,7 @@ impl Arrays {
             _ => return Ok(()),
         };
         let numbers = npy.numbers(header)?;
-        let requested = shape.len() == 1 && wanted.iter().any(|wanted| wanted.eq_ignore_ascii_case(&name));
+        let requested = shape.len() == 1 && is_wanted(wanted, &name);
         if requested {
             check(8 * numbers.len() as u64, || format!("the column {}", quote(&name)))?;
             self.columns.push(Column { name, values: numbers.clone() });

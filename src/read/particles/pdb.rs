@@ -8,7 +8,9 @@ mod columns;
 mod dialects;
 
 use super::infer::{AtomNames, Inference};
-use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, Names, Passed, cell, more_models, not_assembled};
+use super::molecule::{
+    AtomProperty, Copies, Model, MoleculeOptions, NameTable, Passed, cell, more_models, not_assembled,
+};
 use super::{ParticleFrames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::read::format::Format;
@@ -19,8 +21,8 @@ use crate::read::source::SceneSource;
 use crate::scene::Cell;
 use biomt::Biomt;
 use columns::{
-    BFACTOR, CHAIN, CHARGE, COORDINATE, LOCATION, NAME, OCCUPANCY, PdbRecord, RESIDUE, RESIDUE_ID, RESIDUE_NAME,
-    SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
+    BFACTOR, CHAIN, CHARGE, COORDINATE, ICODE, LOCATION, NAME, OCCUPANCY, PdbRecord, RECORD, RESIDUE, RESIDUE_ID,
+    RESIDUE_NAME, SEGMENT, SERIAL, SYMBOL, TYPE, X, coordinate, field, hybrid36, number, record, text,
 };
 use std::ops::Range;
 
@@ -40,7 +42,7 @@ pub(super) struct Pdb {
     announced: Option<u64>,
     cell: Option<Cell>,
     biomt: Biomt,
-    chains: Names,
+    names: NameTable,
     /// Warnings from before the atoms.
     said: Vec<String>,
     /// Whether it was reported that assemblies are not built.
@@ -48,7 +50,13 @@ pub(super) struct Pdb {
 }
 
 /// The columns of an atom by format: those of PDB, and in PDBQT a charge after them.
-const HAS: [AtomProperty; 7] = [
+const HAS: [AtomProperty; 13] = [
+    AtomProperty::Name,
+    AtomProperty::Resname,
+    AtomProperty::Segid,
+    AtomProperty::Altloc,
+    AtomProperty::Icode,
+    AtomProperty::Record,
     AtomProperty::Bfactor,
     AtomProperty::Occupancy,
     AtomProperty::Residue,
@@ -57,15 +65,22 @@ const HAS: [AtomProperty; 7] = [
     AtomProperty::Serial,
     AtomProperty::Charge,
 ];
-const HAS_PQR: [AtomProperty; 4] =
-    [AtomProperty::Charge, AtomProperty::Residue, AtomProperty::Chain, AtomProperty::Serial];
+const HAS_PQR: [AtomProperty; 7] = [
+    AtomProperty::Name,
+    AtomProperty::Resname,
+    AtomProperty::Record,
+    AtomProperty::Charge,
+    AtomProperty::Residue,
+    AtomProperty::Chain,
+    AtomProperty::Serial,
+];
 
 /// The columns of a file in this format.
 fn has(dialect: Format) -> &'static [AtomProperty] {
     match dialect {
         Format::Pqr => &HAS_PQR,
         Format::Pdbqt => &HAS,
-        _ => &HAS[..6],
+        _ => &HAS[..12],
     }
 }
 
@@ -82,7 +97,7 @@ impl Pdb {
             announced: None,
             cell: None,
             biomt: Biomt::default(),
-            chains: Names::default(),
+            names: NameTable::default(),
             said: Vec::new(),
             told: false,
         }
@@ -117,11 +132,10 @@ impl Pdb {
             match (record(self.line()), &mut model) {
                 (PdbRecord::Atom, Some(model)) => {
                     self.lines.found();
-                    let names = self.choice.assembly.is_some() || self.choice.wants(AtomProperty::Chain);
-                    let chains = names.then_some(&mut self.chains);
+                    let names = &mut self.names;
                     match self.dialect {
-                        Format::Pqr => dialects::pqr(&self.lines, chains, model)?,
-                        dialect => Self::atom(&self.lines, &self.choice, dialect, chains, self.number, model)?,
+                        Format::Pqr => dialects::pqr(&self.lines, names, model)?,
+                        dialect => Self::atom(&self.lines, &self.choice, dialect, names, self.number, model)?,
                     }
                 }
                 (PdbRecord::Atom, None) => self.lines.found(),
@@ -170,7 +184,7 @@ impl Pdb {
         lines: &Lines<Input>,
         choice: &MoleculeOptions,
         dialect: Format,
-        chains: Option<&mut Names>,
+        names: &mut NameTable,
         model_number: i64,
         model: &mut Model,
     ) -> Result<()> {
@@ -200,19 +214,30 @@ impl Pdb {
             residue: field(line, RESIDUE_NAME).trim_ascii(),
             site: field(line, RESIDUE_ID),
         };
-        let chain = chains.map_or(Ok(0), |chains| match field(line, CHAIN) {
-            [] => chains.number(b" "),
-            name => chains.number(name),
-        })?;
-        model.push(&atom, position, chain, |kind| match kind {
-            AtomProperty::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
-            AtomProperty::Occupancy => occupancy(),
-            AtomProperty::Residue => hybrid36(field(line, RESIDUE)),
-            AtomProperty::Serial => hybrid36(field(line, SERIAL)),
-            AtomProperty::Chain => f64::from(chain),
-            AtomProperty::Model => model_number as f64,
-            AtomProperty::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
-            AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
+        let chain = match field(line, CHAIN) {
+            [] => b" ",
+            name => name,
+        };
+        // An assembly refers to chains.
+        let unit = if choice.assembly.is_some() { names.number(AtomProperty::Chain, chain)? } else { 0.0 };
+        model.push(&atom, position, unit as u32, |kind| {
+            let mut name = |text: &[u8]| names.number(kind, text.trim_ascii());
+            Ok(match kind {
+                AtomProperty::Bfactor => number(field(line, BFACTOR)).unwrap_or(f64::NAN),
+                AtomProperty::Occupancy => occupancy(),
+                AtomProperty::Residue => hybrid36(field(line, RESIDUE)),
+                AtomProperty::Serial => hybrid36(field(line, SERIAL)),
+                AtomProperty::Model => model_number as f64,
+                AtomProperty::Charge => number(field(line, CHARGE)).unwrap_or(f64::NAN),
+                AtomProperty::Chain => names.number(kind, chain)?,
+                AtomProperty::Name => name(atom.name)?,
+                AtomProperty::Resname => name(atom.residue)?,
+                AtomProperty::Segid => name(field(line, SEGMENT))?,
+                AtomProperty::Altloc => name(location)?,
+                AtomProperty::Icode => name(field(line, ICODE))?,
+                AtomProperty::Record => name(field(line, RECORD))?,
+                AtomProperty::Asym | AtomProperty::Entity | AtomProperty::Copy => 0.0,
+            })
         })
     }
 
@@ -260,12 +285,10 @@ impl ParticleFrames for Pdb {
                 None => None,
             };
             let copies = assembly.map_or(Copies::None, Copies::Assembly);
-            let mut particles = model.finish(copies, &self.chains.list, &file)?;
+            let mut particles = model.finish(copies, self.names.list(AtomProperty::Chain), &file)?;
             // An assembly is not periodic.
             particles.cell = self.cell.filter(|_| assembly.is_none());
-            if self.choice.wants(AtomProperty::Chain) {
-                particles.labels.insert(AtomProperty::Chain.name().into(), self.chains.labels());
-            }
+            self.names.label(&mut particles);
             self.say(&mut particles)?;
             return Ok(Some(particles));
         }

@@ -6,7 +6,7 @@ mod header;
 mod text;
 
 use super::layout::{Layout, Role, wanted};
-use super::{ParticleFrames, Particles};
+use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::unquoted;
@@ -23,12 +23,18 @@ use text::{rest_of_text, text};
 pub(super) struct Ply {
     source: Option<SceneSource>,
     wanted: Vec<String>,
+    survey: Option<Survey>,
     strict: bool,
 }
 
 impl Ply {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
-        Ok(Self { source: Some(source), wanted: wanted(options.style.columns())?, strict: options.strict })
+        Ok(Self {
+            source: Some(source),
+            wanted: wanted(&options.columns())?,
+            survey: options.survey.clone(),
+            strict: options.strict,
+        })
     }
 
     fn read(&self, source: SceneSource) -> Result<Particles> {
@@ -40,7 +46,7 @@ impl Ply {
             return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
         };
         let layout = self.layout(&elements[place], &lines)?;
-        let mut particles = layout.begin();
+        let mut particles = layout.begin(self.survey.as_ref());
         for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
             let kind = match other.name.as_str() {
                 "face" => "face",

@@ -8,7 +8,7 @@ mod names;
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::rows;
-use super::{ParticleFrames, Particles};
+use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
@@ -115,9 +115,9 @@ impl<R: BufRead> Table<R> {
 
 impl Table<Input> {
     /// Adds all rows.
-    fn all(mut self) -> Result<Particles> {
+    fn all(mut self, survey: Option<&Survey>) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
-        let mut particles = layout.begin();
+        let mut particles = layout.begin(survey);
         if self.ahead {
             row(&self.lines, delimiter, &layout, &mut particles)?;
         }
@@ -125,7 +125,7 @@ impl Table<Input> {
             true => row(line, delimiter, &layout, found),
             false => Ok(()),
         })?;
-        particles.settle_species();
+        particles.settle_texts();
         Ok(particles)
     }
 }
@@ -265,19 +265,19 @@ fn quoted(text: &[u8]) -> Option<usize> {
     }
 }
 
-/// The single frame of a table.
-pub(super) struct OneTable(Option<Table<Input>>);
+/// The single frame of a table, and where it is counted.
+pub(super) struct OneTable(Option<Table<Input>>, Option<Survey>);
 
 impl OneTable {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         let lines = Lines::new(source.reader, &source.path);
-        Ok(Self(Some(Table::tolerant(lines, &wanted(options.style.columns())?)?)))
+        Ok(Self(Some(Table::tolerant(lines, &wanted(&options.columns())?)?), options.survey.clone()))
     }
 }
 
 impl ParticleFrames for OneTable {
     fn next(&mut self) -> Result<Option<Particles>> {
-        self.0.take().map(Table::all).transpose()
+        self.0.take().map(|table| table.all(self.1.as_ref())).transpose()
     }
 }
 
@@ -304,7 +304,7 @@ mod tests {
             let found = read(text, &["Speed"]).unwrap_or_else(|e| panic!("{e}: {text}"));
             assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
             assert_eq!((&found.radii[..], &found.columns[0].values[..]), (&[0.5, 1.5][..], &[7.0, 8.0][..]), "{text}");
-            assert!(!found.has.contains(&"name".to_owned()), "{text}");
+            assert!(found.has.contains(&"name".to_owned()), "{text}");
         }
     }
 

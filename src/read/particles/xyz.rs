@@ -4,7 +4,7 @@
 
 use super::layout::{Layout, Role, component, wanted};
 use super::rows::{rows, surplus};
-use super::{ParticleFrames, Particles};
+use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -18,6 +18,7 @@ use crate::scene::Cell;
 pub(super) struct Xyz {
     lines: Lines<Input>,
     wanted: Vec<String>,
+    survey: Option<Survey>,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
@@ -26,7 +27,8 @@ impl Xyz {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         Ok(Self {
             lines: Lines::new(source.reader, &source.path),
-            wanted: wanted(options.style.columns())?,
+            wanted: wanted(&options.columns())?,
+            survey: options.survey.clone(),
             held: false,
         })
     }
@@ -191,13 +193,13 @@ impl ParticleFrames for Xyz {
         let Some(count) = self.count()? else { return Ok(None) };
         self.need("comment")?;
         let (layout, cell) = self.layout()?;
-        let mut particles = Particles { cell, ..layout.begin() };
+        let mut particles = Particles { cell, ..layout.begin(self.survey.as_ref()) };
         let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout, &mut particles)?;
-        particles.settle_species();
+        particles.settle_texts();
         Ok(Some(particles))
     }
 
@@ -233,7 +235,7 @@ mod tests {
         assert_eq!(frame.columns, [Column { name: "v_y".into(), values: vec![5.0] }]);
         assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
         assert_eq!(frame.unknown.get("Xx"), Some(&1));
-        assert_eq!(frame.has[3..], ["v_x", "v_y", "radius"]);
+        assert_eq!(frame.has[3..], ["species", "v_x", "v_y", "radius"]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::certify::binned::BinnedScene;
 use crate::intersect::predict::Prediction;
+use crate::scene::camera::CameraRecord;
 use crate::scene::{Material, Scene, Sky};
 use serde::Serialize;
 
@@ -20,6 +21,8 @@ pub struct Explanation {
     pub skipped: u64,
     /// Columns and rows of the full frame.
     pub size: [u32; 2],
+    /// The camera.
+    pub camera: CameraRecord,
     /// The window that would be rendered: x0, y0, x1, y1, ends excluded.
     pub window: [u32; 4],
     /// Viewing rays: the pixels of the window.

@@ -4,18 +4,18 @@
 
 /// The kind of molecule of a residue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ResidueClass {
+pub(in crate::read) enum ResidueClass {
     Protein,
     Nucleic,
     Water,
-    /// Lipids and sugars.
+    /// Lipids, sugars and terminal caps of proteins.
     Other,
     /// A single bead of a coarse-grained solvent (Martini).
     Bead,
 }
 
 /// The class of a residue's name in capitals; `None` for ligands, ions and all names that are not listed.
-pub(super) fn class(name: &[u8]) -> Option<ResidueClass> {
+pub(in crate::read) fn class(name: &[u8]) -> Option<ResidueClass> {
     let listed = match name {
         b"WAT" | b"HOH" | b"H2O" | b"DOD" | b"D2O" | b"SOL" | b"TIP" | b"TIP2" | b"TIP3" | b"TIP4" | b"TIP5"
         | b"TIP3P" | b"TIP4P" | b"TIP5P" | b"TP3" | b"TP4" | b"TP5" | b"TP3M" | b"TP4M" | b"TP5M" | b"T3P" | b"T4P"
@@ -36,6 +36,7 @@ pub(super) fn class(name: &[u8]) -> Option<ResidueClass> {
         | b"SIA" | b"SLB" | b"RAM" | b"SUC" | b"BGLC" | b"AGLC" | b"BMAN" | b"AMAN" | b"BGAL" | b"AGAL" | b"BGLCNA"
         | b"AGLCNA" | b"BGALNA" | b"AGALNA" | b"AFUC" | b"BFUC" | b"BXYL" | b"AXYL" | b"ANE5" | b"ANE5AC"
         | b"BNE5AC" => Some(ResidueClass::Other),
+        b"ACEX" | b"NMA" | b"NH2" | b"NHE" | b"FOR" | b"NAC" | b"CT3" => Some(ResidueClass::Other),
         _ if is_amino_acid(name) => Some(ResidueClass::Protein),
         _ if is_nucleotide(name) => Some(ResidueClass::Nucleic),
         _ => None,
@@ -62,8 +63,8 @@ fn is_amino_acid(name: &[u8]) -> bool {
             | b"HISP" | b"HIS1" | b"HIS2" | b"HISN" | b"CYX" | b"CYM" | b"CYN" | b"CYSH" | b"CYS1" | b"CYS2" | b"CYS3"
             | b"ASH" | b"ASPH" | b"ASPP" | b"AS4" | b"GLH" | b"GLUH" | b"GLUP" | b"GL4" | b"LYN" | b"LYSH" | b"LSN"
             | b"LYP" | b"ARN" | b"ARGN" | b"AR0" | b"TYM" | b"TYRU" | b"QLN"
-            // Terminal caps.
-            | b"ACE" | b"ACEX" | b"NME" | b"NMA" | b"NH2" | b"NHE" | b"FOR" | b"NAC" | b"CT3"
+            // Terminal caps that MDAnalysis counts as protein.
+            | b"ACE" | b"NME"
     )
 }
 
@@ -93,7 +94,7 @@ mod tests {
             (Some(ResidueClass::Protein), "ALA HSD HIE HISH CYX ASH GLH LYN MSE NALA CGLY ACE NME"),
             (Some(ResidueClass::Nucleic), "A DA RU DG5 U3 AN ADE"),
             (Some(ResidueClass::Water), "HOH SOL TIP3 SWM4"),
-            (Some(ResidueClass::Other), "POPC CHL1 NAG"),
+            (Some(ResidueClass::Other), "POPC CHL1 NAG FOR NH2"),
             (Some(ResidueClass::Bead), "W PW"),
             (None, "LIG HEM NA CL CAL CLA SOD POT ZN N 3 X MG NACE2"),
         ] {

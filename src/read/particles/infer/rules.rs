@@ -1,6 +1,6 @@
 //! Rules for a single atom's name, given its residue and the file's columns.
 
-use super::residues::ResidueClass;
+use super::residues::{ResidueClass, class};
 use crate::read::style::elements::atomic_number;
 
 /// The kind of site of an atom record.
@@ -87,6 +87,18 @@ pub(super) fn ion(name: &[u8], residue: &[u8], class: Option<ResidueClass>) -> O
     let trace = name.eq_ignore_ascii_case(b"CA") || name.len() == 1;
     (element > 0 && (named || !trace)).then_some(element)
 }
+
+/// Whether a residue with this name in capitals is a single ion: a metal or a halogen, by a name of any program.
+pub(in crate::read) fn is_ion(residue: &[u8]) -> bool {
+    // Names of molecules begin with the symbols of elements beyond bismuth more often than those occur: PO4 is no
+    // polonium.
+    let known = |element: u8| element <= 83 && !NONMETALS.contains(&element);
+    class(residue).is_none() && ion(residue, residue, None).is_some_and(known)
+}
+
+/// Atomic numbers of elements that are not single ions: hydrogen, boron to oxygen, silicon to sulphur, arsenic,
+/// selenium, tellurium and the noble gases.
+const NONMETALS: [u8; 16] = [1, 2, 5, 6, 7, 8, 10, 14, 15, 16, 18, 33, 34, 36, 52, 54];
 
 /// The element of an atom in a known residue: its name begins with the symbol. `None` for names that do not occur
 /// there.

@@ -68,19 +68,44 @@ impl Species {
     /// Turns codes into atomic numbers, except those of virtual sites. Returns the messages, and whether there are
     /// virtual sites.
     pub(crate) fn settle(self, codes: &mut [u8]) -> (Vec<String>, bool) {
-        let (mut said, mut names) = (Vec::new(), 0_u64);
+        let mut names = 0_u64;
         if self.unsure {
-            let carbon = self.named[usize::from(b'C' - b'A')] > 0;
-            for code in codes.iter_mut().filter(|code| **code > UNSURE && **code != SITE) {
-                let number = *code - UNSURE;
-                let symbol = element(number).map_or("", |element| element.symbol);
-                let first = symbol.bytes().next().map_or(0, |letter| usize::from(letter - b'A'));
-                // Where carbons have names, nitrogens do too; but sodium is more common than the nitrogen NA of haem.
-                let named = number != 11 && (carbon || self.named[first] > 0);
-                names += u64::from(named);
-                *code = if named { rules::of_name(symbol.to_ascii_uppercase().as_bytes()) } else { number };
+            for code in codes.iter_mut().filter(|code| is_unsure(**code)) {
+                let (number, is_name) = self.decide(*code);
+                names += u64::from(is_name);
+                *code = number;
             }
         }
+        (self.messages(codes.len() as u64, names), !self.sites.is_empty())
+    }
+
+    /// The same for the number of particles of each code; virtual sites are removed. Returns the messages.
+    pub(crate) fn settle_counts(self, counts: &mut [u64; 256]) -> Vec<String> {
+        let (total, mut names) = (counts.iter().sum(), 0_u64);
+        for code in (0..=u8::MAX).filter(|code| is_unsure(*code)) {
+            let count = std::mem::take(&mut counts[usize::from(code)]);
+            let (number, is_name) = self.decide(code);
+            names += if is_name { count } else { 0 };
+            counts[usize::from(number)] += count;
+        }
+        counts[usize::from(SITE)] = 0;
+        self.messages(total, names)
+    }
+
+    /// The atomic number of a symbol that may be a name, and whether it is one.
+    fn decide(&self, code: u8) -> (u8, bool) {
+        let carbon = self.named[usize::from(b'C' - b'A')] > 0;
+        let number = code - UNSURE;
+        let symbol = element(number).map_or("", |element| element.symbol);
+        let first = symbol.bytes().next().map_or(0, |letter| usize::from(letter - b'A'));
+        // Where carbons have names, nitrogens do too; but sodium is more common than the nitrogen NA of haem.
+        let named = number != 11 && (carbon || self.named[first] > 0);
+        (if named { rules::of_name(symbol.to_ascii_uppercase().as_bytes()) } else { number }, named)
+    }
+
+    /// The messages about `of` particles, of which `names` have symbols that are names.
+    fn messages(&self, of: u64, names: u64) -> Vec<String> {
+        let mut said = Vec::new();
         let named: u64 = self.named.iter().sum();
         if named > 0 {
             let some = listed(&self.names);
@@ -89,7 +114,6 @@ impl Species {
             } else {
                 String::new()
             };
-            let of = codes.len();
             said.push(format!(
                 "{named} of {of} species are atom names and not symbols ({some}){also}; elements are inferred from their first letters"
             ));
@@ -98,8 +122,13 @@ impl Species {
             let total: u64 = self.sites.values().sum();
             said.push(format!("{} left out ({})", count(total, "virtual site"), listed(&self.sites)));
         }
-        (said, !self.sites.is_empty())
+        said
     }
+}
+
+/// Whether a code is that of a symbol that may be a name.
+fn is_unsure(code: u8) -> bool {
+    code > UNSURE && code != SITE
 }
 
 /// Counts a name; the number of different names is limited.

@@ -7,15 +7,7 @@ use crate::quote::quote;
 use crate::read::lines::Spot;
 use crate::read::options::Altloc;
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{AtomProperty, Model, MoleculeOptions, Names};
-
-/// Numbered names of chains, asym units and entities.
-#[derive(Debug, Default)]
-pub(super) struct RowNames {
-    pub(super) chains: Names,
-    pub(super) asyms: Names,
-    pub(super) entities: Names,
-}
+use crate::read::particles::molecule::{AtomProperty, Model, MoleculeOptions, NameTable};
 
 /// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,12 +22,12 @@ enum Use {
     Location,
     Model,
     Position(usize),
-    /// A number that only colours use.
+    /// A number that colours and selections use.
     Number(AtomProperty),
-    /// The author's chain, and the file's own.
-    Chain,
+    /// A name that they use.
+    Text(AtomProperty),
+    /// The file's own chain, which assemblies refer to.
     Asym,
-    Entity,
     /// Part of what distinguishes sites.
     Site,
     /// How the position was determined; `dum` marks a dummy atom.
@@ -64,7 +56,7 @@ impl AtomColumns {
         let column = |names: &[&str]| names.iter().find_map(|name| items.iter().position(|item| item == name));
         let mut layout = Self { uses: vec![Vec::new(); items.len()], ..Self::default() };
         let highest = choice.altloc == Altloc::Highest;
-        let numbers: [(AtomProperty, &[&str]); 8] = [
+        let columns: [(AtomProperty, &[&str]); 14] = [
             (AtomProperty::Bfactor, &["b_iso_or_equiv"]),
             (AtomProperty::Occupancy, &["occupancy"]),
             (AtomProperty::Residue, &["auth_seq_id", "label_seq_id"]),
@@ -73,18 +65,23 @@ impl AtomColumns {
             (AtomProperty::Asym, &["label_asym_id", "auth_asym_id"]),
             (AtomProperty::Entity, &["label_entity_id"]),
             (AtomProperty::Model, &["pdbx_pdb_model_num"]),
+            (AtomProperty::Name, &["auth_atom_id", "label_atom_id", "label"]),
+            (AtomProperty::Resname, &["auth_comp_id", "label_comp_id"]),
+            (AtomProperty::Segid, &["auth_asym_id", "label_asym_id"]),
+            (AtomProperty::Altloc, &["label_alt_id"]),
+            (AtomProperty::Icode, &["pdbx_pdb_ins_code"]),
+            (AtomProperty::Record, &["group_pdb"]),
         ];
-        for (kind, names) in numbers {
+        for (kind, names) in columns {
             let Some(at) = column(names) else { continue };
             layout.has.push(kind);
             let (wanted, sites) = (choice.wants(kind), highest && kind == AtomProperty::Occupancy);
             match kind {
                 AtomProperty::Model => layout.uses[at].push(Use::Model),
-                AtomProperty::Chain if wanted => layout.uses[at].push(Use::Chain),
                 AtomProperty::Asym if wanted || choice.assembly.is_some() => layout.uses[at].push(Use::Asym),
-                AtomProperty::Entity if wanted => layout.uses[at].push(Use::Entity),
-                AtomProperty::Chain | AtomProperty::Asym | AtomProperty::Entity => {}
-                kind if wanted || sites => layout.uses[at].push(Use::Number(kind)),
+                AtomProperty::Asym => {}
+                kind if wanted && kind.is_text() => layout.uses[at].push(Use::Text(kind)),
+                kind if !kind.is_text() && (wanted || sites) => layout.uses[at].push(Use::Number(kind)),
                 _ => {}
             }
         }
@@ -172,7 +169,7 @@ pub(super) struct AtomRow {
 
 impl AtomRow {
     /// Reads the next row; false at the end of the loop.
-    pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &AtomColumns, names: &mut RowNames) -> Result<bool> {
+    pub(super) fn read(&mut self, tokens: &mut Tokens, layout: &AtomColumns, names: &mut NameTable) -> Result<bool> {
         self.clear();
         self.small = layout.fractional;
         for (k, uses) in layout.uses.iter().enumerate() {
@@ -199,7 +196,7 @@ impl AtomRow {
         &mut self,
         layout: &AtomColumns,
         values: &[(Vec<u8>, Spot)],
-        names: &mut RowNames,
+        names: &mut NameTable,
         file: &Place,
     ) -> Result<()> {
         self.clear();
@@ -219,7 +216,7 @@ impl AtomRow {
         self.numbers = [f64::NAN; AtomProperty::ALL.len()];
     }
 
-    fn take(&mut self, kind: Use, value: &[u8], names: &mut RowNames, place: impl Fn() -> Place) -> Result<()> {
+    fn take(&mut self, kind: Use, value: &[u8], names: &mut NameTable, place: impl Fn() -> Place) -> Result<()> {
         match kind {
             Use::Symbol => self.symbol.extend(value),
             Use::Name => self.name.extend(value),
@@ -249,11 +246,11 @@ impl AtomRow {
                 };
             }
             Use::Number(kind) => self.numbers[kind as usize] = number(value).unwrap_or(f64::NAN),
-            Use::Chain => self.numbers[AtomProperty::Chain as usize] = f64::from(names.chains.number(value)?),
-            Use::Entity => self.numbers[AtomProperty::Entity as usize] = f64::from(names.entities.number(value)?),
+            Use::Text(kind) => self.numbers[kind as usize] = names.number(kind, value)?,
             Use::Asym => {
-                self.asym = names.asyms.number(value)?;
-                self.numbers[AtomProperty::Asym as usize] = f64::from(self.asym);
+                let number = names.number(AtomProperty::Asym, value)?;
+                self.numbers[AtomProperty::Asym as usize] = number;
+                self.asym = number as u32;
             }
         }
         Ok(())
@@ -274,11 +271,13 @@ impl AtomRow {
         } else if self.symbol.is_empty() && self.small {
             atom.symbol = symmetry.symbol(&self.name);
         }
-        model.push(&atom, self.position, self.asym, |kind| match kind {
-            AtomProperty::Occupancy => occupancy,
-            AtomProperty::Model => self.model as f64,
-            AtomProperty::Copy => 0.0,
-            kind => self.numbers[kind as usize],
+        model.push(&atom, self.position, self.asym, |kind| {
+            Ok(match kind {
+                AtomProperty::Occupancy => occupancy,
+                AtomProperty::Model => self.model as f64,
+                AtomProperty::Copy => 0.0,
+                kind => self.numbers[kind as usize],
+            })
         })
     }
 }

@@ -16,6 +16,7 @@ pub(super) enum PdbRecord {
 }
 
 /// The columns of an atom's numbers, from 0.
+pub(super) const RECORD: Range<usize> = 0..6;
 pub(super) const SERIAL: Range<usize> = 6..11;
 pub(super) const NAME: Range<usize> = 12..16;
 pub(super) const LOCATION: Range<usize> = 16..17;
@@ -25,10 +26,13 @@ pub(super) const CHAIN: Range<usize> = 21..22;
 pub(super) const RESIDUE: Range<usize> = 22..26;
 /// Chain, number and insertion code.
 pub(super) const RESIDUE_ID: Range<usize> = 21..27;
+pub(super) const ICODE: Range<usize> = 26..27;
 pub(super) const X: usize = 30;
 pub(super) const COORDINATE: usize = 8;
 pub(super) const OCCUPANCY: Range<usize> = 54..60;
 pub(super) const BFACTOR: Range<usize> = 60..66;
+/// The segment, of CHARMM and NAMD, which the format no longer has.
+pub(super) const SEGMENT: Range<usize> = 72..76;
 pub(super) const SYMBOL: Range<usize> = 76..78;
 /// In PDBQT: the partial charge and AutoDock's type.
 pub(super) const CHARGE: Range<usize> = 70..76;

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::lines::{Lines, Word, Words};
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{AtomProperty, Model, Names};
+use crate::read::particles::molecule::{AtomProperty, Model, NameTable};
 use std::io::BufRead;
 
 /// The element symbol of an AutoDock type: aromatic carbon, donors and acceptors of hydrogen bonds, carbon of a ring
@@ -26,7 +26,7 @@ pub(super) fn symbol(kind: &[u8]) -> &[u8] {
 }
 
 /// Parses the atom of the current line of a PQR file.
-pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, model: &mut Model) -> Result<()> {
+pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &mut Model) -> Result<()> {
     let line = lines.text().as_bytes();
     // A serial number of many digits directly follows the record's name.
     let words: Vec<Word<'_, R>> = Words::of(lines).skip_while(|word| ["ATOM", "HETATM"].contains(&word.text)).collect();
@@ -72,17 +72,22 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, chains: Option<&mut Names>, mode
     // Some programs append the element.
     let symbol = element.last().map_or("", |word| word.text).as_bytes();
     let atom = AtomNames { symbol: if symbol.len() <= 2 { symbol } else { b"" }, ..atom };
-    let chain = chains.map_or(Ok(0), |chains| chains.number(chain))?;
     let serial = words.first().and_then(|word| word.text.trim_start_matches(char::is_alphabetic).parse().ok());
     // An insertion code may follow the residue's number.
     let site = std::str::from_utf8(atom.site).unwrap_or_default().trim_end_matches(|c: char| !c.is_ascii_digit());
     let number = site.rsplit(|c: char| !(c.is_ascii_digit() || c == '-')).next().and_then(|digits| digits.parse().ok());
-    model.push(&atom, position, chain, |kind| match kind {
-        AtomProperty::Charge => charge,
-        AtomProperty::Chain => f64::from(chain),
-        AtomProperty::Serial => serial.unwrap_or(f64::NAN),
-        AtomProperty::Residue => number.unwrap_or(f64::NAN),
-        _ => 0.0,
+    let record = &line[..line.iter().take_while(|byte| byte.is_ascii_alphabetic()).count()];
+    model.push(&atom, position, 0, |kind| {
+        Ok(match kind {
+            AtomProperty::Charge => charge,
+            AtomProperty::Serial => serial.unwrap_or(f64::NAN),
+            AtomProperty::Residue => number.unwrap_or(f64::NAN),
+            AtomProperty::Chain => names.number(kind, chain)?,
+            AtomProperty::Name => names.number(kind, atom.name.trim_ascii())?,
+            AtomProperty::Resname => names.number(kind, atom.residue)?,
+            AtomProperty::Record => names.number(kind, record)?,
+            _ => 0.0,
+        })
     })?;
     // Force fields give the hydrogens of water no size.
     model.radius(if length > 0.0 { length } else { f64::NAN });

@@ -1,0 +1,249 @@
+//! What a file contains, without keeping its particles: format, frames, columns with their ranges, elements, chains,
+//! cell and extent, and what a plain rendering would assume.
+
+use super::options::{FrameRange, ReadOptions};
+use super::particles::{self, ColumnCounts, Counts, Survey};
+use super::sequence::Sequence;
+use super::source::SceneSource;
+use super::style::elements::element;
+use super::style::{Style, UNKNOWN_RADIUS, spacing_of};
+use crate::error::{Error, Place, Result};
+use crate::scene::{Cell, Scene};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The content of a scene or particle file. Numbers are those of the first frame, in the file's unit (GROMACS: converted
+/// to ångström).
+#[derive(Debug, Clone, Serialize)]
+pub struct FileInfo {
+    /// `halfline-info`.
+    pub schema: &'static str,
+    /// Version of this object's shape.
+    pub version: u32,
+    /// The format's name, as in `--format`.
+    pub format: &'static str,
+    /// The number of frames or models.
+    pub frames: u64,
+    /// Spheres of the first frame.
+    pub spheres: u64,
+    /// The columns besides the coordinates, by name.
+    pub columns: BTreeMap<String, ColumnInfo>,
+    /// Atoms by the symbol of their element; `X` for unknown ones. Empty where the format has no elements.
+    pub elements: BTreeMap<String, u64>,
+    /// The names of the chains in the file's order.
+    pub chains: Vec<String>,
+    /// The periodic cell, if the file has one.
+    pub cell: Option<CellInfo>,
+    /// The box around the centres; `None` without spheres.
+    pub extent: Option<Extent>,
+    /// The radii of a rendering without options.
+    pub radii: RadiiInfo,
+    /// Whether the file has colours.
+    pub colored: bool,
+    /// Whether the file has a camera.
+    pub camera: bool,
+    /// What is skipped or assumed, and remarks about the file.
+    pub warnings: Vec<String>,
+}
+
+/// A column of a file.
+#[derive(Debug, Clone, Serialize)]
+pub struct ColumnInfo {
+    /// `number` or `text`.
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// The least number; `None` for text.
+    pub min: Option<f64>,
+    /// The largest number; `None` for text.
+    pub max: Option<f64>,
+    /// The different names, the most frequent first; of numbers the whole ones in ascending order, if all are whole and
+    /// there are few. At most 64.
+    pub values: Vec<String>,
+    /// The number of different names or whole numbers; `None` where they are not counted.
+    pub distinct: Option<u64>,
+    /// Particles without a number or a name.
+    pub missing: u64,
+}
+
+/// A periodic cell.
+#[derive(Debug, Clone, Serialize)]
+pub struct CellInfo {
+    /// The corner of the cell.
+    pub origin: [f64; 3],
+    /// The three edges.
+    pub edges: [[f64; 3]; 3],
+    /// Their lengths.
+    pub lengths: [f64; 3],
+    /// The angles between them, degrees: b and c, a and c, a and b.
+    pub angles: [f64; 3],
+}
+
+/// A box around centres.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Extent {
+    /// The least coordinates.
+    pub min: [f64; 3],
+    /// The largest coordinates.
+    pub max: [f64; 3],
+}
+
+/// Radii, and where they come from.
+#[derive(Debug, Clone, Serialize)]
+pub struct RadiiInfo {
+    /// `file`, `element` (van der Waals, ångström), `spacing` (half the mean spacing) or `none` (no spheres).
+    pub source: &'static str,
+    /// The least radius.
+    pub min: f64,
+    /// The largest radius.
+    pub max: f64,
+}
+
+/// The most values that are listed.
+const LISTED: usize = 64;
+
+/// Examines a file. Its particles are counted and dropped block by block, so that the memory does not grow with the
+/// file; archives (.npz), LAMMPS data files and small-molecule CIF are read whole.
+///
+/// # Errors
+/// Those of [`Scene::read`].
+pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
+    let survey = Survey::default();
+    let options = ReadOptions {
+        survey: Some(survey.clone()),
+        frames: FrameRange::first(),
+        style: Style::default(),
+        ..options.clone()
+    };
+    let source = SceneSource::open(path, options.format, &options.watch)?;
+    let format = source.format.name();
+    let mut frames = match particles::open(source, &options)? {
+        Ok(frames) => frames,
+        Err(source) => {
+            return Sequence::of_source(source, path, &options)?.next_scene()?.map_or_else(
+                || {
+                    Err(Error::scene(
+                        Place::file(path.display().to_string()),
+                        "the file has no scene",
+                        "use another file",
+                    ))
+                },
+                |frame| Ok(FileInfo::of_scene(&frame.scene, format)),
+            );
+        }
+    };
+    let Some(first) = frames.next()? else {
+        let place = Place::file(path.display().to_string());
+        return Err(Error::scene(place, "the file has no frame", "use a file with particles"));
+    };
+    let counts = first.counted(&survey);
+    let mut count = 1;
+    while frames.skip()? {
+        options.watch.check()?;
+        count += 1;
+    }
+    Ok(FileInfo { format, frames: count, ..FileInfo::of(counts) })
+}
+
+impl FileInfo {
+    fn of(counts: Counts) -> Self {
+        let named = |number: usize| element(number as u8).map_or("X", |element| element.symbol).to_owned();
+        let known: u64 = counts.elements[1..].iter().sum();
+        let mut elements = BTreeMap::new();
+        if known > 0 {
+            for (number, count) in counts.elements.iter().enumerate().filter(|(_, count)| **count > 0) {
+                *elements.entry(named(number)).or_default() += count;
+            }
+        }
+        let chains = counts.columns.get("chain").map(|column| column.labels.clone()).unwrap_or_default();
+        let mut warnings = counts.warnings.clone();
+        if !counts.unknown.is_empty() && known > 0 {
+            let names: Vec<String> = counts.unknown.iter().map(|(name, n)| format!("{n} {name}")).collect();
+            warnings.push(format!("names without an element: {}", names.join(", ")));
+        }
+        let [low, high] = counts.extent;
+        Self {
+            schema: "halfline-info",
+            version: 1,
+            format: "",
+            frames: 1,
+            spheres: counts.particles,
+            elements,
+            chains: chains.iter().map(|name| name.trim().to_owned()).collect(),
+            cell: counts.cell.as_ref().map(CellInfo::of),
+            extent: (counts.particles > 0).then_some(Extent { min: low, max: high }),
+            radii: RadiiInfo::of(&counts),
+            colored: counts.colored > 0,
+            camera: false,
+            warnings,
+            columns: counts.columns.into_iter().map(|(name, column)| (name, ColumnInfo::of(column))).collect(),
+        }
+    }
+
+    fn of_scene(scene: &Scene, format: &'static str) -> Self {
+        let spheres = &scene.spheres;
+        let mut copy = spheres.clone();
+        let survey = Survey::default();
+        survey.count_spheres(&mut copy, true);
+        let counts = super::particles::Particles::default().counted(&survey);
+        let info = Self::of(counts);
+        Self { format, camera: true, colored: spheres.colors.is_some(), warnings: scene.skipped.warnings(), ..info }
+    }
+}
+
+impl ColumnInfo {
+    fn of(column: ColumnCounts) -> Self {
+        let ColumnCounts { ends: [low, high], missing, values, labels } = column;
+        let text = !labels.is_empty();
+        let distinct = values.as_ref().map(|values| values.len() as u64);
+        let mut counted: Vec<(i64, u64)> = values.unwrap_or_default().into_iter().collect();
+        if text {
+            counted.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        }
+        let name = |number: i64| match usize::try_from(number).ok().and_then(|n| labels.get(n)) {
+            Some(label) => label.trim().to_owned(),
+            None => number.to_string(),
+        };
+        let there = low <= high && !text;
+        Self {
+            kind: if text { "text" } else { "number" },
+            min: there.then_some(low),
+            max: there.then_some(high),
+            values: counted.iter().take(LISTED).map(|(number, _)| name(*number)).collect(),
+            distinct,
+            missing,
+        }
+    }
+}
+
+impl CellInfo {
+    fn of(cell: &Cell) -> Self {
+        let [a, b, c] = cell.edges.map(glam::DVec3::from_array);
+        let angle = |u: glam::DVec3, v: glam::DVec3| u.angle_between(v).to_degrees();
+        Self {
+            origin: cell.origin,
+            edges: cell.edges,
+            lengths: [a, b, c].map(glam::DVec3::length),
+            angles: [angle(b, c), angle(a, c), angle(a, b)],
+        }
+    }
+}
+
+impl RadiiInfo {
+    /// The radii that [`Style::default`] gives.
+    fn of(counts: &Counts) -> Self {
+        let known: u64 = counts.elements[1..].iter().sum();
+        let (source, [min, max]) = if counts.particles == 0 {
+            ("none", [f64::NAN; 2])
+        } else if counts.sized > 0 {
+            ("file", counts.radii)
+        } else if known > 0 {
+            let radius = |number: usize| element(number as u8).and_then(|found| found.vdw).unwrap_or(UNKNOWN_RADIUS);
+            let there = (0..counts.elements.len()).filter(|number| counts.elements[*number] > 0).map(radius);
+            ("element", there.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], r| [a.min(r), b.max(r)]))
+        } else {
+            ("spacing", [spacing_of(counts.extent, counts.particles) / 2.0; 2])
+        };
+        Self { source, min, max }
+    }
+}

@@ -1,0 +1,97 @@
+//! `[[spheres]]`: the spheres of a file, or the selected ones of them.
+
+use super::table::TomlTable;
+use crate::error::{Error, Place, Result};
+use crate::progress::Watch;
+use crate::quote::quote;
+use crate::read::format::{Format, ending};
+use crate::read::options::ReadOptions;
+use crate::read::select::selection::Selection;
+use crate::read::select::{add_selected, apply};
+use crate::read::source::SceneSource;
+use crate::read::{csv, npy, particles};
+use crate::scene::Spheres;
+use std::path::{Path, PathBuf};
+
+/// A table `[[spheres]]`.
+pub(super) struct NamedSpheres {
+    /// The file, from the folder of the scene file.
+    pub(super) path: PathBuf,
+    selection: Option<Selection>,
+    /// The place of the file's name and of the selection.
+    place: Place,
+    selected_at: Place,
+}
+
+impl NamedSpheres {
+    /// The table of a scene file at `scene`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for keys that are unknown, missing or of another type, for an expression that is not a
+    /// selection, and for a file whose name has no supported extension.
+    pub(super) fn of(table: &TomlTable<'_>, scene: &Path) -> Result<Self> {
+        table.allow(&["file", "select"])?;
+        let file = table.need("file")?;
+        let path = scene.parent().unwrap_or(Path::new("")).join(file.string()?);
+        let chosen = table.get("select");
+        let selected_at = chosen.map_or_else(|| file.place(), |value| value.place());
+        let selection = chosen.map(|value| value.string()?.parse().map_err(|e| at(&selected_at, e))).transpose()?;
+        let known = Format::of_name(&unpacked(&path)).filter(|format| !matches!(format, Format::Native | Format::Nff));
+        if known.is_none() {
+            let problem = format!("{} is not a supported file of spheres", quote(file.string()?));
+            let mend = "use a .csv or .npy file, or a particle file such as .pdb or .xyz";
+            return Err(Error::scene(file.place(), problem, mend));
+        }
+        Ok(Self { path, selection, place: file.place(), selected_at })
+    }
+
+    /// Appends the spheres; returns messages about them. Tables and arrays (.csv, .npy) have the columns of spheres; of
+    /// other files the first frame is read, with the radii and colours of the file or of the elements.
+    ///
+    /// # Errors
+    /// Those of the file's reader and of the selection.
+    pub(super) fn read(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
+        let strict = match ending(&self.path).as_str() {
+            "csv" => csv::read,
+            "npy" => npy::read,
+            _ => return self.particles(spheres, watch),
+        };
+        let Some(selection) = &self.selection else { return strict(&self.path, spheres, watch).map(|()| Vec::new()) };
+        let mut part = Spheres::default();
+        strict(&self.path, &mut part, watch)?;
+        add_selected(selection, part, spheres).map_err(|e| at(&self.selected_at, e))
+    }
+
+    fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
+        let select = self.selection.iter().cloned().collect();
+        let options = ReadOptions { select, watch: watch.clone(), ..ReadOptions::default() };
+        let source = SceneSource::open(&self.path, None, watch)?;
+        let name = self.path.display().to_string();
+        let Ok(mut frames) = particles::open(source, &options)? else {
+            let problem = format!("{} is a scene, not a file of particles", quote(&name));
+            return Err(Error::scene(self.place.clone(), problem, "use its spheres in this scene file"));
+        };
+        let Some(mut particles) = frames.next()? else {
+            return Err(Error::scene(Place::file(name), "the file has no frame", "use a file with particles"));
+        };
+        apply(&options, &mut particles).map_err(|e| at(&self.selected_at, e))?;
+        let (part, skipped, _) = options.style.dress(particles, &Place::file(name))?;
+        for (n, (center, radius)) in part.centers.iter().zip(&part.radii).enumerate() {
+            spheres.add(*center, *radius, part.colors.as_ref().map(|colors| colors[n]))?;
+        }
+        Ok(skipped.warnings())
+    }
+}
+
+/// The path without the extension of a compression.
+fn unpacked(path: &Path) -> PathBuf {
+    if ["gz", "bz2"].contains(&ending(path).as_str()) { path.with_extension("") } else { path.to_path_buf() }
+}
+
+/// An error of a selection as one of the scene file.
+fn at(place: &Place, error: Error) -> Error {
+    match error {
+        Error::Settings { problem, mend } => Error::scene(place.clone(), problem, mend),
+        other => other,
+    }
+}

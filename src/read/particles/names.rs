@@ -1,0 +1,45 @@
+//! Names numbered in the order of their first occurrence, for columns of text.
+
+use crate::error::Result;
+use crate::memory::Ledger;
+use std::collections::HashMap;
+
+/// Names numbered in the order of first occurrence.
+#[derive(Debug, Clone, Default)]
+pub(in crate::read) struct Names {
+    pub(super) list: Vec<Vec<u8>>,
+    numbers: HashMap<Vec<u8>, u32>,
+    last: u32,
+    ledger: Ledger,
+}
+
+/// Bytes per name, besides its letters, in a list and a map while they grow, and in a list of labels.
+const NAME: usize = 160;
+
+impl Names {
+    /// The names as text, as labels of a column.
+    pub(super) fn labels(&self) -> Vec<String> {
+        self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
+    }
+
+    /// The number of a name; a new name gets the next number.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(super) fn number(&mut self, name: &[u8]) -> Result<u32> {
+        // Atoms of a chain follow each other.
+        if self.list.get(self.last as usize).is_none_or(|last| last != name) {
+            self.last = match self.numbers.get(name) {
+                Some(number) => *number,
+                None => {
+                    self.ledger.add(NAME + 3 * name.len())?;
+                    let number = self.list.len() as u32;
+                    self.list.push(name.to_vec());
+                    self.numbers.insert(name.to_vec(), number);
+                    number
+                }
+            };
+        }
+        Ok(self.last)
+    }
+}

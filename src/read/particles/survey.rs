@@ -1,0 +1,161 @@
+//! What a file contains, counted part by part: the particles of a part are dropped when they have been counted, so that
+//! the memory does not grow with the file.
+
+use super::infer::Inferred;
+use crate::scene::{Cell, Spheres};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The most particles in a part.
+pub(super) const PART: usize = 1 << 19;
+
+/// The most different numbers of a column that are counted.
+const VALUES: usize = 64;
+
+/// The counts so far; clones share them.
+#[derive(Debug, Clone, Default)]
+pub struct Survey(Arc<Mutex<Counts>>);
+
+/// The counts of a frame.
+#[derive(Debug, Clone)]
+pub(in crate::read) struct Counts {
+    pub(in crate::read) particles: u64,
+    /// The least and the largest coordinates of the centres.
+    pub(in crate::read) extent: [[f64; 3]; 2],
+    /// The least and the largest radius of the file, and the number of particles that have one.
+    pub(in crate::read) radii: [f64; 2],
+    pub(in crate::read) sized: u64,
+    pub(in crate::read) colored: u64,
+    /// Particles by atomic number, 0 for an unknown element; all 0 where the format has no elements.
+    pub(in crate::read) elements: [u64; 256],
+    pub(in crate::read) columns: BTreeMap<String, ColumnCounts>,
+    /// Names that are not elements, with the number of their particles.
+    pub(in crate::read) unknown: BTreeMap<String, u64>,
+    pub(in crate::read) cell: Option<Cell>,
+    pub(in crate::read) warnings: Vec<String>,
+    inferred: Inferred,
+}
+
+/// The values of a column.
+#[derive(Debug, Clone)]
+pub(in crate::read) struct ColumnCounts {
+    /// The least and the largest number.
+    pub(in crate::read) ends: [f64; 2],
+    /// Particles without a number.
+    pub(in crate::read) missing: u64,
+    /// The number of particles by value: by the number of a name, or by whole number; `None` for other numbers and too
+    /// many of them.
+    pub(in crate::read) values: Option<BTreeMap<i64, u64>>,
+    /// The names; empty for numbers.
+    pub(in crate::read) labels: Vec<String>,
+}
+
+impl Default for Counts {
+    fn default() -> Self {
+        Self {
+            particles: 0,
+            extent: [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]],
+            radii: [f64::INFINITY, f64::NEG_INFINITY],
+            sized: 0,
+            colored: 0,
+            elements: [0; 256],
+            columns: BTreeMap::new(),
+            unknown: BTreeMap::new(),
+            cell: None,
+            warnings: Vec::new(),
+            inferred: Inferred::default(),
+        }
+    }
+}
+
+/// Particles that are counted.
+pub(super) struct Counted<'a> {
+    pub(super) positions: &'a [[f64; 3]],
+    pub(super) radii: &'a [f64],
+    pub(super) colors: usize,
+    pub(super) elements: &'a [u8],
+    /// Name and values of every column, and whether it has names.
+    pub(super) columns: Vec<(&'a str, &'a [f64], bool)>,
+}
+
+impl Survey {
+    /// Counts spheres and drops them; without radii in the file their radii are not counted.
+    pub(in crate::read) fn count_spheres(&self, spheres: &mut Spheres, sized: bool) {
+        self.counts().add(&Counted {
+            positions: &spheres.centers,
+            radii: if sized { &spheres.radii } else { &[] },
+            colors: spheres.colors.as_ref().map_or(0, Vec::len),
+            elements: &[],
+            columns: Vec::new(),
+        });
+        spheres.clear();
+    }
+
+    /// The counts so far.
+    pub(super) fn counts(&self) -> MutexGuard<'_, Counts> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Counts {
+    pub(super) fn add(&mut self, part: &Counted<'_>) {
+        self.particles += part.positions.len() as u64;
+        for position in part.positions {
+            for (axis, x) in position.iter().enumerate() {
+                self.extent[0][axis] = self.extent[0][axis].min(*x);
+                self.extent[1][axis] = self.extent[1][axis].max(*x);
+            }
+        }
+        for radius in part.radii.iter().filter(|radius| !radius.is_nan()) {
+            self.radii = [self.radii[0].min(*radius), self.radii[1].max(*radius)];
+            self.sized += 1;
+        }
+        self.colored += part.colors as u64;
+        part.elements.iter().for_each(|number| self.elements[usize::from(*number)] += 1);
+        for (name, values, text) in &part.columns {
+            if !self.columns.contains_key(*name) {
+                self.columns.insert((*name).to_owned(), ColumnCounts::new());
+            }
+            if let Some(counts) = self.columns.get_mut(*name) {
+                values.iter().for_each(|value| counts.add(*value, *text));
+            }
+        }
+    }
+
+    /// Adds how elements of a part were inferred, and its unknown names.
+    pub(super) fn add_inferred(&mut self, inferred: Inferred, unknown: BTreeMap<String, u64>) {
+        self.inferred.add(inferred);
+        self.add_unknown(unknown);
+    }
+
+    pub(super) fn add_unknown(&mut self, unknown: BTreeMap<String, u64>) {
+        unknown.into_iter().for_each(|(name, count)| *self.unknown.entry(name).or_default() += count);
+    }
+
+    /// The messages about inferred elements.
+    pub(super) fn inferred(&self) -> Vec<String> {
+        self.inferred.sentences(self.particles + self.inferred.sites())
+    }
+}
+
+impl ColumnCounts {
+    fn new() -> Self {
+        Self { ends: [f64::INFINITY, f64::NEG_INFINITY], missing: 0, values: Some(BTreeMap::new()), labels: Vec::new() }
+    }
+
+    fn add(&mut self, value: f64, text: bool) {
+        if value.is_nan() {
+            self.missing += 1;
+            return;
+        }
+        self.ends = [self.ends[0].min(value), self.ends[1].max(value)];
+        let Some(values) = &mut self.values else { return };
+        let whole = value.fract() == 0.0 && value.abs() < 1e15;
+        let known = values.contains_key(&(value as i64));
+        if whole && (text || known || values.len() < VALUES) {
+            *values.entry(value as i64).or_default() += 1;
+        } else {
+            self.values = None;
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Selections of particles by expressions in the words of MDAnalysis and VMD: `protein and not name H*`, `chain A B`,
+//! `resid 10:20`, `bfactor < 30`, `within 5 of (resname HEM)`. The grammar and the meaning are those of
+//! docs.mdanalysis.org/stable/documentation_pages/selections.html, with VMD's `within`, `exwithin` and `hydrogen`
+//! (www.ks.uiuc.edu/Research/vmd/current/ug/node89.html).
+
+mod apply;
+mod columns;
+mod evaluate;
+mod expression;
+mod grammar;
+mod near;
+pub(super) mod selection;
+mod values;
+
+pub(super) use apply::{add_selected, apply};
+
+#[cfg(test)]
+mod tests;

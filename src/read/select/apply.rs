@@ -1,0 +1,89 @@
+//! Applies the selections of the options to a frame.
+
+use super::evaluate::{Evaluator, Mask};
+use super::selection::Selection;
+use crate::error::Result;
+use crate::memory::check;
+use crate::read::options::ReadOptions;
+use crate::read::particles::Particles;
+use crate::scene::Spheres;
+use rayon::prelude::*;
+
+/// Marks the particles that a style's rules colour or resize, then removes those that are not selected.
+///
+/// # Errors
+/// Those of the selections.
+pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -> Result<()> {
+    let ReadOptions { select, hide, style, .. } = options;
+    let rules = style.paints.len() + style.sizes.len();
+    if select.is_empty() && hide.is_empty() && rules == 0 {
+        return Ok(());
+    }
+    let count = particles.positions.len();
+    check(8 * count as u64, || format!("the selections of {count} particles"))?;
+    let (mut notes, mut all) = (Vec::new(), Vec::new());
+    let mut of = |selection: &Selection| -> Result<Mask> {
+        let mut evaluator = Evaluator::new(particles, selection);
+        let mask = evaluator.mask()?;
+        notes.extend(selection.remarks());
+        notes.extend(evaluator.notes);
+        Ok(mask)
+    };
+    // All rules see the whole frame, also what is hidden.
+    let mut last = |selections: &mut dyn Iterator<Item = &Selection>| -> Result<Vec<u16>> {
+        let mut rule = Vec::new();
+        for (k, selection) in selections.enumerate() {
+            rule.resize(count, 0);
+            let number = u16::try_from(k + 1).unwrap_or(u16::MAX);
+            let mask = of(selection)?;
+            rule.par_iter_mut().zip(&mask).filter(|(_, flag)| **flag).for_each(|(rule, _)| *rule = number);
+            all.push(mask.par_iter().any(|flag| *flag));
+        }
+        Ok(rule)
+    };
+    let paint = last(&mut style.paints.iter().map(|(selection, _)| selection))?;
+    let size = last(&mut style.sizes.iter().map(|(selection, _)| selection))?;
+    let mut stays = vec![select.is_empty(); count];
+    for selection in select {
+        let mask = of(selection)?;
+        stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays |= flag);
+    }
+    for selection in hide {
+        let mask = of(selection)?;
+        stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
+    }
+    (particles.paint, particles.size) = (paint, size);
+    if !(select.is_empty() && hide.is_empty()) {
+        particles.keep(&stays);
+        if particles.positions.is_empty() && count > 0 {
+            notes.push(format!("the selections leave none of the {count} particles"));
+        }
+    }
+    particles.skipped.assumed.extend(notes);
+    Ok(())
+}
+
+/// Appends the selected ones of `part` to `spheres`; returns messages about the selection. Spheres have an index,
+/// coordinates and a radius.
+///
+/// # Errors
+/// Those of the selection, [`Error::Limits`](crate::error::Error::Limits).
+pub(in crate::read) fn add_selected(
+    selection: &Selection,
+    part: Spheres,
+    spheres: &mut Spheres,
+) -> Result<Vec<String>> {
+    let Spheres { centers, radii, colors, .. } = part;
+    let particles = Particles { positions: centers, radii, ..Particles::default() };
+    let mut evaluator = Evaluator::new(&particles, selection);
+    let mask = evaluator.mask()?;
+    for (n, _) in mask.iter().enumerate().filter(|(_, flag)| **flag) {
+        spheres.add(particles.positions[n], particles.radii[n], colors.as_ref().map(|colors| colors[n]))?;
+    }
+    let mut notes = selection.remarks();
+    notes.extend(evaluator.notes);
+    if !mask.is_empty() && !mask.contains(&true) {
+        notes.push(format!("the selection `{selection}` leaves none of {} spheres", mask.len()));
+    }
+    Ok(notes)
+}

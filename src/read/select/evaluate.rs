@@ -1,0 +1,339 @@
+//! The particles that a selection selects.
+
+use super::columns::{Key, NUMBERS, RESIDUE};
+use super::expression::{Comparison, Kind, Node, Operation, Value};
+use super::near::near;
+use super::selection::Selection;
+use super::values::{Range, pattern};
+use crate::error::{Error, Result};
+use crate::quote::{list, number, quote};
+use crate::read::particles::{Column, Particles, ResidueClass, class, is_ion};
+use crate::read::style::elements::element;
+use glob::{MatchOptions, Pattern};
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// A flag for every particle.
+pub(super) type Mask = Vec<bool>;
+
+/// Evaluates selections of the particles of a frame.
+pub(super) struct Evaluator<'a> {
+    particles: &'a Particles,
+    selection: &'a Selection,
+    /// Words that select nothing, and what the file has instead.
+    pub(super) notes: Vec<String>,
+}
+
+/// The values of a column.
+enum Data<'a> {
+    /// Numbers of names.
+    Names(&'a [f64], &'a [String]),
+    Elements(&'a [u8]),
+    Numbers(Box<dyn Fn(usize) -> f64 + Sync + 'a>),
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(particles: &'a Particles, selection: &'a Selection) -> Self {
+        Self { particles, selection, notes: Vec::new() }
+    }
+
+    /// Which particles are selected.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a column that the file does not have, or a name where it has numbers.
+    pub(super) fn mask(&mut self) -> Result<Mask> {
+        let selection = self.selection;
+        self.node(&selection.root)
+    }
+
+    fn len(&self) -> usize {
+        self.particles.positions.len()
+    }
+
+    fn node(&mut self, node: &Node) -> Result<Mask> {
+        match node {
+            Node::All => Ok(vec![true; self.len()]),
+            Node::None => Ok(vec![false; self.len()]),
+            Node::Group(inner) => self.node(inner),
+            Node::Not(inner) => {
+                let mut mask = self.node(inner)?;
+                mask.par_iter_mut().for_each(|flag| *flag = !*flag);
+                Ok(mask)
+            }
+            Node::Chain(first, rest) => {
+                let mut mask = self.node(first)?;
+                for (operation, part) in rest {
+                    let other = self.node(part)?;
+                    mask.par_iter_mut().zip(&other).for_each(|(flag, other)| match operation {
+                        Operation::And => *flag &= other,
+                        Operation::Or => *flag |= other,
+                    });
+                }
+                Ok(mask)
+            }
+            Node::Kind(kind) => self.kind(*kind),
+            Node::Values(column, values) => self.values(column, values),
+            Node::Compare(comparison) => self.compare(comparison),
+            Node::Near(part) => {
+                let chosen = self.node(&part.of)?;
+                let mut mask = near(&self.particles.positions, &chosen, part.reach)?;
+                if !part.itself {
+                    mask.par_iter_mut().zip(&chosen).for_each(|(flag, chosen)| *flag &= !chosen);
+                }
+                Ok(mask)
+            }
+            Node::Same(column, inner) => {
+                let chosen = self.node(inner)?;
+                self.same(column, &chosen)
+            }
+        }
+    }
+
+    fn kind(&mut self, kind: Kind) -> Result<Mask> {
+        let mask = match kind {
+            Kind::Hydrogen => self.elements("hydrogen")?.par_iter().map(|number| *number == 1).collect(),
+            Kind::Protein => self.residues(|name| class(name) == Some(ResidueClass::Protein))?,
+            Kind::Nucleic => self.residues(|name| class(name) == Some(ResidueClass::Nucleic))?,
+            Kind::Water => self.residues(|name| class(name) == Some(ResidueClass::Water))?,
+            Kind::Ion => self.residues(is_ion)?,
+            Kind::Backbone => {
+                let mut mask = self.residues(|name| class(name) == Some(ResidueClass::Protein))?;
+                let Data::Names(values, names) = self.data("name")? else {
+                    return Err(self.missing("name"));
+                };
+                let backbone = |name: &String| ["N", "CA", "C", "O"].contains(&name.trim());
+                let named = flags(values, &names.iter().map(backbone).collect::<Vec<_>>());
+                mask.par_iter_mut().zip(named).for_each(|(flag, named)| *flag &= named);
+                mask
+            }
+        };
+        if !mask.par_iter().any(|flag| *flag) {
+            let residues = match self.column("resname").map(|column| self.particles.labels.get(&column.name)) {
+                Some(Some(names)) => format!("; the residues of the file are {}", listed(names)),
+                _ => String::new(),
+            };
+            self.note(kind.word(), &format!("no particle is selected by it{residues}"));
+        }
+        Ok(mask)
+    }
+
+    /// The particles in residues whose name in capitals has a property.
+    fn residues(&self, is: impl Fn(&[u8]) -> bool) -> Result<Mask> {
+        let Data::Names(values, names) = self.data("resname")? else { return Err(self.missing("resname")) };
+        let chosen: Vec<bool> = names.iter().map(|name| is(name.trim().to_ascii_uppercase().as_bytes())).collect();
+        Ok(flags(values, &chosen))
+    }
+
+    fn values(&mut self, word: &str, values: &[Value]) -> Result<Mask> {
+        if Key::of(word) == Key::Resid && self.column("icode").is_some() {
+            return self.resid(word, values);
+        }
+        let mut mask = vec![false; self.len()];
+        let (data, mut empty) = (self.data(word)?, Vec::new());
+        for value in values {
+            let chosen: Mask = match &data {
+                Data::Names(numbers, names) => flags(numbers, &matches(value, names, MatchOptions::new())),
+                Data::Elements(elements) => {
+                    let names: Vec<String> = (0..=u8::MAX).map(symbol).collect();
+                    let any_case = MatchOptions { case_sensitive: false, ..MatchOptions::new() };
+                    let chosen = matches(value, &names, any_case);
+                    elements.par_iter().map(|number| chosen[usize::from(*number)]).collect()
+                }
+                Data::Numbers(of) => {
+                    let range = Range::of(value, word, self.selection)?;
+                    (0..self.len()).into_par_iter().map(|n| range.contains(of(n))).collect()
+                }
+            };
+            if !chosen.par_iter().any(|flag| *flag) {
+                empty.push(value.to_string());
+            }
+            mask.par_iter_mut().zip(chosen).for_each(|(flag, chosen)| *flag |= chosen);
+        }
+        let there = self.describe(&data);
+        drop(data);
+        empty.iter().for_each(|value| self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")));
+        Ok(mask)
+    }
+
+    /// Residues by number and insertion code; a number without a code means the residue without a code.
+    fn resid(&mut self, word: &str, values: &[Value]) -> Result<Mask> {
+        let ranges: Vec<Range> =
+            values.iter().map(|value| Range::of(value, word, self.selection)).collect::<Result<_>>()?;
+        let Data::Numbers(of) = self.data(word)? else { return Err(self.missing(word)) };
+        let Some(Column { name, values: codes }) = self.column("icode") else { return Err(self.missing("icode")) };
+        let names = self.particles.labels.get(name).map_or(&[][..], Vec::as_slice);
+        let code = |n: usize| names.get(codes[n] as usize).map_or("", |code| code.trim());
+        let mask = |range: &Range| -> Mask {
+            (0..self.len()).into_par_iter().map(|n| range.contains_with_code(of(n), code(n))).collect()
+        };
+        let mut all = vec![false; self.len()];
+        let mut empty = Vec::new();
+        for (range, value) in ranges.iter().zip(values) {
+            let chosen = mask(range);
+            if !chosen.par_iter().any(|flag| *flag) {
+                empty.push(value.to_string());
+            }
+            all.par_iter_mut().zip(chosen).for_each(|(flag, chosen)| *flag |= chosen);
+        }
+        let there = self.describe(&Data::Numbers(of));
+        empty.iter().for_each(|value| self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")));
+        Ok(all)
+    }
+
+    fn compare(&mut self, comparison: &Comparison) -> Result<Mask> {
+        let Comparison { column, absolute, sign, value } = comparison;
+        let fail = |problem: String, mend: &str| {
+            Err(Error::settings(format!("selection `{}`: {problem}", self.selection), mend))
+        };
+        match (self.data(column)?, value.parse::<f64>()) {
+            (Data::Numbers(of), Ok(limit)) => {
+                let of = |n: usize| if *absolute { of(n).abs() } else { of(n) };
+                Ok((0..self.len()).into_par_iter().map(|n| sign.holds(of(n), limit)).collect())
+            }
+            (Data::Numbers(_), Err(_)) => {
+                let problem = format!("{column} is a number in this file, and {} is not", quote(value));
+                fail(problem, "compare it with a number")
+            }
+            _ => {
+                let mend = format!("write {column} {value} or not {column} {value}");
+                fail(format!("{column} has names in this file, which are not compared"), &mend)
+            }
+        }
+    }
+
+    /// The particles whose value is one of those of the chosen ones.
+    fn same(&self, word: &str, chosen: &[bool]) -> Result<Mask> {
+        match Key::of(word) {
+            Key::Residue => {
+                let residues = self.residue_numbers()?;
+                let mut members = vec![false; residues.last().map_or(0, |last| *last as usize + 1)];
+                residues.iter().zip(chosen).filter(|(_, flag)| **flag).for_each(|(n, _)| members[*n as usize] = true);
+                Ok(residues.par_iter().map(|n| members[*n as usize]).collect())
+            }
+            _ => {
+                let of: Box<dyn Fn(usize) -> f64 + Sync> = match self.data(word)? {
+                    Data::Names(values, _) => Box::new(|n| values[n]),
+                    Data::Elements(elements) => Box::new(|n| f64::from(elements[n])),
+                    Data::Numbers(of) => of,
+                };
+                // Zeros are equal whatever their sign.
+                let bits = |n: usize| (of(n) + 0.0).to_bits();
+                let known: HashSet<u64> = (0..self.len()).filter(|n| chosen[*n]).map(bits).collect();
+                Ok((0..self.len()).into_par_iter().map(|n| known.contains(&bits(n))).collect())
+            }
+        }
+    }
+
+    /// The number of each particle's residue in the file's order: consecutive particles with the same number, name,
+    /// code, chain and segment.
+    fn residue_numbers(&self) -> Result<Vec<u32>> {
+        let number = NUMBERS.iter().find_map(|name| self.column(name)).ok_or_else(|| self.missing("residue"))?;
+        let others = RESIDUE.iter().filter_map(|name| self.column(name));
+        let columns: Vec<&Column> = std::iter::once(number).chain(others).collect();
+        let (mut numbers, mut last) = (Vec::with_capacity(self.len()), 0);
+        for n in 0..self.len() {
+            let differs = |column: &&Column| column.values[n].to_bits() != column.values[n - 1].to_bits();
+            last += u32::from(n > 0 && columns.iter().any(differs));
+            numbers.push(last);
+        }
+        Ok(numbers)
+    }
+
+    fn column(&self, name: &str) -> Option<&'a Column> {
+        self.particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name))
+    }
+
+    fn elements(&self, word: &str) -> Result<&'a [u8]> {
+        if self.particles.elements.is_empty() && self.len() > 0 {
+            Err(self.missing(word))
+        } else {
+            Ok(&self.particles.elements)
+        }
+    }
+
+    /// The values that a word reads.
+    fn data(&self, word: &str) -> Result<Data<'a>> {
+        let particles = self.particles;
+        let columns = match Key::of(word) {
+            Key::Index(first) => {
+                let first = f64::from(first);
+                return Ok(Data::Numbers(Box::new(move |n| particles.index(n) as f64 + first)));
+            }
+            Key::Axis(axis) => return Ok(Data::Numbers(Box::new(move |n| particles.positions[n][axis]))),
+            Key::Radius if particles.radii.is_empty() => return Err(self.missing(word)),
+            Key::Radius => return Ok(Data::Numbers(Box::new(move |n| particles.radii[n]))),
+            Key::Element => return self.elements(word).map(Data::Elements),
+            Key::Resid | Key::Residue => NUMBERS.iter().map(|name| (*name).to_owned()).collect(),
+            Key::Columns(columns) => columns,
+            Key::Kind(_) => Vec::new(),
+        };
+        let column = columns.iter().find_map(|name| self.column(name)).ok_or_else(|| self.missing(word))?;
+        Ok(match particles.labels.get(&column.name) {
+            Some(names) => Data::Names(&column.values, names),
+            None => Data::Numbers(Box::new(|n| column.values[n])),
+        })
+    }
+
+    fn missing(&self, word: &str) -> Error {
+        let problem = format!("selection `{}`: the file has no {word}", self.selection);
+        let mut has: Vec<&str> = ["index", "x", "y", "z"].to_vec();
+        has.extend((!self.particles.radii.is_empty()).then_some("radius"));
+        has.extend((!self.particles.elements.is_empty()).then_some("element"));
+        has.extend(
+            self.particles.has.iter().map(String::as_str).filter(|name| !["x", "y", "z", "radius"].contains(name)),
+        );
+        Error::settings(problem, format!("the file has {}", list(has)))
+    }
+
+    /// The values that the file has, for a message.
+    fn describe(&self, data: &Data<'_>) -> String {
+        match data {
+            Data::Names(_, names) => format!("the file has {}", listed(names)),
+            Data::Elements(elements) => {
+                let mut there: Vec<u8> = elements.to_vec();
+                there.sort_unstable();
+                there.dedup();
+                let names: Vec<String> = there.into_iter().map(symbol).filter(|name| !name.is_empty()).collect();
+                format!("the file has {}", listed(&names))
+            }
+            Data::Numbers(of) => {
+                let numbers = (0..self.len()).map(of).filter(|x| !x.is_nan());
+                let [low, high] = numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+                match low <= high {
+                    true => format!("the file has {} to {}", brief(low), brief(high)),
+                    false => "the file has no numbers there".into(),
+                }
+            }
+        }
+    }
+
+    fn note(&mut self, word: &str, what: &str) {
+        self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection));
+    }
+}
+
+/// A number for a message: whole where it is, else with six digits.
+fn brief(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() < 1e15 { x.to_string() } else { number(x, 6) }
+}
+
+/// The symbol of an atomic number; empty for an unknown element.
+fn symbol(number: u8) -> String {
+    element(number).map_or_else(String::new, |element| element.symbol.to_owned())
+}
+
+/// Which of `names` a value means.
+fn matches(value: &Value, names: &[String], options: MatchOptions) -> Vec<bool> {
+    let pattern: Pattern = pattern(value);
+    names.iter().map(|name| pattern.matches_with(name.trim(), options)).collect()
+}
+
+/// The flags of particles whose values are numbers of names.
+fn flags(values: &[f64], chosen: &[bool]) -> Mask {
+    values.par_iter().map(|value| *value >= 0.0 && chosen.get(*value as usize).copied().unwrap_or(false)).collect()
+}
+
+/// Names for a message, without blank ones.
+fn listed(names: &[String]) -> String {
+    list(names.iter().map(|name| name.trim()).filter(|name| !name.is_empty()))
+}

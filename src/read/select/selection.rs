@@ -1,0 +1,77 @@
+//! A selection: an expression and its text.
+
+use super::columns::{Key, keys};
+use super::expression::{Node, Operation};
+use super::grammar;
+use crate::error::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
+
+/// An expression that selects particles, parsed from text.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    text: String,
+    pub(super) root: Node,
+}
+
+impl Selection {
+    /// The columns of a file that the expression reads, in lower case; a file has some of them.
+    pub(in crate::read) fn columns(&self) -> Vec<String> {
+        let mut columns: Vec<String> = Vec::new();
+        self.root.visit(&mut |node| {
+            let word = match node {
+                Node::Values(column, _) | Node::Same(column, _) => Key::of(column),
+                Node::Compare(comparison) => Key::of(&comparison.column),
+                Node::Kind(kind) => Key::Kind(*kind),
+                _ => return,
+            };
+            for name in keys(&word) {
+                if !columns.contains(&name) {
+                    columns.push(name);
+                }
+            }
+        });
+        columns
+    }
+
+    /// What the expression means where programs disagree: remarks for the user.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        let loose =
+            |node: &Node| matches!(node, Node::Near(near) if near.itself && !matches!(*near.of, Node::Group(_)));
+        self.root.visit(&mut |node| {
+            let Node::Chain(first, rest) = node else { return };
+            let or = rest.iter().position(|(operation, _)| *operation == Operation::Or);
+            if or.is_some_and(|at| rest[at..].iter().any(|(operation, _)| *operation == Operation::And)) {
+                remarks.push(format!(
+                    "the selection `{self}` combines `or` and a later `and` from left to right, as MDAnalysis does; VMD combines `and` first; use parentheses"
+                ));
+            }
+            let parts = std::iter::once(&**first).chain(rest.iter().map(|(_, part)| part));
+            if parts.take(rest.len()).any(loose) {
+                remarks.push(format!(
+                    "in the selection `{self}`, `within` applies to the next word only; use parentheses: within 5 of (...)"
+                ));
+            }
+        });
+        remarks
+    }
+}
+
+impl fmt::Display for Selection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+impl FromStr for Selection {
+    type Err = Error;
+
+    /// Parses an expression.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the column of the first character that does not fit.
+    fn from_str(text: &str) -> Result<Self> {
+        grammar::parse(text).map(|root| Self { text: text.trim().to_owned(), root })
+    }
+}

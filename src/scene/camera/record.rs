@@ -1,0 +1,124 @@
+//! A camera as numbers in reports, pictures and lists of cameras.
+
+use super::{Camera, Lens, Look};
+use crate::error::Result;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A camera for an image of a certain size, in the lecture's numbers and as intrinsics. Its numbers give the same rays
+/// again, bit for bit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CameraRecord {
+    /// The eye.
+    pub eye: [f64; 3],
+    /// The point looked at, where the camera is given so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
+    /// The direction of the view, of any length.
+    pub view: [f64; 3],
+    /// The scene's up direction.
+    pub up: [f64; 3],
+    /// Width and height of the viewport; of an orthographic camera in the scene's unit.
+    pub viewport: [f64; 2],
+    /// Distance of the viewport; `None` for an orthographic camera.
+    pub distance: Option<f64>,
+    /// Columns and rows of the image.
+    pub size: [u32; 2],
+    /// Focal lengths and principal point in pixels, where the centre of the top left pixel is (0.5, 0.5); `None` for an
+    /// orthographic camera.
+    pub intrinsics: Option<Intrinsics>,
+}
+
+/// Focal lengths and principal point, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Focal length across.
+    pub fx: f64,
+    /// Focal length down.
+    pub fy: f64,
+    /// Column of the principal point.
+    pub cx: f64,
+    /// Row of the principal point.
+    pub cy: f64,
+}
+
+impl CameraRecord {
+    /// The record of a camera for an image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// Those of [`Camera::viewport`].
+    pub fn new(camera: &Camera, width: u32, height: u32) -> Result<Self> {
+        let viewport = camera.viewport(width, height)?;
+        let (at, view) = match camera.look {
+            Look::At(at) => (Some(at.to_array()), at - camera.eye),
+            Look::View(view) => (None, view),
+        };
+        let distance = (!viewport.is_parallel()).then_some(viewport.d);
+        let [w, h] = [width, height].map(f64::from);
+        Ok(Self {
+            eye: camera.eye.to_array(),
+            at,
+            view: view.to_array(),
+            up: camera.up.to_array(),
+            viewport: [viewport.vw, viewport.vh],
+            distance,
+            size: [width, height],
+            intrinsics: distance.map(|d| Intrinsics {
+                fx: d * w / viewport.vw,
+                fy: d * h / viewport.vh,
+                cx: w / 2.0,
+                cy: h / 2.0,
+            }),
+        })
+    }
+
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> Camera {
+        let [vw, vh] = self.viewport;
+        Camera {
+            eye: DVec3::from_array(self.eye),
+            look: self.at.map_or(Look::View(DVec3::from_array(self.view)), |at| Look::At(DVec3::from_array(at))),
+            up: DVec3::from_array(self.up),
+            lens: match self.distance {
+                Some(distance) => Lens::Viewport { vw, vh, distance },
+                None => Lens::Orthographic { height: vh },
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_gives_the_same_rays_after_json() {
+        let lenses = [
+            Lens::Vfov { degrees: 33.3, distance: 0.7 },
+            Lens::Viewport { vw: 0.1, vh: 0.3, distance: 1e-7 },
+            Lens::RowCentres { degrees: 20.0 },
+            Lens::Orthographic { height: 12.3 },
+        ];
+        for (lens, look) in lenses.into_iter().flat_map(|lens| {
+            [Look::At(DVec3::new(0.1, 0.2, 0.3)), Look::View(DVec3::new(-1e9, 0.1, 1e-9))].map(|look| (lens, look))
+        }) {
+            let camera = Camera { eye: DVec3::new(1e9 / 3.0, 0.1, -7.0), look, up: DVec3::new(0.0, 1.0, 0.1), lens };
+            let record = CameraRecord::new(&camera, 640, 360).expect("a camera");
+            let text = serde_json::to_string(&record).expect("JSON");
+            let again: CameraRecord = serde_json::from_str(&text).expect(&text);
+            assert_eq!(again, record);
+            let back = again.camera();
+            assert_eq!(back.basis().expect("a basis"), camera.basis().expect("a basis"), "{text}");
+            assert_eq!(back.viewport(640, 360).expect("one"), camera.viewport(640, 360).expect("one"), "{text}");
+        }
+    }
+
+    #[test]
+    fn intrinsics_are_focal_lengths_in_pixels() {
+        let lens = Lens::Viewport { vw: 4.0, vh: 3.0, distance: 2.0 };
+        let camera = Camera { lens, ..Camera::CANONICAL };
+        let found = CameraRecord::new(&camera, 640, 480).expect("a camera").intrinsics.expect("a perspective camera");
+        assert_eq!(found, Intrinsics { fx: 320.0, fy: 320.0, cx: 320.0, cy: 240.0 });
+    }
+}

@@ -1,0 +1,120 @@
+//! The promise of films: camera, default radii and the range of colours are the same in all frames, a frame rendered
+//! alone is the same file as in the film, and pictures and reports give their camera back.
+
+use crate::test_dir::TestDir;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// Frames of a gas that expands: its box, and the values of its column, grow from frame to frame.
+fn gas(frames: u32) -> String {
+    let (mut text, mut state) = (String::new(), 1_u64);
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for frame in 1..=frames {
+        let side = 8.0 + 0.2 * f64::from(frame);
+        writeln!(text, "ITEM: TIMESTEP\n{frame}\nITEM: NUMBER OF ATOMS\n60\nITEM: BOX BOUNDS pp pp pp").expect("text");
+        writeln!(text, "0 {side}\n0 {side}\n0 {side}\nITEM: ATOMS id type x y z c_ke").expect("text");
+        for id in 1..=60 {
+            let [x, y, z] = [random(), random(), random()].map(|x| x * side);
+            writeln!(text, "{id} 1 {x:.6} {y:.6} {z:.6} {:.6}", random() * f64::from(frame)).expect("text");
+        }
+    }
+    text
+}
+
+fn reports(dir: &TestDir, options: &str) -> Vec<Value> {
+    dir.render(&format!("gas.dump --size 64x48 --json {options}")).json_lines()
+}
+
+#[test]
+fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
+    let dir = TestDir::new(&[("gas.dump", &gas(100))]);
+    let film = reports(&dir, "--frames 1-100 --color-by c_ke -o f%03d.png --aov distance=d%03d.npy --legend l.svg");
+    assert_eq!(film.len(), 100);
+    for (n, report) in film.iter().enumerate() {
+        assert_eq!(
+            (&report["camera"], &report["hold"]),
+            (&film[0]["camera"], &Value::from("first")),
+            "frame {}",
+            n + 1
+        );
+        assert_eq!(report["number"], n as u64 + 1);
+    }
+    // On a farm each frame is rendered alone.
+    let files = dir.files();
+    for n in [1, 2, 57, 100] {
+        let alone = reports(&dir, &format!("--frames {n} --color-by c_ke -o alone.png --aov distance=alone.npy"));
+        assert_eq!(alone[0]["camera"], film[0]["camera"], "frame {n}");
+        assert!(dir.get("alone.png") == files[&format!("f{n:03}.png")], "frame {n} is another picture");
+        assert!(dir.get("alone.npy") == files[&format!("d{n:03}.npy")], "frame {n} has other distances");
+    }
+    // Every frame by itself has another camera, and another radius: the gas expands.
+    let each = reports(&dir, "--frames 1-3 --color-by c_ke --hold none");
+    assert_eq!(each[0]["camera"], film[0]["camera"]);
+    assert!(each[1]["camera"] != each[0]["camera"] && each[2]["camera"] != each[1]["camera"]);
+    let said = |options: &str| dir.render(&format!("gas.dump --size 64x48 --json --frames 50 {options}")).err;
+    assert!(said("").contains("of the first frame of the file (see --hold)"));
+    assert!(said("").contains("half the mean spacing of the held frame"), "{}", said(""));
+    assert!(!said("--hold none").contains("held"));
+}
+
+#[test]
+fn hold_all_shows_every_frame_completely() {
+    let dir = TestDir::new(&[("gas.dump", &gas(20))]);
+    let all = reports(&dir, "--frames 1-20 --color-by c_ke --hold all -o f%d.png --aov id=i%d.npy --samples 1");
+    assert!(all.iter().all(|report| report["camera"] == all[0]["camera"] && report["hold"] == "all"));
+    // The last frame is the largest; no sphere touches the border of any picture.
+    for n in 1..=20 {
+        let (ids, shape) = dir.array(&format!("i{n}.npy"));
+        let [rows, columns] = shape[..] else { panic!("{shape:?}") };
+        let border = |at: usize| {
+            let (row, column) = (at / columns, at % columns);
+            row == 0 || column == 0 || row + 1 == rows || column + 1 == columns
+        };
+        assert!(ids.iter().enumerate().all(|(at, id)| *id < 0.0 || !border(at)), "frame {n} is cut");
+    }
+    let alone = reports(&dir, "--frames 7 --color-by c_ke --hold all -o alone.png --samples 1");
+    assert_eq!(alone[0]["camera"], all[0]["camera"]);
+    assert!(dir.get("alone.png") == dir.get("f7.png"));
+    let mut fed = vec!["render", "-", "--format", "dump", "--frames", "1-2", "--hold", "all", "--json"];
+    fed.extend(["--backend", "cpu"]);
+    let output = dir.run_fed(&fed, gas(2).as_bytes());
+    assert!(output.code == 2 && output.err.contains("standard input can be read once"), "{}", output.err);
+}
+
+#[test]
+fn pictures_and_reports_give_their_camera_back() {
+    let dir = TestDir::new(&[("gas.dump", &gas(3)), ("other.xyz", "2\n\nC 0 0 0\nO 9 9 9\n")]);
+    let first = reports(&dir, "--frames 2 --view 1,2,-3 --vfov 12.5 -o a.png --aov depth=d.npy --aov depth,id=a.exr");
+    dir.put("report.json", first[0].to_string());
+    let pictures = ["a.png", "d.npy", "a.exr", "report.json"];
+    for file in pictures {
+        let again = reports(&dir, &format!("--frames 2 --camera-from {file} --aov depth=again.npy"));
+        let bits = |name: &str| dir.array(name).0.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        assert!(bits("again.npy") == bits("d.npy"), "{file}: other depths");
+        let (mut old, mut new) = (first[0]["camera"].clone(), again[0]["camera"].clone());
+        // `at` is not kept where a view was given; both have the same numbers otherwise.
+        for camera in [&mut old, &mut new] {
+            camera.as_object_mut().expect("an object").remove("at");
+        }
+        assert_eq!(old, new, "{file}");
+    }
+    let size = dir.render("other.xyz --json --camera-from a.png").json();
+    assert_eq!(size["camera"], first[0]["camera"], "the size is that of the picture");
+    let wide = dir.render("other.xyz --json --camera-from a.png --size 128x48").json();
+    let side = |report: &Value, k: usize| report["camera"]["viewport"][k].as_f64().expect("a number");
+    assert_eq!(side(&wide, 1), side(&size, 1));
+    // One rounding for the product and one for the quotient.
+    assert!((side(&wide, 0) / side(&size, 0) - 2.0).abs() <= 4.0 * f64::EPSILON);
+    let plan = dir.good("plan other.xyz --backend cpu --json --camera-from a.png").json();
+    assert_eq!(plan["camera"], size["camera"]);
+    dir.put("no.json", "{\"spheres\": 3}\n");
+    dir.put("empty.json", "");
+    dir.refused_render(3, "other.xyz --json --camera-from no.json", &["no.json: camera: the file has no camera"]);
+    dir.refused_render(8, "other.xyz --json --camera-from none.png", &["none.png"]);
+    dir.refused_render(3, "other.xyz --json --camera-from empty.json", &["empty.json"]);
+    dir.refused_render(2, "other.xyz --json --camera-from a.png --eye 0,0,9", &["--camera-from", "--eye"]);
+    dir.refused_render(2, "other.xyz -o a.png --camera-from a.png", &["a.png"]);
+}
