@@ -16,12 +16,15 @@ const LOOK: &str = "Spheres and colours";
 #[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
     /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
-    /// npy, npz.
+    /// npy, npz, xtc, trr, dcd.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     frames: Option<FrameRange>,
+    /// File with the atoms of a trajectory (xtc, trr, dcd), such as a PDB or GRO file: elements, radii and columns.
+    #[arg(long, value_name = "FILE")]
+    topology: Option<PathBuf>,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -92,6 +95,7 @@ impl ReadArgs {
             strict: self.strict,
             format: self.format,
             frames: self.frames.clone().unwrap_or_default(),
+            topology: self.topology.clone(),
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
@@ -104,6 +108,11 @@ impl ReadArgs {
     /// The selected frames of a sequence.
     pub(super) fn frames(&self) -> Option<&FrameRange> {
         self.frames.as_ref()
+    }
+
+    /// The file with the atoms of a trajectory.
+    pub(super) fn topology(&self) -> Option<&PathBuf> {
+        self.topology.as_ref()
     }
 
     /// The arrangement of the spheres.

@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// The options of `render` and `plan`, in the groups of their help.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz; also .gz or
-    /// .bz2); - for standard input.
+    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
+    /// also .gz or .bz2); - for standard input.
     pub(super) scene: PathBuf,
     #[command(flatten)]
     pub(super) read: ReadArgs,

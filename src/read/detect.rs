@@ -44,6 +44,9 @@ fn of_content(start: &[u8]) -> Option<Format> {
     if start.starts_with(b"PK\x03\x04") {
         return Some(Format::Npz);
     }
+    if let Some((format, _)) = BINARY.iter().find(|(_, sign)| sign(start)) {
+        return Some(*format);
+    }
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
     let signs: [(Format, Sign); 11] = [
@@ -61,6 +64,18 @@ fn of_content(start: &[u8]) -> Option<Format> {
     ];
     signs.into_iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| format)
 }
+
+/// Whether bytes begin a format.
+type BinarySign = fn(&[u8]) -> bool;
+
+/// The first bytes of binary formats.
+const BINARY: [(Format, BinarySign); 3] = [
+    (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
+    (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
+    (Format::Dcd, |bytes| {
+        matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
+    }),
+];
 
 /// Whether lines have a format.
 type Sign = fn(&[&str]) -> bool;
@@ -233,6 +248,11 @@ mod tests {
         }
         assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
+        assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0]), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0]), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0]), Some(Format::Trr));
+        assert_eq!(of_content(b"T\0\0\0CORD"), Some(Format::Dcd));
+        assert_eq!(of_content(b"\0\0\0\0\0\0\0TCORD"), Some(Format::Dcd));
     }
 
     #[test]
@@ -247,7 +267,7 @@ mod tests {
         for (text, name, what) in [
             ("TITLE\n  a run\nEND\n", "a.pdb", "GROMOS"),
             ("2 water\n 1 O 0.0 0.0 0.0 1 2\n 2 H 1.0 0.0 0.0 2 1\n", "a.xyz", "Tinker"),
-            ("\u{1}", "a.xtc", "XTC"),
+            ("\u{1}", "a.tng", "TNG"),
             ("[ moleculetype ]\n", "a.itp", "topology"),
             ("<?xml version=\"1.0\"?>\n", "a", "XML"),
             ("not x = 1 and more\n", "a", "cannot be detected"),

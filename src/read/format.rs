@@ -36,6 +36,12 @@ pub enum Format {
     Npy,
     /// Named NumPy arrays.
     Npz,
+    /// GROMACS trajectory, compressed.
+    Xtc,
+    /// GROMACS trajectory in full precision.
+    Trr,
+    /// Trajectory of CHARMM, NAMD, X-PLOR and LAMMPS.
+    Dcd,
 }
 
 impl Format {
@@ -55,6 +61,9 @@ impl Format {
         Self::Csv,
         Self::Npy,
         Self::Npz,
+        Self::Xtc,
+        Self::Trr,
+        Self::Dcd,
     ];
 
     /// The name on the command line.
@@ -80,6 +89,9 @@ impl Format {
             Self::Csv => &["csv", "tsv"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
+            Self::Xtc => &["xtc"],
+            Self::Trr => &["trr"],
+            Self::Dcd => &["dcd"],
         }
     }
 

@@ -5,6 +5,7 @@ use super::style::Style;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Options for reading a scene.
@@ -16,6 +17,8 @@ pub struct ReadOptions {
     pub format: Option<Format>,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
+    /// The particle file with the atoms of a trajectory, which gives their elements, radii and columns.
+    pub topology: Option<PathBuf>,
     /// The model number of a PDB or mmCIF file; `None` takes the first.
     pub model: Option<i64>,
     /// Selection of alternate locations.

@@ -30,6 +30,8 @@ pub(crate) struct Particles {
     pub(crate) unknown: BTreeMap<String, u64>,
     /// The other content of a column of symbols, while it is read.
     pub(in crate::read) species: Species,
+    /// Where virtual sites were left out: for every atom of the file, whether it stays. Empty elsewhere.
+    pub(in crate::read) left_out: Vec<bool>,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
     /// The number of particles for which all lists have capacity.
@@ -114,6 +116,7 @@ impl Particles {
 
     /// Keeps the particles whose flag is set.
     pub(super) fn keep(&mut self, stays: &[bool]) {
+        self.left_out = stays.to_vec();
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);
         keep(&mut self.elements, stays);

@@ -1,0 +1,43 @@
+//! The spheres of particle files, for comparison with other programs: a line of JSON for each frame, with centres,
+//! radii, the cell, the range of the values that give the colours, and the warnings. `tests/independent/readers.py`
+//! reads it.
+//!
+//! ```sh
+//! cargo run --release --example spheres -- FILE [--topology FILE] [--frames A-B] [--color-by COLUMN]
+//! ```
+
+use halfline::ReadOptions;
+use halfline::read::Sequence;
+use halfline::read::style::{Coloring, Scale};
+use serde_json::json;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut options = ReadOptions { frames: "1-".parse()?, ..ReadOptions::default() };
+    let mut words = std::env::args().skip(1);
+    let file = words.next().ok_or("a file is missing")?;
+    while let Some(word) = words.next() {
+        let value = words.next().ok_or_else(|| format!("{word} has no value"))?;
+        match word.as_str() {
+            "--topology" => options.topology = Some(value.into()),
+            "--frames" => options.frames = value.parse()?,
+            "--color-by" => {
+                let columns = value.split(',').map(str::to_owned).collect();
+                options.style.coloring = Coloring::Column(Scale { columns, map: None, range: None, log: false });
+            }
+            _ => return Err(format!("{word} is not an option").into()),
+        }
+    }
+    let mut sequence = Sequence::open(file.as_ref(), &options)?;
+    while let Some(frame) = sequence.next_scene()? {
+        let spheres = &frame.scene.spheres;
+        let cell = frame.cell.map(|cell| json!({ "origin": cell.origin, "edges": cell.edges }));
+        let range = frame.legend.map(|legend| legend.range);
+        let warnings = frame.scene.skipped.warnings();
+        let line = json!({
+            "frame": frame.number, "centers": spheres.centers, "radii": spheres.radii, "colors": spheres.colors,
+            "cell": cell, "range": range, "warnings": warnings,
+        });
+        println!("{line}");
+    }
+    Ok(())
+}

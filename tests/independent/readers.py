@@ -1,0 +1,86 @@
+"""Trajectories, crystals and clouds as other programs read them, compared with the spheres of halfline.
+
+    pip install MDAnalysis MDAnalysisTests ase laspy[lazrs] gsd numpy
+    cargo build --release --example spheres
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar pcd las gsd]
+"""
+import json, os, subprocess, sys, tempfile, warnings
+
+import numpy as np
+
+warnings.simplefilter("ignore")
+spheres = os.path.abspath(sys.argv[1])
+parts = sys.argv[2:] or ["trajectories"]
+
+
+def read(path, *arguments):
+    """The frames of a file: dictionaries with centers, radii, cell, range and warnings."""
+    done = subprocess.run([spheres, path, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0, (path, done.stderr)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def error_of(found, expected):
+    """The greatest difference, relative to the greatest number of the other program."""
+    found, expected = np.asarray(found, "f8"), np.asarray(expected, "f8")
+    assert found.shape == expected.shape, (found.shape, expected.shape)
+    return np.abs(found - expected).max(initial=0) / max(np.abs(expected).max(initial=0), 1)
+
+
+def trajectories():
+    import MDAnalysis
+    from MDAnalysis.lib.mdamath import triclinic_vectors
+    import MDAnalysisTests
+
+    data = os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data")
+    # MDAnalysis rounds to float32 after the division by the precision (XTC) and after the conversion to ångström: three
+    # roundings. Lengths and angles of cells are float32 too, and the cosine of an angle in degrees near 90 has an error of
+    # 90 pi / 180 units.
+    position, cell = 3 * 2**-24, 8 * 2**-24
+    files = {
+        "adk_oplsaa.xtc": "adk_oplsaa.gro", "adk_oplsaa.trr": "adk_oplsaa.gro", "cobrotoxin.trr": "cobrotoxin.pdb",
+        "cobrotoxin.xtc": "cobrotoxin.pdb", "adk_dims.dcd": "adk_open.pdb", "adk_dims2.dcd": "adk_open.pdb",
+        "adk_gbis_tmd-fast1_NAMD.dcd": None, "SiN_tric_namd.dcd": None, "tip125_tric_C36.dcd": None, "watdyn.dcd": None,
+        "aux_edr.xtc": None, "xyz_random_walk.xtc": None, "xtc_test_only_10_frame_10_atoms.xtc": None,
+        "trr_test_only_10_frame_10_atoms.trr": None, "surface.trr": None, "analysis/YiiP_lipids.xtc": "analysis/YiiP_lipids.gro.gz",
+        "coordinates/test.xtc": None, "coordinates/test.trr": None, "coordinates/test.dcd": None,
+        "lammps/ifabp_apo_100mM.dcd": None,
+    }  # fmt: skip
+    for name, topology in files.items():
+        path = os.path.join(data, name)
+        reader = MDAnalysis.coordinates.core.reader(path)
+        options = ["--topology", os.path.join(data, topology)] if topology else []
+        found = read(path, *options)
+        moves = bool(reader.ts.has_velocities)
+        ranges = [frame["range"] for frame in read(path, *options, "--color-by", "vy")] if moves else []
+        stays = slice(None)
+        if topology and len(found[0]["centers"]) != reader.n_atoms:
+            # Virtual sites are left out: MW of TIP4P, and the dummies around zinc.
+            names = MDAnalysis.Universe(os.path.join(data, topology)).atoms.names
+            stays = np.array([name != "MW" and not name.startswith("DM") for name in names])
+        assert len(found) == reader.n_frames, (name, len(found), reader.n_frames)
+        errors, cells, speeds = [], [], []
+        for n, (frame, step) in enumerate(zip(found, reader)):
+            errors.append(error_of(frame["centers"], step.positions[stays]))
+            if step.dimensions is None or not step.dimensions.any():
+                assert frame["cell"] is None, name
+            else:
+                edges = np.array(frame["cell"]["edges"])
+                # A cell of newer CHARMM is three vectors of any direction; lengths and angles are the same.
+                gram = triclinic_vectors(step.dimensions).astype("f8")
+                cells.append(error_of(edges @ edges.T, gram @ gram.T))
+            if moves:
+                # MDAnalysis converts nm/ps to ångström/ps.
+                vy = step.velocities[stays, 1].astype("f8") / 10
+                speeds.append(error_of(ranges[n], [vy.min(), vy.max()]))
+        assert max(errors) <= position and max(cells + [0]) <= cell and max(speeds + [0]) <= position, name
+        one = read(path, "--frames", str(len(found)), *options)
+        assert [frame["centers"] for frame in one] == [found[-1]["centers"]], name
+        print(
+            f"{name}: {len(found)} frames of {len(found[0]['centers'])}, positions {max(errors):.1e}, "
+            f"cells {max(cells + [0]):.1e} of {len(cells)}, velocities {max(speeds + [0]):.1e} of {len(speeds)}"
+        )
+
+
+for part in parts:
+    globals()[part]()
