@@ -49,7 +49,7 @@ fn of_content(start: &[u8]) -> Option<Format> {
     }
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-    let signs: [(Format, Sign); 11] = [
+    let signs: [(Format, Sign); 12] = [
         (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
         (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
         (Format::Mmcif, is_mmcif),
@@ -58,6 +58,7 @@ fn of_content(start: &[u8]) -> Option<Format> {
         (Format::Pdb, is_pdb),
         (Format::Gro, is_gro),
         (Format::Xyz, is_xyz),
+        (Format::Poscar, is_poscar),
         (Format::Nff, is_nff),
         (Format::Data, is_data),
         (Format::Csv, is_csv),
@@ -161,6 +162,17 @@ fn is_xyz(lines: &[&str]) -> bool {
     }
 }
 
+/// A comment, a scale, three vectors, optionally a line of species, and whole numbers.
+fn is_poscar(lines: &[&str]) -> bool {
+    let [_, scale, a, b, c, first, second, ..] = lines else { return false };
+    let vector = |line: &&str| numbers(line) == 3;
+    let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
+    let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
+    [1, 3].contains(&numbers(scale))
+        && [a, b, c].into_iter().all(vector)
+        && (counts(first) || species && counts(second))
+}
+
 fn is_nff(lines: &[&str]) -> bool {
     said(lines).next().is_some_and(|line| {
         let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
@@ -217,7 +229,7 @@ mod tests {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
-        let cases: [(&str, Option<Format>); 24] = [
+        let cases: [(&str, Option<Format>); 27] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -234,6 +246,9 @@ mod tests {
             ("1\nProperties=pos:R:3\n1 2 3\n", Some(Format::Xyz)),
             ("# by hand\nv\nfrom 0 0 1\n", Some(Format::Nff)),
             ("s 0 0 0 1\n", Some(Format::Nff)),
+            ("salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", Some(Format::Poscar)),
+            ("Cu\n-32.5\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
+            ("c 1\n1 1 2\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
             ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
             ("x,y,z,radius\n", Some(Format::Csv)),
             ("# id X Y Z vx\n", Some(Format::Csv)),
@@ -264,6 +279,7 @@ mod tests {
         assert_eq!(of(&header, "a.gro"), Ok(Format::Pdb));
         assert_eq!(of("# nothing\n", "a.xyz"), Ok(Format::Xyz));
         assert_eq!(of("[camera]\n", "a"), Ok(Format::Native));
+        assert_eq!(of("no scale\n", "run/CONTCAR.relaxed"), Ok(Format::Poscar));
         for (text, name, what) in [
             ("TITLE\n  a run\nEND\n", "a.pdb", "GROMOS"),
             ("2 water\n 1 O 0.0 0.0 0.0 1 2\n 2 H 1.0 0.0 0.0 2 1\n", "a.xyz", "Tinker"),

@@ -42,6 +42,8 @@ pub enum Format {
     Trr,
     /// Trajectory of CHARMM, NAMD, X-PLOR and LAMMPS.
     Dcd,
+    /// POSCAR and CONTCAR of VASP.
+    Poscar,
 }
 
 impl Format {
@@ -64,6 +66,7 @@ impl Format {
         Self::Xtc,
         Self::Trr,
         Self::Dcd,
+        Self::Poscar,
     ];
 
     /// The name on the command line.
@@ -92,13 +95,17 @@ impl Format {
             Self::Xtc => &["xtc"],
             Self::Trr => &["trr"],
             Self::Dcd => &["dcd"],
+            Self::Poscar => &["poscar", "contcar", "vasp"],
         }
     }
 
     /// Detects the format by a file name without the extension of its compression.
     pub(super) fn of_name(path: &Path) -> Option<Self> {
         let ending = ending(path);
-        Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()))
+        let known = Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()));
+        // VASP gives its files these names, without an extension.
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_uppercase();
+        known.or_else(|| ["POSCAR", "CONTCAR"].iter().any(|vasp| name.starts_with(vasp)).then_some(Self::Poscar))
     }
 }
 

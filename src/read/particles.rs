@@ -15,6 +15,7 @@ mod molecule;
 mod npz;
 mod pdb;
 mod ply;
+mod poscar;
 mod rows;
 mod scalar;
 mod table;
@@ -59,6 +60,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Npy => Box::new(super::npy::Array::new(source, options)?),
         Format::Npz => Box::new(npz::Npz::new(source, options)?),
         Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, options)),
+        Format::Poscar => Box::new(poscar::Poscar::new(source, options)),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))

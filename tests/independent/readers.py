@@ -1,8 +1,8 @@
-"""Trajectories, crystals and clouds as other programs read them, compared with the spheres of halfline.
+"""Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
 
-    pip install MDAnalysis MDAnalysisTests ase laspy[lazrs] gsd numpy
+    pip install MDAnalysis MDAnalysisTests ase numpy
     cargo build --release --example spheres
-    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar pcd las gsd]
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar]
 """
 import json, os, subprocess, sys, tempfile, warnings
 
@@ -10,7 +10,7 @@ import numpy as np
 
 warnings.simplefilter("ignore")
 spheres = os.path.abspath(sys.argv[1])
-parts = sys.argv[2:] or ["trajectories"]
+parts = sys.argv[2:] or ["trajectories", "poscar"]
 
 
 def read(path, *arguments):
@@ -80,6 +80,39 @@ def trajectories():
             f"{name}: {len(found)} frames of {len(found[0]['centers'])}, positions {max(errors):.1e}, "
             f"cells {max(cells + [0]):.1e} of {len(cells)}, velocities {max(speeds + [0]):.1e} of {len(speeds)}"
         )
+
+
+def poscar():
+    import ase.build, ase.io
+    from ase.io.vasp import write_vasp
+
+    atoms = ase.build.bulk("NaCl", "rocksalt", a=5.64).repeat((3, 2, 4))
+    atoms.rattle(0.2, seed=1)
+    atoms.set_cell(atoms.cell @ np.array([[1, 0.1, 0], [0, 1.2, -0.3], [0.05, 0, 0.9]]), scale_atoms=True)
+    atoms = atoms[np.argsort(atoms.numbers, kind="stable")]
+    texts = {}
+    for direct in [False, True]:
+        for version in [4, 5]:
+            with tempfile.NamedTemporaryFile("w+", suffix=".vasp") as file:
+                write_vasp(file.name, atoms, direct=direct, vasp5=version == 5)
+                texts[f"VASP {version}, {'direct' if direct else 'Cartesian'}"] = open(file.name).read()
+    lines = texts["VASP 5, direct"].splitlines(keepends=True)
+    volume = abs(float(np.linalg.det(atoms.cell)))
+    texts["negative scale"] = "".join([lines[0], f"{-2 * volume!r}\n", *lines[2:]])
+    texts["selective dynamics"] = "".join([*lines[:7], "Selective dynamics\n", *lines[7:8], *[line[:-1] + " T F T\n" for line in lines[8:]]])
+    for name, text in texts.items():
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "POSCAR")
+            open(path, "w").write(text)
+            (found,) = read(path)
+            other = ase.io.read(path, format="vasp")
+        # A few roundings of products and sums of three; the cube root of a volume.
+        errors = [error_of(found["centers"], other.positions), error_of(found["cell"]["edges"], other.cell[:])]
+        assert max(errors) < 1e-14, (name, errors)
+        # Van der Waals radii of Na and Cl, which Bondi and Alvarez give.
+        radii = [{11: 2.27, 17: 1.75}[number] for number in other.numbers]
+        assert found["radii"] == radii, name
+        print(f"POSCAR, {name}: {len(radii)} atoms, positions {errors[0]:.1e}, cell {errors[1]:.1e}")
 
 
 for part in parts:
