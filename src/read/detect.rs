@@ -49,8 +49,9 @@ fn of_content(start: &[u8]) -> Option<Format> {
     }
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-    let signs: [(Format, Sign); 12] = [
+    let signs: [(Format, Sign); 13] = [
         (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
+        (Format::Pcd, is_pcd),
         (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
         (Format::Mmcif, is_mmcif),
         (Format::Pdbqt, is_pdbqt),
@@ -173,6 +174,12 @@ fn is_poscar(lines: &[&str]) -> bool {
         && (counts(first) || species && counts(second))
 }
 
+/// Lines with the names and the sizes of the fields of a point cloud.
+fn is_pcd(lines: &[&str]) -> bool {
+    let begins = |key: &str| said(lines).take(8).any(|line| line.split_whitespace().next() == Some(key));
+    (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
+}
+
 fn is_nff(lines: &[&str]) -> bool {
     said(lines).next().is_some_and(|line| {
         let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
@@ -229,7 +236,7 @@ mod tests {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
-        let cases: [(&str, Option<Format>); 27] = [
+        let cases: [(&str, Option<Format>); 28] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -249,6 +256,7 @@ mod tests {
             ("salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", Some(Format::Poscar)),
             ("Cu\n-32.5\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
             ("c 1\n1 1 2\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
+            ("# .PCD v.7\nVERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n", Some(Format::Pcd)),
             ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
             ("x,y,z,radius\n", Some(Format::Csv)),
             ("# id X Y Z vx\n", Some(Format::Csv)),

@@ -44,6 +44,8 @@ pub enum Format {
     Dcd,
     /// POSCAR and CONTCAR of VASP.
     Poscar,
+    /// Point clouds of the Point Cloud Library.
+    Pcd,
 }
 
 impl Format {
@@ -67,6 +69,7 @@ impl Format {
         Self::Trr,
         Self::Dcd,
         Self::Poscar,
+        Self::Pcd,
     ];
 
     /// The name on the command line.
@@ -96,6 +99,7 @@ impl Format {
             Self::Trr => &["trr"],
             Self::Dcd => &["dcd"],
             Self::Poscar => &["poscar", "contcar", "vasp"],
+            Self::Pcd => &["pcd"],
         }
     }
 

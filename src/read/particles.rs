@@ -13,6 +13,7 @@ mod masses;
 mod mmcif;
 mod molecule;
 mod npz;
+mod pcd;
 mod pdb;
 mod ply;
 mod poscar;
@@ -61,6 +62,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Npz => Box::new(npz::Npz::new(source, options)?),
         Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, options)),
         Format::Poscar => Box::new(poscar::Poscar::new(source, options)),
+        Format::Pcd => Box::new(pcd::Pcd::new(source, options)?),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))

@@ -22,6 +22,11 @@ impl BinaryFile {
         Self { reader: source.reader, path: source.path }
     }
 
+    /// The rest of a file that was read to its data.
+    pub(super) fn of(reader: Input, path: PathBuf) -> Self {
+        Self { reader, path }
+    }
+
     /// The position of the next byte, from 0.
     pub(super) fn at(&self) -> u64 {
         self.reader.position()
@@ -118,6 +123,23 @@ impl BinaryFile {
             left -= passed;
         }
         Ok(())
+    }
+
+    /// Skips the rest of the file, at most `most` bytes; returns their number.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn rest(&mut self, most: u64) -> Result<u64> {
+        let mut passed = 0;
+        while passed < most {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
+            if block == 0 {
+                break;
+            }
+            self.reader.consume(block);
+            passed += block as u64;
+        }
+        Ok(passed)
     }
 
     /// The error for a file that ends after `found` of the `count` bytes of a field, which begins at a byte.
