@@ -260,7 +260,7 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
             let [positions, ..] = arrays();
             vec![(positions.clone(), Wrap::Stored), (positions, Wrap::Deflated)]
         }
-        Format::Xtc | Format::Trr | Format::Dcd | Format::Poscar | Format::Pcd => corpus(format),
+        Format::Xtc | Format::Trr | Format::Dcd | Format::Poscar | Format::Pcd | Format::Las => corpus(format),
         other => panic!("{other:?} has no seeds: write some"),
     }
 }

@@ -71,9 +71,10 @@ fn of_content(start: &[u8]) -> Option<Format> {
 type BinarySign = fn(&[u8]) -> bool;
 
 /// The first bytes of binary formats.
-const BINARY: [(Format, BinarySign); 3] = [
+const BINARY: [(Format, BinarySign); 4] = [
     (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
     (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
+    (Format::Las, |bytes| bytes.starts_with(b"LASF")),
     (Format::Dcd, |bytes| {
         matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
     }),
@@ -271,6 +272,7 @@ mod tests {
         }
         assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
+        assert_eq!(of_content(b"LASF\0\0"), Some(Format::Las));
         assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0]), Some(Format::Xtc));
         assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0]), Some(Format::Xtc));
         assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0]), Some(Format::Trr));

@@ -46,6 +46,8 @@ pub enum Format {
     Poscar,
     /// Point clouds of the Point Cloud Library.
     Pcd,
+    /// Points of laser scans.
+    Las,
 }
 
 impl Format {
@@ -70,6 +72,7 @@ impl Format {
         Self::Dcd,
         Self::Poscar,
         Self::Pcd,
+        Self::Las,
     ];
 
     /// The name on the command line.
@@ -100,6 +103,7 @@ impl Format {
             Self::Dcd => &["dcd"],
             Self::Poscar => &["poscar", "contcar", "vasp"],
             Self::Pcd => &["pcd"],
+            Self::Las => &["las", "laz"],
         }
     }
 

@@ -8,6 +8,7 @@ mod dump;
 mod frame;
 mod gro;
 mod infer;
+mod las;
 mod layout;
 mod masses;
 mod mmcif;
@@ -63,6 +64,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, options)),
         Format::Poscar => Box::new(poscar::Poscar::new(source, options)),
         Format::Pcd => Box::new(pcd::Pcd::new(source, options)?),
+        Format::Las => Box::new(las::Las::new(source, options)?),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))

@@ -1,8 +1,8 @@
 """Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
 
-    pip install MDAnalysis MDAnalysisTests ase numpy
+    pip install MDAnalysis MDAnalysisTests ase laspy numpy
     cargo build --release --example spheres
-    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar]
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las]
 """
 import json, os, subprocess, sys, tempfile, warnings
 
@@ -10,7 +10,7 @@ import numpy as np
 
 warnings.simplefilter("ignore")
 spheres = os.path.abspath(sys.argv[1])
-parts = sys.argv[2:] or ["trajectories", "poscar"]
+parts = sys.argv[2:] or ["trajectories", "poscar", "las"]
 
 
 def read(path, *arguments):
@@ -113,6 +113,46 @@ def poscar():
         radii = [{11: 2.27, 17: 1.75}[number] for number in other.numbers]
         assert found["radii"] == radii, name
         print(f"POSCAR, {name}: {len(radii)} atoms, positions {errors[0]:.1e}, cell {errors[1]:.1e}")
+
+
+def las():
+    import laspy
+
+    rng = np.random.default_rng(1)
+    for fmt in range(11):
+        if fmt in (4, 5, 9, 10):
+            continue  # laspy writes no wave packets
+        header = laspy.LasHeader(point_format=fmt, version="1.4" if fmt > 5 else "1.2")
+        header.scales, header.offsets = [0.001, 0.01, 1 / 3], [4e5, -5e6, 0.1]
+        cloud = laspy.LasData(header)
+        cloud.x, cloud.y, cloud.z = [rng.uniform(-100, 100, 1000) + offset for offset in header.offsets]
+        cloud.intensity, cloud.classification = rng.integers(0, 65536, 1000), rng.integers(0, 32, 1000)
+        cloud.return_number, cloud.number_of_returns = rng.integers(0, 8, 1000), rng.integers(0, 8, 1000)
+        cloud.user_data, cloud.point_source_id = rng.integers(0, 256, 1000), rng.integers(0, 65536, 1000)
+        names = {"return_number": "return_number", "number_of_returns": "number_of_returns", "user_data": "user_data"}
+        names |= {"intensity": "intensity", "classification": "classification", "point_source": "point_source_id"}
+        dimensions = list(cloud.point_format.dimension_names)
+        if "gps_time" in dimensions:
+            cloud.gps_time, names["gps_time"] = rng.uniform(0, 1e9, 1000), "gps_time"
+        if "nir" in dimensions:
+            cloud.nir, names["nir"] = rng.integers(0, 65536, 1000), "nir"
+        if "red" in dimensions:
+            cloud.red, cloud.green, cloud.blue = rng.integers(0, 65536, (3, 1000))
+        with tempfile.NamedTemporaryFile(suffix=".las") as file:
+            cloud.write(file.name)
+            (found,) = read(file.name)
+            ranges = {name: read(file.name, "--color-by", name)[0]["range"] for name in names}
+            other = laspy.read(file.name)
+        assert found["centers"] == other.xyz.tolist(), fmt
+        for name, theirs in names.items():
+            column = np.asarray(other[theirs], "f8")
+            assert ranges[name] == [column.min(), column.max()], (fmt, name)
+        if "red" in dimensions:
+            x = np.stack([other.red, other.green, other.blue], -1) / 65535.0
+            # IEC 61966-2-1; stored as float32.
+            linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+            assert error_of(found["colors"], linear) < 2**-23, fmt
+        print(f"LAS, format {fmt}: 1000 points with equal positions, ranges of {', '.join(names)}")
 
 
 for part in parts:
