@@ -260,7 +260,9 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
             let [positions, ..] = arrays();
             vec![(positions.clone(), Wrap::Stored), (positions, Wrap::Deflated)]
         }
-        Format::Xtc | Format::Trr | Format::Dcd | Format::Poscar | Format::Pcd | Format::Las => corpus(format),
+        Format::Xtc | Format::Trr | Format::Dcd | Format::Poscar | Format::Pcd | Format::Las | Format::Gsd => {
+            corpus(format)
+        }
         other => panic!("{other:?} has no seeds: write some"),
     }
 }

@@ -16,7 +16,7 @@ const LOOK: &str = "Spheres and colours";
 #[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
     /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
-    /// npy, npz, xtc, trr, dcd, poscar, pcd, las.
+    /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).

@@ -71,10 +71,11 @@ fn of_content(start: &[u8]) -> Option<Format> {
 type BinarySign = fn(&[u8]) -> bool;
 
 /// The first bytes of binary formats.
-const BINARY: [(Format, BinarySign); 4] = [
+const BINARY: [(Format, BinarySign); 5] = [
     (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
     (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
     (Format::Las, |bytes| bytes.starts_with(b"LASF")),
+    (Format::Gsd, |bytes| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes())),
     (Format::Dcd, |bytes| {
         matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
     }),
@@ -273,6 +274,7 @@ mod tests {
         assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
         assert_eq!(of_content(b"LASF\0\0"), Some(Format::Las));
+        assert_eq!(of_content(&[0xdf, 0x65].repeat(4)), Some(Format::Gsd));
         assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0]), Some(Format::Xtc));
         assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0]), Some(Format::Xtc));
         assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0]), Some(Format::Trr));

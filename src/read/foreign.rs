@@ -48,12 +48,6 @@ const ALL: &[Foreign] = &[
         sign: |bytes, _| bytes.starts_with(b"\x89HDF\r\n\x1a\n"),
     },
     Foreign {
-        what: "a GSD file",
-        mend: ARRAYS,
-        endings: &["gsd"],
-        sign: |bytes, _| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes()),
-    },
-    Foreign {
         what: "an SQLite file, as Desmond writes structures (DMS)",
         mend: STRUCTURE,
         endings: &["dms"],

@@ -48,6 +48,8 @@ pub enum Format {
     Pcd,
     /// Points of laser scans.
     Las,
+    /// Frames of HOOMD-blue.
+    Gsd,
 }
 
 impl Format {
@@ -73,6 +75,7 @@ impl Format {
         Self::Poscar,
         Self::Pcd,
         Self::Las,
+        Self::Gsd,
     ];
 
     /// The name on the command line.
@@ -104,6 +107,7 @@ impl Format {
             Self::Poscar => &["poscar", "contcar", "vasp"],
             Self::Pcd => &["pcd"],
             Self::Las => &["las", "laz"],
+            Self::Gsd => &["gsd"],
         }
     }
 

@@ -7,6 +7,7 @@ mod data;
 mod dump;
 mod frame;
 mod gro;
+mod gsd;
 mod infer;
 mod las;
 mod layout;
@@ -65,6 +66,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Poscar => Box::new(poscar::Poscar::new(source, options)),
         Format::Pcd => Box::new(pcd::Pcd::new(source, options)?),
         Format::Las => Box::new(las::Las::new(source, options)?),
+        Format::Gsd => Box::new(gsd::Gsd::new(source, options)),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))

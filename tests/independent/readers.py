@@ -1,8 +1,8 @@
 """Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
 
-    pip install MDAnalysis MDAnalysisTests ase laspy numpy
+    pip install MDAnalysis MDAnalysisTests ase laspy gsd numpy
     cargo build --release --example spheres
-    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las]
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las gsd]
 """
 import json, os, subprocess, sys, tempfile, warnings
 
@@ -10,7 +10,7 @@ import numpy as np
 
 warnings.simplefilter("ignore")
 spheres = os.path.abspath(sys.argv[1])
-parts = sys.argv[2:] or ["trajectories", "poscar", "las"]
+parts = sys.argv[2:] or ["trajectories", "poscar", "las", "gsd"]
 
 
 def read(path, *arguments):
@@ -153,6 +153,29 @@ def las():
             linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
             assert error_of(found["colors"], linear) < 2**-23, fmt
         print(f"LAS, format {fmt}: 1000 points with equal positions, ranges of {', '.join(names)}")
+
+
+def gsd():
+    import gsd.hoomd
+    import MDAnalysisTests
+
+    data = os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data")
+    for name in ["example.gsd", "example_bonds.gsd", "example_longer.gsd"]:
+        path = os.path.join(data, name)
+        found = read(path)
+        columns = {name: [frame["range"] for frame in read(path, "--color-by", name)] for name in ["vx", "mass"]}
+        with gsd.hoomd.open(path) as frames:
+            assert len(found) == len(frames), name
+            for n, (ours, theirs) in enumerate(zip(found, frames)):
+                assert ours["centers"] == theirs.particles.position.astype("f8").tolist(), name
+                assert ours["radii"] == (theirs.particles.diameter.astype("f8") / 2).tolist(), name
+                x, y, z, xy, xz, yz = theirs.configuration.box.astype("f8")
+                assert ours["cell"]["edges"] == [[x, 0, 0], [xy * y, y, 0], [xz * z, yz * z, z]], name
+                for column, values in {"vx": theirs.particles.velocity[:, 0], "mass": theirs.particles.mass}.items():
+                    ends = [values.min(), values.max()]
+                    # Equal values have a range of their own.
+                    assert ends[0] == ends[1] or columns[column][n] == [float(x) for x in ends], (name, column)
+        print(f"{name}: {len(found)} frames of {len(found[0]['centers'])} equal positions, diameters, boxes and velocities")
 
 
 for part in parts:

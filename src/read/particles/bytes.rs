@@ -107,6 +107,24 @@ impl BinaryFile {
         Ok(())
     }
 
+    /// Replaces the content of `into` with the rest of the file.
+    ///
+    /// # Errors
+    /// [`Error::Limits`], and those of reading.
+    pub(super) fn all(&mut self, into: &mut Vec<u8>) -> Result<()> {
+        into.clear();
+        loop {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?;
+            let length = block.len();
+            if length == 0 {
+                return Ok(());
+            }
+            reserve(into, length)?;
+            into.extend_from_slice(block);
+            self.reader.consume(length);
+        }
+    }
+
     /// Skips `count` bytes.
     ///
     /// # Errors
