@@ -3,7 +3,7 @@
 //! `tests/independent` read it.
 //!
 //! ```sh
-//! cargo run --release --example spheres -- FILE [--select EXPR] [--frames A-B] [--color-by COLUMN]
+//! cargo run --release --example spheres -- FILE [--topology FILE] [--select EXPR] [--frames A-B] [--color-by COLUMN]
 //! ```
 
 use halfline::ReadOptions;
@@ -19,6 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let value = words.next().ok_or_else(|| format!("{word} has no value"))?;
         match word.as_str() {
             "--select" => options.select.push(value.parse()?),
+            "--topology" => options.topology = Some(value.into()),
             "--frames" => options.frames = value.parse()?,
             "--color-by" => {
                 let columns = value.split(',').map(str::to_owned).collect();

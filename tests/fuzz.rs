@@ -260,8 +260,20 @@ fn seeds(format: Format) -> Vec<(Vec<u8>, Wrap)> {
             let [positions, ..] = arrays();
             vec![(positions.clone(), Wrap::Stored), (positions, Wrap::Deflated)]
         }
+        Format::Xtc | Format::Trr | Format::Dcd | Format::Poscar | Format::Pcd | Format::Las | Format::Gsd => {
+            corpus(format)
+        }
         other => panic!("{other:?} has no seeds: write some"),
     }
+}
+
+/// The seeds of binary formats, which are in the corpus of the fuzzer; the first byte of an input selects options.
+fn corpus(format: Format) -> Vec<(Vec<u8>, Wrap)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(format.name());
+    let entries = std::fs::read_dir(folder).expect("a folder of inputs").map(|entry| entry.expect("an entry").path());
+    let mut seeds: Vec<_> = entries.filter(|path| path.file_name().is_some_and(|name| name.len() < 40)).collect();
+    seeds.sort();
+    seeds.into_iter().map(|path| (std::fs::read(path).expect("an input")[1..].to_vec(), Wrap::Plain)).collect()
 }
 
 /// The beginnings of real files, if there are any.

@@ -126,7 +126,8 @@ fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
         let in_pieces = read(Pieces { content: content.to_vec(), at: 0 }, &options, length);
         assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
     }
-    let per_byte = if matches!(format, Some(Format::Native) | None) { PER_BYTE_OF_TOML } else { PER_BYTE };
+    let per_byte =
+        if matches!(format, Some(Format::Native | Format::Pcd) | None) { PER_BYTE_OF_TOML } else { PER_BYTE };
     allowed(length, per_byte)
 }
 
@@ -227,8 +228,14 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
         assert_eq!(colors.len(), spheres.len());
         assert!(colors.iter().flatten().all(|c| *c >= 0.0 && c.is_finite()), "colours are light");
     }
-    // A sphere has three coordinates of at least one byte each; an assembly repeats spheres.
-    assert!(options.assembly.is_some() || 3 * spheres.len() <= length, "{} spheres of {length} bytes", spheres.len());
+    // A sphere has three coordinates of at least one byte each; an assembly repeats spheres. In compressed formats it has
+    // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three.
+    let most = match options.format {
+        Some(Format::Xtc) => 4 * length,
+        Some(Format::Pcd) | None => 30 * length,
+        _ => length / 3,
+    };
+    assert!(options.assembly.is_some() || spheres.len() <= most, "{} spheres of {length} bytes", spheres.len());
     if let Some(cell) = &shot.cell {
         assert!(cell.origin.iter().chain(cell.edges.iter().flatten()).all(|x| x.is_finite()), "{cell:?}");
     }

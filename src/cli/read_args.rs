@@ -19,7 +19,7 @@ const SELECTION: &str = "Selection";
 #[command(next_help_heading = "Input")]
 pub(super) struct ReadArgs {
     /// File format, if neither content nor name show it: toml, nff, xyz, pdb, pqr, pdbqt, cif, gro, dump, data, ply, csv,
-    /// npy, npz.
+    /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
@@ -29,6 +29,9 @@ pub(super) struct ReadArgs {
     /// (frames of the file, which is read twice), none (each frame by itself).
     #[arg(long, value_name = "H", default_value = "first", hide_default_value = true)]
     pub(super) hold: Hold,
+    /// File with the atoms of a trajectory (xtc, trr, dcd), such as a PDB or GRO file: elements, radii and columns.
+    #[arg(long, value_name = "FILE")]
+    topology: Option<PathBuf>,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -108,6 +111,7 @@ impl ReadArgs {
             format: self.format,
             frames: self.frames.clone().unwrap_or_default(),
             hold: self.hold,
+            topology: self.topology.clone(),
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
@@ -144,6 +148,11 @@ impl ReadArgs {
     /// The selected frames of a sequence.
     pub(super) fn frames(&self) -> Option<&FrameRange> {
         self.frames.as_ref()
+    }
+
+    /// The file with the atoms of a trajectory.
+    pub(super) fn topology(&self) -> Option<&PathBuf> {
+        self.topology.as_ref()
     }
 
     /// The arrangement of the spheres.

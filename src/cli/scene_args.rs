@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// The options of `render` and `plan`, in the groups of their help.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz; also .gz or
-    /// .bz2); - for standard input.
+    /// The scene or particle file (toml, nff, xyz, pdb, cif, gro, LAMMPS dump or data, ply, csv, npy, npz, xtc, trr, dcd;
+    /// also .gz or .bz2); - for standard input.
     pub(super) scene: PathBuf,
     #[command(flatten)]
     pub(super) read: ReadArgs,
@@ -198,7 +198,7 @@ impl SceneArgs {
         }
     }
 
-    /// Returns an error for outputs that are one file, or the scene file. `SceneFrames::inputs` gives the other files that
+    /// Returns an error for outputs that are one file, or the scene file or its topology. `SceneFrames::inputs` gives the other files that
     /// are read.
     pub(super) fn check_outputs(&self) -> Result<()> {
         let mut names = self.files.names()?;
@@ -206,12 +206,16 @@ impl SceneArgs {
         names.retain(|name| !is_standard_output(name));
         let numbers = self.numbers();
         check_numbered(&names, numbers.iter().copied())?;
-        let scene = place(&self.scene);
-        let over = |name: &&&Path| number_in(&place(name), &scene).is_some_and(|number| numbers.contains(&number));
-        match names.iter().find(over) {
-            Some(_) => check_inputs([self.scene.as_path()], std::slice::from_ref(&self.scene)),
-            None => check_inputs(names, std::slice::from_ref(&self.scene)),
+        let inputs: Vec<PathBuf> = [&self.scene].into_iter().chain(self.read.topology()).cloned().collect();
+        for input in &inputs {
+            let file = place(input);
+            // By a later frame of a numbered pattern.
+            let over = |name: &&Path| number_in(&place(name), &file).is_some_and(|number| numbers.contains(&number));
+            if names.iter().any(over) {
+                check_inputs([input.as_path()], std::slice::from_ref(input))?;
+            }
         }
+        check_inputs(names, &inputs)
     }
 
     /// The selected window of the scene's image.

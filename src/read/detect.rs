@@ -44,10 +44,14 @@ fn of_content(start: &[u8]) -> Option<Format> {
     if start.starts_with(b"PK\x03\x04") {
         return Some(Format::Npz);
     }
+    if let Some((format, _)) = BINARY.iter().find(|(_, sign)| sign(start)) {
+        return Some(*format);
+    }
     let text = String::from_utf8_lossy(start);
     let lines: Vec<&str> = text.trim_start_matches('\u{feff}').lines().take(64).collect();
-    let signs: [(Format, Sign); 11] = [
+    let signs: [(Format, Sign); 13] = [
         (Format::Ply, |lines| lines.first().is_some_and(|line| line.trim_end() == "ply")),
+        (Format::Pcd, is_pcd),
         (Format::Dump, |lines| lines.first().is_some_and(|line| line.starts_with("ITEM:"))),
         (Format::Mmcif, is_mmcif),
         (Format::Pdbqt, is_pdbqt),
@@ -55,12 +59,27 @@ fn of_content(start: &[u8]) -> Option<Format> {
         (Format::Pdb, is_pdb),
         (Format::Gro, is_gro),
         (Format::Xyz, is_xyz),
+        (Format::Poscar, is_poscar),
         (Format::Nff, is_nff),
         (Format::Data, is_data),
         (Format::Csv, is_csv),
     ];
     signs.into_iter().find(|(_, sign)| sign(&lines)).map(|(format, _)| format)
 }
+
+/// Whether bytes begin a format.
+type BinarySign = fn(&[u8]) -> bool;
+
+/// The first bytes of binary formats.
+const BINARY: [(Format, BinarySign); 5] = [
+    (Format::Xtc, |bytes| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..])),
+    (Format::Trr, |bytes| bytes.starts_with(&[0, 0, 7, 0xc9])),
+    (Format::Las, |bytes| bytes.starts_with(b"LASF")),
+    (Format::Gsd, |bytes| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes())),
+    (Format::Dcd, |bytes| {
+        matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || matches!(bytes.get(8..12), Some(b"CORD" | b"VELD"))
+    }),
+];
 
 /// Whether lines have a format.
 type Sign = fn(&[&str]) -> bool;
@@ -146,6 +165,23 @@ fn is_xyz(lines: &[&str]) -> bool {
     }
 }
 
+/// A comment, a scale, three vectors, optionally a line of species, and whole numbers.
+fn is_poscar(lines: &[&str]) -> bool {
+    let [_, scale, a, b, c, first, second, ..] = lines else { return false };
+    let vector = |line: &&str| numbers(line) == 3;
+    let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
+    let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
+    [1, 3].contains(&numbers(scale))
+        && [a, b, c].into_iter().all(vector)
+        && (counts(first) || species && counts(second))
+}
+
+/// Lines with the names and the sizes of the fields of a point cloud.
+fn is_pcd(lines: &[&str]) -> bool {
+    let begins = |key: &str| said(lines).take(8).any(|line| line.split_whitespace().next() == Some(key));
+    (begins("FIELDS") || begins("COLUMNS")) && begins("SIZE") && begins("TYPE")
+}
+
 fn is_nff(lines: &[&str]) -> bool {
     said(lines).next().is_some_and(|line| {
         let mut words = line.split_whitespace().take_while(|word| !word.starts_with('#'));
@@ -202,7 +238,7 @@ mod tests {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
-        let cases: [(&str, Option<Format>); 24] = [
+        let cases: [(&str, Option<Format>); 28] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -219,6 +255,10 @@ mod tests {
             ("1\nProperties=pos:R:3\n1 2 3\n", Some(Format::Xyz)),
             ("# by hand\nv\nfrom 0 0 1\n", Some(Format::Nff)),
             ("s 0 0 0 1\n", Some(Format::Nff)),
+            ("salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", Some(Format::Poscar)),
+            ("Cu\n-32.5\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
+            ("c 1\n1 1 2\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
+            ("# .PCD v.7\nVERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n", Some(Format::Pcd)),
             ("LAMMPS data file\n\n 12 atoms\n", Some(Format::Data)),
             ("x,y,z,radius\n", Some(Format::Csv)),
             ("# id X Y Z vx\n", Some(Format::Csv)),
@@ -233,6 +273,13 @@ mod tests {
         }
         assert_eq!(of_content(b"\x93NUMPY\x01\x00"), Some(Format::Npy));
         assert_eq!(of_content(b"PK\x03\x04"), Some(Format::Npz));
+        assert_eq!(of_content(b"LASF\0\0"), Some(Format::Las));
+        assert_eq!(of_content(&[0xdf, 0x65].repeat(4)), Some(Format::Gsd));
+        assert_eq!(of_content(&[0, 0, 7, 0xcb, 0, 0]), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xe7, 0, 0]), Some(Format::Xtc));
+        assert_eq!(of_content(&[0, 0, 7, 0xc9, 0, 0]), Some(Format::Trr));
+        assert_eq!(of_content(b"T\0\0\0CORD"), Some(Format::Dcd));
+        assert_eq!(of_content(b"\0\0\0\0\0\0\0TCORD"), Some(Format::Dcd));
     }
 
     #[test]
@@ -244,10 +291,11 @@ mod tests {
         assert_eq!(of(&header, "a.gro"), Ok(Format::Pdb));
         assert_eq!(of("# nothing\n", "a.xyz"), Ok(Format::Xyz));
         assert_eq!(of("[camera]\n", "a"), Ok(Format::Native));
+        assert_eq!(of("no scale\n", "run/CONTCAR.relaxed"), Ok(Format::Poscar));
         for (text, name, what) in [
             ("TITLE\n  a run\nEND\n", "a.pdb", "GROMOS"),
             ("2 water\n 1 O 0.0 0.0 0.0 1 2\n 2 H 1.0 0.0 0.0 2 1\n", "a.xyz", "Tinker"),
-            ("\u{1}", "a.xtc", "XTC"),
+            ("\u{1}", "a.tng", "TNG"),
             ("[ moleculetype ]\n", "a.itp", "topology"),
             ("<?xml version=\"1.0\"?>\n", "a", "XML"),
             ("not x = 1 and more\n", "a", "cannot be detected"),

@@ -29,30 +29,12 @@ const ALL: &[Foreign] = &[
         sign: is_gromos,
     },
     Foreign {
-        what: "a GROMACS XTC trajectory",
-        mend: TRAJECTORY,
-        endings: &["xtc"],
-        sign: |bytes, _| matches!(bytes, [0, 0, 7, 0xcb | 0xe7, ..]),
-    },
-    Foreign {
-        what: "a GROMACS TRR trajectory",
-        mend: TRAJECTORY,
-        endings: &["trr"],
-        sign: |bytes, _| bytes.starts_with(&[0, 0, 7, 0xc9]),
-    },
-    Foreign {
         what: "a GROMACS run input file (TPR)",
         mend: "write its coordinates with `gmx editconf -f topol.tpr -o out.gro`",
         endings: &["tpr"],
         sign: |bytes, _| bytes.get(8..15) == Some(b"VERSION") || bytes.get(4..11) == Some(b"VERSION"),
     },
     Foreign { what: "a GROMACS TNG trajectory", mend: TRAJECTORY, endings: &["tng"], sign: |_, _| false },
-    Foreign {
-        what: "a DCD trajectory",
-        mend: TRAJECTORY,
-        endings: &["dcd"],
-        sign: |bytes, _| matches!(bytes.get(4..8), Some(b"CORD" | b"VELD")) || bytes.get(8..12) == Some(b"CORD"),
-    },
     Foreign {
         what: "a NetCDF file",
         mend: TRAJECTORY,
@@ -64,12 +46,6 @@ const ALL: &[Foreign] = &[
         mend: ARRAYS,
         endings: &["h5", "hdf5", "h5md"],
         sign: |bytes, _| bytes.starts_with(b"\x89HDF\r\n\x1a\n"),
-    },
-    Foreign {
-        what: "a GSD file",
-        mend: ARRAYS,
-        endings: &["gsd"],
-        sign: |bytes, _| bytes.starts_with(&0x65df_65df_65df_65df_u64.to_le_bytes()),
     },
     Foreign {
         what: "an SQLite file, as Desmond writes structures (DMS)",
@@ -195,8 +171,7 @@ mod tests {
             let found = of(text).unwrap_or("nothing");
             assert!(found.starts_with(what), "{text:?} is {found}");
         }
-        assert!(of_content(&[0, 0, 7, 0xcb, 0, 0], &[]).is_some_and(|foreign| foreign.what.contains("XTC")));
-        assert!(of_content(b"T\0\0\0CORD", &[]).is_some_and(|foreign| foreign.what.contains("DCD")));
+        assert!(of_content(b"CDF\x01", &[]).is_some_and(|foreign| foreign.what.contains("NetCDF")));
         assert!(of_name(Path::new("a/b.NCDF")).is_some() && of_name(Path::new("b.pdb")).is_none());
     }
 

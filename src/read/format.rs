@@ -36,6 +36,20 @@ pub enum Format {
     Npy,
     /// Named NumPy arrays.
     Npz,
+    /// GROMACS trajectory, compressed.
+    Xtc,
+    /// GROMACS trajectory in full precision.
+    Trr,
+    /// Trajectory of CHARMM, NAMD, X-PLOR and LAMMPS.
+    Dcd,
+    /// POSCAR and CONTCAR of VASP.
+    Poscar,
+    /// Point clouds of the Point Cloud Library.
+    Pcd,
+    /// Points of laser scans.
+    Las,
+    /// Frames of HOOMD-blue.
+    Gsd,
 }
 
 impl Format {
@@ -55,6 +69,13 @@ impl Format {
         Self::Csv,
         Self::Npy,
         Self::Npz,
+        Self::Xtc,
+        Self::Trr,
+        Self::Dcd,
+        Self::Poscar,
+        Self::Pcd,
+        Self::Las,
+        Self::Gsd,
     ];
 
     /// The name on the command line.
@@ -80,13 +101,23 @@ impl Format {
             Self::Csv => &["csv", "tsv"],
             Self::Npy => &["npy"],
             Self::Npz => &["npz"],
+            Self::Xtc => &["xtc"],
+            Self::Trr => &["trr"],
+            Self::Dcd => &["dcd"],
+            Self::Poscar => &["poscar", "contcar", "vasp"],
+            Self::Pcd => &["pcd"],
+            Self::Las => &["las", "laz"],
+            Self::Gsd => &["gsd"],
         }
     }
 
     /// Detects the format by a file name without the extension of its compression.
     pub(super) fn of_name(path: &Path) -> Option<Self> {
         let ending = ending(path);
-        Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()))
+        let known = Self::ALL.iter().copied().find(|format| format.endings().contains(&ending.as_str()));
+        // VASP gives its files these names, without an extension.
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_uppercase();
+        known.or_else(|| ["POSCAR", "CONTCAR"].iter().any(|vasp| name.starts_with(vasp)).then_some(Self::Poscar))
     }
 }
 

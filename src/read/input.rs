@@ -91,6 +91,11 @@ impl Input {
         self.length
     }
 
+    /// The position of the next byte in the decompressed content, from 0.
+    pub(crate) fn position(&self) -> u64 {
+        self.delivered
+    }
+
     /// The bytes of an uncompressed file that were not read yet; `None` where its length is not known.
     pub(crate) fn left(&self) -> Option<u64> {
         (self.length > 0).then(|| self.length.saturating_sub(self.delivered))

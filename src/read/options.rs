@@ -7,6 +7,7 @@ use super::style::Style;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Options for reading a scene.
@@ -20,6 +21,8 @@ pub struct ReadOptions {
     pub frames: FrameRange,
     /// What the frames of a sequence have in common.
     pub hold: Hold,
+    /// The particle file with the atoms of a trajectory, which gives their elements, radii and columns.
+    pub topology: Option<PathBuf>,
     /// The model number of a PDB or mmCIF file; `None` takes the first.
     pub model: Option<i64>,
     /// Selection of alternate locations.

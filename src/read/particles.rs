@@ -2,23 +2,29 @@
 //! into spheres.
 
 mod assembly;
+mod bytes;
 mod data;
 mod dump;
 mod frame;
 mod gro;
+mod gsd;
 mod infer;
+mod las;
 mod layout;
 mod masses;
 mod mmcif;
 mod molecule;
 mod names;
 mod npz;
+mod pcd;
 mod pdb;
 mod ply;
+mod poscar;
 mod rows;
 mod scalar;
 mod survey;
 mod table;
+mod trajectory;
 mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};
@@ -30,13 +36,26 @@ pub(super) use survey::{ColumnCounts, Counts};
 pub(super) use table::{Table, axes, delimiter, fields, has_content};
 
 use super::format::Format;
-use super::options::ReadOptions;
+use super::options::{FrameRange, ReadOptions};
 use super::source::SceneSource;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use std::path::Path;
+use trajectory::{Topology, Trajectory};
 
 /// The frames of a particle file; `None` for formats that contain a whole scene.
 pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
-    molecule::check(source.format, options)?;
+    let trajectory = matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd);
+    let topology = match &options.topology {
+        None => None,
+        Some(path) if trajectory => Some(topology(path, &source.path, options)?),
+        Some(_) => {
+            let problem = format!("{} files contain their atoms and take no topology", source.format.name());
+            return Err(Error::settings(problem, "remove --topology, or read a trajectory (xtc, trr, dcd)"));
+        }
+    };
+    if topology.is_none() {
+        molecule::check(source.format, options)?;
+    }
     let frames: Box<dyn ParticleFrames> = match source.format {
         Format::Mmcif => Box::new(mmcif::Mmcif::new(source, options)),
         Format::Gro => Box::new(gro::Gro::new(source, options)),
@@ -48,9 +67,38 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         Format::Csv => Box::new(table::OneTable::new(source, options)?),
         Format::Npy => Box::new(super::npy::Array::new(source, options)?),
         Format::Npz => Box::new(npz::Npz::new(source, options)?),
+        Format::Xtc | Format::Trr | Format::Dcd => Box::new(Trajectory::new(source, topology, options)),
+        Format::Poscar => Box::new(poscar::Poscar::new(source, options)),
+        Format::Pcd => Box::new(pcd::Pcd::new(source, options)?),
+        Format::Las => Box::new(las::Las::new(source, options)?),
+        Format::Gsd => Box::new(gsd::Gsd::new(source, options)),
         _ => return Ok(Err(source)),
     };
     Ok(Ok(frames))
+}
+
+/// The first frame of the file with the atoms of a trajectory.
+fn topology(path: &Path, trajectory: &Path, options: &ReadOptions) -> Result<Topology> {
+    let name = path.display();
+    let unfit = |problem: String| {
+        Err(Error::settings(problem, "use a particle file with the atoms of the trajectory, such as PDB or GRO"))
+    };
+    if path == Path::new("-") && trajectory == path {
+        return unfit("the trajectory and its topology cannot both come from standard input".into());
+    }
+    let source = SceneSource::open(path, None, &options.watch)?;
+    if matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd) {
+        return unfit(format!("the topology {name} is a trajectory, which has positions only"));
+    }
+    let options =
+        ReadOptions { topology: None, format: None, frames: FrameRange::first(), survey: None, ..options.clone() };
+    match open(source, &options)? {
+        Ok(mut frames) => match frames.next()? {
+            Some(atoms) => Ok(Topology { path: path.to_path_buf(), atoms }),
+            None => unfit(format!("the topology {name} has no atoms")),
+        },
+        Err(_) => unfit(format!("the topology {name} is a scene, not a particle file")),
+    }
 }
 
 /// All frames of a text, for the readers' tests.

@@ -23,7 +23,7 @@ pub struct Sequence {
     state: SequenceState,
     /// The number of frames read so far.
     passed: u64,
-    /// The files that the scene file refers to.
+    /// The files that the scene file refers to, and the topology.
     files: Vec<PathBuf>,
 }
 
@@ -80,7 +80,7 @@ impl Sequence {
 
     /// The scenes of an opened source.
     pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
-        let mut files = Vec::new();
+        let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
@@ -88,7 +88,7 @@ impl Sequence {
                     Format::Nff => nff::read(source.reader, path, options)?,
                     _ => {
                         let (scene, named) = native::read(source.reader, path, &options.watch)?;
-                        files = named;
+                        files.extend(named);
                         scene
                     }
                 };
@@ -102,7 +102,7 @@ impl Sequence {
         Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0, files })
     }
 
-    /// The files that the scene file refers to, which were read with it.
+    /// The files that the scene file refers to, and the topology of a trajectory, which were read with it.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
         &self.files

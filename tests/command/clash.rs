@@ -56,6 +56,15 @@ fn an_input_is_not_overwritten() {
     refused(&dir, "render frame7.npy --format xyz --frames 1-9 --backend cpu -o frame%d.npy", &["frame7.npy", read]);
     refused(&dir, "render frame7.npy --format xyz --frames 1- --backend cpu -o frame%d.npy", &["frame7.npy", read]);
     dir.render("frame7.npy --format xyz --frames 1-6 --size 4x4 -o frame%d.npy");
+    // The topology of a trajectory: a frame of one atom, which is not compressed.
+    let head = [1995i32, 1, 0, 0].into_iter().flat_map(i32::to_be_bytes).chain([0; 36]);
+    dir.put("move.xtc", head.chain(1i32.to_be_bytes()).chain([0; 12]).collect::<Vec<u8>>());
+    dir.put("atom7.npy", "1\nH\nH 0 0 0\n");
+    std::fs::copy(dir.path("atom7.npy"), dir.path("atom.xyz")).expect("copied");
+    dir.put("atom.npy", dir.get("atom.xyz"));
+    refused(&dir, "render move.xtc --topology atom.npy --backend cpu -o atom.npy", &["atom.npy", read]);
+    refused(&dir, "render move.xtc --topology atom7.npy --frames 1- --backend cpu -o atom%d.npy", &["atom7.npy", read]);
+    dir.render("move.xtc --topology atom.xyz --size 4x4 -o atom.png");
 
     for (tile, name) in [("1/2", "1.png"), ("2/2", "2.png")] {
         dir.render(&format!("s.toml --tile {tile} -o {name}"));

@@ -28,6 +28,8 @@ pub(crate) struct Particles {
     pub(crate) labels: BTreeMap<String, Vec<String>>,
     /// The indices in the file, where some particles were removed; empty where none was.
     pub(in crate::read) places: Vec<u32>,
+    /// The number of particles in the file, where some were removed.
+    pub(in crate::read) listed: usize,
     /// The numbers from 1 of the style's rules for colour and radius, 0 for none; empty without rules.
     pub(crate) paint: Vec<u16>,
     pub(crate) size: Vec<u16>,
@@ -198,6 +200,7 @@ impl Particles {
     pub(in crate::read) fn keep(&mut self, stays: &[bool]) {
         if self.places.is_empty() {
             self.places = (0..self.positions.len() as u32).collect();
+            self.listed = self.positions.len();
         }
         keep(&mut self.places, stays);
         keep(&mut self.paint, stays);

@@ -1,0 +1,168 @@
+//! Binary files as a sequence of bytes, with the place of every byte. What is read grows with the content of the file,
+//! not with the counts in its header.
+
+use crate::error::{Error, Place, Result};
+use crate::memory::reserve;
+use crate::read::input::Input;
+use crate::read::source::SceneSource;
+use std::io::{BufRead, Read};
+use std::path::PathBuf;
+
+/// A binary file.
+pub(super) struct BinaryFile {
+    reader: Input,
+    path: PathBuf,
+}
+
+/// The most bytes that a list grows by at a time.
+const STEP: usize = 1 << 20;
+
+impl BinaryFile {
+    pub(super) fn new(source: SceneSource) -> Self {
+        Self { reader: source.reader, path: source.path }
+    }
+
+    /// The rest of a file that was read to its data.
+    pub(super) fn of(reader: Input, path: PathBuf) -> Self {
+        Self { reader, path }
+    }
+
+    /// The position of the next byte, from 0.
+    pub(super) fn at(&self) -> u64 {
+        self.reader.position()
+    }
+
+    /// The file.
+    pub(super) fn file(&self) -> Place {
+        Place::file(self.path.display().to_string())
+    }
+
+    /// An error of the field that begins at a byte.
+    pub(super) fn fail(&self, byte: u64, field: &str, problem: impl Into<String>, mend: &str) -> Error {
+        Error::scene(self.file().named(format!("byte {byte}: {field}")), problem, mend)
+    }
+
+    /// Reports that a particle was found, which resets the limits of silent streams.
+    pub(super) fn found(&self) {
+        self.reader.found();
+    }
+
+    /// Whether all bytes were read.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn is_end(&mut self) -> Result<bool> {
+        Ok(self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.is_empty())
+    }
+
+    /// Reads exactly these bytes of a field.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where the file ends before, and those of reading.
+    pub(super) fn fill(&mut self, bytes: &mut [u8], field: &str) -> Result<()> {
+        let (began, mut done) = (self.at(), 0);
+        while done < bytes.len() {
+            match self.reader.read(&mut bytes[done..]) {
+                Ok(0) => return Err(self.ends(began, done as u64, bytes.len() as u64, field)),
+                Ok(read) => done += read,
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(Error::read(&self.path, e)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a field of `N` bytes.
+    ///
+    /// # Errors
+    /// As [`BinaryFile::fill`].
+    pub(super) fn bytes<const N: usize>(&mut self, field: &str) -> Result<[u8; N]> {
+        let mut bytes = [0; N];
+        self.fill(&mut bytes, field)?;
+        Ok(bytes)
+    }
+
+    /// Replaces the content of `into` with the next `count` bytes. The list grows with the bytes that exist.
+    ///
+    /// # Errors
+    /// As [`BinaryFile::fill`], and [`Error::Limits`].
+    pub(super) fn block(&mut self, count: u64, into: &mut Vec<u8>, field: &str) -> Result<()> {
+        into.clear();
+        let began = self.at();
+        while (into.len() as u64) < count {
+            let done = into.len();
+            let step = (count - done as u64).min(STEP as u64) as usize;
+            reserve(into, step)?;
+            into.resize(done + step, 0);
+            let mut read = done;
+            while read < done + step {
+                match self.reader.read(&mut into[read..]) {
+                    Ok(0) => return Err(self.ends(began, read as u64, count, field)),
+                    Ok(more) => read += more,
+                    Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+                    Err(e) => return Err(Error::read(&self.path, e)),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the content of `into` with the rest of the file.
+    ///
+    /// # Errors
+    /// [`Error::Limits`], and those of reading.
+    pub(super) fn all(&mut self, into: &mut Vec<u8>) -> Result<()> {
+        into.clear();
+        loop {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?;
+            let length = block.len();
+            if length == 0 {
+                return Ok(());
+            }
+            reserve(into, length)?;
+            into.extend_from_slice(block);
+            self.reader.consume(length);
+        }
+    }
+
+    /// Skips `count` bytes.
+    ///
+    /// # Errors
+    /// As [`BinaryFile::fill`].
+    pub(super) fn pass(&mut self, count: u64, field: &str) -> Result<()> {
+        let (began, mut left) = (self.at(), count);
+        while left > 0 {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
+            if block == 0 {
+                return Err(self.ends(began, count - left, count, field));
+            }
+            let passed = left.min(block as u64);
+            self.reader.consume(passed as usize);
+            left -= passed;
+        }
+        Ok(())
+    }
+
+    /// Skips the rest of the file, at most `most` bytes; returns their number.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn rest(&mut self, most: u64) -> Result<u64> {
+        let mut passed = 0;
+        while passed < most {
+            let block = self.reader.fill_buf().map_err(|e| Error::read(&self.path, e))?.len();
+            if block == 0 {
+                break;
+            }
+            self.reader.consume(block);
+            passed += block as u64;
+        }
+        Ok(passed)
+    }
+
+    /// The error for a file that ends after `found` of the `count` bytes of a field, which begins at a byte.
+    fn ends(&self, byte: u64, found: u64, count: u64, field: &str) -> Error {
+        let problem = format!("the file ends after {found} of {count} bytes");
+        self.fail(byte, field, problem, "the file was cut short or is damaged; copy or write it again")
+    }
+}

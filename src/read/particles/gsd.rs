@@ -1,0 +1,199 @@
+//! GSD files of HOOMD-blue: frames of positions, types, diameters, velocities and the box
+//! (gsd.readthedocs.io/en/stable/schema-hoomd.html). What a frame lacks is that of the first frame, where both have the
+//! same number of particles, or the default of the schema. There is no crate for the format.
+
+mod file;
+
+use super::bytes::BinaryFile;
+use super::layout::is_wanted;
+use super::{Column, ParticleFrames, Particles};
+use crate::error::Result;
+use crate::memory::{check, check_ids};
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use crate::scene::Cell;
+use file::{Chunk, GsdFile, until_zero};
+
+/// The reader.
+pub(super) struct Gsd {
+    source: Option<BinaryFile>,
+    file: Option<GsdFile>,
+    /// The requested columns, as indices of [`COLUMNS`].
+    wanted: Vec<usize>,
+    /// The next frame, from 0.
+    frame: u64,
+}
+
+/// A column: its name, the chunk, the component, and the default of the schema.
+const COLUMNS: [(&str, &str, u32, f64); 8] = [
+    ("typeid", TYPE, 0, 0.0),
+    ("type", TYPE, 0, 0.0),
+    ("mass", "particles/mass", 0, 1.0),
+    ("charge", "particles/charge", 0, 0.0),
+    ("body", "particles/body", 0, -1.0),
+    ("vx", VELOCITY, 0, 0.0),
+    ("vy", VELOCITY, 1, 0.0),
+    ("vz", VELOCITY, 2, 0.0),
+];
+
+const TYPE: &str = "particles/typeid";
+const VELOCITY: &str = "particles/velocity";
+const COUNT: &str = "particles/N";
+const POSITION: &str = "particles/position";
+const DIAMETER: &str = "particles/diameter";
+
+/// The default diameter of the schema.
+const DIAMETER_DEFAULT: f64 = 1.0;
+
+/// The most types.
+const MOST_TYPES: u64 = 4096;
+
+impl Gsd {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Self {
+        let columns = options.columns();
+        let asked = |name: &str| is_wanted(&columns, name);
+        let wanted = (0..COLUMNS.len()).filter(|k| asked(COLUMNS[*k].0)).collect();
+        Self { source: Some(BinaryFile::new(source)), file: None, wanted, frame: 0 }
+    }
+
+    /// Reads the file, if it was not read yet, and returns the next frame that it has.
+    fn advance(&mut self) -> Result<Option<(&GsdFile, u64)>> {
+        if let Some(source) = self.source.take() {
+            self.file = Some(GsdFile::read(source)?);
+        }
+        let Some(file) = &self.file else { return Ok(None) };
+        if self.frame >= file.frames()? {
+            return Ok(None);
+        }
+        self.frame += 1;
+        Ok(Some((file, self.frame - 1)))
+    }
+}
+
+/// The particles of a frame.
+struct Reading<'a> {
+    file: &'a GsdFile,
+    frame: u64,
+    count: u64,
+    /// Whether the first frame has as many particles.
+    like_first: bool,
+}
+
+impl<'a> Reading<'a> {
+    fn new(file: &'a GsdFile, frame: u64) -> Result<Self> {
+        let of = |frame: u64| -> Result<Option<u64>> {
+            let Some(chunk) = file.chunk(frame, COUNT) else { return Ok(None) };
+            let number = file.numbers(chunk).next().filter(|n| *n >= 0.0 && n.fract() == 0.0);
+            let count = number.ok_or_else(|| file.wrong(frame, COUNT, "it is no whole number"))? as u64;
+            check_ids(count).map(|()| Some(count))
+        };
+        let first = of(0)?.unwrap_or(0);
+        let count = of(frame)?.unwrap_or(first);
+        Ok(Self { file, frame, count, like_first: count == first })
+    }
+
+    /// An array with a row for each particle, of this frame or of the first.
+    fn array(&self, name: &str, columns: u32) -> Result<Option<Chunk>> {
+        let first = || self.file.chunk(0, name).filter(|_| self.like_first);
+        let Some(chunk) = self.file.chunk(self.frame, name).or_else(first) else { return Ok(None) };
+        if (chunk.rows, chunk.columns) != (self.count, columns) {
+            let problem = format!("{} x {} numbers for {} particles", chunk.rows, chunk.columns, self.count);
+            return Err(self.file.wrong(self.frame, name, problem));
+        }
+        Ok(Some(chunk))
+    }
+
+    fn positions(&self) -> Result<Vec<[f64; 3]>> {
+        let Some(chunk) = self.array(POSITION, 3)? else {
+            let problem = format!("{} particles have no positions", self.count);
+            return if self.count == 0 { Ok(Vec::new()) } else { Err(self.file.wrong(self.frame, POSITION, problem)) };
+        };
+        check(32 * self.count, || format!("{} particles", self.count))?;
+        let mut numbers = self.file.numbers(chunk);
+        let mut three = || Some([numbers.next()?, numbers.next()?, numbers.next()?]);
+        Ok(std::iter::from_fn(&mut three).collect())
+    }
+
+    fn radii(&self) -> Result<Vec<f64>> {
+        Ok(match self.array(DIAMETER, 1)? {
+            Some(chunk) => self.file.numbers(chunk).map(|diameter| diameter / 2.0).collect(),
+            None => vec![DIAMETER_DEFAULT / 2.0; self.count as usize],
+        })
+    }
+
+    fn column(&self, kind: usize) -> Result<Column> {
+        let (name, chunk, component, default) = COLUMNS[kind];
+        let width = if chunk == VELOCITY { 3 } else { 1 };
+        check(8 * self.count, || format!("the column {name}"))?;
+        let values = match self.array(chunk, width)? {
+            Some(chunk) => self.file.numbers(chunk).skip(component as usize).step_by(width as usize).collect(),
+            None => vec![default; self.count as usize],
+        };
+        Ok(Column { name: name.to_owned(), values })
+    }
+
+    /// The names of the types; numbers of types beyond them are names of their own.
+    fn types(&self, values: &[f64]) -> Vec<String> {
+        let name = "particles/types";
+        let chunk = self.file.chunk(self.frame, name).or_else(|| self.file.chunk(0, name));
+        let mut types: Vec<String> = match chunk.filter(|chunk| chunk.columns > 0 && chunk.rows <= MOST_TYPES) {
+            Some(chunk) => {
+                let row = chunk.columns as usize;
+                let text = |row: &[u8]| String::from_utf8_lossy(&until_zero(row)).into_owned();
+                self.file.bytes(chunk).chunks(row).map(text).collect()
+            }
+            None => vec!["A".into()],
+        };
+        let most = values.iter().fold(0.0f64, |most, x| most.max(*x)) as u64;
+        types.extend((types.len() as u64..=most.min(MOST_TYPES)).map(|number| number.to_string()));
+        types
+    }
+
+    /// The box: lengths, then the tilts xy, xz and yz; its centre is the origin.
+    fn cell(&self) -> Result<Option<Cell>> {
+        let name = "configuration/box";
+        let Some(chunk) = self.file.chunk(self.frame, name).or_else(|| self.file.chunk(0, name)) else {
+            return Ok(None);
+        };
+        let numbers: Vec<f64> = self.file.numbers(chunk).take(7).collect();
+        let [x, y, z, xy, xz, yz] = numbers[..] else {
+            return Err(self.file.wrong(self.frame, name, "a box has six numbers"));
+        };
+        let edges = [[x, 0.0, 0.0], [xy * y, y, 0.0], [xz * z, yz * z, z]];
+        if !edges.iter().flatten().all(|x| x.is_finite()) {
+            return Err(self.file.wrong(self.frame, name, "a number is not finite"));
+        }
+        let origin = [0, 1, 2].map(|k| -(edges[0][k] + edges[1][k] + edges[2][k]) / 2.0);
+        Ok(edges.iter().flatten().any(|x| *x != 0.0).then_some(Cell { origin, edges }))
+    }
+}
+
+impl ParticleFrames for Gsd {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let wanted = self.wanted.clone();
+        let Some((file, frame)) = self.advance()? else { return Ok(None) };
+        let reading = Reading::new(file, frame)?;
+        let mut particles = Particles {
+            positions: reading.positions()?,
+            radii: reading.radii()?,
+            cell: reading.cell()?,
+            has: COLUMNS.iter().map(|(name, ..)| (*name).to_owned()).collect(),
+            ..Particles::default()
+        };
+        for kind in wanted {
+            let column = reading.column(kind)?;
+            if COLUMNS[kind].1 == TYPE {
+                particles.labels.insert(column.name.clone(), reading.types(&column.values));
+            }
+            particles.columns.push(column);
+        }
+        Ok(Some(particles))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        Ok(self.advance()?.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests;

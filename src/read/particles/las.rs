@@ -1,0 +1,367 @@
+//! LAS: points of laser scans in records of ten formats (ASPRS, LAS Specification 1.4 R15). Coordinates are whole numbers
+//! times a scale plus an offset, in f64. Compressed files (LAZ) are refused: for a damaged file the crates las 0.11 and
+//! laz 0.13 allocate the number of chunks that it names, and the failed allocation ends the process.
+
+use super::bytes::BinaryFile;
+use super::layout::{Layout, Role, wanted};
+use super::{ParticleFrames, Particles, Survey};
+use crate::error::Result;
+use crate::memory::check_ids;
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use rayon::prelude::*;
+
+/// The reader.
+pub(super) struct Las {
+    file: Option<BinaryFile>,
+    wanted: Vec<String>,
+    survey: Option<Survey>,
+}
+
+/// What the header says of the points.
+struct LasHeader {
+    format: PointFormat,
+    /// Bytes of a record.
+    record: usize,
+    points: u64,
+    scale: [f64; 3],
+    offset: [f64; 3],
+}
+
+/// The fields of a record: the byte of each that only some formats have.
+#[derive(Debug, Clone, Copy)]
+struct PointFormat {
+    size: usize,
+    /// Whether it is one of the formats from 6 on, which have more bits for returns and classes.
+    long: bool,
+    gps_time: Option<usize>,
+    color: Option<usize>,
+    infrared: Option<usize>,
+}
+
+/// The formats 0 to 10; 4, 5, 9 and 10 end in 29 bytes of a wave packet.
+const FORMATS: [PointFormat; 11] = [
+    PointFormat { size: 20, long: false, gps_time: None, color: None, infrared: None },
+    PointFormat { size: 28, long: false, gps_time: Some(20), color: None, infrared: None },
+    PointFormat { size: 26, long: false, gps_time: None, color: Some(20), infrared: None },
+    PointFormat { size: 34, long: false, gps_time: Some(20), color: Some(28), infrared: None },
+    PointFormat { size: 57, long: false, gps_time: Some(20), color: None, infrared: None },
+    PointFormat { size: 63, long: false, gps_time: Some(20), color: Some(28), infrared: None },
+    PointFormat { size: 30, long: true, gps_time: Some(22), color: None, infrared: None },
+    PointFormat { size: 36, long: true, gps_time: Some(22), color: Some(30), infrared: None },
+    PointFormat { size: 38, long: true, gps_time: Some(22), color: Some(30), infrared: Some(36) },
+    PointFormat { size: 59, long: true, gps_time: Some(22), color: None, infrared: None },
+    PointFormat { size: 67, long: true, gps_time: Some(22), color: Some(30), infrared: Some(36) },
+];
+
+/// Columns of all formats, after the coordinates.
+const COMMON: [&str; 7] =
+    ["intensity", "return_number", "number_of_returns", "classification", "scan_angle", "user_data", "point_source"];
+
+/// Bytes of the header of versions before 1.3, and of 1.4.
+const HEADER: u64 = 227;
+const HEADER_14: u64 = 375;
+
+/// Points per block.
+const BLOCK: u64 = 4096;
+
+const DAMAGED: &str = "the file is damaged; copy or write it again";
+
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    bytes[at..].first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    bytes[at..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes))
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    bytes[at..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))
+}
+
+fn f64_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from_bits(u64_at(bytes, at))
+}
+
+impl Las {
+    pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
+        Ok(Self {
+            file: Some(BinaryFile::new(source)),
+            wanted: wanted(&options.columns())?,
+            survey: options.survey.clone(),
+        })
+    }
+
+    fn read(&self, mut file: BinaryFile) -> Result<Particles> {
+        let header = LasHeader::read(&mut file)?;
+        let layout = self.layout(header.format, &file)?;
+        let mut particles = layout.begin(self.survey.as_ref());
+        let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
+        while read < header.points {
+            let count = BLOCK.min(header.points - read);
+            file.block(count * header.record as u64, &mut block, "points")?;
+            for record in block.chunks_exact(header.record) {
+                numbers.clear();
+                header.numbers(record, &mut numbers);
+                layout.numbers(&numbers, &mut particles)?;
+            }
+            read += count;
+            file.found();
+        }
+        light(&mut particles);
+        Ok(particles)
+    }
+
+    /// The columns, in the order of [`LasHeader::numbers`].
+    fn layout(&self, format: PointFormat, file: &BinaryFile) -> Result<Layout> {
+        let mut layout = Layout::default();
+        let mut add = |name: &str, role| {
+            let wrong = |problem: String| file.fail(104, "point format", problem, DAMAGED);
+            layout.add(name, role, &self.wanted).map_err(wrong)
+        };
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            add(name, Role::Position(axis))?;
+        }
+        for name in COMMON {
+            add(name, Role::Other)?;
+        }
+        if format.gps_time.is_some() {
+            add("gps_time", Role::Other)?;
+        }
+        if format.color.is_some() {
+            for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
+                add(name, Role::Color(channel))?;
+            }
+        }
+        if format.infrared.is_some() {
+            add("nir", Role::Other)?;
+        }
+        Ok(layout)
+    }
+}
+
+impl ParticleFrames for Las {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        self.file.take().map(|file| self.read(file)).transpose()
+    }
+}
+
+impl LasHeader {
+    /// Reads up to the first point.
+    fn read(file: &mut BinaryFile) -> Result<Self> {
+        let mut bytes = Vec::new();
+        file.block(HEADER, &mut bytes, "header")?;
+        if !bytes.starts_with(b"LASF") {
+            return Err(file.fail(0, "signature", "the file does not begin with LASF", DAMAGED));
+        }
+        let (version, size) = ([bytes[24], bytes[25]], u64::from(u16_at(&bytes, 94)));
+        if version[0] != 1 || version[1] > 4 {
+            let problem = format!("version {}.{}", version[0], version[1]);
+            return Err(file.fail(24, "version", problem, "versions 1.0 to 1.4 are read"));
+        }
+        let (start, record) = (u64::from(u32_at(&bytes, 96)), usize::from(u16_at(&bytes, 105)));
+        let mut points = u64::from(u32_at(&bytes, 107));
+        if version[1] == 4 {
+            let mut rest = Vec::new();
+            file.block(HEADER_14 - HEADER, &mut rest, "header")?;
+            points = u64_at(&rest, 247 - HEADER as usize);
+        }
+        // LAZ sets the highest bits.
+        if bytes[104] >= 64 {
+            let mend = "decompress it, for example with `laszip -i in.laz -o out.las` or `pdal translate`";
+            return Err(file.fail(104, "point format", "the points are compressed (LAZ)", mend));
+        }
+        let format = FORMATS.get(usize::from(bytes[104])).copied();
+        let wrong =
+            || file.fail(104, "point format", format!("point format {}", bytes[104]), "formats 0 to 10 are read");
+        let format = format.ok_or_else(wrong)?;
+        if record < format.size {
+            let problem = format!("{record} bytes, but format {} has {}", bytes[104], format.size);
+            return Err(file.fail(105, "point record length", problem, DAMAGED));
+        }
+        check_ids(points)?;
+        let three = |at: usize| [0, 8, 16].map(|k| f64_at(&bytes, at + k));
+        let (scale, offset) = (three(131), three(155));
+        if !scale.iter().chain(&offset).all(|x| x.is_finite()) {
+            return Err(file.fail(131, "scale and offset", "a number is not finite", DAMAGED));
+        }
+        let here = file.at();
+        if size < HEADER.min(here) || start < here.max(size) {
+            let problem = format!("the points begin at byte {start}, the header has {size} bytes");
+            return Err(file.fail(96, "offset to point data", problem, DAMAGED));
+        }
+        file.pass(start - here, "variable length records")?;
+        Ok(Self { format, record, points, scale, offset })
+    }
+
+    /// The numbers of a record; colours are those of the file.
+    fn numbers(&self, record: &[u8], numbers: &mut Vec<f64>) {
+        for axis in 0..3 {
+            let whole = f64::from(u32_at(record, 4 * axis) as i32);
+            numbers.push(whole * self.scale[axis] + self.offset[axis]);
+        }
+        let returns = record[14];
+        let common = if self.format.long {
+            // In units of 0.006 degrees.
+            let angle = f64::from(u16_at(record, 18) as i16) * 0.006;
+            [returns & 15, returns >> 4, record[16]].map(f64::from).into_iter().chain([angle, record[17].into()])
+        } else {
+            let angle = f64::from(record[16] as i8);
+            [returns & 7, returns >> 3 & 7, record[15] & 31]
+                .map(f64::from)
+                .into_iter()
+                .chain([angle, record[17].into()])
+        };
+        numbers.push(u16_at(record, 12).into());
+        numbers.extend(common);
+        numbers.push(u16_at(record, if self.format.long { 20 } else { 18 }).into());
+        numbers.extend(self.format.gps_time.map(|at| f64_at(record, at)));
+        if let Some(at) = self.format.color {
+            numbers.extend([0, 2, 4].map(|channel| f64::from(u16_at(record, at + channel))));
+        }
+        numbers.extend(self.format.infrared.map(|at| f64::from(u16_at(record, at))));
+    }
+}
+
+/// Converts the colours from sRGB of 16 bits to linear RGB. Many programs write 8 bits into the fields of 16.
+fn light(particles: &mut Particles) {
+    let most = particles.colors.par_iter().map(|color| color.iter().fold(0.0f32, |most, c| most.max(*c)));
+    let most = most.reduce(|| 0.0, f32::max);
+    let top = if most > 0.0 && most <= 255.0 { 255.0 } else { 65535.0 };
+    if top < 65535.0 {
+        let said = "no colour is above 255, so colours are read as 8-bit sRGB, not as 16-bit";
+        particles.skipped.assumed.push(said.into());
+    }
+    // IEC 61966-2-1.
+    let linear = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+    particles.colors.par_iter_mut().for_each(|color| *color = color.map(|c| linear(f64::from(c) / top) as f32));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::style::{Coloring, Scale, Style};
+
+    /// A file of two points in a format, with a record of 10 bytes between header and points, and 3 extra bytes.
+    fn las(format: u8, minor: u8) -> Vec<u8> {
+        let size = if minor == 4 { HEADER_14 } else { HEADER } as usize;
+        let mut bytes = vec![0; size + 10];
+        let mut put = |at: usize, new: &[u8]| bytes[at..at + new.len()].copy_from_slice(new);
+        put(0, b"LASF");
+        put(24, &[1, minor]);
+        put(94, &(size as u16).to_le_bytes());
+        put(96, &(size as u32 + 10).to_le_bytes());
+        let record = FORMATS[usize::from(format)].size + 3;
+        put(104, &[format]);
+        put(105, &(record as u16).to_le_bytes());
+        if minor == 4 {
+            put(247, &2u64.to_le_bytes())
+        } else {
+            put(107, &2u32.to_le_bytes())
+        }
+        for (k, x) in [0.01, 0.5, -2.0, 1000.0, 0.0, 0.25].into_iter().enumerate() {
+            put(131 + 8 * k, &f64::to_le_bytes(x));
+        }
+        for n in 0..2u8 {
+            let mut point: Vec<u8> = [150 + i32::from(n), -3, 7].iter().flat_map(|x| x.to_le_bytes()).collect();
+            point.extend((513 + u16::from(n)).to_le_bytes());
+            // Return 2 of 3, class 5, the angle -12 or -2000 x 0.006 degrees, user data 9, source 77.
+            if format < 6 {
+                point.extend([2 | 3 << 3, 5 | 1 << 5, -12i8 as u8, 9]);
+            } else {
+                point.extend([2 | 3 << 4, 0, 5, 9]);
+                point.extend((-2000i16).to_le_bytes());
+            }
+            point.extend(77u16.to_le_bytes());
+            if FORMATS[usize::from(format)].gps_time.is_some() {
+                point.extend((1e9f64 + 0.125).to_le_bytes());
+            }
+            if FORMATS[usize::from(format)].color.is_some() {
+                point.extend([65535u16, 0, 32896].iter().flat_map(|c| c.to_le_bytes()));
+            }
+            if FORMATS[usize::from(format)].infrared.is_some() {
+                point.extend(4242u16.to_le_bytes());
+            }
+            point.resize(record, 0xee);
+            bytes.extend(point);
+        }
+        bytes
+    }
+
+    fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
+        let columns = columns.iter().map(|name| (*name).to_owned()).collect();
+        let scale = Scale { columns, map: None, range: None, log: false };
+        let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
+        let mut las = Las::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
+        Ok(las.next()?.expect("one frame"))
+    }
+
+    #[test]
+    fn points_of_every_format_are_read() {
+        for format in 0..11 {
+            for minor in if format < 6 { 0..5 } else { 4..5 } {
+                let found = read(&las(format, minor), &[&COMMON[..], &["gps_time", "nir"]].concat()).expect("points");
+                assert_eq!(
+                    found.positions,
+                    [[150.0 * 0.01 + 1000.0, -1.5, -13.75], [151.0 * 0.01 + 1000.0, -1.5, -13.75]]
+                );
+                let of =
+                    |name: &str| found.columns.iter().find(|column| column.name == name).map(|column| column.values[1]);
+                let common = [514.0, 2.0, 3.0, 5.0, -12.0, 9.0, 77.0];
+                assert_eq!(COMMON.map(|name| of(name).expect(name)), common, "format {format}");
+                let has = FORMATS[usize::from(format)];
+                assert_eq!(of("gps_time"), has.gps_time.map(|_| 1e9 + 0.125));
+                assert_eq!(of("nir"), has.infrared.map(|_| 4242.0));
+                match has.color {
+                    // 32896 of 65535 is 128 of 255: IEC 61966-2-1.
+                    Some(_) => {
+                        assert!(found.colors[1][..2] == [1.0, 0.0] && (found.colors[1][2] - 0.2158605).abs() < 1e-6)
+                    }
+                    None => assert!(found.colors.is_empty()),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn colours_of_8_bits_are_recognised() {
+        let mut bytes = las(2, 2);
+        let start = HEADER as usize + 10;
+        for point in 0..2 {
+            let at = start + 29 * point + 20;
+            bytes[at..at + 6].copy_from_slice(&[255, 0, 128, 0, 0, 0]);
+        }
+        let found = read(&bytes, &[]).expect("points");
+        assert!(found.colors[0][0] == 1.0 && (found.colors[0][1] - 0.2158605).abs() < 1e-6, "{:?}", found.colors);
+        assert!(found.skipped.assumed[0].contains("8-bit"), "{:?}", found.skipped);
+    }
+
+    #[test]
+    fn errors_name_the_byte() {
+        let with = |at: usize, byte: u8| {
+            let mut bytes = las(3, 4);
+            bytes[at] = byte;
+            bytes
+        };
+        for (bytes, told) in [
+            (with(0, 0), "byte 0: signature"),
+            (with(25, 5), "byte 24: version: version 1.5"),
+            (with(104, 131), "byte 104: point format: the points are compressed (LAZ); decompress it"),
+            (with(104, 11), "byte 104: point format: point format 11"),
+            (with(105, 33), "byte 105: point record length: 33 bytes, but format 3 has 34"),
+            (with(96, 0), "byte 96: offset to point data"),
+            (with(138, 0x7f), "byte 131: scale and offset"),
+            (with(247, 3), "byte 385: points: the file ends after 74 of 111 bytes"),
+            (with(251, 1), "32-bit ids"),
+            (las(3, 4)[..300].to_vec(), "byte 227: header: the file ends after 73 of 148 bytes"),
+            (las(3, 4)[..380].to_vec(), "variable length records: the file ends after 5 of 10 bytes"),
+        ] {
+            let mut bytes = bytes;
+            if told.contains("scale") {
+                bytes[137] = 0xf0;
+            }
+            let error = read(&bytes, &[]).map(drop).expect_err(told).to_string();
+            assert!(error.contains(told), "{told}: {error}");
+        }
+    }
+}

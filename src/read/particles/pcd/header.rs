@@ -1,0 +1,182 @@
+//! The header of a point cloud: its fields and the number of points.
+
+use crate::error::{Error, Place, Result};
+use crate::memory::check_ids;
+use crate::quote::quote;
+use crate::read::input::Input;
+use crate::read::lines::Lines;
+use crate::read::particles::layout::{Layout, Role, component};
+use crate::read::particles::scalar::Scalar;
+
+/// How the points are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PcdEncoding {
+    Ascii,
+    Binary,
+    Compressed,
+}
+
+/// A field of a point.
+pub(super) struct PcdField {
+    pub(super) scalar: Scalar,
+    /// Numbers per point.
+    pub(super) count: usize,
+    pub(super) kind: PcdKind,
+}
+
+/// What a field is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PcdKind {
+    /// Bytes without meaning.
+    Padding,
+    /// A colour in one number, 0xRRGGBB, whose bits may be those of a float.
+    Color,
+    Numbers,
+}
+
+/// The header.
+pub(super) struct PcdHeader {
+    pub(super) encoding: PcdEncoding,
+    pub(super) fields: Vec<PcdField>,
+    pub(super) points: u64,
+    /// The columns; a colour has three.
+    pub(super) layout: Layout,
+}
+
+impl PcdField {
+    /// Bytes per point.
+    pub(super) fn size(&self) -> usize {
+        self.scalar.size() * self.count
+    }
+}
+
+impl PcdHeader {
+    /// Bytes per point.
+    pub(super) fn size(&self) -> usize {
+        self.fields.iter().map(PcdField::size).sum()
+    }
+}
+
+/// The most lines and fields, and the most numbers of a field.
+const MOST_LINES: u64 = 1024;
+const MOST: usize = 4096;
+
+/// The lines that give a word for each field.
+const LISTS: [&str; 4] = ["FIELDS", "SIZE", "TYPE", "COUNT"];
+
+const MEND: &str = "write it as in the description of the format";
+
+/// Reads the header, up to the line `DATA`.
+pub(super) fn header(lines: &mut Lines<Input>, wanted: &[String]) -> Result<PcdHeader> {
+    let mut lists: [(Vec<String>, Place); 4] = Default::default();
+    let mut sizes: [Option<u64>; 3] = [None; 3];
+    for _ in 0..MOST_LINES {
+        if !lines.advance()? {
+            let problem = "the file ends within its header";
+            return Err(Error::scene(lines.place(0).named("header"), problem, "end the header with the line DATA"));
+        }
+        let mut words = lines.text().split_whitespace();
+        let Some(key) = words.next().filter(|key| !key.starts_with('#')) else { continue };
+        let fail = |problem: String| Error::scene(lines.place(0).named("header"), problem, MEND);
+        // Older files call the fields columns.
+        let key = if key == "COLUMNS" { "FIELDS" } else { key };
+        if let Some(list) = LISTS.iter().position(|name| *name == key) {
+            let words: Vec<String> = words.take(MOST + 1).map(str::to_owned).collect();
+            if words.len() > MOST {
+                return Err(fail(format!("more than {MOST} fields")));
+            }
+            lists[list] = (words, lines.place(0).named(key));
+        } else if let Some(size) = ["WIDTH", "HEIGHT", "POINTS"].iter().position(|name| *name == key) {
+            let number = words.next().and_then(|word| word.parse().ok());
+            sizes[size] = Some(number.ok_or_else(|| fail(format!("{} has no whole number", quote(lines.text()))))?);
+        } else if key == "DATA" {
+            let encoding = match words.next() {
+                Some("ascii") => PcdEncoding::Ascii,
+                Some("binary") => PcdEncoding::Binary,
+                Some("binary_compressed") => PcdEncoding::Compressed,
+                _ => {
+                    let mend = "the encodings are ascii, binary and binary_compressed";
+                    let problem = format!("{} has no known encoding", quote(lines.text()));
+                    return Err(Error::scene(lines.place(0).named("header"), problem, mend));
+                }
+            };
+            let [width, height, points] = sizes;
+            let product = || width?.checked_mul(height.unwrap_or(1));
+            let points = points.or_else(product).ok_or_else(|| fail("the number of points is missing".into()))?;
+            check_ids(points)?;
+            let (fields, layout) = fields(&lists, &lines.file(), wanted)?;
+            return Ok(PcdHeader { encoding, fields, points, layout });
+        } else if !["VERSION", "VIEWPOINT"].contains(&key) {
+            return Err(fail(format!("{} is not a header line", quote(lines.text()))));
+        }
+    }
+    let problem = format!("the header has more than {MOST_LINES} lines");
+    Err(Error::scene(lines.place(0).named("header"), problem, "end the header with the line DATA"))
+}
+
+/// The fields and their columns.
+fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, wanted: &[String]) -> Result<(Vec<PcdField>, Layout)> {
+    let [(names, place), (sizes, _), (types, _), (counts, _)] = lists;
+    let mut layout = Layout::default();
+    let mut fields = Vec::new();
+    for (list, name) in lists.iter().zip(LISTS) {
+        // Without the line COUNT each field has one number.
+        if list.0.len() != names.len() && !(name == "COUNT" && list.0.is_empty()) {
+            let problem = format!("{} fields have {} words after {name}", names.len(), list.0.len());
+            let place = if list.1.line.is_some() { list.1.clone() } else { file.clone().named("header") };
+            return Err(Error::scene(place, problem, "give a word for each field"));
+        }
+    }
+    for (k, name) in names.iter().enumerate() {
+        let wrong = |problem: String| Error::scene(place.clone(), problem, MEND);
+        let scalar = Scalar::of_numpy(&format!("<{}{}", types[k].to_ascii_lowercase(), sizes[k])).ok_or_else(|| {
+            let problem = format!("the type {} of size {}", quote(&types[k]), quote(&sizes[k]));
+            Error::scene(place.clone().named(format!("TYPE of {name}")), problem, "the types are I, U and F")
+        })?;
+        let count = counts.get(k).map_or(Ok(1), |count| count.parse::<usize>());
+        let count = count.ok().filter(|count| *count <= MOST).ok_or_else(|| {
+            let mend = "use a number up to 4096";
+            Error::scene(place.clone().named(format!("COUNT of {name}")), format!("{}", quote(&counts[k])), mend)
+        })?;
+        let packed = ["rgb", "rgba"].contains(&name.as_str()) && scalar.size() == 4 && count == 1;
+        let kind = match name.as_str() {
+            "_" => PcdKind::Padding,
+            _ if packed && !layout.contains(Role::Color(0)) => PcdKind::Color,
+            _ => PcdKind::Numbers,
+        };
+        match kind {
+            PcdKind::Padding => {}
+            PcdKind::Color => {
+                for (axis, color) in ["red", "green", "blue"].into_iter().enumerate() {
+                    layout.add(color, Role::Color(axis), wanted).map_err(wrong)?;
+                }
+            }
+            PcdKind::Numbers => {
+                for part in 0..count {
+                    let column = if count == 1 { name.clone() } else { component(name, part) };
+                    layout.add(&column, role(&column), wanted).map_err(wrong)?;
+                }
+                layout.vector(&name.to_lowercase(), count, wanted);
+            }
+        }
+        fields.push(PcdField { scalar, count, kind });
+    }
+    match (0..3).find(|axis| !layout.contains(Role::Position(*axis))) {
+        None => Ok((fields, layout)),
+        Some(axis) => {
+            let problem = format!("a point has no {}", ["x", "y", "z"][axis]);
+            Err(Error::scene(file.clone().named("FIELDS"), problem, "give the points the fields x, y and z"))
+        }
+    }
+}
+
+fn role(name: &str) -> Role {
+    match name {
+        "x" => Role::Position(0),
+        "y" => Role::Position(1),
+        "z" => Role::Position(2),
+        "radius" => Role::Radius,
+        "diameter" => Role::Diameter,
+        _ => Role::Other,
+    }
+}

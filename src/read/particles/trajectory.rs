@@ -1,0 +1,127 @@
+//! Trajectories: positions of the same atoms, frame by frame, without their elements and names. A topology, any particle
+//! file with the same atoms, gives these; the trajectory gives positions, the periodic cell and velocities.
+
+mod dcd;
+mod ints;
+mod moment;
+mod trr;
+mod xdr;
+mod xtc;
+
+use super::bytes::BinaryFile;
+use super::layout::is_wanted;
+use super::{Column, ParticleFrames, Particles};
+use crate::error::{Error, Place, Result};
+use crate::memory::check;
+use crate::quote::count;
+use crate::read::format::Format;
+use crate::read::options::ReadOptions;
+use crate::read::source::SceneSource;
+use moment::{Moment, Moments};
+use std::path::PathBuf;
+
+/// The columns of a trajectory that a topology may have too, where they belong to another frame.
+const OWN: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
+
+/// The velocities among them.
+const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];
+
+/// The atoms of a trajectory: their elements, radii, names and columns.
+pub(super) struct Topology {
+    pub(super) path: PathBuf,
+    pub(super) atoms: Particles,
+}
+
+/// The reader.
+pub(super) struct Trajectory {
+    moments: Box<dyn Moments>,
+    file: Place,
+    topology: Option<Topology>,
+    /// The requested velocities.
+    wanted: Vec<usize>,
+    /// Whether the assumptions were reported, which are the same for all frames.
+    told: bool,
+}
+
+impl Trajectory {
+    pub(super) fn new(source: SceneSource, topology: Option<Topology>, options: &ReadOptions) -> Self {
+        let columns = options.columns();
+        let wanted: Vec<usize> = (0..3).filter(|k| is_wanted(&columns, VELOCITIES[*k])).collect();
+        let (format, file) = (source.format, Place::file(source.path.display().to_string()));
+        let binary = BinaryFile::new(source);
+        let moments: Box<dyn Moments> = match format {
+            Format::Trr => Box::new(trr::Trr::new(binary, !wanted.is_empty())),
+            Format::Dcd => Box::new(dcd::Dcd::new(binary)),
+            _ => Box::new(xtc::Xtc::new(binary)),
+        };
+        Self { moments, file, topology, wanted, told: false }
+    }
+
+    /// The atoms of a topology, at the positions of a frame.
+    fn atoms(&self, topology: &Topology, moment: &mut Moment) -> Result<Particles> {
+        let atoms = &topology.atoms;
+        let (here, there) = (moment.positions.len(), atoms.positions.len());
+        // The trajectory has the virtual sites that are left out of the topology.
+        if here != there && atoms.listed == here && atoms.places.len() == there {
+            let kept = |from: &[[f64; 3]]| atoms.places.iter().filter_map(|n| from.get(*n as usize)).copied().collect();
+            (moment.positions, moment.velocities) = (kept(&moment.positions), kept(&moment.velocities));
+        } else if here != there {
+            let name = topology.path.display();
+            let all =
+                if atoms.listed > there { format!(" ({} with virtual sites)", atoms.listed) } else { String::new() };
+            let problem =
+                format!("the trajectory has {}, the topology {name} has {there}{all}", count(here as u64, "atom"));
+            return Err(Error::scene(
+                self.file.clone().named("number of atoms"),
+                problem,
+                "use the --topology of the atoms that the trajectory was written for",
+            ));
+        }
+        let each = size_of::<[f64; 3]>() + 32 + atoms.columns.len() * size_of::<f64>();
+        check((there * each) as u64, || format!("{there} atoms of a topology"))?;
+        let mut particles = atoms.clone();
+        particles.columns.retain(|column| !OWN.contains(&column.name.as_str()));
+        particles.has.retain(|name| !OWN.contains(&name.as_str()));
+        if self.told {
+            particles.skipped = Default::default();
+        }
+        Ok(particles)
+    }
+}
+
+impl ParticleFrames for Trajectory {
+    fn next(&mut self) -> Result<Option<Particles>> {
+        let Some(mut moment) = self.moments.next()? else { return Ok(None) };
+        let mut particles = match &self.topology {
+            Some(topology) => self.atoms(topology, &mut moment)?,
+            None => Particles::default(),
+        };
+        if self.topology.is_none() && !self.told {
+            particles.skipped.assumed.push(
+                "a trajectory has no elements; use --topology FILE with a structure of the same atoms (PDB, GRO, ...) for \
+                 elements, radii and names"
+                    .into(),
+            );
+        }
+        self.told = true;
+        if moment.has_velocities {
+            particles.has.extend(VELOCITIES.map(str::to_owned));
+        }
+        if !moment.velocities.is_empty() {
+            for k in &self.wanted {
+                check(8 * moment.velocities.len() as u64, || "the velocities".into())?;
+                let values = moment.velocities.iter().map(|velocity| velocity[*k]).collect();
+                particles.columns.push(Column { name: VELOCITIES[*k].to_owned(), values });
+            }
+        }
+        (particles.positions, particles.cell) = (moment.positions, moment.cell);
+        Ok(Some(particles))
+    }
+
+    fn skip(&mut self) -> Result<bool> {
+        self.moments.skip()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,89 @@
+//! Numbers of XDR, the encoding of GROMACS files (RFC 4506): big-endian, in words of four bytes.
+
+use crate::error::Result;
+use crate::memory::{check_ids, reserve};
+use crate::read::particles::bytes::BinaryFile;
+use crate::scene::Cell;
+
+/// Ångström per nanometre.
+pub(super) const NANOMETRE: f64 = 10.0;
+
+/// Real numbers of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Real {
+    Single,
+    Double,
+}
+
+impl Real {
+    /// Bytes per number.
+    pub(super) fn size(self) -> u64 {
+        match self {
+            Self::Single => 4,
+            Self::Double => 8,
+        }
+    }
+}
+
+/// A whole number.
+pub(super) fn int(file: &mut BinaryFile, field: &str) -> Result<i32> {
+    file.bytes(field).map(i32::from_be_bytes)
+}
+
+/// A number of atoms.
+///
+/// # Errors
+/// Negative numbers, and more atoms than ids can number.
+pub(super) fn atoms(file: &mut BinaryFile) -> Result<u64> {
+    let (field, at) = ("number of atoms", file.at());
+    let count = int(file, field)?;
+    let wrong = || file.fail(at, field, format!("{count} atoms"), "the file is damaged; copy or write it again");
+    let count = u64::try_from(count).map_err(|_| wrong())?;
+    check_ids(count)?;
+    Ok(count)
+}
+
+/// A real number.
+pub(super) fn real(file: &mut BinaryFile, real: Real, field: &str) -> Result<f64> {
+    match real {
+        Real::Single => file.bytes(field).map(f32::from_be_bytes).map(f64::from),
+        Real::Double => file.bytes(field).map(f64::from_be_bytes),
+    }
+}
+
+/// `count` vectors of three numbers, each multiplied by `unit`.
+pub(super) fn vectors(file: &mut BinaryFile, count: u64, of: Real, unit: f64, field: &str) -> Result<Vec<[f64; 3]>> {
+    let mut vectors = Vec::new();
+    for _ in 0..count {
+        let vector = match of {
+            Real::Single => {
+                let bytes: [u8; 12] = file.bytes(field)?;
+                let (words, _) = bytes.as_chunks::<4>();
+                [0, 1, 2].map(|k| f64::from(f32::from_be_bytes(words[k])))
+            }
+            Real::Double => {
+                let bytes: [u8; 24] = file.bytes(field)?;
+                let (words, _) = bytes.as_chunks::<8>();
+                [0, 1, 2].map(|k| f64::from_be_bytes(words[k]))
+            }
+        };
+        reserve(&mut vectors, 1)?;
+        vectors.push(vector.map(|x| x * unit));
+    }
+    Ok(vectors)
+}
+
+/// The box of a frame, three vectors in nanometres; `None` where it is zero.
+///
+/// # Errors
+/// Infinite numbers and NaN.
+pub(super) fn cell(file: &mut BinaryFile, of: Real) -> Result<Option<Cell>> {
+    let at = file.at();
+    let edges: [[f64; 3]; 3] = vectors(file, 3, of, NANOMETRE, "box")?.try_into().unwrap_or_default();
+    if !edges.iter().flatten().all(|x| x.is_finite()) {
+        let mend = "the file is damaged; copy or write it again";
+        return Err(file.fail(at, "box", "a number of the box is not finite", mend));
+    }
+    let is_some = edges.iter().flatten().any(|x| *x != 0.0);
+    Ok(is_some.then_some(Cell { origin: [0.0; 3], edges }))
+}

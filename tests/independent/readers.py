@@ -1,0 +1,182 @@
+"""Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
+
+    pip install MDAnalysis MDAnalysisTests ase laspy gsd numpy
+    cargo build --release --example spheres
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las gsd]
+"""
+import json, os, subprocess, sys, tempfile, warnings
+
+import numpy as np
+
+warnings.simplefilter("ignore")
+spheres = os.path.abspath(sys.argv[1])
+parts = sys.argv[2:] or ["trajectories", "poscar", "las", "gsd"]
+
+
+def read(path, *arguments):
+    """The frames of a file: dictionaries with centers, radii, cell, range and warnings."""
+    done = subprocess.run([spheres, path, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0, (path, done.stderr)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def error_of(found, expected):
+    """The greatest difference, relative to the greatest number of the other program."""
+    found, expected = np.asarray(found, "f8"), np.asarray(expected, "f8")
+    assert found.shape == expected.shape, (found.shape, expected.shape)
+    return np.abs(found - expected).max(initial=0) / max(np.abs(expected).max(initial=0), 1)
+
+
+def trajectories():
+    import MDAnalysis
+    from MDAnalysis.lib.mdamath import triclinic_vectors
+    import MDAnalysisTests
+
+    data = os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data")
+    # MDAnalysis rounds to float32 after the division by the precision (XTC) and after the conversion to ångström: three
+    # roundings. Lengths and angles of cells are float32 too, and the cosine of an angle in degrees near 90 has an error of
+    # 90 pi / 180 units.
+    position, cell = 3 * 2**-24, 8 * 2**-24
+    files = {
+        "adk_oplsaa.xtc": "adk_oplsaa.gro", "adk_oplsaa.trr": "adk_oplsaa.gro", "cobrotoxin.trr": "cobrotoxin.pdb",
+        "cobrotoxin.xtc": "cobrotoxin.pdb", "adk_dims.dcd": "adk_open.pdb", "adk_dims2.dcd": "adk_open.pdb",
+        "adk_gbis_tmd-fast1_NAMD.dcd": None, "SiN_tric_namd.dcd": None, "tip125_tric_C36.dcd": None, "watdyn.dcd": None,
+        "aux_edr.xtc": None, "xyz_random_walk.xtc": None, "xtc_test_only_10_frame_10_atoms.xtc": None,
+        "trr_test_only_10_frame_10_atoms.trr": None, "surface.trr": None, "analysis/YiiP_lipids.xtc": "analysis/YiiP_lipids.gro.gz",
+        "coordinates/test.xtc": None, "coordinates/test.trr": None, "coordinates/test.dcd": None,
+        "lammps/ifabp_apo_100mM.dcd": None,
+    }  # fmt: skip
+    for name, topology in files.items():
+        path = os.path.join(data, name)
+        reader = MDAnalysis.coordinates.core.reader(path)
+        options = ["--topology", os.path.join(data, topology)] if topology else []
+        found = read(path, *options)
+        moves = bool(reader.ts.has_velocities)
+        ranges = [frame["range"] for frame in read(path, *options, "--color-by", "vy")] if moves else []
+        stays = slice(None)
+        if topology and len(found[0]["centers"]) != reader.n_atoms:
+            # Virtual sites are left out: MW of TIP4P, and the dummies around zinc.
+            names = MDAnalysis.Universe(os.path.join(data, topology)).atoms.names
+            stays = np.array([name != "MW" and not name.startswith("DM") for name in names])
+        assert len(found) == reader.n_frames, (name, len(found), reader.n_frames)
+        errors, cells, speeds = [], [], []
+        for n, (frame, step) in enumerate(zip(found, reader)):
+            errors.append(error_of(frame["centers"], step.positions[stays]))
+            if step.dimensions is None or not step.dimensions.any():
+                assert frame["cell"] is None, name
+            else:
+                edges = np.array(frame["cell"]["edges"])
+                # A cell of newer CHARMM is three vectors of any direction; lengths and angles are the same.
+                gram = triclinic_vectors(step.dimensions).astype("f8")
+                cells.append(error_of(edges @ edges.T, gram @ gram.T))
+            if moves:
+                # MDAnalysis converts nm/ps to ångström/ps.
+                vy = step.velocities[stays, 1].astype("f8") / 10
+                speeds.append(error_of(ranges[n], [vy.min(), vy.max()]))
+        assert max(errors) <= position and max(cells + [0]) <= cell and max(speeds + [0]) <= position, name
+        one = read(path, "--frames", str(len(found)), *options)
+        assert [frame["centers"] for frame in one] == [found[-1]["centers"]], name
+        print(
+            f"{name}: {len(found)} frames of {len(found[0]['centers'])}, positions {max(errors):.1e}, "
+            f"cells {max(cells + [0]):.1e} of {len(cells)}, velocities {max(speeds + [0]):.1e} of {len(speeds)}"
+        )
+
+
+def poscar():
+    import ase.build, ase.io
+    from ase.io.vasp import write_vasp
+
+    atoms = ase.build.bulk("NaCl", "rocksalt", a=5.64).repeat((3, 2, 4))
+    atoms.rattle(0.2, seed=1)
+    atoms.set_cell(atoms.cell @ np.array([[1, 0.1, 0], [0, 1.2, -0.3], [0.05, 0, 0.9]]), scale_atoms=True)
+    atoms = atoms[np.argsort(atoms.numbers, kind="stable")]
+    texts = {}
+    for direct in [False, True]:
+        for version in [4, 5]:
+            with tempfile.NamedTemporaryFile("w+", suffix=".vasp") as file:
+                write_vasp(file.name, atoms, direct=direct, vasp5=version == 5)
+                texts[f"VASP {version}, {'direct' if direct else 'Cartesian'}"] = open(file.name).read()
+    lines = texts["VASP 5, direct"].splitlines(keepends=True)
+    volume = abs(float(np.linalg.det(atoms.cell)))
+    texts["negative scale"] = "".join([lines[0], f"{-2 * volume!r}\n", *lines[2:]])
+    texts["selective dynamics"] = "".join([*lines[:7], "Selective dynamics\n", *lines[7:8], *[line[:-1] + " T F T\n" for line in lines[8:]]])
+    for name, text in texts.items():
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "POSCAR")
+            open(path, "w").write(text)
+            (found,) = read(path)
+            other = ase.io.read(path, format="vasp")
+        # A few roundings of products and sums of three; the cube root of a volume.
+        errors = [error_of(found["centers"], other.positions), error_of(found["cell"]["edges"], other.cell[:])]
+        assert max(errors) < 1e-14, (name, errors)
+        # Van der Waals radii of Na and Cl, which Bondi and Alvarez give.
+        radii = [{11: 2.27, 17: 1.75}[number] for number in other.numbers]
+        assert found["radii"] == radii, name
+        print(f"POSCAR, {name}: {len(radii)} atoms, positions {errors[0]:.1e}, cell {errors[1]:.1e}")
+
+
+def las():
+    import laspy
+
+    rng = np.random.default_rng(1)
+    for fmt in range(11):
+        if fmt in (4, 5, 9, 10):
+            continue  # laspy writes no wave packets
+        header = laspy.LasHeader(point_format=fmt, version="1.4" if fmt > 5 else "1.2")
+        header.scales, header.offsets = [0.001, 0.01, 1 / 3], [4e5, -5e6, 0.1]
+        cloud = laspy.LasData(header)
+        cloud.x, cloud.y, cloud.z = [rng.uniform(-100, 100, 1000) + offset for offset in header.offsets]
+        cloud.intensity, cloud.classification = rng.integers(0, 65536, 1000), rng.integers(0, 32, 1000)
+        cloud.return_number, cloud.number_of_returns = rng.integers(0, 8, 1000), rng.integers(0, 8, 1000)
+        cloud.user_data, cloud.point_source_id = rng.integers(0, 256, 1000), rng.integers(0, 65536, 1000)
+        names = {"return_number": "return_number", "number_of_returns": "number_of_returns", "user_data": "user_data"}
+        names |= {"intensity": "intensity", "classification": "classification", "point_source": "point_source_id"}
+        dimensions = list(cloud.point_format.dimension_names)
+        if "gps_time" in dimensions:
+            cloud.gps_time, names["gps_time"] = rng.uniform(0, 1e9, 1000), "gps_time"
+        if "nir" in dimensions:
+            cloud.nir, names["nir"] = rng.integers(0, 65536, 1000), "nir"
+        if "red" in dimensions:
+            cloud.red, cloud.green, cloud.blue = rng.integers(0, 65536, (3, 1000))
+        with tempfile.NamedTemporaryFile(suffix=".las") as file:
+            cloud.write(file.name)
+            (found,) = read(file.name)
+            ranges = {name: read(file.name, "--color-by", name)[0]["range"] for name in names}
+            other = laspy.read(file.name)
+        assert found["centers"] == other.xyz.tolist(), fmt
+        for name, theirs in names.items():
+            column = np.asarray(other[theirs], "f8")
+            assert ranges[name] == [column.min(), column.max()], (fmt, name)
+        if "red" in dimensions:
+            x = np.stack([other.red, other.green, other.blue], -1) / 65535.0
+            # IEC 61966-2-1; stored as float32.
+            linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+            assert error_of(found["colors"], linear) < 2**-23, fmt
+        print(f"LAS, format {fmt}: 1000 points with equal positions, ranges of {', '.join(names)}")
+
+
+def gsd():
+    import gsd.hoomd
+    import MDAnalysisTests
+
+    data = os.path.join(os.path.dirname(MDAnalysisTests.__file__), "data")
+    for name in ["example.gsd", "example_bonds.gsd", "example_longer.gsd"]:
+        path = os.path.join(data, name)
+        found = read(path)
+        columns = {name: [frame["range"] for frame in read(path, "--color-by", name)] for name in ["vx", "mass"]}
+        with gsd.hoomd.open(path) as frames:
+            assert len(found) == len(frames), name
+            for n, (ours, theirs) in enumerate(zip(found, frames)):
+                assert ours["centers"] == theirs.particles.position.astype("f8").tolist(), name
+                assert ours["radii"] == (theirs.particles.diameter.astype("f8") / 2).tolist(), name
+                x, y, z, xy, xz, yz = theirs.configuration.box.astype("f8")
+                assert ours["cell"]["edges"] == [[x, 0, 0], [xy * y, y, 0], [xz * z, yz * z, z]], name
+                for column, values in {"vx": theirs.particles.velocity[:, 0], "mass": theirs.particles.mass}.items():
+                    ends = [values.min(), values.max()]
+                    # Equal values have a range of their own.
+                    assert ends[0] == ends[1] or columns[column][n] == [float(x) for x in ends], (name, column)
+        print(f"{name}: {len(found)} frames of {len(found[0]['centers'])} equal positions, diameters, boxes and velocities")
+
+
+for part in parts:
+    globals()[part]()
