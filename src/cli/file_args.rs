@@ -40,7 +40,7 @@ pub(super) struct FileArgs {
     /// Writes little-endian numbers without a header to standard output, as in .raw files.
     #[arg(long)]
     raw: bool,
-    /// Background colour: #rrggbb in sRGB, or r,g,b in linear RGB.
+    /// Background colour: a CSS name such as white, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, help_heading = "Image", value_name = "C", value_parser = color, conflicts_with = "transparent")]
     background: Option<[f32; 3]>,
     /// Makes the background transparent; alpha is stored in .png, .exr and .npz.

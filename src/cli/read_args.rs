@@ -63,7 +63,7 @@ pub(super) struct ReadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
 pub(super) struct ColorArgs {
-    /// Colour of all spheres: #rrggbb in sRGB, or r,g,b in linear RGB.
+    /// Colour of all spheres: a CSS name such as red, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, value_name = "C", value_parser = color, conflicts_with = "color_by")]
     color: Option<[f32; 3]>,
     /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
