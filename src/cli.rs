@@ -12,6 +12,7 @@ mod light_args;
 mod lines;
 mod measure;
 mod merge;
+mod messages;
 mod plan;
 mod preview;
 mod read_args;
@@ -27,13 +28,14 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
-use halfline::quote::printable;
+use messages::note;
 use signals::go_on;
-use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
+
+pub(crate) use messages::say;
 
 /// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
@@ -100,13 +102,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Completions(completions) => completions.run(),
         Command::Man(man) => man.run(),
     }
-}
-
-/// Prints a message on standard error. A standard error that cannot be written is not a failure; `eprintln` would
-/// panic.
-pub(crate) fn say(message: fmt::Arguments<'_>) {
-    // One write, so that lines of several processes do not mix.
-    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
 }
 
 /// Ends work on ctrl-C or a request to terminate.

@@ -1,6 +1,6 @@
 //! How a scene is read and what its particles look like, as options.
 
-use super::{say, watch};
+use super::{note, watch};
 use clap::Args;
 use halfline::error::Result;
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
@@ -93,7 +93,7 @@ impl ReadArgs {
     /// The options for reading. Says that an option has another name now.
     pub(super) fn options(&self, coloring: Coloring) -> ReadOptions {
         if self.outline.is_some() {
-            say(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
+            note(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
         }
         ReadOptions {
             strict: self.strict,

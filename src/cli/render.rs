@@ -3,10 +3,11 @@
 use super::bar::Bar;
 use super::clash::check_inputs;
 use super::lines::ProgressOutput;
+use super::messages::QuietArgs;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
-use super::{go_on, legend, print, say, threads};
+use super::{go_on, legend, note, print, say, threads};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::provenance::Origin;
@@ -18,6 +19,7 @@ use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::write::file::Target;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::fmt;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
 
@@ -45,6 +47,8 @@ pub(crate) struct Render {
     /// Renders N times in one process, for time measurements.
     #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1")]
     repeat: NonZeroU32,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 /// The heading of the options that report on the rendering.
@@ -59,6 +63,7 @@ Examples:
 
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         let targets = self.check()?;
         let mut settings = self.args.settings(&targets);
         if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
@@ -74,7 +79,7 @@ impl Render {
             && !renderer.is_gpu()
             && renderer.passed_over().is_empty()
         {
-            say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let mut printed = BTreeSet::new();
         while let Some(now) = picture {
@@ -107,26 +112,28 @@ impl Render {
             if targets.is_empty() {
                 let which = if self.args.is_many() { format!("picture {}: ", picture.number) } else { String::new() };
                 bar.aside(|| {
-                    say(format_args!("{which}already there: every file is complete and comes from the same rendering"));
+                    note(format_args!(
+                        "{which}already there: every file is complete and comes from the same rendering"
+                    ));
                 });
                 self.write_legend(picture)?;
                 return self.print_report(&Report { resumed: true, number: picture.number, ..report });
             }
         }
-        let mut once = |words: String| {
+        let mut once = |words: String, print: fn(fmt::Arguments<'_>)| {
             if !printed.contains(&words) {
-                bar.aside(|| say(format_args!("{words}")));
+                bar.aside(|| print(format_args!("{words}")));
                 printed.insert(words);
             }
         };
-        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()), note);
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;
-        picture.look.words().into_iter().for_each(&mut once);
+        picture.look.words().into_iter().for_each(|words| once(words, note));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            once(frame.report.reason.clone());
+            once(frame.report.reason.clone(), note);
         }
-        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}")));
+        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}"), say));
         if !targets.is_empty() {
             write(&frame, &targets, &origin(scene, settings, &frame.report, frame.window))?;
         }

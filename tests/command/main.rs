@@ -23,6 +23,7 @@ mod light;
 mod limits;
 mod looks;
 mod merge;
+mod messages;
 mod options;
 mod resume;
 mod shots;
