@@ -6,6 +6,7 @@ mod clash;
 mod compare;
 mod config;
 mod exhaustion;
+mod failure;
 mod file_args;
 mod legend;
 mod light_args;
@@ -28,14 +29,14 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
-use messages::note;
+use messages::{note, say};
 use signals::go_on;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
 
-pub(crate) use messages::say;
+pub(crate) use failure::fail;
 
 /// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
@@ -77,6 +78,7 @@ pub(crate) fn arguments() -> Result<Arguments> {
 
 /// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
 fn end(told: &clap::Error) -> ! {
+    failure::print_usage(told);
     let arrived = told.print().and_then(|()| io::stdout().flush());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
 }
@@ -113,19 +115,4 @@ fn watch() -> Watch {
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::write("-", error))
-}
-
-/// The exit codes, which scripts may rely on. 0 is success, 1 a difference found by `compare`; 2 is also clap's.
-pub(crate) fn exit_code(error: &Error) -> u8 {
-    match error {
-        Error::Settings { .. } => 2,
-        Error::Scene { .. } => 3,
-        Error::Adapter { .. } => 4,
-        Error::Limits { .. } => 5,
-        Error::DeviceLost(_) => 6,
-        Error::Accuracy { .. } => 7,
-        Error::Io { .. } => 8,
-        Error::Interrupted => 130,
-        _ => 101,
-    }
 }
