@@ -57,6 +57,10 @@ pub(super) struct CameraArgs {
     #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
     ortho: Option<Option<f64>>,
+    /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
+    /// viewport is narrower by that factor.
+    #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
+    zoom: Option<f64>,
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
@@ -255,6 +259,12 @@ impl CameraArgs {
         Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
     }
 
+    /// Narrows the viewport of the scene's final camera and image by --zoom.
+    pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
+        let (width, height) = (scene.image.width, scene.image.height);
+        self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
+    }
+
     /// Replaces what the options give; `has_camera` says whether the camera is that of a file.
     pub(super) fn apply(&self, camera: &mut Camera, has_camera: bool) {
         self.pose.apply(camera, has_camera);
@@ -337,6 +347,13 @@ fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
         _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
+    }
+}
+
+fn zoom(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a positive number, such as 2".into()),
     }
 }
 

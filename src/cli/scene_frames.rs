@@ -77,6 +77,7 @@ impl<'a> SceneFrames<'a> {
         if let Some(framing) = camera.framing(frame.has_camera)? {
             scene.fit(&framing)?;
         }
+        camera.zoom(scene)?;
         if let Some(turns) = camera.spin {
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
             spin(scene, (frame.number - 1) as f64 / f64::from(turns.get()));
