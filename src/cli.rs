@@ -78,6 +78,11 @@ pub(crate) fn arguments() -> Result<Arguments> {
 
 /// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
 fn end(told: &clap::Error) -> ! {
+    // Without any argument the commands that most people need say more than a list of options.
+    if told.use_stderr() && std::env::args_os().skip(1).eq(["render"]) {
+        let _ = io::stderr().write_all(render::START.as_bytes());
+        std::process::exit(2);
+    }
     failure::print_usage(told);
     let arrived = told.print().and_then(|()| io::stdout().flush());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })

@@ -56,10 +56,25 @@ const REPORTING: &str = "Reporting";
 
 const EXAMPLES: &str = "\
 Examples:
-  halfline render scenes/weekend.toml -o weekend.png
-  halfline render molecule.pdb --color-by chain -o molecule.png
+  halfline render molecule.pdb -o molecule.png
+  halfline render molecule.pdb --color-by chain --background white -o chains.png
+  halfline render run.dump --frames 1-100 --color-by vx,vy,vz --range 0,3 -o frame.%04d.png
   halfline render scenes/weekend.toml -o w.png --aov id=id.npy --aov depth=z.npy
   halfline render planet.toml -o p.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60";
+
+/// The message of `halfline render` without arguments.
+pub(super) const START: &str = "\
+error: halfline render needs a file
+
+A molecule, with the radii and colours of its elements:
+  halfline render molecule.pdb -o molecule.png
+Particles, coloured by a column of their file:
+  halfline render particles.csv --color-by speed --legend speed.svg -o particles.png
+A scene file, with the depth of every pixel:
+  halfline render scene.toml -o scene.png --aov depth=depth.npy
+
+All options: halfline render --help
+";
 
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {

@@ -88,7 +88,8 @@ pub(super) struct PoseArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct ImageArgs {
-    /// Image size in pixels. With a vfov the width of the view follows; a viewport keeps its size.
+    /// Image size in pixels [default: the scene file's, else 512x512]. With a vfov the width of the view follows; a
+    /// viewport keeps its size.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
@@ -98,7 +99,7 @@ pub(super) struct ImageArgs {
     /// Seed of the sample positions.
     #[arg(long, value_name = "S", default_value = "0")]
     seed: u32,
-    /// Renders only columns X0 to X1 and rows Y0 to Y1, ends excluded.
+    /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<Window>,
     /// Renders only tile I of N equal ones, counted from 1 row by row; see halfline merge.
@@ -106,7 +107,8 @@ pub(super) struct ImageArgs {
     tile: Option<(u32, u32)>,
     /// Shading: flat (the sphere's colour), normal (as a colour), headlight (lights, or a light at the eye in a scene
     /// without any) [default: headlight; see --look].
-    #[arg(long, value_name = "S")]
+    // After the lights, to which it belongs.
+    #[arg(long, help_heading = "Light", display_order = 1000, value_name = "S")]
     shade: Option<Shade>,
 }
 
