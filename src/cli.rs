@@ -8,6 +8,7 @@ mod config;
 mod exhaustion;
 mod failure;
 mod file_args;
+mod inset_args;
 mod legend;
 mod light_args;
 mod lines;

@@ -92,6 +92,21 @@ impl FileArgs {
         self.output.is_some()
     }
 
+    /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
+    pub(super) fn picture(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
+    /// Whether standard output receives numbers without a header.
+    pub(super) fn is_raw(&self) -> bool {
+        self.raw
+    }
+
+    /// Whether the background is transparent.
+    pub(super) fn is_transparent(&self) -> bool {
+        self.transparent
+    }
+
     /// Whether --aov asks for buffers.
     pub(super) fn has_buffers(&self) -> bool {
         !self.aov.is_empty()

@@ -12,6 +12,7 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
+use halfline::measure::plot::inset::Panels;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
@@ -119,6 +120,10 @@ impl Render {
     ) -> Result<()> {
         let scene = &picture.scene;
         let mut targets = self.args.files.targets(picture.number)?;
+        let panels = self.args.insets.panels(&self.args, picture)?;
+        if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
+            target.set_drawn(panels.words());
+        }
         let settings = &self.args.settings_for(picture, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.dry_run(scene, settings)?;
@@ -150,7 +155,9 @@ impl Render {
         }
         frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}"), say));
         if !targets.is_empty() {
-            write(&frame, &targets, &origin(scene, settings, &frame.report, frame.window))?;
+            self.args.insets.words(scene).into_iter().for_each(|words| once(words, note));
+            let (report, window) = (frame.report.clone(), frame.window);
+            self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
         }
         self.write_legend(picture)?;
         if let Some(preview) = self.preview {
@@ -219,6 +226,7 @@ impl Render {
             self.args.files.check_many()?;
         }
         legend::check(&self.args)?;
+        self.args.insets.check(&self.args)?;
         self.args.check_outputs()?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";
@@ -231,8 +239,19 @@ impl Render {
         }
         Ok(targets)
     }
-}
 
-fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
-    targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
+    /// Writes the files; the panels are drawn into the picture, and into no other file.
+    fn write(&self, frame: &mut Frame, targets: &[Target], panels: Option<&Panels>, origin: &Origin<'_>) -> Result<()> {
+        let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
+        let write = |frame: &Frame, targets: &[&Target]| {
+            targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
+        };
+        if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
+            let covered = panels.draw(frame, self.args.files.is_transparent());
+            let written = write(frame, &pictures);
+            covered.restore(frame);
+            written?;
+        }
+        write(frame, &others)
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
+use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::read_args::{ColorArgs, ReadArgs, numbers};
 use super::scene_frames::{Numbered, SceneFrames, number_in};
@@ -32,6 +33,8 @@ pub(super) struct SceneArgs {
     pub(super) camera: CameraArgs,
     #[command(flatten)]
     pub(super) image: ImageArgs,
+    #[command(flatten)]
+    pub(super) insets: InsetArgs,
     #[command(flatten)]
     pub(super) light: LightArgs,
     #[command(flatten)]
@@ -244,6 +247,13 @@ impl SceneArgs {
             seed: self.image.seed,
             ..self.accuracy.compute.settings()
         }
+    }
+}
+
+impl ImageArgs {
+    /// Whether only a part of the picture is rendered.
+    pub(super) fn is_part(&self) -> bool {
+        self.crop.is_some() || self.tile.is_some()
     }
 }
 

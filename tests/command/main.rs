@@ -18,6 +18,7 @@ mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
 mod habits;
+mod insets;
 mod light;
 #[cfg(target_os = "linux")]
 mod limits;

@@ -6,7 +6,7 @@ use color_name::css::COLORS_DATA;
 use strsim::damerau_levenshtein;
 
 /// Converts 8-bit sRGB to linear RGB.
-pub(in crate::read) fn linear(srgb: [u8; 3]) -> [f32; 3] {
+pub(crate) fn linear(srgb: [u8; 3]) -> [f32; 3] {
     srgb.map(|level| {
         let x = f64::from(level) / 255.0;
         // IEC 61966-2-1.
