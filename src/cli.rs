@@ -7,13 +7,16 @@ mod clash;
 mod compare;
 mod config;
 mod exhaustion;
+mod failure;
 mod file_args;
 mod info;
+mod inset_args;
 mod legend;
 mod light_args;
 mod lines;
 mod measure;
 mod merge;
+mod messages;
 mod plan;
 mod preview;
 mod read_args;
@@ -29,13 +32,14 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
-use halfline::quote::printable;
+use messages::{note, say};
 use signals::go_on;
-use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
+
+pub(crate) use failure::fail;
 
 /// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
@@ -78,6 +82,12 @@ pub(crate) fn arguments() -> Result<Arguments> {
 
 /// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
 fn end(told: &clap::Error) -> ! {
+    // Without any argument the commands that most people need say more than a list of options.
+    if told.use_stderr() && std::env::args_os().skip(1).eq(["render"]) {
+        let _ = io::stderr().write_all(render::START.as_bytes());
+        std::process::exit(2);
+    }
+    failure::print_usage(told);
     let arrived = told.print().and_then(|()| io::stdout().flush());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
 }
@@ -106,13 +116,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
 }
 
-/// Prints a message on standard error. A standard error that cannot be written is not a failure; `eprintln` would
-/// panic.
-pub(crate) fn say(message: fmt::Arguments<'_>) {
-    // One write, so that lines of several processes do not mix.
-    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
-}
-
 /// Ends work on ctrl-C or a request to terminate.
 fn watch() -> Watch {
     Watch::default().while_true(go_on)
@@ -122,19 +125,4 @@ fn watch() -> Watch {
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::write("-", error))
-}
-
-/// The exit codes, which scripts may rely on. 0 is success, 1 a difference found by `compare`; 2 is also clap's.
-pub(crate) fn exit_code(error: &Error) -> u8 {
-    match error {
-        Error::Settings { .. } => 2,
-        Error::Scene { .. } => 3,
-        Error::Adapter { .. } => 4,
-        Error::Limits { .. } => 5,
-        Error::DeviceLost(_) => 6,
-        Error::Accuracy { .. } => 7,
-        Error::Io { .. } => 8,
-        Error::Interrupted => 130,
-        _ => 101,
-    }
 }

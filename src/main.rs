@@ -5,11 +5,5 @@ mod cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    match cli::arguments().and_then(|arguments| cli::run(&arguments)) {
-        Ok(code) => code,
-        Err(error) => {
-            cli::say(format_args!("{error}"));
-            ExitCode::from(cli::exit_code(&error))
-        }
-    }
+    cli::arguments().and_then(|arguments| cli::run(&arguments)).unwrap_or_else(|error| cli::fail(&error))
 }

@@ -2,6 +2,7 @@
 
 use super::go_on;
 use super::lines::{ProgressLines, ProgressOutput};
+use super::messages::is_quiet;
 use halfline::progress::{Progress, Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -48,7 +49,7 @@ impl Bar {
         let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         let lines = matches!(output, ProgressOutput::Json | ProgressOutput::Openjd)
             .then(|| Arc::new(Mutex::new(ProgressLines::new(output, frames))));
-        let drawing = if output == ProgressOutput::Auto && std::io::stderr().is_terminal() {
+        let drawing = if output == ProgressOutput::Auto && !is_quiet() && std::io::stderr().is_terminal() {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());
             let draw = move || {

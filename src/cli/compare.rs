@@ -3,6 +3,7 @@
 mod report;
 
 use super::clash::check_inputs;
+use super::messages::{QuietArgs, is_quiet};
 use super::print;
 use halfline::error::{Error, Result};
 use halfline::measure::frames::FrameFile;
@@ -42,6 +43,8 @@ pub(crate) struct Compare {
     /// Prints one JSON object; numbers that are not finite are the strings "inf", "-inf" and "nan".
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -53,6 +56,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
 
 impl Compare {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         let to_stdout = self.output.as_deref().is_some_and(is_standard_output);
         if is_standard(&self.a) && is_standard(&self.b) {
             return Err(Error::settings(
@@ -73,12 +77,15 @@ impl Compare {
             found.draw(path)?;
         }
         let text = if self.json { found.json()? } else { found.summary() };
-        // With the picture on standard output, the summary goes to standard error.
+        // With the picture on standard output, the summary is a message on standard error.
         if to_stdout {
+            if is_quiet() {
+                return Ok(found.exit_code());
+            }
             let _ = io::stderr().write_all(format!("{text}\n").as_bytes());
         } else {
             print(&format!("{text}\n"))?;
         }
-        Ok(if found.is_equal() { ExitCode::SUCCESS } else { ExitCode::from(1) })
+        Ok(found.exit_code())
     }
 }

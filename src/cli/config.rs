@@ -14,7 +14,7 @@ use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 26] = [
+const NAMES: [&str; 28] = [
     "accuracy",
     "adapter",
     "backend",
@@ -22,6 +22,7 @@ const NAMES: [&str; 26] = [
     "bits",
     "bounces",
     "depth-cue",
+    "dpi",
     "look",
     "map",
     "method",
@@ -29,6 +30,7 @@ const NAMES: [&str; 26] = [
     "occlusion",
     "preview",
     "progress",
+    "quiet",
     "radii",
     "radius-scale",
     "samples",

@@ -9,7 +9,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::Scene;
 use halfline::write::file::{Target, is_special, is_standard_output};
-use halfline::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
+use halfline::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
 use std::path::{Path, PathBuf};
 
 /// Buffers and their file; `None` for the file of -o.
@@ -31,6 +31,9 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
+    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
+    #[arg(long, value_name = "N")]
+    dpi: Option<Dpi>,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
     #[arg(long, value_name = "X", default_value = "0.001", value_parser = unit, allow_negative_numbers = true)]
     unit: f64,
@@ -40,7 +43,7 @@ pub(super) struct FileArgs {
     /// Writes little-endian numbers without a header to standard output, as in .raw files.
     #[arg(long)]
     raw: bool,
-    /// Background colour: #rrggbb in sRGB, or r,g,b in linear RGB.
+    /// Background colour: a CSS name such as white, #rgb or #rrggbb in sRGB, or r,g,b in linear RGB.
     #[arg(long, help_heading = "Image", value_name = "C", value_parser = color, conflicts_with = "transparent")]
     background: Option<[f32; 3]>,
     /// Makes the background transparent; alpha is stored in .png, .exr and .npz.
@@ -89,6 +92,21 @@ impl FileArgs {
         self.output.is_some()
     }
 
+    /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
+    pub(super) fn picture(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
+    /// Whether standard output receives numbers without a header.
+    pub(super) fn is_raw(&self) -> bool {
+        self.raw
+    }
+
+    /// Whether the background is transparent.
+    pub(super) fn is_transparent(&self) -> bool {
+        self.transparent
+    }
+
     /// Whether --aov asks for buffers.
     pub(super) fn has_buffers(&self) -> bool {
         !self.aov.is_empty()
@@ -110,8 +128,8 @@ impl FileArgs {
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
-        let Self { bits, unit, no_return, transparent, .. } = *self;
-        let style = FormatOptions { bits, unit, no_return, transparent };
+        let Self { bits, unit, no_return, transparent, dpi, .. } = *self;
+        let style = FormatOptions { bits, unit, no_return, transparent, dpi };
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
             _ => Target::new(aovs, path, style),

@@ -33,7 +33,7 @@ pub(super) struct LightArgs {
     /// Lights cast shadows, as those of scene files always do; without any light, adds one from above left of the camera.
     #[arg(long)]
     shadows: bool,
-    /// How often a ray goes on from mirrors and through glass, up to 64; 0 switches them off [default: 6].
+    /// The most bounces of a ray at mirrors and in glass, up to 64; 0 switches them off [default: 6].
     #[arg(long, value_name = "N", value_parser = bounces)]
     bounces: Option<u32>,
     /// Draws dark lines where the depth jumps.

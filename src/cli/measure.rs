@@ -4,8 +4,9 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
+use super::messages::QuietArgs;
 use super::scene_args::{scene_size, tolerance};
-use super::{go_on, print, say, watch};
+use super::{go_on, note, print, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::measure::record::Record;
@@ -63,6 +64,8 @@ pub(crate) struct Measure {
     /// Methods that would take longer than this for one frame on the CPU path are skipped, seconds.
     #[arg(long, value_name = "S", default_value = "30", value_parser = seconds, conflicts_with = "from")]
     patience: f64,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 /// What to measure or to export.
@@ -87,6 +90,7 @@ enum Suite {
 
 impl Measure {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         if let Some(folder) = &self.out {
             let inputs: Vec<_> = [&self.subject.scene, &self.subject.from].into_iter().flatten().cloned().collect();
             let outputs = ["records.json", "records.csv", "report.html"].map(|name| folder.join(name));
@@ -125,7 +129,7 @@ impl Measure {
         };
         let subject = self.subject()?;
         let bar = Bar::new();
-        measure(&subject, &options, &bar.watch(), &mut |line| bar.aside(|| say(format_args!("{line}"))))
+        measure(&subject, &options, &bar.watch(), &mut |line| bar.aside(|| note(format_args!("{line}"))))
     }
 
     fn subject(&self) -> Result<Subject> {

@@ -1,7 +1,8 @@
 //! `halfline merge TILE... -o FULL`.
 
 use super::clash::check_inputs;
-use super::{go_on, say};
+use super::messages::QuietArgs;
+use super::{go_on, note, say};
 use halfline::error::{Error, Result};
 use halfline::quote::count;
 use halfline::write::file::{check_writable, is_special, is_standard_output};
@@ -28,10 +29,13 @@ pub(crate) struct Merge {
     /// The full frame, with the file name extension of the tiles; - is standard output.
     #[arg(short, long, value_name = "FULL")]
     output: PathBuf,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 impl Merge {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         check_inputs([self.output.as_path()], &self.tiles)?;
         check_writable(&self.output)?;
         let mut tiles = Vec::with_capacity(self.tiles.len());
@@ -51,7 +55,7 @@ impl Merge {
         mosaic.warnings().iter().for_each(|warning| say(format_args!("warning: {warning}")));
         mosaic.write(&self.output, &go_on)?;
         let ([width, height], n) = (mosaic.size(), mosaic.len());
-        say(format_args!("merged {} into {output}, {width} x {height} pixels", count(n as u64, "tile")));
+        note(format_args!("merged {} into {output}, {width} x {height} pixels", count(n as u64, "tile")));
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,8 +1,9 @@
 //! `halfline plan SCENE`.
 
+use super::messages::QuietArgs;
 use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
-use super::{print, say};
+use super::{note, print, say};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
 use halfline::quote::{count, number};
@@ -22,6 +23,8 @@ pub(crate) struct PlanArgs {
     /// Prints the whole compute shader, with the name of its file above each part.
     #[arg(long, help_heading = "Reporting", conflicts_with = "json")]
     wgsl: bool,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 const EXAMPLES: &str = "\
@@ -34,6 +37,7 @@ Examples:
 
 impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         let targets = self.args.files.targets(1)?;
         let picture = self.args.first()?;
         let settings = self.args.settings_for(&picture, &self.args.settings(&targets), &targets)?;
@@ -43,7 +47,7 @@ impl PlanArgs {
             return Ok(ExitCode::SUCCESS);
         }
         let explanation = explain(&scene, &settings)?;
-        look.words().into_iter().for_each(|words| say(format_args!("{words}")));
+        look.words().into_iter().for_each(|words| note(format_args!("{words}")));
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,

@@ -1,7 +1,7 @@
 //! Shows the picture in the terminal with half blocks in 24-bit colours, two pixels per character. Crates for this also
 //! contain decoders and protocols that are not needed here.
 
-use super::say;
+use super::note;
 use console::Term;
 use halfline::frame::srgb::level;
 use halfline::frame::{Aov, Frame};
@@ -35,7 +35,7 @@ impl Preview {
     pub(super) fn show(self, frame: &Frame) {
         let terminal = Term::stderr();
         if self == Self::Auto && (!terminal.is_term() || std::env::var_os("NO_COLOR").is_some()) {
-            return say(format_args!(
+            return note(format_args!(
                 "no preview, because standard error is not a terminal with colours; use --preview=blocks to show it anyway"
             ));
         }

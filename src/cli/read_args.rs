@@ -1,6 +1,6 @@
 //! How a scene is read and what its particles look like, as options.
 
-use super::watch;
+use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
@@ -70,9 +70,13 @@ pub(super) struct ReadArgs {
     /// Removes spheres whose centre c has X,Y,Z . c > D; may be repeated.
     #[arg(long, help_heading = LOOK, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
     clip: Vec<[f64; 4]>,
-    /// Draws the edges of the file's cell with beads, of this radius if given.
+    /// Draws the edges of the file's periodic cell with beads, of this radius if given.
     #[arg(long, help_heading = LOOK, value_name = "RADIUS", value_parser = positive, num_args = 0..=1,
         require_equals = true)]
+    cell: Option<Option<f64>>,
+    /// The earlier name of --cell.
+    #[arg(long, hide = true, value_name = "RADIUS", value_parser = positive, num_args = 0..=1, require_equals = true,
+        conflicts_with = "cell")]
     outline: Option<Option<f64>>,
 }
 
@@ -80,8 +84,8 @@ pub(super) struct ReadArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
 pub(super) struct ColorArgs {
-    /// Colour of all spheres, or with EXPR=C of selected ones: #rrggbb in sRGB, or r,g,b in linear RGB. Repeated, later
-    /// ones win.
+    /// Colour of all spheres, or with EXPR=C of selected ones: a CSS name such as red, #rgb or #rrggbb in sRGB, or
+    /// r,g,b in linear RGB. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
     color: Vec<Rule<[f32; 3]>>,
     /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
@@ -104,8 +108,11 @@ pub(super) struct ColorArgs {
 }
 
 impl ReadArgs {
-    /// The options for reading, with the colours of the file.
+    /// The options for reading, with the colours of the file. Says that an option has another name now.
     pub(super) fn options(&self) -> ReadOptions {
+        if self.outline.is_some() {
+            note(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
+        }
         ReadOptions {
             strict: self.strict,
             format: self.format,
@@ -158,7 +165,8 @@ impl ReadArgs {
     /// The arrangement of the spheres.
     pub(super) fn arrangement(&self) -> Arrangement {
         let bead = |radius: Option<f64>| radius.map_or(Bead::Thin, Bead::Radius);
-        Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.outline.map(bead) }
+        let outline = self.cell.or(self.outline).map(bead);
+        Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline }
     }
 }
 

@@ -3,14 +3,16 @@
 use super::bar::Bar;
 use super::clash::check_inputs;
 use super::lines::ProgressOutput;
+use super::messages::QuietArgs;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
-use super::{go_on, legend, print, say, threads};
+use super::{go_on, legend, note, print, say, threads};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
+use halfline::measure::plot::inset::Panels;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
@@ -18,6 +20,7 @@ use halfline::settings::{Accuracy, Backend, Settings};
 use halfline::write::file::Target;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::fmt;
 use std::num::NonZeroU32;
 use std::process::ExitCode;
 
@@ -45,6 +48,8 @@ pub(crate) struct Render {
     /// Renders N times in one process, for time measurements.
     #[arg(long, help_heading = REPORTING, value_name = "N", default_value = "1")]
     repeat: NonZeroU32,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 /// The heading of the options that report on the rendering.
@@ -52,13 +57,29 @@ const REPORTING: &str = "Reporting";
 
 const EXAMPLES: &str = "\
 Examples:
-  halfline render scenes/weekend.toml -o weekend.png
-  halfline render molecule.pdb --color-by chain -o molecule.png
+  halfline render molecule.pdb -o molecule.png
+  halfline render molecule.pdb --color-by chain --background white -o chains.png
+  halfline render run.dump --frames 1-100 --color-by vx,vy,vz --range 0,3 -o frame.%04d.png
   halfline render scenes/weekend.toml -o w.png --aov id=id.npy --aov depth=z.npy
   halfline render planet.toml -o p.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60";
 
+/// The message of `halfline render` without arguments.
+pub(super) const START: &str = "\
+error: halfline render needs a file
+
+A molecule, with the radii and colours of its elements:
+  halfline render molecule.pdb -o molecule.png
+Particles, coloured by a column of their file:
+  halfline render particles.csv --color-by speed --legend speed.svg -o particles.png
+A scene file, with the depth of every pixel:
+  halfline render scene.toml -o scene.png --aov depth=depth.npy
+
+All options: halfline render --help
+";
+
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         let targets = self.check()?;
         let mut settings = self.args.settings(&targets);
         if self.preview.is_some() && !settings.aovs.contains(&Aov::Color) {
@@ -74,7 +95,7 @@ impl Render {
             && !renderer.is_gpu()
             && renderer.passed_over().is_empty()
         {
-            say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let mut printed = BTreeSet::new();
         while let Some(now) = picture {
@@ -99,6 +120,10 @@ impl Render {
     ) -> Result<()> {
         let scene = &picture.scene;
         let mut targets = self.args.files.targets(picture.number)?;
+        let panels = self.args.insets.panels(&self.args, picture)?;
+        if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
+            target.set_drawn(panels.words());
+        }
         let settings = &self.args.settings_for(picture, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let report = renderer.dry_run(scene, settings)?;
@@ -107,30 +132,34 @@ impl Render {
             if targets.is_empty() {
                 let which = if self.args.is_many() { format!("picture {}: ", picture.number) } else { String::new() };
                 bar.aside(|| {
-                    say(format_args!("{which}already there: every file is complete and comes from the same rendering"));
+                    note(format_args!(
+                        "{which}already there: every file is complete and comes from the same rendering"
+                    ));
                 });
                 self.write_legend(picture)?;
                 return self.print_report(&Report { resumed: true, number: picture.number, ..report });
             }
         }
-        let mut once = |words: String| {
+        let mut once = |words: String, print: fn(fmt::Arguments<'_>)| {
             if !printed.contains(&words) {
-                bar.aside(|| say(format_args!("{words}")));
+                bar.aside(|| print(format_args!("{words}")));
                 printed.insert(words);
             }
         };
-        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()), note);
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;
         frame.report.hold = self.args.read.hold();
-        self.args.read.hold_words().into_iter().for_each(&mut once);
-        picture.look.words().into_iter().for_each(&mut once);
+        self.args.read.hold_words().into_iter().for_each(|words| once(words, note));
+        picture.look.words().into_iter().for_each(|words| once(words, note));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            once(frame.report.reason.clone());
+            once(frame.report.reason.clone(), note);
         }
-        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}")));
+        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}"), say));
         if !targets.is_empty() {
-            write(&frame, &targets, &origin(scene, settings, &frame.report, frame.window))?;
+            self.args.insets.words(scene).into_iter().for_each(|words| once(words, note));
+            let (report, window) = (frame.report.clone(), frame.window);
+            self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
         }
         self.write_legend(picture)?;
         if let Some(preview) = self.preview {
@@ -199,6 +228,7 @@ impl Render {
             self.args.files.check_many()?;
         }
         legend::check(&self.args)?;
+        self.args.insets.check(&self.args)?;
         self.args.check_outputs()?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";
@@ -211,8 +241,19 @@ impl Render {
         }
         Ok(targets)
     }
-}
 
-fn write(frame: &Frame, targets: &[Target], origin: &Origin<'_>) -> Result<()> {
-    targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
+    /// Writes the files; the panels are drawn into the picture, and into no other file.
+    fn write(&self, frame: &mut Frame, targets: &[Target], panels: Option<&Panels>, origin: &Origin<'_>) -> Result<()> {
+        let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
+        let write = |frame: &Frame, targets: &[&Target]| {
+            targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
+        };
+        if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
+            let covered = panels.draw(frame, self.args.files.is_transparent());
+            let written = write(frame, &pictures);
+            covered.restore(frame);
+            written?;
+        }
+        write(frame, &others)
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
+use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::read_args::{ColorArgs, ReadArgs, numbers};
 use super::scene_frames::{Numbered, SceneFrames, number_in};
@@ -33,6 +34,8 @@ pub(super) struct SceneArgs {
     #[command(flatten)]
     pub(super) image: ImageArgs,
     #[command(flatten)]
+    pub(super) insets: InsetArgs,
+    #[command(flatten)]
     pub(super) light: LightArgs,
     #[command(flatten)]
     pub(super) accuracy: AccuracyArgs,
@@ -61,6 +64,10 @@ pub(super) struct CameraArgs {
     #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
     ortho: Option<Option<f64>>,
+    /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
+    /// viewport is narrower by that factor.
+    #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
+    zoom: Option<f64>,
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
@@ -88,7 +95,8 @@ pub(super) struct PoseArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct ImageArgs {
-    /// Image size in pixels. With a vfov the width of the view follows; a viewport keeps its size.
+    /// Image size in pixels [default: the scene file's, else 512x512]. With a vfov the width of the view follows; a
+    /// viewport keeps its size.
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
@@ -98,7 +106,7 @@ pub(super) struct ImageArgs {
     /// Seed of the sample positions.
     #[arg(long, value_name = "S", default_value = "0")]
     seed: u32,
-    /// Renders only columns X0 to X1 and rows Y0 to Y1, ends excluded.
+    /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<Window>,
     /// Renders only tile I of N equal ones, counted from 1 row by row; see halfline merge.
@@ -106,7 +114,8 @@ pub(super) struct ImageArgs {
     tile: Option<(u32, u32)>,
     /// Shading: flat (the sphere's colour), normal (as a colour), headlight (lights, or a light at the eye in a scene
     /// without any) [default: headlight; see --look].
-    #[arg(long, value_name = "S")]
+    // After the lights, to which it belongs.
+    #[arg(long, help_heading = "Light", display_order = 1000, value_name = "S")]
     shade: Option<Shade>,
 }
 
@@ -249,6 +258,13 @@ impl SceneArgs {
     }
 }
 
+impl ImageArgs {
+    /// Whether only a part of the picture is rendered.
+    pub(super) fn is_part(&self) -> bool {
+        self.crop.is_some() || self.tile.is_some()
+    }
+}
+
 impl CameraArgs {
     /// How the scene is framed, if it is; a file without a camera always is, unless the eye is given.
     pub(super) fn framing(&self, has_camera: bool) -> Result<Option<Framing>> {
@@ -261,6 +277,12 @@ impl CameraArgs {
         }
         let framed = self.fit || self.ortho == Some(None) || !has_camera;
         Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
+    }
+
+    /// Narrows the viewport of the scene's final camera and image by --zoom.
+    pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
+        let (width, height) = (scene.image.width, scene.image.height);
+        self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
     }
 
     /// Replaces what the options give; `has_camera` says whether the camera is that of a file.
@@ -345,6 +367,13 @@ fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
         _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
+    }
+}
+
+fn zoom(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
+        _ => Err("expected a positive number, such as 2".into()),
     }
 }
 

@@ -107,18 +107,17 @@ impl<'a> SceneFrames<'a> {
         if holds && self.middle.is_none() {
             self.middle = Some(frame.scene.spheres.middle());
         }
-        if let Some(camera) = self.camera {
-            frame.scene.camera = camera;
-            return Ok(());
+        match self.camera {
+            Some(camera) => frame.scene.camera = camera,
+            None => {
+                aim(self.args, frame);
+                if let Some(framing) = self.args.camera.framing(frame.has_camera)? {
+                    frame.scene.fit(&framing)?;
+                }
+                self.camera = holds.then_some(frame.scene.camera);
+            }
         }
-        aim(self.args, frame);
-        if let Some(framing) = self.args.camera.framing(frame.has_camera)? {
-            frame.scene.fit(&framing)?;
-        }
-        if holds {
-            self.camera = Some(frame.scene.camera);
-        }
-        Ok(())
+        self.args.camera.zoom(&mut frame.scene)
     }
 }
 

@@ -51,8 +51,8 @@ fn end_after_grace() -> io::Result<()> {
     let wait = move || {
         if requests.read_exact(&mut [0]).is_ok() {
             thread::sleep(GRACE);
-            // If standard error is a full pipe, the message blocks this thread and not the process.
-            if thread::Builder::new().spawn(|| super::say(format_args!("{}", Error::Interrupted))).is_ok() {
+            // If standard error or output is a full pipe, the message blocks this thread and not the process.
+            if thread::Builder::new().spawn(|| super::fail(&Error::Interrupted)).is_ok() {
                 thread::sleep(GRACE / 10);
             }
             signal_hook::low_level::exit(130);

@@ -6,10 +6,11 @@ mod source;
 use super::bar::Bar;
 use super::clash::{check_inputs, place};
 use super::lines::ProgressOutput;
+use super::messages::QuietArgs;
 use super::read_args::ReadArgs;
 use super::scene_args::{ComputeArgs, PoseArgs};
 use super::scene_frames::arrange;
-use super::{go_on, print, say, threads, watch};
+use super::{go_on, note, print, say, threads, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -62,6 +63,8 @@ pub(crate) struct Trace {
         default_value = "auto"
     )]
     progress: ProgressOutput,
+    #[command(flatten)]
+    quiet: QuietArgs,
 }
 
 /// The options for accuracy and speed.
@@ -87,6 +90,7 @@ Examples:
 
 impl Trace {
     pub(crate) fn run(&self) -> Result<ExitCode> {
+        self.quiet.apply();
         let file = self.check()?;
         let settings = self.settings();
         // Opening a device takes time, so it runs beside the reading of the scene.
@@ -95,13 +99,13 @@ impl Trace {
         check_inputs(self.outputs(), &inputs)?;
         let mut renderer = renderer?.watched_by(watch());
         if self.accuracy.compute.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
-            say(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         self.outputs().into_iter().try_for_each(check_writable)?;
         let cancel = Cancel::default();
         let mut source = self.source.open(&self.pose, &frame, watch().cancelled_by(&cancel))?;
         if let Some(lidar) = source.lidar() {
-            say(format_args!("{} rings x {} azimuths", lidar.rings(), lidar.azimuths()));
+            note(format_args!("{} rings x {} azimuths", lidar.rings(), lidar.azimuths()));
         }
         self.source.write_beams(&source)?;
 
@@ -117,7 +121,7 @@ impl Trace {
         let passed_over: Vec<String> = tracer.warning().map(str::to_owned).into_iter().collect();
         warn(&passed_over);
         warnings.extend(passed_over);
-        say(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
+        note(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
         let start = Instant::now();
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
         match &file {

@@ -6,6 +6,7 @@ mod cells;
 mod crops;
 pub mod growth;
 mod heat;
+pub mod inset;
 mod ladder;
 mod legend;
 mod look;

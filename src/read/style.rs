@@ -17,7 +17,9 @@ use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere};
-use color::{linear, of_hex};
+pub(crate) use color::linear;
+
+use color::of_hex;
 use elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;

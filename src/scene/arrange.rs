@@ -69,7 +69,7 @@ impl Arrangement {
             clip(spheres, *plane)?;
         }
         if let Some(bead) = self.outline {
-            let cell = need("an outline")?;
+            let cell = need("drawing the cell")?;
             let mut whole = edges(cell);
             whole.iter_mut().zip(self.copies).for_each(|(edge, n)| *edge *= f64::from(n));
             outline(spheres, DVec3::from_array(cell.origin), whole, bead)?;
@@ -145,7 +145,7 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
         Bead::Radius(radius) => radius,
     };
     if !(radius > 0.0 && radius.is_finite()) {
-        let problem = format!("the beads of the outline have the radius {radius}");
+        let problem = format!("the beads of the cell have the radius {radius}");
         return Err(Error::settings(problem, "use a positive radius"));
     }
     for (k, along) in edges.into_iter().enumerate() {

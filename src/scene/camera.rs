@@ -182,6 +182,21 @@ impl Camera {
         Ok([unit(right), unit(above), unit(back)])
     }
 
+    /// Magnifies the image of `width` x `height` pixels by `factor` about its middle: its viewport is narrower by that
+    /// factor, and the eye stays, so that the perspective does too. The viewport's numbers are rounded here, once, and are
+    /// exact from here on. The width of an orthographic view still follows from its height.
+    ///
+    /// # Errors
+    /// Those of [`Camera::viewport`], before and after.
+    pub fn zoom(&mut self, factor: f64, width: u32, height: u32) -> Result<()> {
+        let Viewport { vw, vh, d } = self.viewport(width, height)?;
+        self.lens = match self.lens {
+            Lens::Orthographic { height } => Lens::Orthographic { height: height / factor },
+            _ => Lens::Viewport { vw: vw / factor, vh: vh / factor, distance: d },
+        };
+        self.viewport(width, height).map(drop)
+    }
+
     /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are exact from here on,
     /// however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once.
     ///

@@ -25,6 +25,8 @@ pub struct Target {
     format: FileFormat,
     style: FormatOptions,
     path: PathBuf,
+    /// What is drawn into the colour besides the scene.
+    drawn: Option<String>,
 }
 
 impl Target {
@@ -60,12 +62,22 @@ impl Target {
         }
         aovs.sort_unstable();
         aovs.dedup();
-        Self { aovs, format, style, path: path.to_path_buf() }
+        Self { aovs, format, style, path: path.to_path_buf(), drawn: None }
     }
 
     /// The buffers, in the order of [`Aov::ALL`].
     pub fn aovs(&self) -> &[Aov] {
         &self.aovs
+    }
+
+    /// Notes what is drawn into the colour besides the scene, for provenance.
+    pub fn set_drawn(&mut self, words: &str) {
+        self.drawn = Some(words.to_owned());
+    }
+
+    /// Whether anything is drawn into the colour besides the scene.
+    pub fn is_drawn_on(&self) -> bool {
+        self.drawn.is_some()
     }
 
     /// The file format.
@@ -96,6 +108,7 @@ impl Target {
         let mut provenance = Provenance::new(origin, &self.aovs);
         let of_format = self.style.words(self.format, &self.aovs);
         of_format.into_iter().for_each(|(key, text)| provenance.set(key, text));
+        self.drawn.iter().for_each(|words| provenance.set("halfline:drawn", words));
         provenance
     }
 

@@ -4,6 +4,7 @@ use super::layer::{LayerFormat, SampleType};
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::frame::provenance::Provenance;
+use crate::quote::quote;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -185,6 +186,40 @@ impl FromStr for NoReturn {
     }
 }
 
+/// The keyword of the resolution of a PNG.
+const DPI: &str = "halfline:dpi";
+
+/// The resolution of a PNG for print: pixels per inch, between 1 and [`Dpi::MOST`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dpi(u32);
+
+impl Dpi {
+    /// The highest resolution; its pixels per metre are within the 31 bits of PNG.
+    pub const MOST: u32 = 1_000_000;
+
+    /// The resolution of a PNG with this provenance.
+    pub(super) fn of(provenance: &Provenance) -> Option<Self> {
+        provenance.get(DPI)?.parse().ok()
+    }
+
+    /// Pixels per metre, the nearest whole number: an inch is 0.0254 m.
+    pub(super) fn per_metre(self) -> u32 {
+        (f64::from(self.0) / 0.0254).round() as u32
+    }
+}
+
+impl FromStr for Dpi {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let dpi = text.parse().ok().filter(|dpi| (1..=Self::MOST).contains(dpi));
+        dpi.map(Self).ok_or_else(|| {
+            let problem = format!("{} is not a resolution in pixels per inch", quote(text));
+            Error::settings(problem, format!("use a whole number between 1 and {}, such as 300", Self::MOST))
+        })
+    }
+}
+
 /// The options of the formats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormatOptions {
@@ -196,12 +231,14 @@ pub struct FormatOptions {
     pub no_return: NoReturn,
     /// Whether colour was rendered on black and has alpha.
     pub transparent: bool,
+    /// The resolution in PNG; without it the file has none.
+    pub dpi: Option<Dpi>,
 }
 
 impl Default for FormatOptions {
     /// 8 bits, a unit of 0.001 (millimetres if the scene is in metres), +inf on a miss, opaque.
     fn default() -> Self {
-        Self { bits: Bits::Eight, unit: 0.001, no_return: NoReturn::Inf, transparent: false }
+        Self { bits: Bits::Eight, unit: 0.001, no_return: NoReturn::Inf, transparent: false, dpi: None }
     }
 }
 
@@ -223,6 +260,9 @@ impl FormatOptions {
         }
         if self.transparent && any(&[Aov::Color]) {
             words.push(("halfline:transparent", "true".to_owned()));
+        }
+        if let (Some(Dpi(dpi)), FileFormat::Png) = (self.dpi, format) {
+            words.push((DPI, dpi.to_string()));
         }
         words
     }

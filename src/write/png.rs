@@ -1,7 +1,7 @@
 //! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, occlusion, mask and normals as levels; distance and depth as 16-bit
 //! multiples of a unit. Text chunks hold the provenance, and a crop has its offset.
 
-use super::format::FileFormat;
+use super::format::{Dpi, FileFormat};
 use super::layer::SampleType;
 use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
@@ -9,7 +9,7 @@ use crate::frame::array::{Array, Values};
 use crate::frame::srgb::levels;
 use crate::frame::{Aov, Buffer, Data};
 use crate::memory::check;
-use png::{BitDepth, ColorType};
+use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
 use std::ops::Range;
@@ -46,7 +46,7 @@ pub(crate) fn write_levels(
 ) -> io::Result<()> {
     let side =
         |n: usize| u32::try_from(n).map_err(|_| io::Error::other(format!("a side of {n} pixels is too long for PNG")));
-    let form = SampleFormat { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true };
+    let form = SampleFormat { color: ColorType::Rgb, depth: BitDepth::Eight, srgb: true, dpi: None };
     form.write([side(width)?, side(height)?], None, words, out, fill)
 }
 
@@ -67,7 +67,7 @@ pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) 
     let (window, [width, height]) = (head.window, head.full);
     let crop = (window.width(), window.height()) != (width, height);
     let offset = crop.then_some([window.x0, window.y0]);
-    let form = SampleFormat { color, depth, srgb: layer.aov == Aov::Color };
+    let form = SampleFormat { color, depth, srgb: layer.aov == Aov::Color, dpi: Dpi::of(&head.provenance) };
     form.write([window.width(), window.height()], offset, head.provenance.words(), out, |out| {
         head.bands().try_for_each(|band| {
             let samples = pulled(rows, 0, band)?;
@@ -86,6 +86,8 @@ struct SampleFormat {
     color: ColorType,
     depth: BitDepth,
     srgb: bool,
+    /// The resolution, in a pHYs chunk.
+    dpi: Option<Dpi>,
 }
 
 /// Bytes per chunk of compressed samples.
@@ -107,6 +109,11 @@ impl SampleFormat {
         if self.srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
+        encoder.set_pixel_dims(self.dpi.map(Dpi::per_metre).map(|per_metre| PixelDimensions {
+            xppu: per_metre,
+            yppu: per_metre,
+            unit: Unit::Meter,
+        }));
         encoder.set_compression(png::Compression::Fast);
         // Smaller than the adaptive choice for shaded spheres, and a third faster.
         encoder.set_filter(png::Filter::Paeth);

@@ -1,7 +1,7 @@
 //! The promise of settings and help: a flag overrides the environment, which overrides the configuration file; completions,
 //! manual pages and examples exist for every command.
 
-use crate::test_dir::{Output, TestDir};
+use crate::test_dir::{Output, SPHERE, TestDir, failure};
 
 const COMMANDS: [&str; 9] =
     ["render", "adapters", "compare", "merge", "measure", "plan", "trace", "completions", "man"];
@@ -118,4 +118,42 @@ fn every_command_has_completions_a_manual_page_and_examples() {
         let help = dir.good(&format!("{name} --help")).text();
         assert!(help.contains("Examples:\n") && help.contains(&format!("  halfline {name}")), "{name}: {help}");
     }
+}
+
+/// The commands that are printed work, once their files are there.
+#[test]
+fn render_without_arguments_prints_three_commands_that_work() {
+    let dir = dir();
+    dir.refused(2, "render", &["error: halfline render needs a file", "halfline render --help"]);
+    assert_eq!(
+        failure(&dir.run("render --json").text(), 2),
+        "the following required arguments were not provided: <SCENE>"
+    );
+    let err = dir.run("render").err;
+    let commands: Vec<_> = err.lines().filter_map(|line| line.strip_prefix("  halfline ")).collect();
+    assert_eq!(commands.len(), 3, "{err}");
+    dir.put("molecule.pdb", "ATOM      1  CA  ALA A   1       0.000   0.000   0.000  1.00  0.00           C\n");
+    dir.put("particles.csv", "x,y,z,radius,speed\n0,0,0,1,3\n3,0,0,1,4\n");
+    dir.put("scene.toml", SPHERE);
+    for command in commands {
+        dir.good(&format!("{command} --backend cpu --size 20x20"));
+        for file in command.split_whitespace().filter(|word| word.contains(".png") || word.contains(".svg")) {
+            assert!(!dir.get(file).is_empty(), "{command}");
+        }
+    }
+    assert_eq!(dir.array("depth.npy").1, [20, 20]);
+}
+
+#[test]
+fn help_is_in_groups_by_task() {
+    let help = dir().good("render --help").text();
+    let headings: Vec<_> = help.lines().filter(|line| !line.starts_with(' ') && line.ends_with(':')).collect();
+    let expected =
+        ["Input", "Spheres and colours", "Camera", "Image", "Light", "Accuracy and speed", "Output", "Reporting"];
+    let found: Vec<_> = headings.iter().map(|line| line.trim_end_matches(':')).collect();
+    let places: Vec<_> = expected.iter().map(|name| found.iter().position(|heading| heading == name)).collect();
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{found:?}");
+    // Every option has a place in a group; Options has --help alone.
+    let options = help.split_once("Options:\n").and_then(|(_, rest)| rest.split_once("\n\n")).expect("Options").0;
+    assert_eq!(options.matches("--").count(), 1, "{options}");
 }

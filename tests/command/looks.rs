@@ -79,7 +79,7 @@ fn an_invalid_colouring_is_refused_with_the_valid_ones() {
         dir.refused_render(2, &format!("atoms.xyz -o a.png {lonely}"), &["--color-by"]);
     }
     dir.refused_render(2, "atoms.xyz -o a.png --color #fff --color-by vx", &["--color"]);
-    dir.refused_render(2, "atoms.xyz -o a.png --color red", &["red", "#rrggbb"]);
+    dir.refused_render(2, "atoms.xyz -o a.png --color rde", &["rde", "use red", "#rrggbb"]);
 }
 
 #[test]
@@ -117,9 +117,11 @@ fn a_legend_shows_the_ends_and_is_checked_before_any_work() {
     let two = format!("{ATOMS}{ATOMS}");
     dir.put("two.xyz", two);
     let frames = "two.xyz --size 20x20 --frames 1-2 -o t%d.png --color-by vx --legend";
-    dir.refused_render(2, &format!("{frames} l.svg"), &["l.svg", "l.%04d.svg"]);
+    dir.refused_render(2, &format!("{frames} l.svg --hold none"), &["l.svg", "l.%04d.svg"]);
     dir.render(&format!("{frames} l%d.svg"));
     assert!(dir.get("l1.svg") == dir.get("l2.svg"));
+    dir.render(&format!("{frames} held.svg"));
+    assert!(dir.get("held.svg") == dir.get("l1.svg"), "frames have a common range");
     dir.render(&format!("{frames} all.svg --range 0,9"));
     assert!(String::from_utf8_lossy(&dir.get("all.svg")).contains(">9<"));
 }
@@ -180,6 +182,30 @@ fn the_background_follows_the_options() {
     assert_eq!((shape, &pixels[..4]), (vec![20, 30, 4], &[0.0; 4][..]));
     assert!(pixels.chunks(4).any(|pixel| pixel[3] == 255.0), "the sphere hides what is behind it");
     dir.refused_render(2, "native.toml --transparent --background 1,0,0 -o a.png", &["--background", "--transparent"]);
+}
+
+/// Names of CSS, hexadecimal digits and arrays are the same colours, in options and in scene files.
+#[test]
+fn colours_have_names() {
+    let dir = dir();
+    let picture = |file: &str, options: &str| {
+        dir.render(&format!("{file} -o c.npy {options}"));
+        dir.get("c.npy")
+    };
+    let given = picture("native.toml", "--color #663399 --background #ff0000");
+    assert!(given == picture("native.toml", "--color rebeccapurple --background Red"), "one provenance too");
+    assert!(given == picture("native.toml", "--color #639 --background 1,0,0"));
+    let array = ["color = [0.5, 0.25, 1]", "background = [0.25, 0.5, 0.75]"];
+    let named = |color: &str, background: &str| {
+        let text = NATIVE.replace(array[0], &format!("color = {color}"));
+        dir.put("named.toml", text.replace(array[1], &format!("background = {background}")));
+    };
+    named("'rebeccapurple'", "'#f00'");
+    assert!(given == picture("named.toml", ""));
+    named("'rebecapurple'", "[0, 0, 0]");
+    dir.refused_render(3, "named.toml -o a.png", &["named.toml:12", "sphere 0 color", "use rebeccapurple, "]);
+    named("[0, 0, 0]", "'wite'");
+    dir.refused_render(3, "named.toml -o a.png", &["named.toml:8", "image.background", "use white, "]);
 }
 
 /// A radius is the distance from a sphere's centre to its nearest point, which parallel rays show.

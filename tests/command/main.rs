@@ -19,11 +19,13 @@ mod exit_codes;
 mod faults;
 mod film;
 mod habits;
+mod insets;
 mod light;
 #[cfg(target_os = "linux")]
 mod limits;
 mod looks;
 mod merge;
+mod messages;
 mod options;
 mod resume;
 mod select;

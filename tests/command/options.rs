@@ -2,7 +2,7 @@
 //! files.
 
 use crate::nff;
-use crate::test_dir::{SCENE, TestDir};
+use crate::test_dir::{SCENE, SPHERE, TestDir};
 use halfline::measure::Array;
 use halfline::write::{npy, png};
 
@@ -133,4 +133,79 @@ fn scenes_of_another_program_are_rendered() {
         assert_eq!(report["spheres"], spheres, "{name}");
         assert!(report["hits"].as_u64() > Some(100), "{name}: {report}");
     }
+}
+
+/// The signature of PNG, and pHYs as the specification gives it (<https://www.w3.org/TR/png-3/#11pHYs>).
+#[test]
+fn a_png_has_the_resolution_of_its_option() {
+    let dir = TestDir::new(&[("s.toml", SPHERE)]);
+    let resolution = |name: &str| {
+        let file = dir.get(name);
+        let info = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
+        info.info().pixel_dims.map(|dims| (dims.xppu, dims.yppu, dims.unit == ::png::Unit::Meter))
+    };
+    dir.render("s.toml -o a.png");
+    assert_eq!(resolution("a.png"), None);
+    // 300 / 0.0254 = 11811.02, 72 / 0.0254 = 2834.65, 1 / 0.0254 = 39.37.
+    for (dpi, per_metre) in [("300", 11811), ("72", 2835), ("1", 39), ("1000000", 39_370_079)] {
+        dir.render(&format!("s.toml -o b.png --aov id=b.npy --aov depth=d.png --dpi {dpi}"));
+        for name in ["b.png", "d.png"] {
+            assert_eq!(resolution(name), Some((per_metre, per_metre, true)), "{name} {dpi}");
+        }
+    }
+    assert_eq!(dir.array("a.png"), dir.array("b.png"), "the pixels stay");
+    assert!(dir.good("compare a.png b.png").text().starts_with("equal"));
+    // Another resolution is another file; tiles have theirs.
+    dir.render("s.toml -o b.png --dpi 72");
+    assert!(dir.render("s.toml -o b.png --dpi 72 --resume").err.contains("already there"));
+    assert!(!dir.render("s.toml -o b.png --dpi 300 --resume").err.contains("already there"));
+    for (tile, name) in [("1/2", "1.png"), ("2/2", "2.png")] {
+        dir.render(&format!("s.toml -o {name} --tile {tile} --dpi 300"));
+    }
+    dir.good("merge 1.png 2.png -o m.png");
+    assert!(dir.get("m.png") == dir.get("b.png"));
+    for bad in ["0", "-1", "1.5", "1000001", "x"] {
+        dir.refused_render(2, &format!("s.toml -o c.png --dpi={bad}"), &["--dpi", bad, "such as 300"]);
+    }
+}
+
+/// Zooming by X shows the pixels of the middle: a zoom by 3 of a picture with an odd number of pixels has every third ray
+/// of the other one.
+#[test]
+fn zoom_narrows_the_viewport_and_keeps_the_eye() {
+    let atoms = "3\nProperties=species:S:1:pos:R:3\nC 0 0 0\nO 2 0 1\nN 0 1.5 3\n";
+    let dir = TestDir::new(&[("s.toml", SPHERE), ("m.xyz", atoms)]);
+    let ids = |options: &str| {
+        let ((ids, shape), (positions, _)) = {
+            dir.render(&format!("{options} --aov id=i.npy --aov position=p.npy"));
+            (dir.array("i.npy"), dir.array("p.npy"))
+        };
+        (ids, positions, shape)
+    };
+    for (file, height) in [("s.toml", 33), ("m.xyz", 33), ("m.xyz --ortho", 33), ("m.xyz --eye 1,0,9 --ortho 5", 33)] {
+        let (whole, at, _) = ids(&format!("{file} --size 45x{height}"));
+        let (zoomed, at_zoomed, shape) = ids(&format!("{file} --size 45x{height} --zoom 3"));
+        assert_eq!(shape, [33, 45]);
+        // Pixel 22 + 3 k of the zoomed picture sees along the ray of pixel 22 + k; so do rows, about 16.
+        let mut hits = 0;
+        for (row, column) in (-5..=5i32).flat_map(|row| (-7..=7i32).map(move |column| (row, column))) {
+            let index = |row: i32, column: i32| ((16 + row) * 45 + 22 + column) as usize;
+            let (near, far) = (index(row, column), index(3 * row, 3 * column));
+            assert_eq!(whole[near], zoomed[far], "{file} at {row}, {column}");
+            for k in 0..3 {
+                let (a, b) = (at[3 * near + k], at_zoomed[3 * far + k]);
+                // The two rays differ by a rounding of the viewport, certified distances by 1e-5 of some 10 units.
+                assert!(a.is_nan() == b.is_nan() && (a.is_nan() || (a - b).abs() <= 2e-4), "{file}: {a} and {b}");
+            }
+            hits += usize::from(whole[near] >= 0.0);
+        }
+        assert!(hits > 20, "{file}: {hits} hits");
+    }
+    // 1 changes nothing, and a zoom is part of the scene.
+    dir.render("s.toml -o a.png --zoom 2");
+    assert!(!dir.render("s.toml -o a.png --zoom 3 --resume").err.contains("already there"));
+    for bad in ["0", "-2", "inf", "nan", "x"] {
+        dir.refused_render(2, &format!("s.toml -o c.png --zoom={bad}"), &["--zoom", bad, "positive"]);
+    }
+    dir.refused_render(3, "s.toml -o c.png --zoom 1e-320", &["camera.viewport", "positive finite"]);
 }

@@ -164,7 +164,7 @@ fn a_sequence_needs_numbered_names_and_existing_frames() {
 }
 
 #[test]
-fn copies_clips_and_outlines_have_their_numbers_of_spheres() {
+fn copies_clips_and_cells_have_their_numbers_of_spheres() {
     let dir = dir();
     let count = |words: &str| dir.render(&format!("{words} --size 24x24 --json")).json()["spheres"].as_u64();
     assert_eq!(count("cell.xyz --copies 3,2,4"), Some(2 * 24));
@@ -172,15 +172,27 @@ fn copies_clips_and_outlines_have_their_numbers_of_spheres() {
     assert_eq!(count("cell.xyz --copies 2,1,1 --clip 1,0,0,2"), Some(2));
     assert_eq!(count("cell.xyz --copies 2,1,1 --clip 1,0,0,5 --clip -1,0,0,-1"), Some(2));
     // Beads a radius apart, on 4 edges each of length 4, 5 and 6.
-    assert_eq!(count("cell.xyz --outline=0.5"), Some(2 + 4 * (9 + 11 + 13)));
-    assert_eq!(count("cell.xyz --outline=0.5 --copies 2,1,1 --clip 1,0,0,-9"), Some(4 * (17 + 11 + 13)));
-    for words in ["frames.xyz --copies 2,2,2", "frames.xyz --outline", "native.toml --outline"] {
+    assert_eq!(count("cell.xyz --cell=0.5"), Some(2 + 4 * (9 + 11 + 13)));
+    assert_eq!(count("cell.xyz --cell=0.5 --copies 2,1,1 --clip 1,0,0,-9"), Some(4 * (17 + 11 + 13)));
+    for words in ["frames.xyz --copies 2,2,2", "frames.xyz --cell", "native.toml --cell"] {
         dir.refused_render(2, &format!("{words} -o a.png"), &["needs a periodic cell", "Lattice"]);
     }
-    for bad in ["--copies 0,1,1", "--copies 2,2", "--clip 0,0,0,1", "--clip 1,2,3", "--outline=0"] {
+    for bad in ["--copies 0,1,1", "--copies 2,2", "--clip 0,0,0,1", "--clip 1,2,3", "--cell=0"] {
         dir.refused_render(2, &format!("cell.xyz {bad} -o a.png"), &[bad.split([' ', '=']).next().expect("an option")]);
     }
     dir.refused_render(5, "cell.xyz --copies 99999,99999,9 -o a.png", &["179996400018 spheres"]);
+    // The earlier name does the same.
+    let older = |option: &str| dir.render(&format!("cell.xyz {option} --size 24x24 --copies 2,1,1 -o a.npy")).err;
+    for (name, earlier) in [("--cell", "--outline"), ("--cell=0.5", "--outline=0.5")] {
+        let err = older(name);
+        let expected = dir.get("a.npy");
+        assert!(!err.contains("--cell"), "{err}");
+        let err = older(earlier);
+        assert_eq!(err.matches("--outline is now called --cell").count(), 1, "{err}");
+        assert!(dir.get("a.npy") == expected);
+    }
+    dir.refused_render(2, "cell.xyz --cell --outline -o a.png", &["--cell", "--outline"]);
+    assert!(!dir.good("render --help").text().contains("--outline"));
     let err = dir.render("cell.xyz --clip 1,0,0,-9 --size 8x8 -o a.png").err;
     assert!(err.contains("removes all 2 spheres") && err.contains("0 spheres"), "{err}");
 }

@@ -53,6 +53,7 @@ fn messages_that_cannot_be_written_change_nothing() {
         (2, "render s.toml --bogus"),
         (2, "render s.toml"),
         (3, "render bad.toml --backend cpu -o a.png"),
+        (3, "render bad.toml --backend cpu -o a.png --json"),
         (8, "render none.toml --backend cpu -o a.png"),
     ];
     for (code, words) in work {

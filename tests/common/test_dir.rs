@@ -191,8 +191,8 @@ impl TestDir {
         self.good(&on_cpu(arguments))
     }
 
-    /// Runs a command that must fail with `code`, print all of `words` on standard error, print nothing else and leave
-    /// every file unchanged.
+    /// Runs a command that must fail with `code`, print all of `words` on standard error, print nothing else but with
+    /// `--json` an object, and leave every file unchanged.
     pub(crate) fn refused_with(
         &self,
         code: i32,
@@ -203,7 +203,7 @@ impl TestDir {
         let (list, before) = (arguments.list(), self.files());
         let Output { code: found, out, err } = self.run_with(arguments, environment);
         assert_eq!(found, code, "{list:?}: {err}");
-        assert!(out.is_empty(), "{list:?} printed {}", String::from_utf8_lossy(&out));
+        let printed = String::from_utf8(out).expect("UTF-8");
         assert!(!err.contains("panicked") && !err.contains('\x1b'), "{list:?}: {err}");
         let is_note = |line: &&str| {
             let notes = ["rendering on ", "tracing on ", "warning: "].map(|note| format!("halfline: {note}"));
@@ -213,6 +213,12 @@ impl TestDir {
         // The argument parser adds the usage; an error of the program is one line.
         let ours = lines.len() == 1 && lines[0].starts_with("halfline: ");
         assert!(ours || code == 2 && lines[0].starts_with("error: "), "{list:?}: {err}");
+        if list.iter().any(|word| word == "--json") {
+            let error = failure(&printed, code);
+            assert!(!ours || lines[0] == format!("halfline: {error}"), "{list:?}: {err} and {printed}");
+        } else {
+            assert!(printed.is_empty(), "{list:?} printed {printed}");
+        }
         words.iter().for_each(|word| assert!(err.contains(word), "{list:?}: no {word:?} in {err}"));
         assert!(self.files() == before, "{list:?} left something behind");
     }
@@ -232,6 +238,28 @@ impl TestDir {
         let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(ArrayValue::to_f64).collect();
         (values, array.shape().to_vec())
     }
+}
+
+/// The message of the one object that a failure with this exit code prints with `--json`, whose kind and exit code must
+/// be right.
+pub(crate) fn failure(printed: &str, code: i32) -> String {
+    let error = match serde_json::from_str::<Value>(printed) {
+        Ok(object) if printed.ends_with("}\n") => object["error"].clone(),
+        _ => panic!("no object: {printed:?}"),
+    };
+    let kind = match code {
+        2 => "settings",
+        3 => "scene",
+        4 => "adapter",
+        5 => "limits",
+        6 => "device-lost",
+        7 => "accuracy",
+        8 => "io",
+        130 => "interrupted",
+        _ => panic!("no kind for {code}"),
+    };
+    assert_eq!((error["kind"].as_str(), error["exit"].as_i64()), (Some(kind), Some(code.into())), "{printed}");
+    error["message"].as_str().filter(|message| !message.is_empty()).expect("a message").to_owned()
 }
 
 /// The arguments of `render` on the CPU path.

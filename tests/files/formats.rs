@@ -109,7 +109,13 @@ fn styles() -> [FormatOptions; 3] {
     let plain = FormatOptions::default();
     [
         plain,
-        FormatOptions { bits: Bits::Sixteen, unit: 0.01, no_return: NoReturn::Nan, transparent: true },
+        FormatOptions {
+            bits: Bits::Sixteen,
+            unit: 0.01,
+            no_return: NoReturn::Nan,
+            transparent: true,
+            dpi: "600".parse().ok(),
+        },
         FormatOptions { unit: 0.25, no_return: NoReturn::Zero, transparent: true, ..plain },
     ]
 }
@@ -192,6 +198,7 @@ fn provenance_names_all_that_the_bytes_depend_on() {
         ["halfline:buffers", "color,alpha"],
         ["halfline:bits", "16"],
         ["halfline:transparent", "true"],
+        ["halfline:dpi", "600"],
     ];
     let (hash, others) = words.split_last().expect("words");
     assert_eq!(others, known);
@@ -200,7 +207,7 @@ fn provenance_names_all_that_the_bytes_depend_on() {
     for ending in ["exr", "npy", "npz", "pfm"] {
         let depth = says(Aov::Depth, &format!("a.{ending}"));
         assert_eq!((depth.get("halfline:no-return"), depth.get("halfline:unit")), (Some("nan"), None), "{ending}");
-        assert_eq!((depth.get("halfline:shade"), depth.get("halfline:transparent")), (None, None), "{ending}");
+        assert_eq!((depth.get("halfline:shade"), depth.get("halfline:dpi")), (None, None), "{ending}");
     }
 }
 

@@ -7,6 +7,7 @@ use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
 use halfline::measure::{ArrayValue, picture};
 use serde::{Serialize, Serializer};
 use std::path::Path;
+use std::process::ExitCode;
 
 /// The common buffers of two files, their differences, and the buffers that only one file has.
 pub(super) struct FrameComparison<'a> {
@@ -31,8 +32,13 @@ impl<'a> FrameComparison<'a> {
     }
 
     /// Whether both files have the same buffers, equal within the tolerance.
-    pub(super) fn is_equal(&self) -> bool {
+    fn is_equal(&self) -> bool {
         self.unlike.is_none() && self.differences.iter().all(Difference::is_within)
+    }
+
+    /// 0 if they are equal, 1 if they differ.
+    pub(super) fn exit_code(&self) -> ExitCode {
+        if self.is_equal() { ExitCode::SUCCESS } else { ExitCode::from(1) }
     }
 
     /// Writes the difference picture of the only pair of buffers.
@@ -40,7 +46,7 @@ impl<'a> FrameComparison<'a> {
         match (&self.pairs.common[..], &self.differences[..]) {
             // Different shapes are a result, not an error of the command.
             ([_], [difference]) if difference.unlike.is_some() => {
-                say(format_args!("{} is not written, because there are no common pixels", path.display()));
+                say(format_args!("warning: {} is not written, because there are no common pixels", path.display()));
                 Ok(())
             }
             ([pair], [difference]) => picture::write(pair.a, pair.b, difference, path),

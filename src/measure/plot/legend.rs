@@ -16,7 +16,7 @@ const BAR: [i32; 4] = [48, 60, 864, 44];
 
 /// The number of strips of the bar, each of whole pixels, and of the numbers under it.
 const STRIPS: i32 = 216;
-const TICKS: i32 = 5;
+pub(super) const TICKS: i32 = 5;
 
 /// Side of a swatch, height of a row, distance between a swatch and its label, and between a label and the next swatch.
 const SWATCH: i32 = 28;
@@ -33,7 +33,7 @@ const SIZE: i32 = 24;
 
 impl Legend {
     /// The number at a fraction of the bar.
-    fn at(&self, part: f64) -> f64 {
+    pub(super) fn at(&self, part: f64) -> f64 {
         let [low, high] = self.range;
         if self.log { (low.ln() + part * (high.ln() - low.ln())).exp() } else { low + part * (high - low) }
     }
@@ -111,7 +111,7 @@ impl Legend {
 }
 
 /// A number to four digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let decade = value.abs().log10().floor();
     if value == 0.0 || !(-3.0..5.0).contains(&decade) {
         return if value == 0.0 { "0".into() } else { format!("{value:.3e}") };

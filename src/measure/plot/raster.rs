@@ -106,7 +106,7 @@ impl DrawingBackend for SvgAndPixels<'_> {
 
     fn draw_text<S: BackendTextStyle>(&mut self, text: &str, style: &S, at: BackendCoord) -> Outcome {
         self.svg.draw_text(text, style, at)?;
-        let face = if matches!(style.style(), FontStyle::Bold) { &FACES.bold } else { &FACES.regular };
+        let face = face(matches!(style.style(), FontStyle::Bold));
         let (x, y) = (at.0 as f32, at.1 as f32);
         // plotters writes a size divided by 1.24 into the SVG.
         let size = (style.size() / 1.24) as f32;
@@ -189,6 +189,20 @@ struct Faces {
 
 static FACES: LazyLock<Faces> =
     LazyLock::new(|| Faces { regular: Face::new(dejavu::sans::regular()), bold: Face::new(dejavu::sans::bold()) });
+
+/// The outlines of a text that begins at a point of its baseline; `None` for blanks.
+pub(super) fn letters(text: &str, bold: bool, size: f32, at: (f32, f32)) -> Option<Path> {
+    face(bold).outlines(text, size, at)
+}
+
+/// The width of a text.
+pub(super) fn letters_width(text: &str, bold: bool, size: f32) -> f32 {
+    face(bold).width(text, size)
+}
+
+fn face(bold: bool) -> &'static Face {
+    if bold { &FACES.bold } else { &FACES.regular }
+}
 
 /// A font; lengths are in units of its em.
 struct Face {

@@ -1,6 +1,7 @@
 //! Tables and values of a TOML document, whose errors have the line, column and key.
 
 use crate::error::{Error, Place, Result};
+use crate::read::style::color;
 use crate::scene::check_color;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
@@ -218,7 +219,14 @@ impl<'a> TomlValue<'a> {
         }
     }
 
+    /// Three numbers of linear RGB, or the text of a colour.
     pub(super) fn color(&self) -> Result<[f32; 3]> {
+        if let Some(text) = self.value.get_ref().as_str() {
+            return color(text).map_err(|error| match error {
+                Error::Settings { problem, mend } => Error::scene(self.place(), problem, mend),
+                other => other,
+            });
+        }
         let color = self.numbers()?.map(|c: f64| c as f32);
         check_color(color, || self.place())?;
         Ok(color)

@@ -1,0 +1,44 @@
+//! Messages on standard error: errors and warnings, and notes, which `--quiet` leaves out.
+
+use halfline::quote::printable;
+use std::fmt;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether notes are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// The option `--quiet`.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reporting")]
+pub(super) struct QuietArgs {
+    /// Prints only errors and warnings on standard error; no notes and no line of progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl QuietArgs {
+    /// Leaves out notes from now on if the option is given.
+    pub(super) fn apply(&self) {
+        QUIET.store(self.quiet, Ordering::Relaxed);
+    }
+}
+
+/// Whether notes and lines of progress are left out.
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Prints an error or a warning on standard error. A standard error that cannot be written is not a failure; `eprintln`
+/// would panic.
+pub(crate) fn say(message: fmt::Arguments<'_>) {
+    // One write, so that lines of several processes do not mix.
+    let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
+}
+
+/// Prints a message that is neither an error nor a warning, unless `--quiet` is given.
+pub(super) fn note(message: fmt::Arguments<'_>) {
+    if !is_quiet() {
+        say(message);
+    }
+}

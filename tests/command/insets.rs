@@ -1,0 +1,147 @@
+//! The promise of legend, label and scale bar inside the picture: they are in the picture of -o alone, say what the scene
+//! says, and are part of its provenance.
+
+use crate::test_dir::TestDir;
+
+/// Two spheres whose middle is 10 before an eye at the origin, and a viewport of 1.5 x 1 at distance 1.
+const SCENE: &str = "[camera]\neye = [0, 0, 0]\nview = [0, 0, -1]\nup = [0, 1, 0]\nviewport = [1.5, 1]
+[image]\nsize = [300, 200]\nbackground = 'white'\n[[sphere]]\ncenter = [-1, 0, -10]\nradius = 1\n
+[[sphere]]\ncenter = [1, 0, -10]\nradius = 1\n";
+
+const ATOMS: &str = "3\nProperties=species:S:1:pos:R:3:vx:R:1\nC 0 0 0 3\nO 9 0 0 0\nH 18 0 0 6\n";
+
+fn dir() -> TestDir {
+    let two = format!("{ATOMS}{ATOMS}");
+    TestDir::new(&[("s.toml", SCENE), ("atoms.xyz", ATOMS), ("two.xyz", two.as_str())])
+}
+
+/// The length of the longest dark run of pixels in the rows of an RGB picture.
+fn longest_dark_run((levels, shape): &(Vec<f64>, Vec<usize>)) -> usize {
+    let is_dark = |pixel: &[f64]| pixel.iter().all(|level| *level < 64.0);
+    let runs = levels.chunks(3 * shape[1]).map(|row| {
+        let (mut run, mut longest) = (0, 0);
+        for pixel in row.chunks(3) {
+            run = if is_dark(pixel) { run + 1 } else { 0 };
+            longest = longest.max(run);
+        }
+        longest
+    });
+    runs.max().unwrap_or(0)
+}
+
+/// A quarter of 300 pixels is 75, or 3.75 scene units at 0.05 units a pixel: the bar is 2 units, 40 pixels, long.
+#[test]
+fn a_scale_bar_has_its_length() {
+    let dir = dir();
+    // Orthographic: 10 / 200 units a pixel. Perspective: 1.5 / 300 at distance 1, and 10 times that at the middle.
+    for options in ["--ortho 10", "", "--ortho 20 --zoom 2"] {
+        let err = dir.render(&format!("s.toml {options} --shade flat --color white --scale-bar -o a.png")).err;
+        assert_eq!(longest_dark_run(&dir.array("a.png")), 40, "{options}");
+        assert_eq!(err.contains("at the distance of the scene's middle"), options.is_empty(), "{options}: {err}");
+    }
+    let drawn = |name: &str| String::from_utf8_lossy(&dir.get(name)).into_owned();
+    assert!(drawn("a.png").contains("scale bar: 2"));
+    dir.render("s.toml --ortho 10 --scale-bar=nm -o b.exr");
+    assert!(drawn("b.exr").contains("scale bar: 2 nm"));
+    dir.refused_render(2, "s.toml --eye 0,0,-20 --scale-bar -o c.png", &["in front of the camera", "--ortho"]);
+}
+
+#[test]
+fn panels_are_in_the_picture_and_in_no_other_buffer() {
+    let dir = dir();
+    let others = "--aov color=c.npy --aov depth,id=o.npz";
+    dir.render(&format!("s.toml -o plain.png {others}"));
+    let expected = [dir.get("c.npy"), dir.get("o.npz")];
+    dir.render(&format!("s.toml --label {{file}} --scale-bar -o drawn.png {others}"));
+    assert!([dir.get("c.npy"), dir.get("o.npz")] == expected, "buffers and their provenance");
+    let ((plain, _), (drawn, shape)) = (dir.array("plain.png"), dir.array("drawn.png"));
+    // Both panels are on the left, and a line of text is 9 pixels high.
+    let mut changed = [0; 2];
+    for (index, _) in plain.iter().zip(&drawn).enumerate().filter(|(_, (a, b))| a != b) {
+        let (row, column) = (index / 3 / shape[1], index / 3 % shape[1]);
+        assert!(column < 120 && !(40..150).contains(&row), "row {row}, column {column}");
+        changed[usize::from(row > 100)] += 1;
+    }
+    assert!(changed.iter().all(|pixels| *pixels > 100), "{changed:?}");
+    // Alpha of a panel: 0.8 of 255 is 204.
+    dir.render("s.toml --transparent --label x -o t.png --aov alpha=a.npy");
+    let (levels, _) = dir.array("t.png");
+    assert_eq!(levels[4 * (6 * 300 + 6)..][..4], [255.0, 255.0, 255.0, 204.0]);
+    assert_eq!(dir.array("a.npy").0[6 * 300 + 6], 0.0, "the buffer is that of the scene");
+}
+
+#[test]
+fn a_legend_has_the_colours_of_the_spheres() {
+    let dir = dir();
+    let colors = |corner: &str, column: &str| {
+        dir.render(&format!("atoms.xyz --color-by {column} --size 300x200 --zoom 0.2 --legend-in{corner} -o a.png"));
+        let (levels, _) = dir.array("a.png");
+        move |color: [f64; 3]| {
+            // The atoms are in the middle fifth.
+            let legend = |at: &usize| !(100..200).contains(&(at % 300));
+            let mut all = levels.chunks(3).enumerate().filter(|(_, pixel)| *pixel == color).map(|(at, _)| at);
+            all.find(legend).map(|at| (at / 300, at % 300))
+        }
+    };
+    // The ends of viridis: 440154 at the bottom, fde725 at the top.
+    let (dark, bright) = ([68.0, 1.0, 84.0], [253.0, 231.0, 37.0]);
+    for (corner, right, lower) in [
+        ("", true, None),
+        ("=top-right", true, Some(false)),
+        ("=top-left", false, Some(false)),
+        ("=bottom-left", false, Some(true)),
+        ("=bottom-right", true, Some(true)),
+    ] {
+        let at = colors(corner, "vx");
+        let (low, high) = (at(dark).expect("the low end"), at(bright).expect("the high end"));
+        assert!(high.0 < low.0 && (high.1 > 150) == right, "{corner}: {high:?} above {low:?}");
+        // The bar is half as high as the picture.
+        assert!(
+            lower.is_none_or(|lower| (low.0 > 160) == lower && (high.0 < 50) != lower),
+            "{corner}: {high:?} {low:?}"
+        );
+    }
+    // Jmol's red of oxygen, which a shaded sphere shows nowhere.
+    let at = colors("", "element");
+    assert!(at([255.0, 13.0, 13.0]).is_some_and(|(_, column)| column > 150));
+}
+
+#[test]
+fn a_label_belongs_to_its_frame_and_to_the_provenance() {
+    let dir = dir();
+    let frames = |label: &str| {
+        let words = ["render", "two.xyz", "--backend", "cpu", "--size", "200x90", "--frames", "1-2", "-o", "f%d.png"];
+        dir.good(&[&words[..], &["--label", label]].concat());
+        [dir.get("f1.png"), dir.get("f2.png")]
+    };
+    let [one, two] = frames("the same");
+    assert!(one == two);
+    let [one, two] = frames("{file}: {frame} of 2, {count} atoms");
+    let says = |bytes: &[u8], text: &str| String::from_utf8_lossy(bytes).contains(text);
+    assert!(says(&one, "label: two.xyz: 1 of 2, 3 atoms") && says(&two, "label: two.xyz: 2 of 2, 3 atoms"));
+    let again = |label: &str| dir.render(&format!("s.toml -o r.png --label {label} --resume")).err;
+    again("one");
+    assert!(again("one").contains("already there") && !again("two").contains("already there"));
+    assert!(again("two").contains("already there"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused() {
+    let dir = dir();
+    for options in ["--crop 0,0,9,9 -o a.png", "--tile 1/2 -o a.png"] {
+        dir.refused_render(2, &format!("s.toml --label x {options}"), &["whole pictures", "--crop or --tile"]);
+    }
+    for options in ["-o a.npy", "-o a.npz", "-o a.pfm", "--aov id=i.npy", "--json", "-o - --raw"] {
+        dir.refused_render(2, &format!("s.toml --scale-bar {options}"), &["--scale-bar", ".png or .exr"]);
+    }
+    dir.refused_render(2, "s.toml --legend-in -o a.png", &["--color-by"]);
+    dir.refused_render(2, "atoms.xyz --color-by vx --legend-in=middle -o a.png", &["middle", "bottom-left"]);
+    for label in ["{", "}", "{x}", "{frame"] {
+        dir.refused_render(2, &format!("s.toml --label {label} -o a.png"), &["--label", "{frame}, {file}, {count}"]);
+    }
+    dir.refused_render(2, "s.toml --label {time} -o a.png", &["{time}", "no time"]);
+    for option in ["--label x", "--scale-bar"] {
+        dir.refused_render(2, &format!("s.toml {option} --size 12x9 -o a.png"), &["12 x 9", "--size"]);
+    }
+    dir.refused_render(2, "atoms.xyz --color-by vx --legend-in --size 40x30 -o a.png", &["40 x 30", "legend"]);
+}
