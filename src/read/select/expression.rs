@@ -96,7 +96,7 @@ impl Sign {
             Self::More => a > b,
             Self::AtLeast => a >= b,
             Self::Equal => a == b,
-            Self::Other => a < b || a > b,
+            Self::Other => a.partial_cmp(&b).is_some_and(std::cmp::Ordering::is_ne),
         }
     }
 
