@@ -3,6 +3,7 @@
 mod adapters;
 mod bar;
 mod camera_file;
+mod camera_list;
 mod clash;
 mod compare;
 mod config;

@@ -1,6 +1,7 @@
 //! Readers of scene files. A file is a whole scene (TOML, NFF) or particles, frame by frame, that the style turns into
 //! spheres. Given rays are read block by block.
 
+pub mod cameras;
 mod csv;
 mod detect;
 mod foreign;

@@ -5,6 +5,8 @@
 mod pictures;
 #[path = "rays.rs"]
 mod rays;
+#[path = "select.rs"]
+mod select;
 
 use halfline::error::Error;
 use halfline::read::style::{Coloring, Scale, Style};
@@ -65,11 +67,13 @@ impl Target {
         let scene = |format: &Format| Self { name: format.name(), kind: Kind::Scene(Some(*format)) };
         let mut all: Vec<Self> = Format::ALL.iter().map(scene).collect();
         all.push(Self { name: "any", kind: Kind::Scene(None) });
-        let files: [(_, Run); 4] = [
+        let files: [(_, Run); 6] = [
             ("compare", pictures::compare),
             ("merge", pictures::merge),
             ("resume", pictures::resume),
             ("rays", rays::read),
+            ("select", select::select),
+            ("cameras", select::cameras),
         ];
         all.extend(files.map(|(name, run)| Self { name, kind: Kind::File(run) }));
         #[cfg(fuzzing)]

@@ -1,6 +1,7 @@
 //! `halfline render SCENE`.
 
 use super::bar::Bar;
+use super::camera_list::WrittenCameras;
 use super::clash::check_inputs;
 use super::lines::ProgressOutput;
 use super::messages::QuietArgs;
@@ -9,6 +10,7 @@ use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
 use super::{go_on, legend, note, print, say, threads};
 use clap::Args;
+use halfline::camera::CameraRecord;
 use halfline::error::{Error, Result};
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
@@ -22,6 +24,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::num::NonZeroU32;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Renders a picture of a scene or of particles, and the buffers behind it.
@@ -97,15 +100,22 @@ impl Render {
         {
             note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
-        let mut printed = BTreeSet::new();
+        let (mut printed, mut cameras) = (BTreeSet::new(), WrittenCameras::default());
         while let Some(now) = picture {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
             self.picture(&now, &settings, &mut renderer, &bar, &mut printed)?;
+            let image = now.scene.image;
+            let files = self.args.files.targets(now.number)?;
+            let camera = CameraRecord::new(&now.scene.camera, image.width, image.height)?;
+            cameras.add(now.number, files.iter().map(Target::path), camera);
             picture = self.ready(&mut scene_frames)?;
         }
         bar.finish();
+        if let Some(list) = self.args.camera_list()? {
+            cameras.write(list.parent().unwrap_or(Path::new("")))?;
+        }
         Ok(ExitCode::SUCCESS)
     }
 
@@ -215,7 +225,9 @@ impl Render {
         let Some(picture) = scene_frames.next_frame()? else { return Ok(None) };
         let targets = self.args.files.targets(picture.number)?;
         let legend = legend::file(&self.args, picture.number)?;
-        check_inputs(targets.iter().map(Target::path).chain(legend.as_deref()), &scene_frames.inputs())?;
+        let list = self.args.camera_list()?;
+        let written = targets.iter().map(Target::path).chain(legend.as_deref()).chain(list.as_deref());
+        check_inputs(written, &scene_frames.inputs())?;
         targets.iter().try_for_each(Target::check)?;
         picture.scene.check()?;
         Ok(Some(picture))

@@ -1,5 +1,6 @@
 //! The options that `render` and `plan` share: the scene, the camera, the image and its buffers, and the accuracy.
 
+use super::camera_list::{CameraListArgs, list_in};
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
 use super::inset_args::InsetArgs;
@@ -68,6 +69,8 @@ pub(super) struct CameraArgs {
     /// viewport is narrower by that factor.
     #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
     zoom: Option<f64>,
+    #[command(flatten)]
+    pub(super) list: CameraListArgs,
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
     #[arg(long, value_name = "N")]
     pub(super) spin: Option<NonZeroU32>,
@@ -192,18 +195,25 @@ impl SceneArgs {
 
     /// The number of pictures by the arguments alone: the selected frames, the turns, or one. The file may have fewer frames.
     pub(super) fn expected(&self) -> u32 {
-        match (self.read.frames(), self.camera.spin) {
+        match (self.read.frames(), self.camera.turns()) {
             (Some(frames), _) => frames.count().try_into().unwrap_or(u32::MAX),
-            (None, turns) => turns.map_or(1, NonZeroU32::get),
+            (None, turns) => turns.unwrap_or(1),
         }
+    }
+
+    /// The file `cameras.json` that --cameras writes: in the folder of the first file.
+    pub(super) fn camera_list(&self) -> Result<Option<PathBuf>> {
+        let names = self.files.names()?;
+        let first = names.iter().find(|name| !is_standard_output(name)).filter(|_| self.camera.list.file.is_some());
+        Ok(first.map(|name| list_in(name.parent().unwrap_or(Path::new("")))))
     }
 
     /// The numbers that go into names, by the arguments alone; only the first of very many.
     fn numbers(&self) -> Vec<u64> {
         const MANY: usize = 1 << 16;
-        match (self.read.frames(), self.camera.spin) {
+        match (self.read.frames(), self.camera.turns()) {
             (Some(frames), _) => frames.numbers().take(MANY).collect(),
-            (None, turns) => (1..=turns.map_or(1, |turns| u64::from(turns.get()))).take(MANY).collect(),
+            (None, turns) => (1..=u64::from(turns.unwrap_or(1))).take(MANY).collect(),
         }
     }
 
@@ -266,6 +276,21 @@ impl ImageArgs {
 }
 
 impl CameraArgs {
+    /// The number of pictures of one scene: the turns, or the cameras of a list; `None` without either. A list that
+    /// cannot be read counts as several, and is reported when it is opened.
+    pub(super) fn turns(&self) -> Option<u32> {
+        let listed = || match self.list.listed() {
+            Ok(listed) => listed.map(|listed| u32::try_from(listed.len()).unwrap_or(u32::MAX)),
+            Err(_) => Some(2),
+        };
+        self.spin.map(NonZeroU32::get).or_else(listed)
+    }
+
+    /// The lens of `--vfov`.
+    pub(super) fn vfov(&self) -> Option<Lens> {
+        self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 })
+    }
+
     /// How the scene is framed, if it is; a file without a camera always is, unless the eye is given.
     pub(super) fn framing(&self, has_camera: bool) -> Result<Option<Framing>> {
         let keep_height = !matches!(self.ortho, None | Some(None));

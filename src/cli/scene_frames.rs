@@ -44,6 +44,7 @@ impl<'a> SceneFrames<'a> {
     /// Opens the scene file.
     pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
         let mut options = args.color.of(args.read.options())?;
+        args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let (mut camera, mut middle) = (taken.map(|record| camera_file::resized(&record, args.image.size)), None);
         if options.hold == Hold::All && args.read.frames().is_some() {
@@ -59,16 +60,20 @@ impl<'a> SceneFrames<'a> {
     /// Every file that is read.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
         let scene = [self.args.scene.clone()].into_iter();
-        scene.chain(self.sequence.files().iter().cloned()).chain(self.args.camera.from.clone()).collect()
+        scene
+            .chain(self.sequence.files().iter().cloned())
+            .chain(self.args.camera.from.clone())
+            .chain(self.args.camera.list.file.clone())
+            .collect()
     }
 
     /// The next scene; `None` after the last.
     pub(super) fn next_frame(&mut self) -> Result<Option<Numbered>> {
         let (camera, count) = (&self.args.camera, self.count);
         self.count += 1;
-        let spins = camera.spin.filter(|_| self.args.read.frames().is_none());
-        let frame = match spins {
-            Some(turns) if count >= turns.get() => return Ok(None),
+        let turns = camera.turns().filter(|_| self.args.read.frames().is_none());
+        let frame = match turns {
+            Some(turns) if count >= turns => return Ok(None),
             Some(_) => {
                 if self.standing.is_none() {
                     self.standing = self.sequence.next_scene()?;
@@ -108,6 +113,10 @@ impl<'a> SceneFrames<'a> {
             self.middle = Some(frame.scene.spheres.middle());
         }
         match self.camera {
+            _ if self.args.camera.list.file.is_some() => {
+                let camera = &self.args.camera;
+                camera.list.apply(frame.number, self.args.image.size, camera.vfov(), &mut frame.scene)?;
+            }
             Some(camera) => frame.scene.camera = camera,
             None => {
                 aim(self.args, frame);

@@ -2,6 +2,7 @@
 //! into spheres.
 
 mod assembly;
+mod atom_property;
 mod bytes;
 mod data;
 mod dump;

@@ -1,9 +1,12 @@
 //! The promise of films: camera, default radii and the range of colours are the same in all frames, a frame rendered
 //! alone is the same file as in the film, and pictures and reports give their camera back.
 
+use crate::skip::skip;
 use crate::test_dir::TestDir;
 use serde_json::Value;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::process::{Command, Stdio};
 
 /// Frames of a gas that expands: its box, and the values of its column, grow from frame to frame.
 fn gas(frames: u32) -> String {
@@ -117,4 +120,24 @@ fn pictures_and_reports_give_their_camera_back() {
     dir.refused_render(3, "other.xyz --json --camera-from empty.json", &["empty.json"]);
     dir.refused_render(2, "other.xyz --json --camera-from a.png --eye 0,0,9", &["--camera-from", "--eye"]);
     dir.refused_render(2, "other.xyz -o a.png --camera-from a.png", &["a.png"]);
+}
+
+#[test]
+fn frames_on_standard_output_are_a_film_for_ffmpeg() {
+    let missing = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_err();
+    if missing {
+        return skip("ffmpeg is not here (Debian: apt-get install ffmpeg)");
+    }
+    let dir = TestDir::new(&[("gas.dump", &gas(7))]);
+    let film = dir.render("gas.dump --size 64x48 --frames 1-7 --color-by c_ke -o -").out;
+    let mut command = dir.program("ffmpeg");
+    command.args("-v error -f image2pipe -c:v png -i - -f rawvideo -pix_fmt rgb24 -".split(' '));
+    let mut ffmpeg = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("ffmpeg runs");
+    let mut pipe = ffmpeg.stdin.take().expect("a pipe");
+    let fed = std::thread::spawn(move || pipe.write_all(&film));
+    let frames = ffmpeg.wait_with_output().expect("ffmpeg ends").stdout;
+    fed.join().expect("a thread").expect("ffmpeg takes all frames");
+    assert_eq!(frames.len(), 7 * 64 * 48 * 3, "seven frames of three bytes per pixel");
+    let pictures: Vec<&[u8]> = frames.chunks(64 * 48 * 3).collect();
+    assert!(pictures.windows(2).all(|two| two[0] != two[1]), "the particles move");
 }

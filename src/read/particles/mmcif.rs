@@ -7,8 +7,9 @@ mod row;
 mod symmetry;
 mod tokens;
 
+use super::atom_property::{AtomProperty, NameTable};
 use super::infer::Inference;
-use super::molecule::{AtomProperty, Copies, Model, MoleculeOptions, NameTable, Passed, more_models, not_assembled};
+use super::molecule::{Copies, Model, MoleculeOptions, Passed, more_models, not_assembled};
 use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;

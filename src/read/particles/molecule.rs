@@ -1,10 +1,10 @@
 //! Common parts of PDB and mmCIF: which atoms of a model are read, what is stored of them, and what is reported.
 
 use super::assembly::{self, Assembly};
+use super::atom_property::AtomProperty;
 use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
-use super::names::Names;
 use super::survey::{PART, Survey};
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
@@ -15,69 +15,6 @@ use crate::read::format::Format;
 use crate::read::options::{Altloc, FrameRange, ReadOptions};
 use crate::scene::Cell;
 use std::collections::HashMap;
-
-/// Columns of an atom that colours and selections can read; names are numbered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum AtomProperty {
-    /// B factor, Å².
-    Bfactor,
-    Occupancy,
-    /// The number of the residue in its chain.
-    Residue,
-    /// The chain, numbered from 0 in the order of first occurrence; asym and entity likewise.
-    Chain,
-    Model,
-    Serial,
-    Asym,
-    Entity,
-    /// In an assembly, the number of the operator from 0.
-    Copy,
-    /// Partial charge, elementary charges.
-    Charge,
-    /// The name of the atom.
-    Name,
-    /// The name of the residue.
-    Resname,
-    Segid,
-    /// The identifier of the alternate location.
-    Altloc,
-    /// The residue's insertion code.
-    Icode,
-    /// `ATOM` or `HETATM`.
-    Record,
-}
-
-impl AtomProperty {
-    /// All of them, by their names in `--color-by` and selections.
-    pub(super) const ALL: [(&'static str, Self); 16] = [
-        ("name", Self::Name),
-        ("resname", Self::Resname),
-        ("residue", Self::Residue),
-        ("chain", Self::Chain),
-        ("segid", Self::Segid),
-        ("serial", Self::Serial),
-        ("bfactor", Self::Bfactor),
-        ("occupancy", Self::Occupancy),
-        ("charge", Self::Charge),
-        ("altloc", Self::Altloc),
-        ("icode", Self::Icode),
-        ("record", Self::Record),
-        ("model", Self::Model),
-        ("asym", Self::Asym),
-        ("entity", Self::Entity),
-        ("copy", Self::Copy),
-    ];
-
-    /// Whether its values are names.
-    pub(super) fn is_text(self) -> bool {
-        use AtomProperty::{Altloc, Asym, Chain, Entity, Icode, Name, Record, Resname, Segid};
-        matches!(self, Chain | Asym | Entity | Name | Resname | Segid | Altloc | Icode | Record)
-    }
-
-    pub(super) fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
-    }
-}
 
 /// The options for reading molecules.
 #[derive(Debug, Clone)]
@@ -126,35 +63,6 @@ impl MoleculeOptions {
 
     pub(super) fn wants(&self, kind: AtomProperty) -> bool {
         self.columns.contains(&kind)
-    }
-}
-
-/// The names in the text columns of a file.
-#[derive(Debug, Default)]
-pub(super) struct NameTable([Names; AtomProperty::ALL.len()]);
-
-impl NameTable {
-    /// The number of a name in a column.
-    ///
-    /// # Errors
-    /// [`Error::Limits`] where memory is short.
-    pub(super) fn number(&mut self, kind: AtomProperty, name: &[u8]) -> Result<f64> {
-        self.0[kind as usize].number(name).map(f64::from)
-    }
-
-    /// The names of a column.
-    pub(super) fn list(&self, kind: AtomProperty) -> &[Vec<u8>] {
-        &self.0[kind as usize].list
-    }
-
-    /// Adds the names of the stored columns to the particles.
-    pub(super) fn label(&self, particles: &mut Particles) {
-        for (name, kind) in AtomProperty::ALL {
-            let names = &self.0[kind as usize];
-            if kind.is_text() && particles.columns.iter().any(|column| column.name == name) {
-                particles.labels.insert(name.into(), names.labels());
-            }
-        }
     }
 }
 

@@ -7,10 +7,9 @@ mod biomt;
 mod columns;
 mod dialects;
 
+use super::atom_property::{AtomProperty, NameTable};
 use super::infer::{AtomNames, Inference};
-use super::molecule::{
-    AtomProperty, Copies, Model, MoleculeOptions, NameTable, Passed, cell, more_models, not_assembled,
-};
+use super::molecule::{Copies, Model, MoleculeOptions, Passed, cell, more_models, not_assembled};
 use super::{ParticleFrames, Particles, assembly};
 use crate::error::{Error, Result};
 use crate::read::format::Format;

@@ -125,11 +125,8 @@ impl<'a> Evaluator<'a> {
     }
 
     fn values(&mut self, word: &str, values: &[Value]) -> Result<Mask> {
-        if Key::of(word) == Key::Resid && self.column("icode").is_some() {
-            return self.resid(word, values);
-        }
         let mut mask = vec![false; self.len()];
-        let (data, mut empty) = (self.data(word)?, Vec::new());
+        let (data, codes, mut empty) = (self.data(word)?, self.codes(word), Vec::new());
         for value in values {
             let chosen: Mask = match &data {
                 Data::Names(numbers, names) => flags(numbers, &matches(value, names, MatchOptions::new())),
@@ -141,7 +138,11 @@ impl<'a> Evaluator<'a> {
                 }
                 Data::Numbers(of) => {
                     let range = Range::of(value, word, self.selection)?;
-                    (0..self.len()).into_par_iter().map(|n| range.contains(of(n))).collect()
+                    let all = (0..self.len()).into_par_iter();
+                    match &codes {
+                        Some(code) => all.map(|n| range.contains_with_code(of(n), code(n))).collect(),
+                        None => all.map(|n| range.contains(of(n))).collect(),
+                    }
                 }
             };
             if !chosen.par_iter().any(|flag| *flag) {
@@ -155,29 +156,12 @@ impl<'a> Evaluator<'a> {
         Ok(mask)
     }
 
-    /// Residues by number and insertion code; a number without a code means the residue without a code.
-    fn resid(&mut self, word: &str, values: &[Value]) -> Result<Mask> {
-        let ranges: Vec<Range> =
-            values.iter().map(|value| Range::of(value, word, self.selection)).collect::<Result<_>>()?;
-        let Data::Numbers(of) = self.data(word)? else { return Err(self.missing(word)) };
-        let Some(Column { name, values: codes }) = self.column("icode") else { return Err(self.missing("icode")) };
-        let names = self.particles.labels.get(name).map_or(&[][..], Vec::as_slice);
-        let code = |n: usize| names.get(codes[n] as usize).map_or("", |code| code.trim());
-        let mask = |range: &Range| -> Mask {
-            (0..self.len()).into_par_iter().map(|n| range.contains_with_code(of(n), code(n))).collect()
-        };
-        let mut all = vec![false; self.len()];
-        let mut empty = Vec::new();
-        for (range, value) in ranges.iter().zip(values) {
-            let chosen = mask(range);
-            if !chosen.par_iter().any(|flag| *flag) {
-                empty.push(value.to_string());
-            }
-            all.par_iter_mut().zip(chosen).for_each(|(flag, chosen)| *flag |= chosen);
-        }
-        let there = self.describe(&Data::Numbers(of));
-        empty.iter().for_each(|value| self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")));
-        Ok(all)
+    /// The insertion codes of residues, where a word means the number of a residue and the file has codes: a number
+    /// without a code means the residue without one.
+    fn codes(&self, word: &str) -> Option<impl Fn(usize) -> &'a str + use<'a>> {
+        let column = self.column("icode").filter(|_| Key::of(word) == Key::Resid)?;
+        let names = self.particles.labels.get(&column.name)?;
+        Some(|n: usize| names.get(column.values[n] as usize).map_or("", |code| code.trim()))
     }
 
     fn compare(&mut self, comparison: &Comparison) -> Result<Mask> {

@@ -6,8 +6,9 @@ use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::read::lines::Spot;
 use crate::read::options::Altloc;
+use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{AtomProperty, Model, MoleculeOptions, NameTable};
+use crate::read::particles::molecule::{Model, MoleculeOptions};
 
 /// The meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,8 +8,9 @@ use super::columns::{COORDINATE, NAME, RESIDUE_ID, RESIDUE_NAME, X, coordinate, 
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::lines::{Lines, Word, Words};
+use crate::read::particles::atom_property::{AtomProperty, NameTable};
 use crate::read::particles::infer::AtomNames;
-use crate::read::particles::molecule::{AtomProperty, Model, NameTable};
+use crate::read::particles::molecule::Model;
 use std::io::BufRead;
 
 /// The element symbol of an AutoDock type: aromatic carbon, donors and acceptors of hydrogen bonds, carbon of a ring

@@ -1,0 +1,107 @@
+//! Lists of cameras: those of halfline itself, NeRF's transforms.json, poses with intrinsics in the axes of OpenCV, and
+//! tables. One reader for JSON and one for CSV; a pose is a camera, a size and optionally intrinsics.
+//!
+//! Sources: github.com/bmild/nerf and docs.nerf.studio/quickstart/data_conventions.html (transforms.json: columns right,
+//! up, back, eye of a 4 x 4 matrix from camera to world); docs.opencv.org, calib3d (x right, y down, z forward).
+
+mod json;
+mod table;
+
+use crate::error::{Error, Place, Result};
+use crate::scene::camera::{Camera, Intrinsics, Lens, Look};
+use glam::DVec3;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// A camera of a list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ListedCamera {
+    /// The pose, and the lens that the list gives; the canonical one where it gives none.
+    pub camera: Camera,
+    /// Whether the list gives a lens other than by intrinsics.
+    pub has_lens: bool,
+    /// Focal lengths and principal point.
+    pub intrinsics: Option<Intrinsics>,
+    /// Columns and rows of its image.
+    pub size: Option<[u32; 2]>,
+}
+
+/// The most bytes of a list.
+const LONGEST: u64 = 1 << 28;
+
+/// Reads a list of cameras: JSON, else a table.
+///
+/// # Errors
+/// [`Error::Io`], [`Error::Scene`] with the camera and the field, [`Error::Limits`] for a file that is too long.
+pub fn read(path: &Path) -> Result<Vec<ListedCamera>> {
+    let mut bytes = Vec::new();
+    let opened = File::open(path).and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes));
+    opened.map_err(|e| Error::read(path, e))?;
+    if bytes.len() as u64 > LONGEST {
+        let problem = format!("{}: the list of cameras has more than {LONGEST} bytes", path.display());
+        return Err(Error::Limits { problem, mend: "split it into several files".into() });
+    }
+    of_bytes(&bytes, &path.display().to_string())
+}
+
+/// Reads a list of cameras from memory; errors refer to it by `name`.
+///
+/// # Errors
+/// As [`read`].
+pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
+    let file = Place::file(name);
+    let cameras = match bytes.trim_ascii_start().first() {
+        Some(b'{' | b'[') => json::read(bytes, &file)?,
+        _ => table::read(bytes, &file)?,
+    };
+    if cameras.is_empty() {
+        return Err(Error::scene(file, "the list has no cameras", "add at least one"));
+    }
+    Ok(cameras)
+}
+
+impl ListedCamera {
+    /// A camera at `eye` that looks along `view`.
+    fn new(eye: [f64; 3], look: Look, up: [f64; 3]) -> Self {
+        let camera = Camera { eye: eye.into(), look, up: up.into(), ..Camera::CANONICAL };
+        Self { camera, has_lens: false, intrinsics: None, size: None }
+    }
+
+    /// The camera of a matrix from camera to world, by rows, whose columns are right, up, back and the eye; for OpenCV's
+    /// axes right, down, forward and the eye.
+    fn of_matrix(matrix: [[f64; 4]; 3], opencv: bool) -> Self {
+        let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
+        let (view, up) = if opencv { (column(2), -column(1)) } else { (-column(2), column(1)) };
+        Self::new(column(3).to_array(), Look::View(view), up.to_array())
+    }
+
+    /// The same with a lens.
+    fn with_lens(self, lens: Lens) -> Self {
+        Self { camera: Camera { lens, ..self.camera }, has_lens: true, ..self }
+    }
+}
+
+/// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1.
+///
+/// # Errors
+/// [`Error::Settings`] for focal lengths that are not positive, and for a principal point outside of the image's centre.
+pub fn lens_of(intrinsics: &Intrinsics, width: u32, height: u32) -> Result<Lens> {
+    let Intrinsics { fx, fy, cx, cy } = *intrinsics;
+    let [w, h] = [width, height].map(f64::from);
+    if !(fx > 0.0 && fy > 0.0 && fx.is_finite() && fy.is_finite()) {
+        let problem = format!("the focal lengths {fx}, {fy} are not positive");
+        return Err(Error::settings(problem, "give them in pixels, such as 525,525,320,240"));
+    }
+    if [cx, cy] != [w / 2.0, h / 2.0] {
+        let problem =
+            format!("the principal point {cx}, {cy} is not the centre of an image of {width} x {height} pixels");
+        let mend = format!(
+            "use cx = {}, cy = {} (the centre of the top left pixel is 0.5, 0.5), or another size",
+            w / 2.0,
+            h / 2.0
+        );
+        return Err(Error::settings(problem, mend));
+    }
+    Ok(Lens::Viewport { vw: w / fx, vh: h / fy, distance: 1.0 })
+}

@@ -1,0 +1,163 @@
+//! Cameras in JSON: a list, or an object with `frames` (NeRF), `cameras` or `poses`.
+
+use super::ListedCamera;
+use crate::error::{Error, Place, Result};
+use crate::scene::camera::{Intrinsics, Lens, Look};
+use serde_json::{Map, Value};
+
+/// The keys of lists, in order of preference.
+const LISTS: [&str; 3] = ["frames", "cameras", "poses"];
+
+/// The keys of matrices from camera to world, and whether their axes are OpenCV's.
+const MATRICES: [(&str, bool); 4] =
+    [("transform_matrix", false), ("pose", true), ("world_from_camera", true), ("camera_to_world", true)];
+
+const MEND: &str = "give each camera eye, view or at, and up; or transform_matrix (NeRF); or pose, a 4 x 4 matrix from camera to world";
+
+/// An object of the file, for errors.
+struct Object<'a> {
+    map: &'a Map<String, Value>,
+    place: Place,
+}
+
+pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
+    let value: Value = serde_json::from_slice(bytes).map_err(|e| {
+        Error::scene(file.clone().at(e.line() as u64, e.column() as u64), e.to_string(), "correct the JSON there")
+    })?;
+    let empty = Map::new();
+    let (list, shared) = match &value {
+        Value::Array(list) => (list, &empty),
+        Value::Object(map) => {
+            let list = LISTS.iter().find_map(|key| map.get(*key)?.as_array());
+            (
+                list.ok_or_else(|| Error::scene(file.clone(), "no list of cameras (frames, cameras or poses)", MEND))?,
+                map,
+            )
+        }
+        _ => return Err(Error::scene(file.clone(), "no list of cameras", MEND)),
+    };
+    let shared = Object { map: shared, place: file.clone() };
+    let (intrinsics, size) = (shared.intrinsics()?, shared.size()?);
+    let one = |(n, value): (usize, &Value)| {
+        let place = file.clone().named(format!("camera {n}"));
+        let Value::Object(map) = value else { return Err(Error::scene(place, "expected an object", MEND)) };
+        let object = Object { map, place };
+        let mut camera = object.camera()?;
+        camera.size = object.size()?.or(size);
+        camera.intrinsics = match (object.intrinsics()?, intrinsics) {
+            (Some(own), _) => Some(own.of(camera.size)),
+            (None, Some(shared)) if !camera.has_lens => Some(shared.of(camera.size)),
+            _ => None,
+        };
+        Ok(camera)
+    };
+    list.iter().enumerate().map(one).collect()
+}
+
+/// Focal lengths, or an angle, with an optional principal point.
+#[derive(Clone, Copy)]
+struct Focus {
+    fx: Option<f64>,
+    fy: Option<f64>,
+    /// Horizontal field of view, radians.
+    angle: Option<f64>,
+    center: Option<[f64; 2]>,
+}
+
+impl Focus {
+    /// The intrinsics for an image of this size.
+    fn of(self, size: Option<[u32; 2]>) -> Intrinsics {
+        let [w, h] = size.unwrap_or([0, 0]).map(f64::from);
+        let by_angle = self.angle.map(|angle| 0.5 * w / (0.5 * angle).tan());
+        let fx = self.fx.or(by_angle).unwrap_or(f64::NAN);
+        let [cx, cy] = self.center.unwrap_or([w / 2.0, h / 2.0]);
+        Intrinsics { fx, fy: self.fy.unwrap_or(fx), cx, cy }
+    }
+}
+
+impl Object<'_> {
+    fn fail(&self, key: &str, problem: &str) -> Error {
+        let field = match &self.place.field {
+            Some(camera) => format!("{camera} {key}"),
+            None => key.to_owned(),
+        };
+        Error::scene(self.place.clone().named(field), problem, MEND)
+    }
+
+    fn number(&self, key: &str) -> Result<Option<f64>> {
+        let Some(value) = self.map.get(key) else { return Ok(None) };
+        let number = value.as_f64().filter(|x| x.is_finite());
+        number.map(Some).ok_or_else(|| self.fail(key, "expected a finite number"))
+    }
+
+    fn numbers<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>> {
+        self.map
+            .get(key)
+            .map(|value| numbers(value).ok_or_else(|| self.fail(key, "expected finite numbers")))
+            .transpose()
+    }
+
+    fn size(&self) -> Result<Option<[u32; 2]>> {
+        let sides = match self.numbers::<2>("size")? {
+            Some(sides) => Some(sides),
+            None => self.number("w")?.zip(self.number("h")?).map(|(w, h)| [w, h]),
+        };
+        let side = |x: f64| Some(x as u32).filter(|side| *side > 0 && f64::from(*side) == x);
+        let whole = |[w, h]: [f64; 2]| side(w).zip(side(h)).map(|(w, h)| [w, h]);
+        sides.map(|sides| whole(sides).ok_or_else(|| self.fail("size", "expected whole positive numbers"))).transpose()
+    }
+
+    /// Focal lengths under the names of NeRF, of OpenCV (`K`) and of halfline (`intrinsics`).
+    fn intrinsics(&self) -> Result<Option<Focus>> {
+        if let Some(value) = self.map.get("K") {
+            let rows: Option<Vec<[f64; 3]>> = value.as_array().map(|rows| rows.iter().filter_map(numbers).collect());
+            let Some([[fx, skew, cx], [low, fy, cy], _]) = rows.as_deref() else {
+                return Err(self.fail("K", "expected a 3 x 3 matrix"));
+            };
+            if [*skew, *low] != [0.0; 2] {
+                return Err(self.fail("K", "a skewed image cannot be rendered"));
+            }
+            return Ok(Some(Focus { fx: Some(*fx), fy: Some(*fy), angle: None, center: Some([*cx, *cy]) }));
+        }
+        if let Some(Value::Object(map)) = self.map.get("intrinsics") {
+            let inner = Object { map, place: self.place.clone().named("intrinsics") };
+            return inner.intrinsics();
+        }
+        let either = |a: &str, b: &str| Ok::<_, Error>(self.number(a)?.or(self.number(b)?));
+        let (fx, fy, angle) = (either("fl_x", "fx")?, either("fl_y", "fy")?, self.number("camera_angle_x")?);
+        let center = self.number("cx")?.zip(self.number("cy")?).map(|(cx, cy)| [cx, cy]);
+        Ok((fx.is_some() || angle.is_some()).then_some(Focus { fx, fy, angle, center }))
+    }
+
+    fn camera(&self) -> Result<ListedCamera> {
+        for (key, opencv) in MATRICES {
+            let Some(value) = self.map.get(key) else { continue };
+            let rows: Option<Vec<[f64; 4]>> = value.as_array().map(|rows| rows.iter().filter_map(numbers).collect());
+            return match rows.as_deref() {
+                Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => Ok(ListedCamera::of_matrix([*a, *b, *c], opencv)),
+                _ => Err(self.fail(key, "expected a 4 x 4 matrix whose last row is 0, 0, 0, 1")),
+            };
+        }
+        let need = |key: &str| self.numbers::<3>(key)?.ok_or_else(|| self.fail(key, "missing"));
+        let look = match self.numbers::<3>("at")? {
+            Some(at) => Look::At(at.into()),
+            None => Look::View(need("view")?.into()),
+        };
+        let camera = ListedCamera::new(need("eye")?, look, need("up")?);
+        if let Some([vw, vh]) = self.numbers::<2>("viewport")? {
+            return Ok(camera.with_lens(match self.map.get("distance") {
+                Some(Value::Null) => Lens::Orthographic { height: vh },
+                _ => Lens::Viewport { vw, vh, distance: self.number("distance")?.unwrap_or(1.0) },
+            }));
+        }
+        let vfov = self.number("vfov")?.map(|degrees| Lens::Vfov { degrees, distance: 1.0 });
+        Ok(vfov.map_or(camera, |lens| camera.with_lens(lens)))
+    }
+}
+
+/// Finite numbers in an array of exactly N.
+fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let items = value.as_array().filter(|items| items.len() == N)?;
+    let all: Option<Vec<f64>> = items.iter().map(|item| item.as_f64().filter(|x| x.is_finite())).collect();
+    <[f64; N]>::try_from(all?).ok()
+}

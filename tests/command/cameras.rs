@@ -1,0 +1,158 @@
+//! The promise of lists of cameras: each camera of a list gives the picture that the same camera gives alone, whatever
+//! form the list has, and `cameras.json` describes the pictures.
+
+use crate::test_dir::{Output, TestDir};
+use serde_json::{Value, json};
+
+const ATOMS: &str = "4\n\nC 0 0 0\nO 2 0 0\nN 0 2 0\nH 0 0 2\n";
+
+fn dir() -> TestDir {
+    TestDir::new(&[("a.xyz", ATOMS)])
+}
+
+fn views(dir: &TestDir, options: &str) -> Output {
+    dir.render(&format!("a.xyz --size 40x30 {options}"))
+}
+
+/// The distances and ids of a picture of one camera, by its options.
+fn alone(dir: &TestDir, camera: &str) -> [Vec<f64>; 2] {
+    views(dir, &format!("{camera} --aov distance=t.npy --aov id=i.npy"));
+    ["t.npy", "i.npy"].map(|name| dir.array(name).0)
+}
+
+#[test]
+fn every_form_of_a_list_gives_the_pictures_of_its_cameras() {
+    let dir = dir();
+    let options = ["--eye 9,1,2 --view -9,-1,-2 --up 0,1,0", "--eye 1,9,1 --view -1,-9,-0.5 --up 0,0,1"];
+    // 40 / 50 at distance 1 is 0.8: the tangent of half the vertical angle is 0.3.
+    let lens = "--vfov 33.398488467987";
+    let pictures = options.map(|camera| alone(&dir, &format!("{camera} {lens}")));
+    let list = |views: [Value; 2]| Value::from(views.to_vec());
+    dir.put(
+        "own.json",
+        list([
+            json!({"eye": [9, 1, 2], "view": [-9, -1, -2], "up": [0, 1, 0]}),
+            json!({"eye": [1, 9, 1], "at": [0, 0, 0.5], "up": [0, 0, 1]}),
+        ])
+        .to_string(),
+    );
+    dir.put(
+        "table.csv",
+        "eye_x,eye_y,eye_z,view_x,view_y,view_z,up_x,up_y,up_z,fx,fy,cx,cy\n\
+        9,1,2,-9,-1,-2,0,1,0,50,50,20,15\n# a comment\n1,9,1,-1,-9,-0.5,0,0,1,50,50,20,15\n",
+    );
+    // Columns right, up, back, eye; the lengths of the axes do not matter.
+    let nerf = |view: [f64; 3], up: [f64; 3], eye: [f64; 3]| {
+        let row = |k: usize| json!([0.0, up[k], -view[k], eye[k]]);
+        json!({"file_path": "x.png", "transform_matrix": [row(0), row(1), row(2), [0, 0, 0, 1]]})
+    };
+    let frames = [
+        nerf([-9.0, -1.0, -2.0], [0.0, 1.0, 0.0], [9.0, 1.0, 2.0]),
+        nerf([-1.0, -9.0, -0.5], [0.0, 0.0, 1.0], [1.0, 9.0, 1.0]),
+    ];
+    dir.put(
+        "transforms.json",
+        json!({"fl_x": 50, "fl_y": 50, "cx": 20, "cy": 15, "w": 40, "h": 30, "frames": frames}).to_string(),
+    );
+    let angle = 2.0 * (0.4_f64).atan();
+    dir.put("angle.json", json!({"camera_angle_x": angle, "w": 40, "h": 30, "frames": frames}).to_string());
+    // Columns right, down, forward, eye.
+    let pose = |view: [f64; 3], up: [f64; 3], eye: [f64; 3]| {
+        let row = |k: usize| json!([0.0, -up[k], view[k], eye[k]]);
+        json!({"pose": [row(0), row(1), row(2), [0, 0, 0, 1]], "K": [[50, 0, 20], [0, 50, 15], [0, 0, 1]]})
+    };
+    dir.put(
+        "poses.json",
+        json!({"poses": [pose([-9.0, -1.0, -2.0], [0.0, 1.0, 0.0], [9.0, 1.0, 2.0]),
+        pose([-1.0, -9.0, -0.5], [0.0, 0.0, 1.0], [1.0, 9.0, 1.0])]})
+        .to_string(),
+    );
+    for (file, more) in [
+        ("own.json", "--intrinsics 50,50,20,15"),
+        ("own.json", lens),
+        ("table.csv", ""),
+        ("transforms.json", ""),
+        ("angle.json", ""),
+        ("poses.json", ""),
+    ] {
+        views(&dir, &format!("--cameras {file} {more} --aov distance=t%d.npy --aov id=i%d.npy"));
+        for (n, [distances, ids]) in pictures.iter().enumerate() {
+            let found = ["t", "i"].map(|name| dir.array(&format!("{name}{}.npy", n + 1)).0);
+            assert_eq!(&found[1], ids, "{file} {more}: ids of camera {n}");
+            // The angle of the single pictures has 14 digits, so rays differ by some 1e-13.
+            let close = |(a, b): (&f64, &f64)| a == b || (a - b).abs() < 1e-9;
+            assert!(found[0].iter().zip(distances).all(close), "{file} {more}: distances of camera {n}");
+        }
+    }
+}
+
+#[test]
+fn the_cameras_are_written_beside_the_pictures_and_can_be_read_again() {
+    let dir = dir();
+    std::fs::create_dir(dir.path("out")).expect("a folder");
+    let cameras: Vec<Value> = (0..5).map(|n| json!({"eye": [9, n, 2], "at": [0, 0, 0], "up": [0, 1, 0]})).collect();
+    dir.put("list.json", Value::from(cameras).to_string());
+    let reports =
+        views(&dir, "--cameras list.json --vfov 30 -o out/c%03d.png --aov depth=out/d%03d.npy --json").json_lines();
+    let written: Value = serde_json::from_slice(&dir.get("out/cameras.json")).expect("JSON");
+    assert_eq!(reports.len(), 5);
+    for (n, (report, camera)) in reports.iter().zip(written["cameras"].as_array().expect("a list")).enumerate() {
+        assert_eq!(camera["number"], n as u64 + 1);
+        assert_eq!(camera["files"], json!([format!("c{:03}.png", n + 1), format!("d{:03}.npy", n + 1)]));
+        for key in ["eye", "view", "up", "viewport", "distance", "intrinsics", "size"] {
+            assert_eq!(camera[key], report["camera"][key], "{key} of camera {n}");
+        }
+    }
+    views(&dir, "--cameras out/cameras.json --aov depth=again%03d.npy");
+    for n in 1..=5 {
+        let bits = |name: String| dir.array(&name).0.into_iter().map(f64::to_bits).collect::<Vec<_>>();
+        assert!(bits(format!("again{n:03}.npy")) == bits(format!("out/d{n:03}.npy")), "camera {n}");
+    }
+}
+
+#[test]
+fn a_list_moves_through_the_frames_of_a_film() {
+    let dir = dir();
+    dir.put("two.xyz", format!("{ATOMS}{}", ATOMS.replace("H 0 0 2", "H 0 0 3")));
+    let camera = |x: f64| json!({"eye": [x, 0, 20], "view": [0, 0, -1], "up": [0, 1, 0], "vfov": 30});
+    dir.put("list.json", Value::from(vec![camera(0.0), camera(3.0)]).to_string());
+    let reports = dir.render("two.xyz --size 40x30 --cameras list.json --frames 1-2 -o f%d.png --json").json_lines();
+    assert_eq!([&reports[0]["camera"]["eye"][0], &reports[1]["camera"]["eye"][0]], [&json!(0.0), &json!(3.0)]);
+    dir.put("one.json", Value::from(vec![camera(0.0)]).to_string());
+    let more = dir.run("render two.xyz --backend cpu --size 40x30 --cameras one.json --frames 1-2 -o g%d.png");
+    assert!(more.code == 2 && more.err.contains("frame 2 has no camera: the list has 1"), "{}", more.err);
+}
+
+#[test]
+fn invalid_lists_are_refused_with_the_camera_and_the_field() {
+    let dir = dir();
+    for (text, words) in [
+        ("[]", &["list.json", "no cameras"][..]),
+        ("{}", &["no list of cameras"]),
+        ("[{\"eye\": [1, 2]}]", &["camera 0 eye: expected finite numbers"]),
+        ("[{\"eye\": [1, 2, 3], \"view\": [0, 0, 1]}]", &["camera 0 up: missing"]),
+        ("[{\"transform_matrix\": [[1, 0, 0, 0]]}]", &["camera 0 transform_matrix", "4 x 4"]),
+        ("[{\"eye\": [1, 2, 3],", &["list.json:1:"]),
+        ("eye_x,eye_y\n1,2\n", &["camera 0 eye_z", "missing"]),
+        ("eye_x,nose\n1,2\n", &["list.json:1:7: header", "`nose` is not a column"]),
+        ("eye_x,eye_y,eye_z\n1,a,3\n", &["list.json:2:3: eye_y"]),
+    ] {
+        dir.put("list.json", text);
+        dir.refused_render(3, "a.xyz --cameras list.json -o a%d.png", words);
+    }
+    dir.put("list.json", "[{\"eye\": [9, 0, 0], \"view\": [-1, 0, 0], \"up\": [0, 1, 0]}, {\"eye\": [9, 1, 0], \"view\": [-1, 0, 0], \"up\": [0, 1, 0]}]");
+    for (options, words) in [
+        ("--cameras list.json -o a%d.png", &["camera 0 has no lens", "--intrinsics"][..]),
+        ("--cameras list.json -o a.png --vfov 30", &["a.%04d.png"]),
+        ("--cameras list.json -o a%d.png --size 40x30 --intrinsics 50,50,19.5,15", &["principal point", "cx = 20"]),
+        ("--cameras list.json -o a%d.png --intrinsics 0,50,256,256", &["not positive"]),
+        ("--cameras list.json -o a%d.png --intrinsics 50", &["four finite numbers"]),
+        ("-o a.png --intrinsics 50,50,20,15", &["--cameras"]),
+        ("--cameras list.json -o a%d.png --eye 0,0,9", &["--eye"]),
+    ] {
+        dir.refused_render(2, &format!("a.xyz {options}"), words);
+    }
+    dir.refused_render(8, "a.xyz --cameras none.json -o a%d.png", &["none.json"]);
+    dir.put("cameras.json", dir.get("list.json"));
+    dir.refused_render(2, "a.xyz --cameras cameras.json -o a%d.png --vfov 30", &["cameras.json"]);
+}
