@@ -198,7 +198,7 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names x, y and z; it may be a comment or follow comments.
+/// A header that names the coordinates; it may be a comment or follow comments.
 fn is_csv(lines: &[&str]) -> bool {
     let mut before = true;
     let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
@@ -238,7 +238,7 @@ mod tests {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
-        let cases: [(&str, Option<Format>); 28] = [
+        let cases: [(&str, Option<Format>); 31] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -264,6 +264,9 @@ mod tests {
             ("# id X Y Z vx\n", Some(Format::Csv)),
             ("# by hand\n\nradius,z,y,x\n", Some(Format::Csv)),
             ("name,x_km,y_km,z_km\n", Some(Format::Csv)),
+            ("\"t\",\"Points:0\",\"Points:1\",\"Points:2\"\n", Some(Format::Csv)),
+            ("Points_0,Points_1,Points_2,Points_Magnitude\n", Some(Format::Csv)),
+            ("Points_0,Points_1,Points_Magnitude\n", None),
             ("[camera]\neye = [0, 0, 1]\n", None),
             ("hello\n", None),
             ("", None),

@@ -32,4 +32,5 @@ mod select;
 mod shots;
 #[cfg(unix)]
 mod streams;
+mod tables;
 mod trace;

@@ -15,7 +15,7 @@ use crate::read::input::Input;
 use crate::read::lines::{Lines, Word};
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
-use names::split;
+use names::{Axes, split};
 use std::io::BufRead;
 
 pub(crate) use names::axes;
@@ -159,7 +159,7 @@ fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
     Ok(false)
 }
 
-/// A header that names x, y and z.
+/// A header that names the coordinates.
 struct TableHeader {
     names: Vec<(String, Role)>,
     delimiter: u8,
@@ -173,9 +173,9 @@ impl TableHeader {
         let likely = delimiter(&lines.text()[start..]);
         for delimiter in [likely, b' '] {
             let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.text.to_owned()).collect();
-            let Some(unit) = axes(&names) else { continue };
+            let Some(axes) = axes(&names) else { continue };
             let place = lines.place(start);
-            let mut roles: Vec<Role> = names.iter().map(|name| role(name, &unit)).collect();
+            let mut roles: Vec<Role> = names.iter().map(|name| role(name, &axes)).collect();
             // Three components or none: an `r` alone is not a colour.
             let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
             roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
@@ -193,15 +193,15 @@ impl TableHeader {
     }
 }
 
-/// The meaning of a column, where lengths have this unit.
-fn role(name: &str, unit: &str) -> Role {
-    let (base, of) = split(name);
+/// The meaning of a column, where lengths have the unit of these axes.
+fn role(name: &str, axes: &Axes) -> Role {
+    if let Some(axis) = axes.of(name) {
+        return Role::Position(axis);
+    }
+    let (base, unit) = split(name);
     match (base.as_str(), name.to_lowercase().as_str()) {
-        ("x", _) if of == unit => Role::Position(0),
-        ("y", _) if of == unit => Role::Position(1),
-        ("z", _) if of == unit => Role::Position(2),
-        ("radius", _) if of == unit => Role::Radius,
-        ("diameter", _) if of == unit => Role::Diameter,
+        ("radius", _) if unit == axes.unit => Role::Radius,
+        ("diameter", _) if unit == axes.unit => Role::Diameter,
         (_, "r" | "red") => Role::Color(0),
         (_, "g" | "green") => Role::Color(1),
         (_, "b" | "blue") => Role::Color(2),
@@ -300,6 +300,11 @@ mod tests {
             "# made by hand\n#name,z,y,x,radius,speed\na 3 2 1 0.5 7\nc 6 5 4 1.5 8\n",
             "# x, y and z\nname,z,y,x,diameter,speed\na,3,2,1,1,7\nc,6,5,4,3,8\n",
             "name,z (km),y (km),x (km),radius_km,speed\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "\"name\",\"Points:2\",\"Points:1\",\"Points:0\",\"Radius\",\"speed\"\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "name,Points:2,Points:1,Points:0,radius,speed\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "name,\"Points_0\",\"Points_1\",\"Points_2\",Points_Magnitude,radius,speed\na,1,2,3,9,0.5,7\nc,4,5,6,9,1.5,8\n",
+            "name,x,y,z,Points:0,Points:1,Points:2,radius,speed\na,1,2,3,9,9,9,0.5,7\nc,4,5,6,9,9,9,1.5,8\n",
+            "name,x,Points:0,Points:1,Points:2,radius,speed\na,9,1,2,3,0.5,7\nc,9,4,5,6,1.5,8\n",
         ] {
             let found = read(text, &["Speed"]).unwrap_or_else(|e| panic!("{e}: {text}"));
             assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
@@ -327,6 +332,8 @@ mod tests {
             ("1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
             ("x_au,y_au,z_au,radius_km\n1,2,3,4\n", ":1:1: header: `radius_km` has another unit"),
             ("x,y,z,x\n1,2,3,4\n", ":1:1: header"),
+            ("Points:0,Points:1,Points_2\n1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
+            ("Points:0,Points:1,Points:2,points:0\n1,2,3,4\n", ":1:1: header: `points:0` occurs twice"),
             ("x,y,z\n1,2\n", ":2:4: z: expected 3 fields, found 2"),
             ("x,y,z\n1,2,3,4\n", ":2:7: row: the row has more than"),
             ("x,y,z\n1,,3\n", ":2:3: y"),
