@@ -4,7 +4,7 @@ use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, Format, FrameRange, Hold, ReadOptions, Selection, Style};
+use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::path::PathBuf;
 
@@ -22,6 +22,10 @@ pub(super) struct ReadArgs {
     /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
+    /// Columns of a table by meaning, with names or numbers from 1, such as x=pos_x,y=pos_y,z=pos_z or x=1,y=2,z=3,radius=4;
+    /// meanings are x, y, z, radius, diameter, r, g, b, element. With numbers only the table needs no header.
+    #[arg(long, value_name = "M=C,...")]
+    columns: Option<ColumnNames>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     frames: Option<FrameRange>,
@@ -116,6 +120,7 @@ impl ReadArgs {
         ReadOptions {
             strict: self.strict,
             format: self.format,
+            columns_named: self.columns.clone().unwrap_or_default(),
             frames: self.frames.clone().unwrap_or_default(),
             hold: self.hold,
             topology: self.topology.clone(),

@@ -1,5 +1,7 @@
 //! The options for reading a scene.
 
+mod named;
+
 use super::format::Format;
 use super::particles::{EVERY, Survey};
 use super::select::selection::Selection;
@@ -10,6 +12,8 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+pub use named::ColumnNames;
+
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
@@ -17,6 +21,8 @@ pub struct ReadOptions {
     pub strict: bool,
     /// The file's format; `None` detects it from the content, then from the name.
     pub format: Option<Format>,
+    /// The meaning of columns of a table whose names do not say it.
+    pub columns_named: ColumnNames,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
     /// What the frames of a sequence have in common.

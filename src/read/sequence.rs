@@ -65,7 +65,7 @@ impl Sequence {
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::of_source(SceneSource::open(path, options.format, &options.watch)?, path, options)
+        Self::of_source(SceneSource::open(path, options)?, path, options)
     }
 
     /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
@@ -75,7 +75,7 @@ impl Sequence {
     /// Those of [`Scene::read`].
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
-        Self::of_source(SceneSource::of(input, path, options.format)?, path, options)
+        Self::of_source(SceneSource::of(input, path, options)?, path, options)
     }
 
     /// The scenes of an opened source.

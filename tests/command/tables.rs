@@ -1,6 +1,7 @@
-//! The promise of tables: columns are found by the names that other programs give them.
+//! The promise of tables: columns are found by the names that other programs give them, or by those that `--columns`
+//! gives, and a table without names is read only with a warning.
 
-use crate::test_dir::TestDir;
+use crate::test_dir::{SPHERE, TestDir};
 use serde_json::json;
 
 /// Three points with radii; the coordinates are exact in f32.
@@ -32,5 +33,50 @@ fn points_of_paraview_are_coordinates() {
         let plain = picture(&dir, "plain.csv", &[]);
         assert!(plain[0].contains(&0.0) && plain[0].contains(&-1.0));
         assert_eq!(picture(&dir, file, &[]), plain, "{file}");
+    }
+}
+
+#[test]
+fn columns_are_named_by_an_option() {
+    let dir = dir();
+    let rows = "0.5,1,2,3\n0.25,-1,2.5,3\n1,1,4,-3\n";
+    dir.put("named.dat", format!("size,pos_x,pos_y,pos_z\n{rows}"));
+    dir.put("bare.dat", rows);
+    dir.put("bare.csv", "1 2 3 0.5\n-1 2.5 3 0.25\n1 4 -3 1\n");
+    let plain = picture(&dir, "plain.csv", &[]);
+    for (file, columns) in [
+        ("named.dat", "x=pos_x,y=pos_y,z=pos_z,radius=size"),
+        ("named.dat", "x=2,y=3,z=4,radius=1"),
+        ("bare.dat", "x=2,y=3,z=4,radius=1"),
+        ("bare.csv", "x=1,y=2,z=3,radius=4"),
+    ] {
+        assert_eq!(picture(&dir, file, &["--columns", columns]), plain, "{file} {columns}");
+        let info = dir.good(&["info", file, "--columns", columns, "--json"]).json();
+        assert_eq!((&info["spheres"], &info["warnings"]), (&json!(3), &json!([])), "{file} {columns}");
+    }
+    // A .csv file without names has assumed ones, and so has one of a stated format.
+    let said = dir.render("bare.csv -o a.png").err;
+    assert!(
+        said.contains("bare.csv:1:1: the table has no header, so its columns are read as x, y, z and radius"),
+        "{said}"
+    );
+    assert_eq!(picture(&dir, "bare.csv", &[]), plain);
+    dir.put("bare.txt", dir.get("bare.csv"));
+    assert_eq!(picture(&dir, "bare.txt", &["--format", "csv"]), plain);
+    for (arguments, code, words) in [
+        ("bare.txt -o b.png", 3, &["cannot be detected", "name the columns of a table with --columns x=1,y=2,z=3"][..]),
+        (
+            "named.dat --columns x=a,y=b,z=c -o b.png",
+            3,
+            &["named.dat:1:1: header", "no column `a`", "size, pos_x, pos_y, pos_z"],
+        ),
+        ("plain.csv --columns x=9 -o b.png", 3, &["column 9 is named, but the table has 4"]),
+        ("plain.csv --columns w=1 -o b.png", 2, &["`w` is not a meaning of a column"]),
+        ("a.xyz --columns x=1,y=2,z=3 -o b.png", 2, &["--columns names the columns of tables, but the file is xyz"]),
+        ("s.toml --columns x=1,y=2,z=3 -o b.png", 2, &["but the file is toml"]),
+    ] {
+        dir.put("a.xyz", "1\n\nO 1 2 3\n");
+        dir.put("s.toml", SPHERE);
+        dir.refused_render(code, arguments, words);
     }
 }

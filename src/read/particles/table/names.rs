@@ -31,6 +31,11 @@ pub(crate) struct Axes {
 }
 
 impl Axes {
+    /// Those named x, y and z with this unit, as far as they are there.
+    pub(super) fn of_unit(unit: String) -> Self {
+        Self { unit, points: None }
+    }
+
     /// The axis of a column: 0, 1 or 2; `None` for other columns.
     pub(super) fn of(&self, name: &str) -> Option<usize> {
         if let Some(points) = self.points {
