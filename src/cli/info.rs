@@ -22,6 +22,9 @@ pub(crate) struct Info {
     /// Columns of a table by meaning, as for halfline render.
     #[arg(long, value_name = "M=C,...")]
     columns: Option<ColumnNames>,
+    /// Leaves out invalid rows, as for halfline render.
+    #[arg(long)]
+    skip_invalid: bool,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -40,9 +43,10 @@ const LISTED: usize = 8;
 
 impl Info {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let Self { format, model, .. } = *self;
+        let Self { format, skip_invalid, model, .. } = *self;
         let columns_named = self.columns.clone().unwrap_or_default();
-        let options = ReadOptions { format, columns_named, model, watch: watch(), ..ReadOptions::default() };
+        let options =
+            ReadOptions { format, columns_named, skip_invalid, model, watch: watch(), ..ReadOptions::default() };
         let found = info(&self.file, &options)?;
         let text = match self.json {
             true => serde_json::to_string(&found).map_err(|e| Error::write("-", e.into()))?,

@@ -121,6 +121,8 @@ impl ReadArgs {
             strict: self.strict,
             format: self.format,
             columns_named: self.columns.clone().unwrap_or_default(),
+            // `halfline trace` has the option for its rays.
+            skip_invalid: false,
             frames: self.frames.clone().unwrap_or_default(),
             hold: self.hold,
             topology: self.topology.clone(),

@@ -23,6 +23,9 @@ pub struct ReadOptions {
     pub format: Option<Format>,
     /// The meaning of columns of a table whose names do not say it.
     pub columns_named: ColumnNames,
+    /// Whether rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
+    /// not positive are left out and counted; otherwise the first is an error.
+    pub skip_invalid: bool,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
     /// What the frames of a sequence have in common.

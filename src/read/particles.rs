@@ -11,6 +11,7 @@ mod gsd;
 mod infer;
 mod las;
 mod layout;
+mod left_out;
 mod masses;
 mod mmcif;
 mod molecule;

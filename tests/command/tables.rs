@@ -80,3 +80,37 @@ fn columns_are_named_by_an_option() {
         dir.refused_render(code, arguments, words);
     }
 }
+
+#[test]
+fn invalid_rows_are_left_out_on_request() {
+    let dir = dir();
+    let atoms = "O 1 2 3 0.5\nO -1 2.5 3 0.25\nO 1 4 -3 1\n";
+    let broken = "O 1 2 3 0.5\nO nan 0 0 1\nO -1 2.5 3 0.25\nO 0 0 0 -1\nO 1 4 -3 1\n";
+    let xyz = |n: usize, atoms: &str| format!("{n}\nProperties=species:S:1:pos:R:3:radius:R:1\n{atoms}");
+    let box_of = "ITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS element x y z radius\n";
+    let dump = |n: usize, atoms: &str| format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{n}\n{box_of}{atoms}");
+    let properties: String = ["x", "y", "z", "radius"].map(|name| format!("property double {name}\n")).concat();
+    let ply = |n: usize, atoms: &str| {
+        format!("ply\nformat ascii 1.0\nelement vertex {n}\n{properties}end_header\n{}", atoms.replace("O ", ""))
+    };
+    for (file, line) in [("a.xyz", 4), ("a.dump", 11), ("a.ply", 10), ("a.csv", 3)] {
+        let text = |n: usize, atoms: &str| match file {
+            "a.xyz" => xyz(n, atoms),
+            "a.dump" => dump(n, atoms),
+            "a.ply" => ply(n, atoms),
+            _ => format!("element x y z radius\n{atoms}"),
+        };
+        dir.put(file, text(3, atoms));
+        let whole = picture(&dir, file, &[]);
+        dir.put(file, text(5, broken));
+        let found = picture(&dir, file, &["--skip-invalid"]);
+        assert!(found == whole && whole[0].contains(&0.0), "{file}");
+        let said = format!("2 rows left out, the first in line {line}: x: `nan` is not finite");
+        let output = dir.render(&format!("{file} --skip-invalid -o a.png"));
+        assert!(output.err.contains(&said), "{file}: {}", output.err);
+        let info = dir.good(&["info", file, "--skip-invalid", "--json"]).json();
+        assert_eq!((&info["spheres"], &info["warnings"][0]), (&json!(3), &json!(said)), "{file}");
+        let place = format!("{file}:{line}:");
+        dir.refused_render(3, &format!("{file} -o b.png"), &[&place, "x: `nan` is not finite"]);
+    }
+}

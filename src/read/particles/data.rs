@@ -240,7 +240,7 @@ impl LammpsData {
     }
 
     /// The words of the current line before its comment.
-    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> {
+    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> + Clone {
         Words::of(&self.lines).take_while(|word| !word.text.starts_with('#'))
     }
 

@@ -132,7 +132,8 @@ pub(super) struct OneTable(Option<Table<Input>>, Option<Survey>);
 impl OneTable {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         let lines = Lines::new(source.reader, &source.path);
-        let table = Table::tolerant(lines, &wanted(&options.columns())?, &options.columns_named)?;
+        let mut table = Table::tolerant(lines, &wanted(&options.columns())?, &options.columns_named)?;
+        table.layout = table.layout.skipping(options.skip_invalid);
         Ok(Self(Some(table), options.survey.clone()))
     }
 }
@@ -229,6 +230,30 @@ mod tests {
             ("", "x=1,y=2,z=3", "the columns x, y and z are missing"),
         ] {
             let error = named(text, columns).map(drop).expect_err(text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    #[test]
+    fn invalid_rows_are_left_out_and_counted() {
+        let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+        let read = |text: &str| -> Result<Particles> {
+            Ok(OneTable::new(SceneSource::of_text(text), &options)?.next()?.expect("a table"))
+        };
+        let text = "name,x,y,z,radius\na,1,2,3,1\n\nb,nan,2,3,1\nc,4,5,6,0\nd,,5,6,1\ne,7,8,inf,1\nf,7,8,9,2\n";
+        let found = read(text).expect("rows");
+        assert_eq!(
+            (&found.positions[..], &found.radii[..]),
+            (&[[1.0, 2.0, 3.0], [7.0, 8.0, 9.0]][..], &[1.0, 2.0][..])
+        );
+        assert_eq!(found.skipped.assumed, ["4 rows left out, the first in line 4: x: `nan` is not finite"]);
+        // Other faults are errors still.
+        for (text, told) in [
+            ("x,y,z,t\nnan,2,3\n", ":2:1: x: `nan` is not finite"),
+            ("x,y,z\nnan,2,3,4\n", ":2:9: row: the row has more"),
+            ("x,y,z,r,g,b\n1,2,3,-1,0,0\n", ":2:7: color"),
+        ] {
+            let error = read(text).map(drop).expect_err(text).to_string();
             assert!(error.contains(told), "{error}");
         }
     }
