@@ -4,7 +4,7 @@ use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, ReadOptions, Selection, Style};
+use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::path::PathBuf;
 
@@ -68,6 +68,13 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
         allow_negative_numbers = true)]
     radius_scale: f64,
+    /// Moves every particle into the periodic cell of the file, before --copies.
+    #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
+    wrap: bool,
+    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else by the numbers mol of molecules, else
+    /// by residues.
+    #[arg(long, help_heading = LOOK)]
+    unwrap: bool,
     /// Periodic copies along the three edges of the file's cell, original included.
     #[arg(long, help_heading = LOOK, value_name = "A,B,C", value_parser = copies)]
     copies: Option<[u32; 3]>,
@@ -130,6 +137,11 @@ impl ReadArgs {
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
             as_listed: self.as_listed,
+            periodic: match (self.wrap, self.unwrap) {
+                (true, _) => Periodic::Wrap,
+                (_, true) => Periodic::Unwrap,
+                _ => Periodic::AsListed,
+            },
             select: self.select.clone(),
             hide: self.hide.clone(),
             survey: None,

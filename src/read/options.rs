@@ -3,7 +3,7 @@
 mod named;
 
 use super::format::Format;
-use super::particles::{EVERY, Survey};
+use super::particles::{EVERY, Periodic, Survey, periodic};
 use super::select::selection::Selection;
 use super::style::Style;
 use crate::error::{Error, Result};
@@ -40,6 +40,8 @@ pub struct ReadOptions {
     pub assembly: Option<String>,
     /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
+    /// What is done about the particles of a periodic cell, before they are selected.
+    pub periodic: Periodic,
     /// The particles to take: those that one of these selects; all where the list is empty.
     pub select: Vec<Selection>,
     /// The particles to leave out: those that one of these selects.
@@ -53,13 +55,17 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// The columns that the reader must keep, as far as the file has them: for colours and for selections.
+    /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         if self.survey.is_some() {
             return vec![EVERY.to_owned()];
         }
         let mut columns: Vec<String> = self.style.columns().to_vec();
+        if self.periodic == Periodic::Unwrap {
+            let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
+            columns.extend(more.map(str::to_owned).collect::<Vec<_>>());
+        }
         for selection in self.select.iter().chain(&self.hide).chain(self.style.selections()) {
             columns.extend(
                 selection

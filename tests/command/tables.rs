@@ -114,3 +114,52 @@ fn invalid_rows_are_left_out_on_request() {
         dir.refused_render(3, &format!("{file} -o b.png"), &[&place, "x: `nan` is not finite"]);
     }
 }
+
+/// Atoms of two molecules in a cell of 8 by 8 by 8 from the origin, cut by its faces.
+const CUT: &str = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n4\nITEM: BOX BOUNDS pp pp pp\n0 8\n0 8\n0 8\n";
+
+#[test]
+fn particles_are_moved_by_edges_of_the_cell() {
+    let dir = dir();
+    let dump = |columns: &str, atoms: &str| format!("{CUT}ITEM: ATOMS {columns} radius x y z\n{atoms}");
+    let whole = dump("mol", "1 1 7 4 4\n1 1 9 4 4\n2 1 4 -1 4\n2 1 4 1 4\n");
+    let wrapped = dump("mol", "1 1 7 4 4\n1 1 1 4 4\n2 1 4 7 4\n2 1 4 1 4\n");
+    // The first atom of the second molecule is at 7, so the whole molecule is there.
+    let above = dump("mol", "1 1 7 4 4\n1 1 9 4 4\n2 1 4 7 4\n2 1 4 9 4\n");
+    let flagged = dump("ix iy iz", "0 0 0 1 7 4 4\n1 0 0 1 1 4 4\n0 -1 0 1 4 7 4\n0 0 0 1 4 1 4\n");
+    for (file, text) in [("whole", &whole), ("wrapped", &wrapped), ("above", &above), ("flagged", &flagged)] {
+        dir.put(file, text);
+    }
+    let camera = ["--ortho", "14", "--eye", "4,4,40", "--view", "0,0,-1"];
+    let seen = |file: &str, options: &[&str]| picture(&dir, file, &[&camera, options].concat());
+    let [as_whole, as_wrapped, as_above] = ["whole", "wrapped", "above"].map(|file| seen(file, &[]));
+    assert!(as_whole != as_wrapped && as_whole != as_above && as_above != as_wrapped);
+    for (file, options, expected) in [
+        ("whole", &["--wrap"][..], &as_wrapped),
+        ("wrapped", &["--wrap"], &as_wrapped),
+        ("wrapped", &["--unwrap"], &as_above),
+        ("flagged", &["--unwrap"], &as_whole),
+        ("flagged", &["--wrap"], &as_wrapped),
+    ] {
+        assert_eq!(&seen(file, options), expected, "{file} {options:?}");
+    }
+    // Selections see the moved particles.
+    let near = ["--select", "within 2 of (x > 6)"];
+    assert_eq!(seen("wrapped", &near)[0].iter().copied().fold(-1.0, f64::max), 0.0);
+    assert_eq!(seen("wrapped", &[&["--unwrap"], &near[..]].concat())[0].iter().copied().fold(-1.0, f64::max), 1.0);
+    dir.put("s.toml", SPHERE);
+    for (arguments, words) in [
+        ("plain.csv --wrap -o b.png", "--wrap needs a periodic cell, but the file has none; use a file with a cell"),
+        ("plain.csv --unwrap -o b.png", "--unwrap needs a periodic cell"),
+        ("s.toml --wrap -o b.png", "--wrap needs a periodic cell"),
+        ("whole --wrap --unwrap -o b.png", "cannot be used with"),
+    ] {
+        dir.refused_render(2, arguments, &[words]);
+    }
+    dir.put("alone", dump("id", "1 1 7 4 4\n2 1 1 4 4\n3 1 4 7 4\n4 1 4 1 4\n"));
+    dir.refused_render(
+        2,
+        "alone --unwrap -o b.png",
+        &["--unwrap needs image flags (ix, iy, iz), molecules (mol) or residues"],
+    );
+}
