@@ -3,12 +3,13 @@
 //! `tests/independent` read it.
 //!
 //! ```sh
-//! cargo run --release --example spheres -- FILE [--topology FILE] [--select EXPR] [--frames A-B] [--color-by COLUMN]
+//! cargo run --release --example spheres -- FILE [--topology FILE] [--select EXPR] [--frames A-B] [--color-by COLUMN] \
+//!     [--periodic wrap|unwrap]
 //! ```
 
 use halfline::ReadOptions;
-use halfline::read::Sequence;
 use halfline::read::style::{Coloring, Scale};
+use halfline::read::{Periodic, Sequence};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,6 +22,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--select" => options.select.push(value.parse()?),
             "--topology" => options.topology = Some(value.into()),
             "--frames" => options.frames = value.parse()?,
+            "--periodic" => {
+                options.periodic = if value == "wrap" { Periodic::Wrap } else { Periodic::Unwrap };
+            }
             "--color-by" => {
                 let columns = value.split(',').map(str::to_owned).collect();
                 options.style.coloring = Coloring::Column(Scale { columns, map: None, range: None, log: false });

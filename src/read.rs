@@ -26,8 +26,8 @@ use std::path::Path;
 
 pub use format::Format;
 pub use info::info;
-pub use options::{Altloc, FrameRange, Hold, ReadOptions};
-pub use particles::Survey;
+pub use options::{Altloc, ColumnNames, FrameRange, Hold, ReadOptions};
+pub use particles::{Periodic, Survey};
 pub use select::selection::Selection;
 pub use sequence::{SceneFrame, Sequence};
 pub use style::Style;

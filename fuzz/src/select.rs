@@ -23,7 +23,8 @@ pub(super) fn select(data: &[u8]) -> Allowed {
             let options = ReadOptions { select: vec![selection.clone()], ..ReadOptions::default() };
             let others = ReadOptions { hide: vec![selection], ..ReadOptions::default() };
             let count = |options: &ReadOptions| {
-                let mut sequence = Sequence::from_reader(Cursor::new(ATOMS), Path::new("a.pdb"), options).expect("atoms");
+                let mut sequence =
+                    Sequence::from_reader(Cursor::new(ATOMS), Path::new("a.pdb"), options).expect("atoms");
                 match sequence.next_scene() {
                     Ok(scene) => Some(scene.expect("a frame").scene.spheres.len()),
                     Err(error) => {

@@ -4,7 +4,7 @@ use super::{print, watch};
 use halfline::error::{Error, Result};
 use halfline::quote::{count, list, number, printable};
 use halfline::read::info::{ColumnInfo, FileInfo, info};
-use halfline::read::{Format, ReadOptions};
+use halfline::read::{ColumnNames, Format, ReadOptions};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,6 +19,12 @@ pub(crate) struct Info {
     /// File format, if neither content nor name show it.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
+    /// Columns of a table by meaning, as for halfline render.
+    #[arg(long, value_name = "M=C,...")]
+    columns: Option<ColumnNames>,
+    /// Leaves out invalid rows, as for halfline render.
+    #[arg(long)]
+    skip_invalid: bool,
     /// Model number in a PDB or mmCIF file.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     model: Option<i64>,
@@ -37,8 +43,10 @@ const LISTED: usize = 8;
 
 impl Info {
     pub(crate) fn run(&self) -> Result<ExitCode> {
-        let Self { format, model, .. } = *self;
-        let options = ReadOptions { format, model, watch: watch(), ..ReadOptions::default() };
+        let Self { format, skip_invalid, model, .. } = *self;
+        let columns_named = self.columns.clone().unwrap_or_default();
+        let options =
+            ReadOptions { format, columns_named, skip_invalid, model, watch: watch(), ..ReadOptions::default() };
         let found = info(&self.file, &options)?;
         let text = match self.json {
             true => serde_json::to_string(&found).map_err(|e| Error::write("-", e.into()))?,

@@ -4,7 +4,7 @@ use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, Format, FrameRange, Hold, ReadOptions, Selection, Style};
+use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::path::PathBuf;
 
@@ -22,6 +22,10 @@ pub(super) struct ReadArgs {
     /// npy, npz, xtc, trr, dcd, poscar, pcd, las, gsd.
     #[arg(long, value_name = "F")]
     format: Option<Format>,
+    /// Columns of a table by meaning, with names or numbers from 1, such as x=pos_x,y=pos_y,z=pos_z or x=1,y=2,z=3,radius=4;
+    /// meanings are x, y, z, radius, diameter, r, g, b, element. With numbers only the table needs no header.
+    #[arg(long, value_name = "M=C,...")]
+    columns: Option<ColumnNames>,
     /// Frames of a sequence, counted from 1: 2, 1-10, 1-3,5,7-20:2, or 5- (to the last).
     #[arg(long, value_name = "A-B")]
     frames: Option<FrameRange>,
@@ -64,6 +68,13 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
         allow_negative_numbers = true)]
     radius_scale: f64,
+    /// Moves every particle into the periodic cell of the file, before --copies.
+    #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
+    wrap: bool,
+    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else by the numbers mol of molecules, else
+    /// by residues.
+    #[arg(long, help_heading = LOOK)]
+    unwrap: bool,
     /// Periodic copies along the three edges of the file's cell, original included.
     #[arg(long, help_heading = LOOK, value_name = "A,B,C", value_parser = copies)]
     copies: Option<[u32; 3]>,
@@ -116,6 +127,9 @@ impl ReadArgs {
         ReadOptions {
             strict: self.strict,
             format: self.format,
+            columns_named: self.columns.clone().unwrap_or_default(),
+            // `halfline trace` has the option for its rays.
+            skip_invalid: false,
             frames: self.frames.clone().unwrap_or_default(),
             hold: self.hold,
             topology: self.topology.clone(),
@@ -123,6 +137,11 @@ impl ReadArgs {
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
             as_listed: self.as_listed,
+            periodic: match (self.wrap, self.unwrap) {
+                (true, _) => Periodic::Wrap,
+                (_, true) => Periodic::Unwrap,
+                _ => Periodic::AsListed,
+            },
             select: self.select.clone(),
             hide: self.hide.clone(),
             survey: None,

@@ -28,6 +28,10 @@ pub(super) struct SceneArgs {
     pub(super) scene: PathBuf,
     #[command(flatten)]
     pub(super) read: ReadArgs,
+    /// Leaves out rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
+    /// not positive, and counts them; otherwise the first one is an error.
+    #[arg(long, help_heading = "Input")]
+    pub(super) skip_invalid: bool,
     #[command(flatten)]
     pub(super) color: ColorArgs,
     #[command(flatten)]

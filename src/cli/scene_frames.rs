@@ -44,6 +44,7 @@ impl<'a> SceneFrames<'a> {
     /// Opens the scene file.
     pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
         let mut options = args.color.of(args.read.options())?;
+        options.skip_invalid = args.skip_invalid;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let (mut camera, mut middle) = (taken.map(|record| camera_file::resized(&record, args.image.size)), None);

@@ -31,7 +31,10 @@ pub(super) fn recognise(start: &[u8], name: &Path) -> Result<Format, (String, St
     }
     native(start).ok_or_else(|| {
         let names: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
-        let mend = format!("set it with --format: {}", names.join(", "));
+        let row = said(&lines).next().unwrap_or_default();
+        let table = row.split([',', ';', '\t', ' ']).filter(|word| word.trim().parse::<f64>().is_ok()).count() >= 3;
+        let table = if table { "name the columns of a table with --columns x=1,y=2,z=3, or " } else { "" };
+        let mend = format!("{table}set it with --format: {}", names.join(", "));
         ("the format cannot be detected from content or name".to_owned(), mend)
     })
 }
@@ -171,7 +174,10 @@ fn is_poscar(lines: &[&str]) -> bool {
     let vector = |line: &&str| numbers(line) == 3;
     let counts = |line: &str| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
     let species = first.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
-    [1, 3].contains(&numbers(scale))
+    // Seven rows of numbers are a table.
+    let table = lines[..7].iter().all(|line| numbers(line) >= 3 && numbers(line) == line.split_whitespace().count());
+    !table
+        && [1, 3].contains(&numbers(scale))
         && [a, b, c].into_iter().all(vector)
         && (counts(first) || species && counts(second))
 }
@@ -198,7 +204,7 @@ fn is_data(lines: &[&str]) -> bool {
     })
 }
 
-/// A header that names x, y and z; it may be a comment or follow comments.
+/// A header that names the coordinates; it may be a comment or follow comments.
 fn is_csv(lines: &[&str]) -> bool {
     let mut before = true;
     let first = |line: &&&str| std::mem::replace(&mut before, line.trim().is_empty() || line.trim().starts_with('#'));
@@ -238,7 +244,7 @@ mod tests {
         let gro = "a title\n 2\n    1SOL     OW    1   0.126   1.624   1.679\n";
         let qt = "ATOM      1  C   UNL A   1      31.770  31.020  29.720  0.00  0.00    +0.007 A \n";
         let pqr = "REMARK   1 PQR\nATOM      1  N    MET     1     -11.921   26.307   10.410 -0.3000 1.8500\n";
-        let cases: [(&str, Option<Format>); 28] = [
+        let cases: [(&str, Option<Format>); 33] = [
             ("ply\nformat ascii 1.0\n", Some(Format::Ply)),
             ("ITEM: TIMESTEP\n0\n", Some(Format::Dump)),
             ("# a comment\ndata_1ABC\n#\nloop_\n", Some(Format::Mmcif)),
@@ -255,6 +261,8 @@ mod tests {
             ("1\nProperties=pos:R:3\n1 2 3\n", Some(Format::Xyz)),
             ("# by hand\nv\nfrom 0 0 1\n", Some(Format::Nff)),
             ("s 0 0 0 1\n", Some(Format::Nff)),
+            ("1 2 3\n4 5 6\n4 0 0\n0 4 0\n0 0 4\n4 4 4\n1 2 3\n", None),
+            ("1 2 3\n1 1 1\n4 0 0\n0 4 0\n0 0 4\n1 1 1\nDirect\n", Some(Format::Poscar)),
             ("salt\n1.0\n4 0 0\n0 4 0\n0 0 4\nNa Cl\n1 1\nDirect\n", Some(Format::Poscar)),
             ("Cu\n-32.5\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
             ("c 1\n1 1 2\n4 0 0\n0 4 0\n0 0 4\n4\nDirect\n", Some(Format::Poscar)),
@@ -264,6 +272,9 @@ mod tests {
             ("# id X Y Z vx\n", Some(Format::Csv)),
             ("# by hand\n\nradius,z,y,x\n", Some(Format::Csv)),
             ("name,x_km,y_km,z_km\n", Some(Format::Csv)),
+            ("\"t\",\"Points:0\",\"Points:1\",\"Points:2\"\n", Some(Format::Csv)),
+            ("Points_0,Points_1,Points_2,Points_Magnitude\n", Some(Format::Csv)),
+            ("Points_0,Points_1,Points_Magnitude\n", None),
             ("[camera]\neye = [0, 0, 1]\n", None),
             ("hello\n", None),
             ("", None),

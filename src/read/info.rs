@@ -115,7 +115,7 @@ pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
         style: Style::default(),
         ..options.clone()
     };
-    let source = SceneSource::open(path, options.format, &options.watch)?;
+    let source = SceneSource::open(path, &options)?;
     let format = source.format.name();
     let mut frames = match particles::open(source, &options)? {
         Ok(frames) => frames,

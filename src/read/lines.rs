@@ -225,6 +225,12 @@ pub(super) struct Words<'a, R> {
     at: usize,
 }
 
+impl<R> Clone for Words<'_, R> {
+    fn clone(&self) -> Self {
+        Self { lines: self.lines, at: self.at }
+    }
+}
+
 impl<'a, R: BufRead> Words<'a, R> {
     /// The words of the current line.
     pub(super) fn of(lines: &'a Lines<R>) -> Self {

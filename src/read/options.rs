@@ -1,7 +1,9 @@
 //! The options for reading a scene.
 
+mod named;
+
 use super::format::Format;
-use super::particles::{EVERY, Survey};
+use super::particles::{EVERY, Periodic, Survey, periodic};
 use super::select::selection::Selection;
 use super::style::Style;
 use crate::error::{Error, Result};
@@ -10,6 +12,8 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
 
+pub use named::ColumnNames;
+
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct ReadOptions {
@@ -17,6 +21,11 @@ pub struct ReadOptions {
     pub strict: bool,
     /// The file's format; `None` detects it from the content, then from the name.
     pub format: Option<Format>,
+    /// The meaning of columns of a table whose names do not say it.
+    pub columns_named: ColumnNames,
+    /// Whether rows of tables, XYZ, LAMMPS dump and PLY text whose coordinates are not finite numbers or whose radius is
+    /// not positive are left out and counted; otherwise the first is an error.
+    pub skip_invalid: bool,
     /// The frames of a sequence that are read.
     pub frames: FrameRange,
     /// What the frames of a sequence have in common.
@@ -31,6 +40,8 @@ pub struct ReadOptions {
     pub assembly: Option<String>,
     /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
+    /// What is done about the particles of a periodic cell, before they are selected.
+    pub periodic: Periodic,
     /// The particles to take: those that one of these selects; all where the list is empty.
     pub select: Vec<Selection>,
     /// The particles to leave out: those that one of these selects.
@@ -44,13 +55,17 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// The columns that the reader must keep, as far as the file has them: for colours and for selections.
+    /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         if self.survey.is_some() {
             return vec![EVERY.to_owned()];
         }
         let mut columns: Vec<String> = self.style.columns().to_vec();
+        if self.periodic == Periodic::Unwrap {
+            let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
+            columns.extend(more.map(str::to_owned).collect::<Vec<_>>());
+        }
         for selection in self.select.iter().chain(&self.hide).chain(self.style.selections()) {
             columns.extend(
                 selection

@@ -12,6 +12,7 @@ mod gsd;
 mod infer;
 mod las;
 mod layout;
+mod left_out;
 mod masses;
 mod mmcif;
 mod molecule;
@@ -19,6 +20,7 @@ mod names;
 mod npz;
 mod pcd;
 mod pdb;
+pub(super) mod periodic;
 mod ply;
 mod poscar;
 mod rows;
@@ -31,6 +33,7 @@ mod xyz;
 pub(super) use frame::{Column, ParticleFrames, Particles};
 pub(super) use infer::{ResidueClass, class, is_ion};
 pub(super) use layout::{EVERY, Layout, Role, component, wanted};
+pub use periodic::Periodic;
 pub(super) use scalar::Scalar;
 pub use survey::Survey;
 pub(super) use survey::{ColumnCounts, Counts};
@@ -45,6 +48,10 @@ use trajectory::{Topology, Trajectory};
 
 /// The frames of a particle file; `None` for formats that contain a whole scene.
 pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<Box<dyn ParticleFrames>, SceneSource>> {
+    if !options.columns_named.is_empty() && source.format != Format::Csv {
+        let problem = format!("--columns names the columns of tables, but the file is {}", source.format.name());
+        return Err(Error::settings(problem, "remove it, or add --format csv if the file is a table"));
+    }
     let trajectory = matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd);
     let topology = match &options.topology {
         None => None,
@@ -87,12 +94,12 @@ fn topology(path: &Path, trajectory: &Path, options: &ReadOptions) -> Result<Top
     if path == Path::new("-") && trajectory == path {
         return unfit("the trajectory and its topology cannot both come from standard input".into());
     }
-    let source = SceneSource::open(path, None, &options.watch)?;
+    let options =
+        ReadOptions { topology: None, format: None, frames: FrameRange::first(), survey: None, ..options.clone() };
+    let source = SceneSource::open(path, &options)?;
     if matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd) {
         return unfit(format!("the topology {name} is a trajectory, which has positions only"));
     }
-    let options =
-        ReadOptions { topology: None, format: None, frames: FrameRange::first(), survey: None, ..options.clone() };
     match open(source, &options)? {
         Ok(mut frames) => match frames.next()? {
             Some(atoms) => Ok(Topology { path: path.to_path_buf(), atoms }),

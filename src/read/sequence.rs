@@ -3,7 +3,8 @@
 use super::format::Format;
 use super::input::Input;
 use super::options::{Hold, ReadOptions};
-use super::particles::{self, ParticleFrames, Particles};
+use super::particles::periodic::no_cell;
+use super::particles::{self, ParticleFrames, Particles, Periodic};
 use super::select;
 use super::source::SceneSource;
 use super::style::{Legend, no_selections};
@@ -65,7 +66,7 @@ impl Sequence {
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
-        Self::of_source(SceneSource::open(path, options.format, &options.watch)?, path, options)
+        Self::of_source(SceneSource::open(path, options)?, path, options)
     }
 
     /// Opens the stream `reader`, compressed or not. Errors refer to it by `path`, whose extension may determine the
@@ -75,7 +76,7 @@ impl Sequence {
     /// Those of [`Scene::read`].
     pub fn from_reader(reader: impl Read + Send + 'static, path: &Path, options: &ReadOptions) -> Result<Self> {
         let input = Input::of(Box::new(reader), &options.watch).map_err(|e| Error::read(path, e))?;
-        Self::of_source(SceneSource::of(input, path, options.format)?, path, options)
+        Self::of_source(SceneSource::of(input, path, options)?, path, options)
     }
 
     /// The scenes of an opened source.
@@ -94,6 +95,11 @@ impl Sequence {
                 };
                 if !(options.select.is_empty() && options.hide.is_empty()) {
                     return Err(no_selections());
+                }
+                match options.periodic {
+                    Periodic::AsListed => {}
+                    Periodic::Wrap => return Err(no_cell("--wrap")),
+                    Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
                 SequenceState::One(Some(Box::new(scene)))
@@ -133,6 +139,7 @@ impl Sequence {
         let file = Place::file(self.path.display().to_string());
         let cell = particles.cell;
         self.options.watch.check()?;
+        particles::periodic::apply(self.options.periodic, &mut particles)?;
         select::apply(&self.options, &mut particles)?;
         let spacing = self.options.style.spacing_of(&particles);
         let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;

@@ -3,8 +3,8 @@
 use super::detect::recognise;
 use super::format::Format;
 use super::input::Input;
+use super::options::ReadOptions;
 use crate::error::{Error, Place, Result};
-use crate::progress::Watch;
 use std::path::{Path, PathBuf};
 
 /// An opened scene file.
@@ -21,28 +21,31 @@ pub(super) struct SceneSource {
 const LOOK: u64 = 1 << 16;
 
 impl SceneSource {
-    /// Opens `path`; the format is `format`, or detected from the content, or from the name.
+    /// Opens `path`; the format is that of the options, or detected from the content, or from the name. A file whose
+    /// columns are named is a table if nothing else is detected.
     ///
     /// # Errors
     /// Those of [`Input::open`], and [`Error::Scene`] for a file whose format is not detected.
-    pub(super) fn open(path: &Path, format: Option<Format>, watch: &Watch) -> Result<Self> {
-        Self::of(Input::open(path, watch)?, path, format)
+    pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        Self::of(Input::open(path, &options.watch)?, path, options)
     }
 
     /// Opens bytes that errors refer to by `path`.
     ///
     /// # Errors
     /// As [`SceneSource::open`].
-    pub(super) fn of(mut reader: Input, path: &Path, format: Option<Format>) -> Result<Self> {
+    pub(super) fn of(mut reader: Input, path: &Path, options: &ReadOptions) -> Result<Self> {
         let mut name = path.to_path_buf();
         if reader.is_packed() {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
-        let format = match format {
-            Some(format) => format,
-            None => recognise(&start, &name)
-                .map_err(|(problem, mend)| Error::scene(Place::file(path.display().to_string()), problem, mend))?,
+        let format = match (options.format, recognise(&start, &name)) {
+            (Some(format), _) | (None, Ok(format)) => format,
+            (None, Err(_)) if !options.columns_named.is_empty() => Format::Csv,
+            (None, Err((problem, mend))) => {
+                return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
+            }
         };
         Ok(Self { reader, path: path.to_path_buf(), format })
     }

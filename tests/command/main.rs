@@ -33,4 +33,5 @@ mod select;
 mod shots;
 #[cfg(unix)]
 mod streams;
+mod tables;
 mod trace;

@@ -62,7 +62,7 @@ fn a_broken_toml_is_refused_at_its_place() {
         ("# a comment", "# a \u{0} comment", ":1:5", ""),
         ("# a comment", "spheres = 1", ":1:11", "spheres"),
         ("# a comment", "spheres = [{}]", ":1:12", "spheres 0 file"),
-        ("# a comment", "spheres = [{file = 'é.pdb'}]", ":1:20", "spheres 0 file"),
+        ("# a comment", "spheres = [{file = 'é.txt'}]", ":1:20", "spheres 0 file"),
         ("# a comment", "spheres = [{file = 1}]", ":1:20", "spheres 0 file"),
         ("# a comment", "spheres = [{file = 'a.csv', scale = 2}]", ":1:29", "spheres 0 scale"),
     ];

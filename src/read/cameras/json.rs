@@ -110,9 +110,9 @@ impl Object<'_> {
     /// Focal lengths under the names of NeRF, of OpenCV (`K`) and of halfline (`intrinsics`).
     fn intrinsics(&self) -> Result<Option<Focus>> {
         if let Some(value) = self.map.get("K") {
-            let rows: Option<Vec<[f64; 3]>> = value.as_array().map(|rows| rows.iter().filter_map(numbers).collect());
-            let Some([[fx, skew, cx], [low, fy, cy], _]) = rows.as_deref() else {
-                return Err(self.fail("K", "expected a 3 x 3 matrix"));
+            let rows: Option<Vec<[f64; 3]>> = value.as_array().and_then(|rows| rows.iter().map(numbers).collect());
+            let Some([[fx, skew, cx], [low, fy, cy], [0.0, 0.0, 1.0]]) = rows.as_deref() else {
+                return Err(self.fail("K", "expected a 3 x 3 matrix whose last row is 0, 0, 1"));
             };
             if [*skew, *low] != [0.0; 2] {
                 return Err(self.fail("K", "a skewed image cannot be rendered"));
@@ -132,18 +132,19 @@ impl Object<'_> {
     fn camera(&self) -> Result<ListedCamera> {
         for (key, opencv) in MATRICES {
             let Some(value) = self.map.get(key) else { continue };
-            let rows: Option<Vec<[f64; 4]>> = value.as_array().map(|rows| rows.iter().filter_map(numbers).collect());
+            let rows: Option<Vec<[f64; 4]>> = value.as_array().and_then(|rows| rows.iter().map(numbers).collect());
             return match rows.as_deref() {
                 Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => Ok(ListedCamera::of_matrix([*a, *b, *c], opencv)),
                 _ => Err(self.fail(key, "expected a 4 x 4 matrix whose last row is 0, 0, 0, 1")),
             };
         }
         let need = |key: &str| self.numbers::<3>(key)?.ok_or_else(|| self.fail(key, "missing"));
+        let eye = need("eye")?;
         let look = match self.numbers::<3>("at")? {
             Some(at) => Look::At(at.into()),
             None => Look::View(need("view")?.into()),
         };
-        let camera = ListedCamera::new(need("eye")?, look, need("up")?);
+        let camera = ListedCamera::new(eye, look, need("up")?);
         if let Some([vw, vh]) = self.numbers::<2>("viewport")? {
             return Ok(camera.with_lens(match self.map.get("distance") {
                 Some(Value::Null) => Lens::Orthographic { height: vh },

@@ -65,7 +65,7 @@ impl NamedSpheres {
     fn particles(&self, spheres: &mut Spheres, watch: &Watch) -> Result<Vec<String>> {
         let select = self.selection.iter().cloned().collect();
         let options = ReadOptions { select, watch: watch.clone(), ..ReadOptions::default() };
-        let source = SceneSource::open(&self.path, None, watch)?;
+        let source = SceneSource::open(&self.path, &options)?;
         let name = self.path.display().to_string();
         let Ok(mut frames) = particles::open(source, &options)? else {
             let problem = format!("{} is a scene, not a file of particles", quote(&name));

@@ -3,7 +3,7 @@
 
 mod header;
 
-use super::layout::{Layout, Role, wanted};
+use super::layout::{Layout, Role, is_wanted, wanted};
 use super::masses;
 use super::rows::surplus;
 use super::{Column, ParticleFrames, Particles};
@@ -205,6 +205,7 @@ impl LammpsData {
             let mend = format!("use one of {}", names.join(", "));
             return Err(Error::scene(line.named(heading), format!("{} is not an atom style", quote(&style)), mend));
         };
+        let columns = &self.with_flags(columns, &style);
         let mut layout = Layout::default();
         for name in columns.split(' ') {
             let role = match name {
@@ -239,8 +240,17 @@ impl LammpsData {
         Ok(particles)
     }
 
+    /// The columns, with the image flags if they are requested and end the current line. What follows the columns of a
+    /// hybrid is not known.
+    fn with_flags(&self, columns: &str, style: &str) -> String {
+        let requested = is_wanted(&self.wanted, "ix");
+        let more = self.row().skip(columns.split(' ').count()).take(4).map(|word| word.text.parse::<i32>().is_ok());
+        let flags = requested && style != "hybrid" && more.collect::<Vec<_>>() == [true; 3];
+        if flags { format!("{columns} ix iy iz") } else { columns.to_owned() }
+    }
+
     /// The words of the current line before its comment.
-    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> {
+    fn row(&self) -> impl Iterator<Item = Word<'_, Input>> + Clone {
         Words::of(&self.lines).take_while(|word| !word.text.starts_with('#'))
     }
 

@@ -18,6 +18,8 @@ pub(super) struct Dump {
     lines: Lines<Input>,
     wanted: Vec<String>,
     survey: Option<Survey>,
+    /// Whether rows with invalid coordinates or radii are left out.
+    skip_invalid: bool,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
@@ -38,6 +40,7 @@ impl Dump {
             lines: Lines::new(source.reader, &source.path),
             wanted: wanted(&options.columns())?,
             survey: options.survey.clone(),
+            skip_invalid: options.skip_invalid,
             held: false,
         })
     }
@@ -142,7 +145,7 @@ impl Dump {
                 return fail(problem, "use each column name once");
             }
         }
-        Ok((layout, scaled))
+        Ok((layout.skipping(self.skip_invalid), scaled))
     }
 
     /// Checks that no more atoms follow than `count`; then the next line that is not blank is the current one.
@@ -152,8 +155,7 @@ impl Dump {
                 continue;
             }
             self.held = true;
-            let is_row =
-                |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+            let is_row = |lines: &Lines<Input>| layout.fits(Words::of(lines), lines);
             return if is_row(&self.lines) { surplus(&mut self.lines, count, "atoms", is_row) } else { Ok(()) };
         }
         Ok(())

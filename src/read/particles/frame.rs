@@ -1,6 +1,7 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
 use super::infer::{self, Inference, Inferred, Species};
+use super::left_out::LeftOut;
 use super::names::Names;
 use super::survey::{Counted, Counts, PART, Survey};
 use crate::error::Result;
@@ -43,6 +44,8 @@ pub(crate) struct Particles {
     pub(in crate::read) species: Species,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
+    /// Invalid rows that are left out, while they are read.
+    pub(in crate::read) left_out: LeftOut,
     /// Where the particles are counted and dropped instead of being kept.
     pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
@@ -91,11 +94,18 @@ impl Particles {
         }
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
         self.species.add(more.species);
+        self.left_out.append(more.left_out);
         Ok(())
+    }
+
+    /// Reports the rows that were left out.
+    pub(super) fn tell_left_out(&mut self) {
+        self.skipped.assumed.extend(std::mem::take(&mut self.left_out).sentence());
     }
 
     /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.
     pub(super) fn settle_texts(&mut self) {
+        self.tell_left_out();
         if let Some(survey) = self.survey.clone() {
             let mut counts = survey.counts();
             self.count(&mut counts);

@@ -42,6 +42,8 @@ pub(crate) struct Layout {
     has: Vec<String>,
     /// Bytes of all names.
     named: usize,
+    /// Whether rows with invalid coordinates or radii are left out instead of being errors.
+    skip_invalid: bool,
 }
 
 #[derive(Debug)]
@@ -111,6 +113,16 @@ impl Layout {
         Ok(())
     }
 
+    /// The same columns, where rows with invalid coordinates or radii are left out and counted if `skip` is set.
+    pub(crate) fn skipping(self, skip: bool) -> Self {
+        Self { skip_invalid: skip, ..self }
+    }
+
+    /// Whether rows with invalid coordinates or radii are left out.
+    pub(crate) fn skips_invalid(&self) -> bool {
+        self.skip_invalid
+    }
+
     /// Declares the last `count` columns as a vector of this name, whose length can be requested.
     pub(crate) fn vector(&mut self, name: &str, count: usize, wanted: &[String]) {
         if count < 2
@@ -153,8 +165,48 @@ impl Layout {
         Particles { columns, texts, ..Particles::default() }
     }
 
-    /// Adds a particle from the words of a line; words after the last column are ignored.
+    /// Adds a particle from the words of a line, or counts the line as left out; words after the last column are ignored.
     pub(crate) fn row<'a, R: BufRead + 'a>(
+        &self,
+        words: &mut (impl Iterator<Item = Word<'a, R>> + Clone),
+        lines: &Lines<R>,
+        particles: &mut Particles,
+    ) -> Result<()> {
+        if self.skip_invalid
+            && let Some(error) = self.invalid(words.clone())
+        {
+            particles.left_out.add(error);
+            words.take(self.slots.len()).for_each(drop);
+            return Ok(());
+        }
+        self.valid_row(words, lines, particles)
+    }
+
+    /// Whether a line is a valid row.
+    pub(crate) fn fits<'a, R: BufRead + 'a>(
+        &self,
+        mut words: impl Iterator<Item = Word<'a, R>>,
+        lines: &Lines<R>,
+    ) -> bool {
+        self.valid_row(&mut words, lines, &mut self.begin_part()).is_ok()
+    }
+
+    /// What is wrong with the coordinates or the radius of a row that has all columns.
+    fn invalid<'a, R: BufRead + 'a>(&self, mut words: impl Iterator<Item = Word<'a, R>>) -> Option<Error> {
+        let mut first = None;
+        for slot in &self.slots {
+            let word = words.next()?;
+            let checked = match slot.role {
+                Role::Position(_) => word.finite(&slot.name),
+                Role::Radius | Role::Diameter => word.positive(&slot.name),
+                _ => continue,
+            };
+            first = first.or(checked.err());
+        }
+        first
+    }
+
+    fn valid_row<'a, R: BufRead + 'a>(
         &self,
         words: &mut impl Iterator<Item = Word<'a, R>>,
         lines: &Lines<R>,

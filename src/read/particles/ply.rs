@@ -25,6 +25,7 @@ pub(super) struct Ply {
     wanted: Vec<String>,
     survey: Option<Survey>,
     strict: bool,
+    skip_invalid: bool,
 }
 
 impl Ply {
@@ -34,6 +35,7 @@ impl Ply {
             wanted: wanted(&options.columns())?,
             survey: options.survey.clone(),
             strict: options.strict,
+            skip_invalid: options.skip_invalid,
         })
     }
 
@@ -45,7 +47,7 @@ impl Ply {
             let mend = "use a file with points";
             return Err(Error::scene(lines.place(0).named("header"), "the element vertex is missing", mend));
         };
-        let layout = self.layout(&elements[place], &lines)?;
+        let layout = self.layout(&elements[place], &lines)?.skipping(self.skip_invalid);
         let mut particles = layout.begin(self.survey.as_ref());
         for other in elements.iter().filter(|element| element.name != "vertex" && element.count > 0) {
             let kind = match other.name.as_str() {
@@ -66,6 +68,7 @@ impl Ply {
                     lines.pass(element.count)?;
                 }
                 text(&mut lines, vertices, &layout, &mut particles)?;
+                particles.tell_left_out();
                 rest_of_text(&mut lines, vertices, behind, &mut particles)?;
             }
             PlyEncoding::Binary { .. } => {

@@ -78,7 +78,9 @@ pub(super) fn surplus<T>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{read_frames, table::OneTable, xyz::Xyz};
+    use super::super::{ParticleFrames, read_frames, table::OneTable, xyz::Xyz};
+    use crate::read::options::ReadOptions;
+    use crate::read::source::SceneSource;
 
     /// Several blocks of 2 MiB.
     const COUNT: usize = 200_000;
@@ -118,6 +120,19 @@ mod tests {
         let cut = xyz(&[]).lines().take(COUNT).collect::<Vec<_>>().join("\n") + "  ";
         let error = read_frames(&cut, &[], Xyz::new).map(drop).expect_err("an end").to_string();
         assert!(error.contains("text:200000:29: atom: the file ends"), "{error}");
+    }
+
+    #[test]
+    fn rows_that_are_left_out_are_counted_over_all_blocks() {
+        let text = xyz(&[(7, "H 1 nan 2"), (150_000, "H one 1 2"), (199_999, "H 1 2 -inf")]);
+        let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+        let mut frames = Xyz::new(SceneSource::of_text(&text), &options).expect("a reader");
+        let many = frames.next().expect("valid rows").expect("a frame");
+        assert_eq!((many.positions.len(), many.elements.len()), (COUNT - 3, COUNT - 3));
+        // The rows before the first, between it and the second, and behind.
+        assert_eq!([6, 7, 149_998, 149_999].map(|n| many.positions[n][0]), [6.125, 8.125, 149_999.125, 150_001.125]);
+        assert_eq!(many.skipped.assumed, ["3 rows left out, the first in line 10: y: `nan` is not finite"]);
+        assert_eq!(frames.next().expect("the second").expect("a frame").positions, [[1.0, 2.0, 3.0]]);
     }
 
     #[test]

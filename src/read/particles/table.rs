@@ -4,6 +4,8 @@
 //! The csv crate is not used: its record positions count the comments and blank lines before a record, and errors here
 //! have the exact column. A number that spans lines is an error anyway.
 
+mod fields;
+mod header;
 mod names;
 
 use super::layout::{Layout, Role, wanted};
@@ -12,12 +14,14 @@ use super::{ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::quote::quote;
 use crate::read::input::Input;
-use crate::read::lines::{Lines, Word};
-use crate::read::options::ReadOptions;
+use crate::read::lines::Lines;
+use crate::read::options::{ColumnNames, ReadOptions};
 use crate::read::source::SceneSource;
-use names::split;
+use fields::next;
+use header::TableHeader;
 use std::io::BufRead;
 
+pub(crate) use fields::{delimiter, fields, has_content};
 pub(crate) use names::axes;
 
 /// Rows under a header.
@@ -27,6 +31,8 @@ pub(crate) struct Table<R> {
     delimiter: u8,
     /// Whether the current line is a row that has not been parsed yet.
     ahead: bool,
+    /// The columns that are assumed where there is no header.
+    assumed: Option<String>,
 }
 
 impl<R: BufRead> Table<R> {
@@ -41,37 +47,13 @@ impl<R: BufRead> Table<R> {
             let role = role(word.text).ok_or_else(|| fail(format!("unknown column {}", quote(word.text))))?;
             layout.add(word.text, role, &[]).map_err(fail)?;
         }
-        Ok(Self { lines, layout, delimiter: b',', ahead: false })
+        Ok(Self { lines, layout, delimiter: b',', ahead: false, assumed: None })
     }
 
-    /// A table with any delimiter, other columns, and a header that may be a comment.
-    fn tolerant(mut lines: Lines<R>, wanted: &[String]) -> Result<Self> {
-        let mut header = None;
-        let ahead = loop {
-            if !lines.advance()? {
-                break false;
-            }
-            let text = lines.text().trim_start();
-            if text.is_empty() {
-                continue;
-            }
-            let comment = text.len() - text.trim_start_matches('#').len();
-            let start = lines.text().len() - text.len() + comment;
-            if let Some(found) = TableHeader::of(&lines, start)? {
-                header = Some(found);
-                if comment == 0 {
-                    // A second header line can only be a row; its first row shows which columns are text.
-                    break next(&mut lines)?;
-                }
-            } else if comment == 0 {
-                break true;
-            }
-        };
-        let Some(mut header) = header else {
-            let place = if ahead { lines.place(0) } else { lines.file() };
-            let mend = "add a header that names x, y and z, such as x,y,z,radius";
-            return Err(Error::scene(place.named("header"), "the columns x, y and z are missing", mend));
-        };
+    /// A table with any delimiter, other columns, and a header that may be a comment or missing; `given` has the meaning
+    /// of columns whose names do not say it.
+    fn tolerant(mut lines: Lines<R>, wanted: &[String], given: &ColumnNames) -> Result<Self> {
+        let (mut header, ahead) = TableHeader::find(&mut lines, given)?;
         if ahead {
             // numpy.savetxt uses any separator between names.
             if header.comment && fields(&lines, 0, header.delimiter).count() < header.names.len() {
@@ -90,7 +72,7 @@ impl<R: BufRead> Table<R> {
                 .add(name, *role, wanted)
                 .map_err(|problem| Error::scene(header.place.clone().named("header"), problem, mend))?;
         }
-        Ok(Self { lines, layout, delimiter: header.delimiter, ahead })
+        Ok(Self { lines, layout, delimiter: header.delimiter, ahead, assumed: header.assumed })
     }
 
     /// The lines; the current one is the row just read.
@@ -118,6 +100,7 @@ impl Table<Input> {
     fn all(mut self, survey: Option<&Survey>) -> Result<Particles> {
         let (layout, delimiter) = (self.layout, self.delimiter);
         let mut particles = layout.begin(survey);
+        particles.skipped.assumed.extend(self.assumed);
         if self.ahead {
             row(&self.lines, delimiter, &layout, &mut particles)?;
         }
@@ -143,135 +126,15 @@ fn row<R: BufRead>(lines: &Lines<R>, delimiter: u8, layout: &Layout, particles: 
     }
 }
 
-/// Whether a line is neither blank nor a comment.
-pub(crate) fn has_content(line: &str) -> bool {
-    let text = line.trim_start();
-    !text.is_empty() && !text.starts_with('#')
-}
-
-/// Moves to the next line with content.
-fn next<R: BufRead>(lines: &mut Lines<R>) -> Result<bool> {
-    while lines.advance()? {
-        if has_content(lines.text()) {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
-/// A header that names x, y and z.
-struct TableHeader {
-    names: Vec<(String, Role)>,
-    delimiter: u8,
-    comment: bool,
-    place: crate::error::Place,
-}
-
-impl TableHeader {
-    /// The header that begins at this byte of the current line, if it is one.
-    fn of<R: BufRead>(lines: &Lines<R>, start: usize) -> Result<Option<Self>> {
-        let likely = delimiter(&lines.text()[start..]);
-        for delimiter in [likely, b' '] {
-            let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.text.to_owned()).collect();
-            let Some(unit) = axes(&names) else { continue };
-            let place = lines.place(start);
-            let mut roles: Vec<Role> = names.iter().map(|name| role(name, &unit)).collect();
-            // Three components or none: an `r` alone is not a colour.
-            let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
-            roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
-            let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
-            let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
-            if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
-                let problem = format!("{} has another unit than the positions", quote(odd));
-                let mend = "use the same unit for radii and positions, and the same name for it";
-                return Err(Error::scene(place.named("header"), problem, mend));
-            }
-            let comment = start > 0 && lines.text()[..start].ends_with('#');
-            return Ok(Some(Self { names: names.into_iter().zip(roles).collect(), delimiter, comment, place }));
-        }
-        Ok(None)
-    }
-}
-
-/// The meaning of a column, where lengths have this unit.
-fn role(name: &str, unit: &str) -> Role {
-    let (base, of) = split(name);
-    match (base.as_str(), name.to_lowercase().as_str()) {
-        ("x", _) if of == unit => Role::Position(0),
-        ("y", _) if of == unit => Role::Position(1),
-        ("z", _) if of == unit => Role::Position(2),
-        ("radius", _) if of == unit => Role::Radius,
-        ("diameter", _) if of == unit => Role::Diameter,
-        (_, "r" | "red") => Role::Color(0),
-        (_, "g" | "green") => Role::Color(1),
-        (_, "b" | "blue") => Role::Color(2),
-        (_, "element" | "symbol") => Role::Symbol,
-        _ => Role::Other,
-    }
-}
-
-/// The delimiter of a line.
-pub(crate) fn delimiter(line: &str) -> u8 {
-    [b'\t', b';', b','].into_iter().find(|delimiter| line.as_bytes().contains(delimiter)).unwrap_or(b' ')
-}
-
-/// The fields of the current line from a byte on, without padding and quotes.
-pub(crate) fn fields<R: BufRead>(lines: &Lines<R>, start: usize, delimiter: u8) -> impl Iterator<Item = Word<'_, R>> {
-    let text = lines.text().as_bytes();
-    let blank = move |byte: &u8| byte.is_ascii_whitespace() && (*byte != delimiter || delimiter == b' ');
-    let ends = move |byte: &u8| if delimiter == b' ' { byte.is_ascii_whitespace() } else { *byte == delimiter };
-    let mut start = Some(start);
-    std::iter::from_fn(move || {
-        let raw = start?;
-        let at = raw + text[raw..].iter().take_while(|byte| blank(byte)).count();
-        if delimiter == b' ' && at == text.len() {
-            return None;
-        }
-        let quoted = quoted(&text[at..]).filter(|length| {
-            let after = text[at + length..].iter().find(|byte| !blank(byte) || ends(byte));
-            after.is_none_or(ends)
-        });
-        let from = at + quoted.unwrap_or(0);
-        let end = from + text[from..].iter().position(ends).unwrap_or(text.len() - from);
-        start = (end < text.len()).then_some(end + 1);
-        let (mut first, mut last) = match quoted {
-            Some(length) => (at + 1, at + length - 1),
-            None => (at, end),
-        };
-        while first < last && text[first].is_ascii_whitespace() {
-            first += 1;
-        }
-        while first < last && text[last - 1].is_ascii_whitespace() {
-            last -= 1;
-        }
-        let mut word = lines.word(first, last);
-        word.at = at;
-        Some(word)
-    })
-}
-
-/// The length of the quoted text that begins here; a doubled quote is a quote.
-fn quoted(text: &[u8]) -> Option<usize> {
-    let mut at = 1;
-    if text.first() != Some(&b'"') {
-        return None;
-    }
-    loop {
-        at += text[at..].iter().position(|byte| *byte == b'"')? + 1;
-        if text.get(at) != Some(&b'"') {
-            return Some(at);
-        }
-        at += 1;
-    }
-}
-
 /// The single frame of a table, and where it is counted.
 pub(super) struct OneTable(Option<Table<Input>>, Option<Survey>);
 
 impl OneTable {
     pub(super) fn new(source: SceneSource, options: &ReadOptions) -> Result<Self> {
         let lines = Lines::new(source.reader, &source.path);
-        Ok(Self(Some(Table::tolerant(lines, &wanted(&options.columns())?)?), options.survey.clone()))
+        let mut table = Table::tolerant(lines, &wanted(&options.columns())?, &options.columns_named)?;
+        table.layout = table.layout.skipping(options.skip_invalid);
+        Ok(Self(Some(table), options.survey.clone()))
     }
 }
 
@@ -300,6 +163,11 @@ mod tests {
             "# made by hand\n#name,z,y,x,radius,speed\na 3 2 1 0.5 7\nc 6 5 4 1.5 8\n",
             "# x, y and z\nname,z,y,x,diameter,speed\na,3,2,1,1,7\nc,6,5,4,3,8\n",
             "name,z (km),y (km),x (km),radius_km,speed\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "\"name\",\"Points:2\",\"Points:1\",\"Points:0\",\"Radius\",\"speed\"\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "name,Points:2,Points:1,Points:0,radius,speed\na,3,2,1,0.5,7\nc,6,5,4,1.5,8\n",
+            "name,\"Points_0\",\"Points_1\",\"Points_2\",Points_Magnitude,radius,speed\na,1,2,3,9,0.5,7\nc,4,5,6,9,1.5,8\n",
+            "name,x,y,z,Points:0,Points:1,Points:2,radius,speed\na,1,2,3,9,9,9,0.5,7\nc,4,5,6,9,9,9,1.5,8\n",
+            "name,x,Points:0,Points:1,Points:2,radius,speed\na,9,1,2,3,0.5,7\nc,9,4,5,6,1.5,8\n",
         ] {
             let found = read(text, &["Speed"]).unwrap_or_else(|e| panic!("{e}: {text}"));
             assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
@@ -320,13 +188,102 @@ mod tests {
         assert!(read("x,y,z\n", &[]).expect("no rows").positions.is_empty());
     }
 
+    fn named(text: &str, columns: &str) -> Result<Particles> {
+        let columns_named = columns.parse()?;
+        let options = ReadOptions { columns_named, ..ReadOptions::default() };
+        Ok(OneTable::new(SceneSource::of_text(text), &options)?.next()?.expect("a table"))
+    }
+
+    #[test]
+    fn columns_have_the_meaning_that_is_given() {
+        for (text, columns) in [
+            ("pos_x,pos_y,pos_z,a\n1,2,3,0.5\n4,5,6,1.5\n", "x=pos_x,y=pos_y,z=pos_z,radius=a"),
+            ("x,y,z,u,v,w,a\n9,9,9,1,2,3,0.5\n9,9,9,4,5,6,1.5\n", "x=u,y=v,z=w,radius=a"),
+            ("radius,x,y,z,half\n9,1,2,3,0.5\n9,4,5,6,1.5\n", "radius=half"),
+            ("x,y,w,radius\n1,2,3,0.5\n4,5,6,1.5\n", "z=W"),
+            ("# a b c d\n1 2 3 0.5\n4 5 6 1.5\n", "x=a,y=b,z=c,radius=d"),
+            ("# a b c d\n1 2 3 0.5\n4 5 6 1.5\n", "x=1,y=2,z=3,radius=4"),
+            ("# by hand\n1 2 3 0.5\n4 5 6 1.5\n", "x=1,y=2,z=3,radius=4"),
+            ("s,a,b,c,d\nFe,1,2,3,1\nX,4,5,6,3\n", "x=2,y=3,z=4,diameter=5"),
+            ("Fe;1;2;3;1\nX;4;5;6;3", "x=2,y=3,z=4,diameter=5"),
+            ("3\t2\t1\t0.5\n6\t5\t4\t1.5\n", "x=3,y=2,z=1,radius=4"),
+            ("3 2 1 0.5\n6 5 4 1.5\n", "x=3,y=2,z=1,radius=4"),
+        ] {
+            let found = named(text, columns).unwrap_or_else(|e| panic!("{e}: {text}"));
+            assert_eq!(found.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{text}");
+            assert_eq!((&found.radii[..], found.skipped.assumed.len()), (&[0.5, 1.5][..], 0), "{text}");
+        }
+        let found = named("Fe 1 2 3 0 1 0.5\n", "element=1,x=2,y=3,z=4,r=5,g=6,b=7").expect("a row");
+        assert_eq!((found.elements[0], found.colors[0]), (26, [0.0, 1.0, 0.5]));
+        for (text, columns, told) in [
+            (
+                "a,b,c\n1,2,3\n",
+                "x=a,y=b,z=d",
+                ":1:1: header: the table has no column `d`; correct --columns; the columns are a, b, c",
+            ),
+            ("a,b,c\n1,2,3\n", "x=1,y=2,z=7", "column 7 is named, but the table has 3"),
+            ("1,2,3\n", "x=1,y=2,z=7", "column 7 is named, but the table has 3"),
+            ("1,2,3\n", "x=a,y=b,z=c", "no column `a`"),
+            ("a,b,c\n1,2,3\n", "x=a,y=b", "the columns x, y and z are missing"),
+            ("x,y,z,r\n1,2,3,4\n", "radius=size", "no column `size`"),
+            ("1,2,n/a\n", "x=1,y=2,z=3", ":1:5: z: `n/a` is not a number"),
+            ("", "x=1,y=2,z=3", "the columns x, y and z are missing"),
+        ] {
+            let error = named(text, columns).map(drop).expect_err(text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    #[test]
+    fn invalid_rows_are_left_out_and_counted() {
+        let options = ReadOptions { skip_invalid: true, ..ReadOptions::default() };
+        let read = |text: &str| -> Result<Particles> {
+            Ok(OneTable::new(SceneSource::of_text(text), &options)?.next()?.expect("a table"))
+        };
+        let text = "name,x,y,z,radius\na,1,2,3,1\n\nb,nan,2,3,1\nc,4,5,6,0\nd,,5,6,1\ne,7,8,inf,1\nf,7,8,9,2\n";
+        let found = read(text).expect("rows");
+        assert_eq!(
+            (&found.positions[..], &found.radii[..]),
+            (&[[1.0, 2.0, 3.0], [7.0, 8.0, 9.0]][..], &[1.0, 2.0][..])
+        );
+        assert_eq!(found.skipped.assumed, ["4 rows left out, the first in line 4: x: `nan` is not finite"]);
+        // Other faults are errors still.
+        for (text, told) in [
+            ("x,y,z,t\nnan,2,3\n", ":2:1: x: `nan` is not finite"),
+            ("x,y,z\nnan,2,3,4\n", ":2:9: row: the row has more"),
+            ("x,y,z,r,g,b\n1,2,3,-1,0,0\n", ":2:7: color"),
+        ] {
+            let error = read(text).map(drop).expect_err(text).to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    #[test]
+    fn three_or_four_numbers_without_a_header_are_assumed_to_be_coordinates_and_a_radius() {
+        for (text, radii, what) in [
+            ("1,2,3\n4,5,6\n", &[][..], "x, y and z"),
+            ("# by hand\n1 2 3 0.5\n4 5 6 1.5\n", &[0.5, 1.5], "x, y, z and radius"),
+        ] {
+            let found = read(text, &[]).expect("rows");
+            assert_eq!((&found.positions[..], &found.radii[..]), (&[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]][..], radii));
+            let [said] = &found.skipped.assumed[..] else { panic!("{:?}", found.skipped.assumed) };
+            assert!(said.contains(&format!("are read as {what}; name them with --columns")), "{said}");
+        }
+    }
+
     #[test]
     fn errors_are_reported_with_line_and_column() {
         for (text, told) in [
             ("", "text: header: the columns x, y and z are missing"),
-            ("1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
+            ("1,2\n", ":1:1: header: the columns x, y and z are missing"),
+            ("1,2,3,4,5\n", "or name the columns with --columns x=1,y=2,z=3"),
+            ("a,b,c\n1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
+            ("1,2,3\n4,5,6,7\n", ":2:7: row: the row has more than the 3 fields"),
+            ("1 2 3 -1\n", ":1:7: radius: `-1`"),
             ("x_au,y_au,z_au,radius_km\n1,2,3,4\n", ":1:1: header: `radius_km` has another unit"),
             ("x,y,z,x\n1,2,3,4\n", ":1:1: header"),
+            ("Points:0,Points:1,Points_2\n1,2,3\n", ":1:1: header: the columns x, y and z are missing"),
+            ("Points:0,Points:1,Points:2,points:0\n1,2,3,4\n", ":1:1: header: `points:0` occurs twice"),
             ("x,y,z\n1,2\n", ":2:4: z: expected 3 fields, found 2"),
             ("x,y,z\n1,2,3,4\n", ":2:7: row: the row has more than"),
             ("x,y,z\n1,,3\n", ":2:3: y"),

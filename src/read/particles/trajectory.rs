@@ -21,7 +21,8 @@ use moment::{Moment, Moments};
 use std::path::PathBuf;
 
 /// The columns of a trajectory that a topology may have too, where they belong to another frame.
-const OWN: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
+const OWN: [&str; 18] =
+    ["x", "y", "z", "xu", "yu", "zu", "xs", "ys", "zs", "xsu", "ysu", "zsu", "vx", "vy", "vz", "ix", "iy", "iz"];
 
 /// The velocities among them.
 const VELOCITIES: [&str; 3] = ["vx", "vy", "vz"];

@@ -19,6 +19,8 @@ pub(super) struct Xyz {
     lines: Lines<Input>,
     wanted: Vec<String>,
     survey: Option<Survey>,
+    /// Whether rows with invalid coordinates or radii are left out.
+    skip_invalid: bool,
     /// Whether the current line has not been parsed yet.
     held: bool,
 }
@@ -29,6 +31,7 @@ impl Xyz {
             lines: Lines::new(source.reader, &source.path),
             wanted: wanted(&options.columns())?,
             survey: options.survey.clone(),
+            skip_invalid: options.skip_invalid,
             held: false,
         })
     }
@@ -63,7 +66,7 @@ impl Xyz {
             }
         }
         self.held = true;
-        let is_row = |lines: &Lines<Input>| layout.row(&mut Words::of(lines), lines, &mut layout.begin_part()).is_ok();
+        let is_row = |lines: &Lines<Input>| layout.fits(Words::of(lines), lines);
         if is_row(&self.lines) {
             return surplus(&mut self.lines, count, "atoms", is_row);
         }
@@ -121,7 +124,7 @@ impl Xyz {
         if !layout.contains(Role::Position(2)) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
-        Ok((layout, cell))
+        Ok((layout.skipping(self.skip_invalid), cell))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {

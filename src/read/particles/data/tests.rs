@@ -26,6 +26,24 @@ fn sections_are_read_and_passed_over() {
 }
 
 #[test]
+fn image_flags_behind_the_columns_are_columns_if_they_are_requested() {
+    let file = |heading: &str, rows: &str| format!("{HEAD}\nAtoms{heading}\n\n{rows}\n");
+    let rows = "7 1 1 2 3 0 -1 2 # a\n3 2 4 5 6 1 0 0";
+    for heading in ["", " # atomic"] {
+        let found = read(&file(heading, rows), &["ix", "iy", "iz"]).expect("flags");
+        let columns = |n: usize| found.columns.iter().map(|column| column.values[n]).collect::<Vec<_>>();
+        assert_eq!((columns(0), columns(1)), (vec![0.0, -1.0, 2.0], vec![1.0, 0.0, 0.0]));
+    }
+    assert!(read(&file(" # atomic", rows), &["id"]).expect("no flags").has.iter().all(|name| name != "ix"));
+    // Two numbers more, and what a hybrid has, are not flags.
+    for (heading, rows) in [(" # atomic", "7 1 1 2 3 0 -1\n3 2 4 5 6 1 0"), (" # hybrid atomic sphere", rows)] {
+        assert!(read(&file(heading, rows), &["ix"]).expect("no flags").columns.is_empty(), "{heading}");
+    }
+    let error = read(&file(" # atomic", "7 1 1 2 3 0 -1 2\n3 2 4 5 6"), &["ix"]).map(drop).expect_err("no flags");
+    assert!(error.to_string().contains(":12:10: ix: expected 8 fields, found 5"), "{error}");
+}
+
+#[test]
 fn styles_are_named_or_follow_from_the_columns() {
     let file = |heading: &str, row: &str| format!("{HEAD}\n{heading}\n\n{row}\n{row}\n");
     for (heading, row, assumed) in [

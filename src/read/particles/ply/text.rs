@@ -21,6 +21,7 @@ pub(super) fn text(
             return Err(truncated(lines.file(), read, element));
         }
         numbers.clear();
+        let mut invalid = None;
         let mut words = Words::of(lines);
         for property in &element.properties {
             let need = || {
@@ -36,15 +37,24 @@ pub(super) fn text(
                         words.next().ok_or_else(need)?;
                     }
                 }
-                None => numbers.push(property.light(
-                    layout,
-                    numbers.len(),
-                    match layout.role(numbers.len()) {
-                        Role::Radius | Role::Diameter => word.positive(&property.name)?,
-                        Role::Position(_) | Role::Color(_) => word.finite(&property.name)?,
-                        _ => word.number(&property.name)?,
-                    },
-                )),
+                None => {
+                    let (role, name) = (layout.role(numbers.len()), &property.name);
+                    let number = match role {
+                        Role::Radius | Role::Diameter => word.positive(name),
+                        Role::Position(_) | Role::Color(_) => word.finite(name),
+                        _ => word.number(name),
+                    };
+                    let skips =
+                        layout.skips_invalid() && matches!(role, Role::Position(_) | Role::Radius | Role::Diameter);
+                    let number = match number {
+                        Err(error) if skips => {
+                            invalid.get_or_insert(error);
+                            f64::NAN
+                        }
+                        number => number?,
+                    };
+                    numbers.push(property.light(layout, numbers.len(), number));
+                }
             }
         }
         if let Some(word) = words.next() {
@@ -53,7 +63,12 @@ pub(super) fn text(
             let mend = "correct the number of vertices and the list of their properties";
             return Err(Error::scene(lines.place(word.at).named("vertex"), problem, mend));
         }
-        layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+        match invalid {
+            Some(error) => particles.left_out.add(error),
+            None => {
+                layout.numbers(&numbers, particles).map_err(|e| relocate(e, |_| lines.place(0).named("color")))?;
+            }
+        }
         lines.found();
     }
     Ok(())

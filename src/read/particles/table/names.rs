@@ -18,12 +18,46 @@ pub(super) fn split(name: &str) -> (String, String) {
     (name, String::new())
 }
 
-/// The unit of x, y and z, where there are such columns; empty for none.
-pub(crate) fn axes(names: &[String]) -> Option<String> {
-    let names: Vec<_> = names.iter().map(|name| split(name)).collect();
+/// Names that ParaView gives to the coordinates of points in CSV files, in lower case; the second are those of its
+/// spreadsheet (docs.paraview.org/en/latest/UsersGuide/savingResults.html).
+const POINTS: [[&str; 3]; 2] = [["points:0", "points:1", "points:2"], ["points_0", "points_1", "points_2"]];
+
+/// Which columns of a table are x, y and z.
+pub(crate) struct Axes {
+    /// The unit of length after the names; empty for none.
+    pub(super) unit: String,
+    /// Their names, where they are not x, y and z.
+    points: Option<[&'static str; 3]>,
+}
+
+impl Axes {
+    /// Those named x, y and z with this unit, as far as they are there.
+    pub(super) fn of_unit(unit: String) -> Self {
+        Self { unit, points: None }
+    }
+
+    /// The axis of a column: 0, 1 or 2; `None` for other columns.
+    pub(super) fn of(&self, name: &str) -> Option<usize> {
+        if let Some(points) = self.points {
+            let name = name.trim().to_lowercase();
+            return points.iter().position(|point| *point == name);
+        }
+        let (base, unit) = split(name);
+        ["x", "y", "z"].iter().position(|axis| *axis == base).filter(|_| unit == self.unit)
+    }
+}
+
+/// The columns x, y and z, where there are such columns; else those of ParaView.
+pub(crate) fn axes(names: &[String]) -> Option<Axes> {
+    let parts: Vec<_> = names.iter().map(|name| split(name)).collect();
     // Names without a unit first.
-    let mut units: Vec<&String> = names.iter().filter(|(base, _)| base == "x").map(|(_, unit)| unit).collect();
+    let mut units: Vec<&String> = parts.iter().filter(|(base, _)| base == "x").map(|(_, unit)| unit).collect();
     units.sort();
-    let named = |axis: &str, unit: &String| names.iter().any(|(base, of)| base == axis && of == unit);
-    units.into_iter().find(|unit| named("y", unit) && named("z", unit)).cloned()
+    let named = |axis: &str, unit: &String| parts.iter().any(|(base, of)| base == axis && of == unit);
+    if let Some(unit) = units.into_iter().find(|unit| named("y", unit) && named("z", unit)) {
+        return Some(Axes { unit: unit.clone(), points: None });
+    }
+    let has = |point: &str| names.iter().any(|name| name.trim().eq_ignore_ascii_case(point));
+    let points = POINTS.into_iter().find(|points| points.iter().all(|point| has(point)))?;
+    Some(Axes { unit: String::new(), points: Some(points) })
 }

@@ -213,8 +213,8 @@ fn topology(names: usize, listed: usize, places: Vec<u32>) -> Topology {
     let atoms = Particles {
         positions: vec![[0.0; 3]; names],
         elements: vec![8; names],
-        columns: vec![column("serial"), column("vx")],
-        has: vec!["serial".into(), "vx".into()],
+        columns: vec![column("serial"), column("vx"), column("ix")],
+        has: vec!["serial".into(), "vx".into(), "ix".into()],
         places,
         listed,
         ..Particles::default()
@@ -237,7 +237,7 @@ fn a_topology_gives_elements_and_columns_and_the_trajectory_what_moves() {
     assert_eq!((two.positions.len(), &of(&two)[1].1[..]), (2, &[0.25, 0.75][..]));
     let still = trr(3, false, [&[], &[1.0; 9], &[], &[]]);
     let still = read(&still, topology(3, 0, Vec::new())).expect("read").expect("a frame");
-    assert_eq!(still.has, ["serial"], "velocities of another frame are left out");
+    assert_eq!(still.has, ["serial"], "velocities and image flags of another frame are left out");
     for (atoms, listed, places) in [(2, 0, vec![]), (4, 0, vec![]), (1, 2, vec![0]), (4, 5, vec![0, 1, 2, 4])] {
         let error = read(&bytes, topology(atoms, listed, places)).map(drop).expect_err("other atoms").to_string();
         let told = format!("the trajectory has 3 atoms, the topology atoms.gro has {atoms}");

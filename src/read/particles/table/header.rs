@@ -1,0 +1,181 @@
+//! The header of a table: the names of its columns and their meaning, from the file or from the caller.
+
+use super::fields::{delimiter, fields, next};
+use super::names::{Axes, axes, split};
+use crate::error::{Error, Place, Result};
+use crate::quote::{list, quote};
+use crate::read::lines::Lines;
+use crate::read::options::ColumnNames;
+use crate::read::particles::layout::Role;
+use std::io::BufRead;
+
+/// The columns of a table.
+pub(super) struct TableHeader {
+    pub(super) names: Vec<(String, Role)>,
+    pub(super) delimiter: u8,
+    /// Whether it is a comment.
+    pub(super) comment: bool,
+    pub(super) place: Place,
+    /// What is assumed where the table has no header.
+    pub(super) assumed: Option<String>,
+}
+
+/// What to do about a table whose coordinates are not named.
+const NAME_THEM: &str =
+    "add a header that names x, y and z, such as x,y,z,radius, or name the columns with --columns x=1,y=2,z=3";
+
+impl TableHeader {
+    /// Finds the header, which may be a comment or missing, and whether the current line is a row. `given` has the meaning
+    /// of columns whose names do not say it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
+    pub(super) fn find<R: BufRead>(lines: &mut Lines<R>, given: &ColumnNames) -> Result<(Self, bool)> {
+        let mut above = None;
+        while lines.advance()? {
+            let text = lines.text().trim_start();
+            if text.is_empty() {
+                continue;
+            }
+            let comment = text.len() - text.trim_start_matches('#').len();
+            let start = lines.text().len() - text.len() + comment;
+            let found = Self::of(lines, start, given);
+            if comment > 0 {
+                above = found?.ok().or(above);
+                continue;
+            }
+            // A table by numbers has a header only if its first line has no numbers there.
+            let bare = if given.are_numbers() { Self::bare(lines, given) } else { None };
+            return match (found?, bare, above) {
+                (_, Some(bare), Some(above)) if above.names.len() == bare.names.len() => Ok((above, true)),
+                (Ok(header), None, _) => {
+                    let ahead = next(lines)?;
+                    Ok((header, ahead))
+                }
+                (_, None, Some(above)) => Ok((above, true)),
+                (_, Some(bare), None) => Ok((bare, true)),
+                (_, Some(bare), Some(above)) => Ok((if given.is_empty() { above } else { bare }, true)),
+                (Err(error), None, None) => Err(error),
+            };
+        }
+        let problem = "the columns x, y and z are missing";
+        above
+            .map(|header| (header, false))
+            .ok_or_else(|| Error::scene(lines.file().named("header"), problem, NAME_THEM))
+    }
+
+    /// The columns of a table whose first row is the current line; `None` for a line that is no row.
+    fn bare<R: BufRead>(lines: &Lines<R>, given: &ColumnNames) -> Option<Self> {
+        let delimiter = delimiter(lines.text());
+        let numbers: Vec<bool> = fields(lines, 0, delimiter).map(|word| word.text.parse::<f64>().is_ok()).collect();
+        let place = lines.place(0);
+        let header = |roles: Vec<Option<Role>>, assumed| {
+            let name =
+                |(n, role): (usize, &Option<Role>)| (ColumnNames::name_of(*role, n), role.unwrap_or(Role::Other));
+            let names = roles.iter().enumerate().map(name).collect();
+            Self { names, delimiter, comment: false, place: place.clone(), assumed }
+        };
+        if given.is_empty() {
+            let roles = [Role::Position(0), Role::Position(1), Role::Position(2), Role::Radius].map(Some);
+            let (3 | 4, false) = (numbers.len(), numbers.contains(&false)) else { return None };
+            let what = if numbers.len() == 3 { "x, y and z" } else { "x, y, z and radius" };
+            let said = format!(
+                "{place}: the table has no header, so its columns are read as {what}; name them with --columns"
+            );
+            return Some(header(roles[..numbers.len()].to_vec(), Some(said)));
+        }
+        let names: Vec<String> = (0..numbers.len()).map(|n| ColumnNames::name_of(None, n)).collect();
+        let roles = given.roles(&names).ok()?;
+        // One number makes it a row, so that an invalid first row is not taken for a header.
+        let is_number =
+            |(role, number): (&Option<Role>, &bool)| *number && role.is_some_and(|role| role != Role::Symbol);
+        roles.iter().zip(&numbers).any(is_number).then(|| header(roles, None)).filter(Self::is_placed)
+    }
+
+    /// Whether x, y and z are among the columns.
+    fn is_placed(&self) -> bool {
+        (0..3).all(|axis| self.names.iter().any(|(_, role)| *role == Role::Position(axis)))
+    }
+
+    /// The header that begins at this byte of the current line, or why it is none.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for lengths in different units.
+    fn of<R: BufRead>(lines: &Lines<R>, start: usize, given: &ColumnNames) -> Result<Result<Self>> {
+        let likely = delimiter(&lines.text()[start..]);
+        let place = lines.place(start);
+        let mut problem = None;
+        for delimiter in [likely, b' '] {
+            let names: Vec<String> = fields(lines, start, delimiter).map(|word| word.text.to_owned()).collect();
+            let fixed = match given.roles(&names) {
+                Ok(fixed) => fixed,
+                Err(lack) => {
+                    let mend = format!("correct --columns; the columns are {}", list(&names));
+                    problem.get_or_insert((lack, mend));
+                    continue;
+                }
+            };
+            let placed = fixed.iter().position(|role| matches!(role, Some(Role::Position(_))));
+            let axes = match placed {
+                Some(column) => Some(Axes::of_unit(split(&names[column]).1)),
+                None => axes(&names),
+            };
+            let missing = || ("the columns x, y and z are missing".to_owned(), NAME_THEM.to_owned());
+            let Some(axes) = axes else {
+                problem.get_or_insert_with(missing);
+                continue;
+            };
+            let roles = roles(&names, &fixed, &axes);
+            let lengths = |role| !matches!(role, Role::Radius | Role::Diameter);
+            let odd = names.iter().find(|name| ["radius", "diameter"].contains(&split(name).0.as_str()));
+            if let Some(odd) = odd.filter(|_| roles.iter().copied().all(lengths)) {
+                let problem = format!("{} has another unit than the positions", quote(odd));
+                let mend = "use the same unit for radii and positions, and the same name for it";
+                return Err(Error::scene(place.named("header"), problem, mend));
+            }
+            let comment = start > 0 && lines.text()[..start].ends_with('#');
+            let names = names.into_iter().zip(roles).collect();
+            let header = Self { names, delimiter, comment, place: place.clone(), assumed: None };
+            if header.is_placed() {
+                return Ok(Ok(header));
+            }
+            problem.get_or_insert_with(missing);
+        }
+        let (problem, mend) = problem.unwrap_or_default();
+        Ok(Err(Error::scene(place.named("header"), problem, mend)))
+    }
+}
+
+/// The meaning of each column: the given one, else that of its name.
+fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> Vec<Role> {
+    let is_given = |role: Role| fixed.contains(&Some(role));
+    let length = is_given(Role::Radius) || is_given(Role::Diameter);
+    let own = |name: &String| match role(name, axes) {
+        Role::Radius | Role::Diameter if length => Role::Other,
+        role if is_given(role) => Role::Other,
+        role => role,
+    };
+    let mut roles: Vec<Role> =
+        names.iter().zip(fixed).map(|(name, fixed)| fixed.unwrap_or_else(|| own(name))).collect();
+    // Three components or none: an `r` alone is not a colour.
+    let all = (0..3).all(|k| roles.contains(&Role::Color(k)));
+    roles.iter_mut().filter(|role| matches!(role, Role::Color(_)) && !all).for_each(|r| *r = Role::Other);
+    roles
+}
+
+/// The meaning of a column, where lengths have the unit of these axes.
+fn role(name: &str, axes: &Axes) -> Role {
+    if let Some(axis) = axes.of(name) {
+        return Role::Position(axis);
+    }
+    let (base, unit) = split(name);
+    match (base.as_str(), name.to_lowercase().as_str()) {
+        ("radius", _) if unit == axes.unit => Role::Radius,
+        ("diameter", _) if unit == axes.unit => Role::Diameter,
+        (_, "r" | "red") => Role::Color(0),
+        (_, "g" | "green") => Role::Color(1),
+        (_, "b" | "blue") => Role::Color(2),
+        (_, "element" | "symbol") => Role::Symbol,
+        _ => Role::Other,
+    }
+}
