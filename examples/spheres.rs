@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             "--color-by" => {
                 let columns = value.split(',').map(str::to_owned).collect();
-                options.style.coloring = Coloring::Column(Scale { columns, map: None, range: None, log: false });
+                options.style.coloring = Coloring::Column(Scale::of(columns));
             }
             _ => return Err(format!("{word} is not an option").into()),
         }

@@ -305,7 +305,7 @@ fn options(format: Format, rng: &mut Rng) -> ReadOptions {
     if rng.below(2) == 0 {
         let columns = ["vx", "vel", "radius", "z", "id", "red", "b_iso_or_equiv", "bfactor", "t", "x"];
         let columns = (0..=rng.below(3)).map(|_| rng.pick(&columns).to_owned()).collect();
-        let scale = Scale { columns, map: Default::default(), range: None, log: rng.below(2) == 0 };
+        let scale = Scale { log: rng.below(2) == 0, ..Scale::of(columns) };
         options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     }
     match rng.below(8) {

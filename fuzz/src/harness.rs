@@ -179,7 +179,7 @@ fn options(format: Option<Format>, choice: u8) -> ReadOptions {
     let mut options = ReadOptions { format, frames: "1-".parse().expect("frames"), ..ReadOptions::default() };
     if !columns.is_empty() {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: None, range: None, log: choice & 0x40 != 0 && choice & 3 == 1 };
+        let scale = Scale { log: choice & 0x40 != 0 && choice & 3 == 1, ..Scale::of(columns) };
         options.style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     }
     if matches!(format, Some(Format::Pdb | Format::Mmcif)) {

@@ -212,6 +212,7 @@ impl ColorArgs {
                 map: self.map,
                 range: self.range,
                 log: self.log,
+                names: Vec::new(),
             }),
             (None, None) => Coloring::File,
         })

@@ -13,6 +13,7 @@ use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::scene::{Reach, Scene};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Iterates over the scenes.
@@ -109,7 +110,9 @@ impl<'a> SceneFrames<'a> {
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
         arrange(&self.args.read, frame)?;
         size(self.args.image.size.or(self.size), self.args, frame);
+        // A frame without spheres has nothing to hold to.
         let holds = self.args.read.frames().is_some() && self.args.read.hold != Hold::None;
+        let holds = holds && !frame.scene.spheres.is_empty();
         if holds && self.middle.is_none() {
             self.middle = Some(frame.scene.spheres.middle());
         }
@@ -138,10 +141,17 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         let mend = "use --hold first, or a file instead of standard input";
         return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
     }
-    let each = ReadOptions { frames: "1-".parse()?, hold: Hold::None, ..options.clone() };
+    let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
     let mut sequence = Sequence::open(&args.scene, &each)?;
     let (mut first, mut all, mut range): (Option<SceneFrame>, Option<Reach>, Option<[f64; 2]>) = (None, None, None);
+    let (mut names, mut known) = (Vec::new(), HashSet::new());
     while let Some(mut frame) = sequence.next_scene()? {
+        if frame.scene.spheres.is_empty() {
+            continue;
+        }
+        if let Some(legend) = &frame.legend {
+            names.extend(legend.names.iter().filter(|name| known.insert((*name).clone())).cloned());
+        }
         if let Some(legend) = frame.legend.as_ref().filter(|legend| legend.categories.is_empty()) {
             let [low, high] = range.unwrap_or(legend.range);
             range = Some([low.min(legend.range[0]), high.max(legend.range[1])]);
@@ -156,8 +166,9 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         }
         first.get_or_insert(frame);
     }
-    if let (Coloring::Column(scale), None) = (&mut options.style.coloring, args.color.range()) {
-        scale.range = range.or(scale.range);
+    if let Coloring::Column(scale) = &mut options.style.coloring {
+        scale.range = scale.range.or(range);
+        scale.names = names;
     }
     let Some(mut first) = first else { return Ok(None) };
     if let (Some(framing), Some(all)) = (args.camera.framing(first.has_camera)?, all) {

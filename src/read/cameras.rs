@@ -5,27 +5,16 @@
 //! up, back, eye of a 4 x 4 matrix from camera to world); docs.opencv.org, calib3d (x right, y down, z forward).
 
 mod json;
+mod listed;
 mod table;
 
+pub use listed::ListedCamera;
+
 use crate::error::{Error, Place, Result};
-use crate::scene::camera::{Camera, Intrinsics, Lens, Look};
-use glam::DVec3;
+use crate::scene::camera::{Intrinsics, Lens};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-
-/// A camera of a list.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ListedCamera {
-    /// The pose, and the lens that the list gives; the canonical one where it gives none.
-    pub camera: Camera,
-    /// Whether the list gives a lens other than by intrinsics.
-    pub has_lens: bool,
-    /// Focal lengths and principal point.
-    pub intrinsics: Option<Intrinsics>,
-    /// Columns and rows of its image.
-    pub size: Option<[u32; 2]>,
-}
 
 /// The most bytes of a list.
 const LONGEST: u64 = 1 << 28;
@@ -59,27 +48,6 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
         return Err(Error::scene(file, "the list has no cameras", "add at least one"));
     }
     Ok(cameras)
-}
-
-impl ListedCamera {
-    /// A camera at `eye` that looks along `view`.
-    fn new(eye: [f64; 3], look: Look, up: [f64; 3]) -> Self {
-        let camera = Camera { eye: eye.into(), look, up: up.into(), ..Camera::CANONICAL };
-        Self { camera, has_lens: false, intrinsics: None, size: None }
-    }
-
-    /// The camera of a matrix from camera to world, by rows, whose columns are right, up, back and the eye; for OpenCV's
-    /// axes right, down, forward and the eye.
-    fn of_matrix(matrix: [[f64; 4]; 3], opencv: bool) -> Self {
-        let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
-        let (view, up) = if opencv { (column(2), -column(1)) } else { (-column(2), column(1)) };
-        Self::new(column(3).to_array(), Look::View(view), up.to_array())
-    }
-
-    /// The same with a lens.
-    fn with_lens(self, lens: Lens) -> Self {
-        Self { camera: Camera { lens, ..self.camera }, has_lens: true, ..self }
-    }
 }
 
 /// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1.

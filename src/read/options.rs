@@ -88,7 +88,8 @@ pub enum Hold {
     /// From the first frame of the file, whether it is selected or not: a frame read alone is the same as in a film.
     #[default]
     First,
-    /// From all frames of the file, which is read twice.
+    /// The camera and the range of colours from all frames, which the caller has read before; see
+    /// [`Scale::range`](crate::read::style::Scale::range). The radius and the colours of names from the first.
     All,
     /// From each frame by itself.
     None,

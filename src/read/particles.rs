@@ -118,7 +118,7 @@ fn read_frames<F: ParticleFrames>(
 ) -> Result<Vec<Particles>> {
     use super::style::{Coloring, Scale, Style};
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale { columns, map: Default::default(), range: None, log: false };
+    let scale = Scale::of(columns);
     let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     let mut frames = open(SceneSource::of_text(text), &ReadOptions { style, ..ReadOptions::default() })?;
     std::iter::from_fn(|| frames.next().transpose()).collect()

@@ -26,6 +26,10 @@ pub struct Sequence {
     passed: u64,
     /// The files that the scene file refers to, and the topology.
     files: Vec<PathBuf>,
+    /// Whether the following frames are held to one that was read.
+    holds: bool,
+    /// What the reader said about a frame that is not selected.
+    said: Vec<String>,
 }
 
 enum SequenceState {
@@ -105,7 +109,8 @@ impl Sequence {
                 SequenceState::One(Some(Box::new(scene)))
             }
         };
-        Ok(Self { path: path.to_path_buf(), options: options.clone(), state, passed: 0, files })
+        let (path, options) = (path.to_path_buf(), options.clone());
+        Ok(Self { path, options, state, passed: 0, files, holds: false, said: Vec::new() })
     }
 
     /// The files that the scene file refers to, and the topology of a trajectory, which were read with it.
@@ -114,27 +119,37 @@ impl Sequence {
         &self.files
     }
 
-    /// The first frame of the file, where the following ones are held to it but it is not selected. It must be called
-    /// before [`Sequence::next_scene`], which does the same and drops the frame.
+    /// The first frame of the file that has spheres, where the following ones are held to it but it is not selected. It
+    /// must be called before every [`Sequence::next_scene`], which does the same and drops the frame.
     ///
     /// # Errors
     /// Those of [`Scene::read`].
     pub fn unselected_first(&mut self) -> Result<Option<SceneFrame>> {
-        let ReadOptions { hold, frames, model, .. } = &self.options;
-        if self.passed > 0 || *hold == Hold::None || frames.contains(1) || model.is_some() {
+        let ReadOptions { hold, frames: selected, model, watch, .. } = self.options.clone();
+        if self.holds || hold == Hold::None || model.is_some() {
             return Ok(None);
         }
-        match &mut self.state {
-            SequenceState::One(_) => Ok(None),
-            SequenceState::Many(frames) => {
-                let first = frames.next()?;
-                self.passed = 1;
-                first.map(|particles| self.dress(particles, 1)).transpose()
+        let last = selected.last();
+        while self.passed < last && !selected.contains(self.passed + 1) {
+            watch.check()?;
+            let SequenceState::Many(frames) = &mut self.state else { break };
+            let Some(particles) = frames.next()? else { return Ok(None) };
+            self.passed += 1;
+            if particles.positions.is_empty() {
+                continue;
+            }
+            let number = self.passed;
+            let said = particles.skipped.assumed.clone();
+            let frame = self.dress(particles, number)?;
+            if !frame.scene.spheres.is_empty() {
+                self.said.extend(said);
+                return Ok(Some(frame));
             }
         }
+        Ok(None)
     }
 
-    /// The scene of a frame's particles; the first frame sets what the following ones are held to.
+    /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
     fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
         let cell = particles.cell;
@@ -142,9 +157,22 @@ impl Sequence {
         particles::periodic::apply(self.options.periodic, &mut particles)?;
         select::apply(&self.options, &mut particles)?;
         let spacing = self.options.style.spacing_of(&particles);
-        let (spheres, skipped, legend) = self.options.style.dress(particles, &file)?;
-        if number == 1 && self.options.hold != Hold::None {
-            self.options.style.hold(spacing, legend.as_ref());
+        let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
+        let hold = self.options.hold;
+        if hold != Hold::None && !self.holds && !spheres.is_empty() {
+            self.holds = true;
+            let (frames, flat) = (&self.options.frames, legend.as_ref().filter(|legend| legend.is_flat()));
+            if let Some(Legend { name, range: [value, _], .. }) = flat.filter(|_| hold == Hold::First)
+                && (frames.count() > 1 || !frames.contains(number))
+            {
+                let said = format!(
+                    "all values of {name} in frame {number} are {value}, and the colours of the other frames are held to this \
+                     range; use --range LOW,HIGH or --hold all"
+                );
+                let said_of_film = if frames.contains(number) { &mut skipped.assumed } else { &mut self.said };
+                said_of_film.push(said);
+            }
+            self.options.style.hold(spacing, legend.as_ref(), hold == Hold::First);
         }
         self.options.watch.check()?;
         let mut scene = Scene {
@@ -178,7 +206,13 @@ impl Sequence {
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
-                    let Some(particles) = frames.next()? else { return Ok(None) };
+                    let Some(mut particles) = frames.next()? else { return Ok(None) };
+                    // A reader says what concerns the whole file in its first frame.
+                    for said in std::mem::take(&mut self.said) {
+                        if !particles.skipped.assumed.contains(&said) {
+                            particles.skipped.assumed.push(said);
+                        }
+                    }
                     return self.dress(particles, number).map(Some);
                 }
                 SequenceState::Many(frames) => {

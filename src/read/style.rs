@@ -184,15 +184,15 @@ impl Style {
         is_used.then(|| spacing(&particles.positions) / 2.0)
     }
 
-    /// Takes the radius and the range of colours of this frame for the following ones; with several frames, a range that
-    /// contains those of all.
-    pub(super) fn hold(&mut self, spacing: Option<f64>, legend: Option<&Legend>) {
+    /// Takes the radius, the names and, if `ranges`, the range of colours of this frame for the following ones.
+    pub(super) fn hold(&mut self, spacing: Option<f64>, legend: Option<&Legend>, ranges: bool) {
         self.default_radius = self.default_radius.or(spacing);
-        if let (Coloring::Column(scale), Some(legend)) = (&mut self.coloring, legend)
-            && legend.categories.is_empty()
-            && scale.range.is_none()
-        {
-            scale.range = Some(legend.range);
+        let (Coloring::Column(scale), Some(legend)) = (&mut self.coloring, legend) else { return };
+        if scale.names.is_empty() {
+            scale.names.clone_from(&legend.names);
+        }
+        if ranges && legend.categories.is_empty() {
+            scale.range = scale.range.or(Some(legend.range));
         }
     }
 

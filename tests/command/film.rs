@@ -63,6 +63,68 @@ fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
     assert!(!said("--hold none").contains("held"));
 }
 
+/// An extended XYZ file with these particles in each frame: kind, position on the x axis, and a value.
+fn named(frames: &[&[(&str, f64, f64)]]) -> String {
+    let mut text = String::new();
+    for frame in frames {
+        writeln!(text, "{}\nProperties=species:S:1:pos:R:3:kind:S:1:v:R:1", frame.len()).expect("text");
+        frame.iter().for_each(|(kind, x, v)| writeln!(text, "C {x} 0 0 {kind} {v}").expect("text"));
+    }
+    text
+}
+
+#[test]
+fn a_film_is_held_to_the_first_frame_that_shows_something() {
+    let frames: [&[(&str, f64, f64)]; 4] = [
+        &[],
+        &[("other", 5.0, 3.0)],
+        &[("b", 4.0, 0.0), ("a", 0.0, 0.0)],
+        // The same spheres in another order, and one of a new name behind the first.
+        &[("c", 0.0, 7.0), ("a", 0.0, 2.0), ("b", 4.0, 1.0)],
+    ];
+    let dir = TestDir::new(&[("kinds.xyz", &named(&frames))]);
+    let selected = |options: &str| {
+        let options: Vec<&str> = options.split_whitespace().collect();
+        dir.render(&[&["kinds.xyz", "--select", "kind a b"][..], &options].concat())
+    };
+    for hold in ["first", "all"] {
+        let run = |options: &str| {
+            let fixed = "--color-by kind --radius 0.5 --shade flat --size 40x30 --json";
+            selected(&format!("{fixed} --hold {hold} {options}"))
+        };
+        let film = run("--frames 1-4 -o f%d.png").json_lines();
+        assert_eq!((film[0]["spheres"].as_u64(), film[3]["spheres"].as_u64()), (Some(0), Some(2)));
+        assert_eq!(film[2]["camera"], film[3]["camera"], "{hold}");
+        let pixels = |name: &str| image::open(dir.path(name)).expect(name).to_rgb8().into_raw();
+        assert!(pixels("f3.png") == pixels("f4.png"), "{hold}: other colours for the same names");
+        let mut colors: Vec<[u8; 3]> = pixels("f3.png").as_chunks().0.to_vec();
+        colors.sort_unstable();
+        colors.dedup();
+        assert!(colors.len() > 2, "two colours on the background");
+        let alone = run("--frames 4 -o alone.png").json_lines();
+        assert_eq!(alone[0]["camera"], film[2]["camera"], "{hold}");
+        assert!(dir.get("alone.png") == dir.get("f4.png"), "{hold}: alone");
+    }
+    // All values of the first frame with spheres are equal: a range without a width, which is said.
+    for (options, said) in
+        [("3-4", true), ("4", true), ("3-4 --hold all", false), ("3-4 --range 0,2", false), ("3", false)]
+    {
+        let err = selected(&format!("--color-by v --size 40x30 --json --frames {options}")).err;
+        assert_eq!(err.contains("all values of v in frame 3 are 0"), said, "{options}: {err}");
+    }
+}
+
+#[test]
+fn a_frame_alone_says_what_the_film_says() {
+    let atom = |x: u32| format!("{:5}{:<5}{:>5}{:5}{:8.3}{:8.3}{:8.3}\n", 1, "MOL", "Q9", 1, x, 0.0, 0.0);
+    let frame = |x: u32| format!("title\n    1\n{}   9.0   9.0   9.0\n", atom(x));
+    let dir = TestDir::new(&[("two.gro", &(frame(1) + &frame(2)))]);
+    let said = |options: &str| dir.render(&format!("two.gro --size 8x8 --json --frames {options}")).err;
+    let film = said("1-2");
+    let line = film.lines().find(|line| line.contains("element")).unwrap_or_else(|| panic!("{film}"));
+    assert!(said("2").contains(line), "{}", said("2"));
+}
+
 #[test]
 fn hold_all_shows_every_frame_completely() {
     let dir = TestDir::new(&[("gas.dump", &gas(20))]);

@@ -142,6 +142,7 @@ mod tests {
             categories: (0..count)
                 .map(|n| Category { label: label(n), color: [n as u8, 0x80, 0xff], count: 1 })
                 .collect(),
+            names: Vec::new(),
         };
         let plot = |count| legend(count).plot().expect("a picture");
         assert_eq!(texts(&plot(3)), ["chain", "A", "B<&", "(blank)"], "no numbers of a bar");
@@ -160,8 +161,14 @@ mod tests {
 
     #[test]
     fn a_legend_names_its_ends_and_is_drawn() {
-        let legend =
-            Legend { name: "a<b".into(), map: ColorMap::Viridis, range: [1.0, 100.0], log: true, categories: vec![] };
+        let legend = Legend {
+            name: "a<b".into(),
+            map: ColorMap::Viridis,
+            range: [1.0, 100.0],
+            log: true,
+            categories: Vec::new(),
+            names: Vec::new(),
+        };
         let plot = legend.plot().expect("a picture");
         assert_eq!([0.0, 123.456, -0.5, 6.02e23, 99999.0].map(short), ["0", "123.5", "-0.5", "6.020e23", "99999"]);
         let texts = texts(&plot);

@@ -1,6 +1,6 @@
 //! Cameras in JSON: a list, or an object with `frames` (NeRF), `cameras` or `poses`.
 
-use super::ListedCamera;
+use super::listed::ListedCamera;
 use crate::error::{Error, Place, Result};
 use crate::scene::camera::{Intrinsics, Lens, Look};
 use serde_json::{Map, Value};

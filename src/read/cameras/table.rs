@@ -1,7 +1,7 @@
 //! Cameras in a table: a header that names `eye_x, eye_y, eye_z`, `view_x..` or `at_x..`, `up_x..`, and optionally `vfov`
 //! or `fx, fy, cx, cy`; a row for each camera.
 
-use super::ListedCamera;
+use super::listed::ListedCamera;
 use crate::error::{Error, Place, Result};
 use crate::quote::quote;
 use crate::read::lines::Lines;
@@ -65,8 +65,9 @@ fn camera(values: &[Option<f64>; COLUMNS.len()]) -> Result<ListedCamera, &'stati
         }
         Ok(found)
     };
+    let eye = three(0)?;
     let look = if values[6].is_some() { Look::At(three(6)?.into()) } else { Look::View(three(3)?.into()) };
-    let camera = ListedCamera::new(three(0)?, look, three(9)?);
+    let camera = ListedCamera::new(eye, look, three(9)?);
     if let Some(degrees) = values[12] {
         return Ok(camera.with_lens(Lens::Vfov { degrees, distance: 1.0 }));
     }

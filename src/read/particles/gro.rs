@@ -299,7 +299,7 @@ mod tests {
 
     fn gro(text: &str, columns: &[&str]) -> Gro {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: None, range: None, log: false };
+        let scale = Scale::of(columns);
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         Gro::new(SceneSource::of_text(text), &ReadOptions { style, ..ReadOptions::default() })
     }

@@ -290,7 +290,7 @@ mod tests {
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: None, range: None, log: false };
+        let scale = Scale::of(columns);
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         let mut las = Las::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
         Ok(las.next()?.expect("one frame"))

@@ -206,7 +206,7 @@ mod tests {
 
     fn read(bytes: &[u8], columns: &[&str]) -> Result<Particles> {
         let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-        let scale = Scale { columns, map: Default::default(), range: None, log: false };
+        let scale = Scale::of(columns);
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         let mut npz = Npz::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })?;
         Ok(npz.next()?.expect("one frame"))

@@ -265,7 +265,7 @@ mod tests {
 
     fn read(bytes: &[u8], strict: bool) -> Result<Particles> {
         let columns = ["t".to_owned(), "n".to_owned()].into();
-        let scale = Scale { columns, map: None, range: None, log: false };
+        let scale = Scale::of(columns);
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         let mut pcd = Pcd::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
         Ok(pcd.next()?.expect("one frame"))

@@ -152,7 +152,7 @@ mod tests {
     }
 
     fn read_bytes(bytes: &[u8], strict: bool) -> Result<Particles> {
-        let scale = Scale { columns: vec!["t".into()], map: Default::default(), range: None, log: false };
+        let scale = Scale::of(vec!["t".into()]);
         let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
         let mut ply = Ply::new(SceneSource::of_bytes(bytes), &ReadOptions { style, strict, ..ReadOptions::default() })?;
         Ok(ply.next()?.expect("one frame"))

@@ -16,10 +16,11 @@ use rayon::prelude::*;
 pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -> Result<()> {
     let ReadOptions { select, hide, style, .. } = options;
     let rules = style.paints.len() + style.sizes.len();
-    if select.is_empty() && hide.is_empty() && rules == 0 {
+    let count = particles.positions.len();
+    // A frame without particles may have no columns either.
+    if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
         return Ok(());
     }
-    let count = particles.positions.len();
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
     let (mut notes, mut all) = (Vec::new(), Vec::new());
     let mut of = |selection: &Selection| -> Result<Mask> {
@@ -83,7 +84,7 @@ pub(in crate::read) fn add_selected(
     let mut notes = selection.remarks();
     notes.extend(evaluator.notes);
     if !mask.is_empty() && !mask.contains(&true) {
-        notes.push(format!("the selection `{selection}` leaves none of {} spheres", mask.len()));
+        notes.push(format!("the selection `{}` leaves none of {} spheres", selection.brief(), mask.len()));
     }
     Ok(notes)
 }

@@ -12,6 +12,7 @@ use crate::read::style::elements::element;
 use glob::{MatchOptions, Pattern};
 use rayon::prelude::*;
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// A flag for every particle.
 pub(super) type Mask = Vec<bool>;
@@ -125,34 +126,54 @@ impl<'a> Evaluator<'a> {
     }
 
     fn values(&mut self, word: &str, values: &[Value]) -> Result<Mask> {
-        let mut mask = vec![false; self.len()];
         let (data, codes, mut empty) = (self.data(word)?, self.codes(word), Vec::new());
-        for value in values {
-            let chosen: Mask = match &data {
-                Data::Names(numbers, names) => flags(numbers, &matches(value, names, MatchOptions::new())),
-                Data::Elements(elements) => {
-                    let names: Vec<String> = (0..=u8::MAX).map(symbol).collect();
-                    let any_case = MatchOptions { case_sensitive: false, ..MatchOptions::new() };
-                    let chosen = matches(value, &names, any_case);
-                    elements.par_iter().map(|number| chosen[usize::from(*number)]).collect()
-                }
-                Data::Numbers(of) => {
-                    let range = Range::of(value, word, self.selection)?;
-                    let all = (0..self.len()).into_par_iter();
-                    match &codes {
-                        Some(code) => all.map(|n| range.contains_with_code(of(n), code(n))).collect(),
-                        None => all.map(|n| range.contains(of(n))).collect(),
-                    }
-                }
-            };
-            if !chosen.par_iter().any(|flag| *flag) {
+        let mut note = |value: &Value, is_empty: bool| {
+            if is_empty {
                 empty.push(value.to_string());
             }
-            mask.par_iter_mut().zip(chosen).for_each(|(flag, chosen)| *flag |= chosen);
-        }
+        };
+        let mask = match &data {
+            Data::Names(numbers, names) => {
+                let there = occurring(numbers, names.len());
+                let chosen = any_of(values, names, &there, MatchOptions::new(), &mut note);
+                flags(numbers, &chosen)
+            }
+            Data::Elements(elements) => {
+                let names: Vec<String> = (0..=u8::MAX).map(symbol).collect();
+                let mut there = vec![false; names.len()];
+                elements.iter().for_each(|number| there[usize::from(*number)] = true);
+                let any_case = MatchOptions { case_sensitive: false, ..MatchOptions::new() };
+                let chosen = any_of(values, &names, &there, any_case, &mut note);
+                elements.par_iter().map(|number| chosen[usize::from(*number)]).collect()
+            }
+            Data::Numbers(of) => {
+                let mut mask = vec![false; self.len()];
+                for value in values {
+                    let range = Range::of(value, word, self.selection)?;
+                    let is_in = |n: usize| match &codes {
+                        Some(code) => range.contains_with_code(of(n), code(n)),
+                        None => range.contains(of(n)),
+                    };
+                    let found = AtomicBool::new(false);
+                    mask.par_iter_mut().enumerate().filter(|(n, _)| is_in(*n)).for_each(|(_, flag)| {
+                        *flag = true;
+                        found.store(true, Relaxed);
+                    });
+                    note(value, !found.load(Relaxed));
+                }
+                mask
+            }
+        };
         let there = self.describe(&data);
         drop(data);
-        empty.iter().for_each(|value| self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")));
+        match empty.as_slice() {
+            [] => {}
+            [value] => self.note(&format!("{word} {value}"), &format!("no particle has it; {there}")),
+            [value, ..] => {
+                let what = format!("no particle has it, nor {} other values; {there}", empty.len() - 1);
+                self.note(&format!("{word} {value}"), &what);
+            }
+        }
         Ok(mask)
     }
 
@@ -167,7 +188,7 @@ impl<'a> Evaluator<'a> {
     fn compare(&mut self, comparison: &Comparison) -> Result<Mask> {
         let Comparison { column, absolute, sign, value } = comparison;
         let fail = |problem: String, mend: &str| {
-            Err(Error::settings(format!("selection `{}`: {problem}", self.selection), mend))
+            Err(Error::settings(format!("selection `{}`: {problem}", self.selection.brief()), mend))
         };
         match (self.data(column)?, value.parse::<f64>()) {
             (Data::Numbers(of), Ok(limit)) => {
@@ -259,7 +280,7 @@ impl<'a> Evaluator<'a> {
     }
 
     fn missing(&self, word: &str) -> Error {
-        let problem = format!("selection `{}`: the file has no {word}", self.selection);
+        let problem = format!("selection `{}`: the file has no {word}", self.selection.brief());
         let mut has: Vec<&str> = ["index", "x", "y", "z"].to_vec();
         has.extend((!self.particles.radii.is_empty()).then_some("radius"));
         has.extend((!self.particles.elements.is_empty()).then_some("element"));
@@ -292,7 +313,7 @@ impl<'a> Evaluator<'a> {
     }
 
     fn note(&mut self, word: &str, what: &str) {
-        self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection));
+        self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection.brief()));
     }
 }
 
@@ -306,10 +327,35 @@ fn symbol(number: u8) -> String {
     element(number).map_or_else(String::new, |element| element.symbol.to_owned())
 }
 
-/// Which of `names` a value means.
-fn matches(value: &Value, names: &[String], options: MatchOptions) -> Vec<bool> {
-    let pattern: Pattern = pattern(value);
-    names.iter().map(|name| pattern.matches_with(name.trim(), options)).collect()
+/// Which of `names` the values mean; `note` gets for each value whether none of those that are `there` is meant.
+fn any_of(
+    values: &[Value],
+    names: &[String],
+    there: &[bool],
+    options: MatchOptions,
+    note: &mut impl FnMut(&Value, bool),
+) -> Vec<bool> {
+    let mut chosen = vec![false; names.len()];
+    for value in values {
+        let (pattern, mut is_empty): (Pattern, bool) = (pattern(value), true);
+        for (n, _) in names.iter().enumerate().filter(|(_, name)| pattern.matches_with(name.trim(), options)) {
+            chosen[n] = true;
+            is_empty &= !there[n];
+        }
+        note(value, is_empty);
+    }
+    chosen
+}
+
+/// Which of the numbers below `count` occur.
+fn occurring(values: &[f64], count: usize) -> Vec<bool> {
+    let mut there = vec![false; count];
+    for value in values.iter().filter(|value| **value >= 0.0) {
+        if let Some(flag) = there.get_mut(*value as usize) {
+            *flag = true;
+        }
+    }
+    there
 }
 
 /// The flags of particles whose values are numbers of names.

@@ -17,11 +17,15 @@ use winnow::ascii::multispace0;
 use winnow::combinator::{alt, delimited, not, opt, preceded, repeat, terminated};
 use winnow::error::{ContextError, ErrMode, StrContext, StrContextValue};
 use winnow::prelude::*;
+use winnow::stream::Stateful;
 use winnow::token::{one_of, take_till};
 
-/// The most bytes of an expression, and the most parts within each other.
+/// The most bytes of an expression, and the most parts within each other: `not`, parentheses, `byres`, `within`.
 const LONGEST: usize = 1 << 16;
 const DEEPEST: usize = 128;
+
+/// The text that is left, and the number of parts that the current one is within.
+type Input<'a> = Stateful<&'a str, usize>;
 
 /// Words that are not values.
 const RESERVED: [&str; 11] = ["and", "or", "not", "within", "exwithin", "around", "of", "same", "as", "byres", "prop"];
@@ -34,11 +38,10 @@ pub(super) fn parse(text: &str) -> Result<Node> {
     let mend =
         "write an expression such as `chain A and not water`, `type 2`, `bfactor < 30` or `within 5 of (resname HEM)`";
     let fail = |problem: String| Err(Error::settings(format!("{} is not a selection: {problem}", quote(text)), mend));
-    let nested = text.matches(['(']).count() + text.split_whitespace().filter(|word| *word == "not").count();
-    if text.len() > LONGEST || nested > DEEPEST {
-        return fail(format!("it has more than {LONGEST} bytes or {DEEPEST} levels"));
+    if text.len() > LONGEST {
+        return fail(format!("it has more than {LONGEST} bytes"));
     }
-    match terminated(chain, multispace0).parse(text) {
+    match terminated(chain, multispace0).parse(Input { input: text, state: 0 }) {
         Ok(node) => Ok(node),
         Err(error) => {
             let column = text[..error.offset()].chars().count() + 1;
@@ -59,7 +62,7 @@ fn expected<T>(what: &'static str) -> ModalResult<T> {
     Err(ErrMode::Cut(error))
 }
 
-fn chain(input: &mut &str) -> ModalResult<Node> {
+fn chain(input: &mut Input<'_>) -> ModalResult<Node> {
     let first = factor(input)?;
     let operation = alt((
         alt((keyword("and"), symbol("&&"))).value(Operation::And),
@@ -69,7 +72,18 @@ fn chain(input: &mut &str) -> ModalResult<Node> {
     Ok(if rest.is_empty() { first } else { Node::Chain(Box::new(first), rest) })
 }
 
-fn factor(input: &mut &str) -> ModalResult<Node> {
+/// A part. All recursion of the grammar passes here, so this bounds the depth of the stack and of the tree.
+fn factor(input: &mut Input<'_>) -> ModalResult<Node> {
+    if input.state == DEEPEST {
+        return expected("at most 128 parts within each other");
+    }
+    input.state += 1;
+    let node = part(input);
+    input.state -= 1;
+    node
+}
+
+fn part(input: &mut Input<'_>) -> ModalResult<Node> {
     if opt(keyword("not")).parse_next(input)?.is_some() {
         return Ok(Node::Not(Box::new(factor(input)?)));
     }
@@ -84,7 +98,7 @@ fn factor(input: &mut &str) -> ModalResult<Node> {
 }
 
 /// A test of particles, without operators.
-fn test(input: &mut &str) -> ModalResult<Node> {
+fn test(input: &mut Input<'_>) -> ModalResult<Node> {
     multispace0.parse_next(input)?;
     for (word, itself) in [("within", true), ("exwithin", false)] {
         if opt(keyword(word)).parse_next(input)?.is_some() {
@@ -151,7 +165,7 @@ fn single(word: &str) -> Option<Node> {
     }
 }
 
-fn reach(input: &mut &str) -> ModalResult<f64> {
+fn reach(input: &mut Input<'_>) -> ModalResult<f64> {
     let start = *input;
     let number = opt(word).parse_next(input)?.and_then(|text| text.parse().ok());
     match number.filter(|reach: &f64| *reach >= 0.0 && reach.is_finite()) {
@@ -164,7 +178,7 @@ fn reach(input: &mut &str) -> ModalResult<f64> {
 }
 
 /// A value in a list, or a range whose ends are separate words.
-fn value(input: &mut &str) -> ModalResult<Value> {
+fn value(input: &mut Input<'_>) -> ModalResult<Value> {
     let first = alt((quoted, plain)).parse_next(input)?;
     match opt(range_end).parse_next(input)? {
         Some(last) if first.parse::<f64>().is_ok() => Ok(Value::Range(first, last)),
@@ -174,11 +188,11 @@ fn value(input: &mut &str) -> ModalResult<Value> {
 }
 
 /// The end of a range after a word or a sign of its own: `to 20`, `: 20`, `- 20`.
-fn range_end(input: &mut &str) -> ModalResult<String> {
+fn range_end(input: &mut Input<'_>) -> ModalResult<String> {
     preceded(alt((keyword("to"), keyword(":"), keyword("-"))), plain).parse_next(input)
 }
 
-fn sign(input: &mut &str) -> ModalResult<Sign> {
+fn sign(input: &mut Input<'_>) -> ModalResult<Sign> {
     preceded(
         multispace0,
         alt((
@@ -195,13 +209,13 @@ fn sign(input: &mut &str) -> ModalResult<Sign> {
 }
 
 /// Text between quotes, which may contain anything else.
-fn quoted(input: &mut &str) -> ModalResult<String> {
+fn quoted(input: &mut Input<'_>) -> ModalResult<String> {
     let between = |mark: char| delimited(mark, take_till(0.., mark), mark);
     preceded(multispace0, alt((between('"'), between('\'')))).map(str::to_owned).parse_next(input)
 }
 
 /// A word that may be a value: not reserved.
-fn plain(input: &mut &str) -> ModalResult<String> {
+fn plain(input: &mut Input<'_>) -> ModalResult<String> {
     word.verify(|word: &String| !is_reserved(word)).parse_next(input)
 }
 
@@ -210,17 +224,19 @@ fn is_reserved(word: &str) -> bool {
 }
 
 /// A word: quotes and apostrophes may follow its first character (`O5'`).
-fn word(input: &mut &str) -> ModalResult<String> {
+fn word(input: &mut Input<'_>) -> ModalResult<String> {
     let ends = |c: char| c.is_whitespace() || "()<>=!".contains(c);
-    let bare = preceded(not(one_of(['"', '\''])), take_till(1.., ends)).map(str::to_owned);
+    // `!` belongs to a pattern such as `[!C]*`, but not to `!=`.
+    let letters = alt((take_till(1.., ends), terminated("!", not(one_of(['=', ' '])))));
+    let bare = preceded(not(one_of(['"', '\''])), repeat::<_, _, (), _, _>(1.., letters).take()).map(str::to_owned);
     preceded(multispace0, bare).verify(|word: &String| word != "&&" && word != "||").parse_next(input)
 }
 
 /// A word of the grammar, in small letters as in other programs: `OF` may be a residue.
-fn keyword<'a>(expected: &'static str) -> impl Parser<&'a str, (), ErrMode<ContextError>> {
+fn keyword<'a>(expected: &'static str) -> impl Parser<Input<'a>, (), ErrMode<ContextError>> {
     word.verify(move |word: &String| word == expected).void()
 }
 
-fn symbol<'a>(expected: &'static str) -> impl Parser<&'a str, (), ErrMode<ContextError>> {
+fn symbol<'a>(expected: &'static str) -> impl Parser<Input<'a>, (), ErrMode<ContextError>> {
     preceded(multispace0, expected).void()
 }

@@ -19,8 +19,10 @@ const POINT: u64 = 96;
 pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<Vec<bool>> {
     let count = chosen.par_iter().filter(|chosen| **chosen).count() as u64;
     check(POINT.saturating_mul(count), || format!("the distances to {count} selected particles"))?;
-    // Without a distance every point has a cell of its own.
-    let side = if reach > 0.0 { reach } else { f64::MIN_POSITIVE };
+    // The numbers of cells stay below 2^48, so that rounding moves each by less than 2^-5 of a side; points within
+    // `reach` are then at most 1/1.1 + 2 * 2^-5 < 1 side apart, in the same cell or in adjacent ones.
+    let largest = points.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
+    let side = (1.1 * reach).max(largest * 2_f64.powi(-48)).max(f64::MIN_POSITIVE);
     let cell = |point: &[f64; 3]| point.map(|x| (x / side).floor() as i64);
     let mut cells: HashMap<Place, Vec<[f64; 3]>> = HashMap::new();
     for point in points.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(point, _)| point) {
@@ -66,6 +68,13 @@ mod tests {
                 })
                 .collect();
             assert_eq!(near(&points, &chosen, reach).expect("room"), expected, "{reach}");
+        }
+        // With a tiny distance a million points, each twice, take a cell each: all pairs would take an hour.
+        let many: Vec<[f64; 3]> = (0..1_000_000).map(|n| [f64::from(n / 2), 1e15, 0.0]).collect();
+        let even: Vec<bool> = (0..1_000_000).map(|n| n % 4 == 0).collect();
+        for reach in [0.0, 1e-300] {
+            let found = near(&many, &even, reach).expect("room");
+            assert!(found.iter().enumerate().all(|(n, flag)| *flag == (n / 2 % 2 == 0)));
         }
         let far = [[1e300, 0.0, 0.0], [-1e300, 0.0, 0.0], [1e300, 1.0, 0.0]];
         assert_eq!(near(&far, &[true, false, false], 2.0).expect("room"), [true, false, true]);

@@ -4,6 +4,7 @@ use super::columns::{Key, keys};
 use super::expression::{Node, Operation};
 use super::grammar;
 use crate::error::{Error, Result};
+use crate::quote::{Quote, shortened};
 use std::fmt;
 use std::str::FromStr;
 
@@ -34,6 +35,11 @@ impl Selection {
         columns
     }
 
+    /// The expression for messages: a long one is shortened.
+    pub(super) fn brief(&self) -> Quote<'_> {
+        shortened(&self.text, 120)
+    }
+
     /// What the expression means where programs disagree: remarks for the user.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
@@ -44,13 +50,15 @@ impl Selection {
             let or = rest.iter().position(|(operation, _)| *operation == Operation::Or);
             if or.is_some_and(|at| rest[at..].iter().any(|(operation, _)| *operation == Operation::And)) {
                 remarks.push(format!(
-                    "the selection `{self}` combines `or` and a later `and` from left to right, as MDAnalysis does; VMD combines `and` first; use parentheses"
+                    "the selection `{}` combines `or` and a later `and` from left to right, as MDAnalysis does; VMD combines `and` first; use parentheses",
+                    self.brief()
                 ));
             }
             let parts = std::iter::once(&**first).chain(rest.iter().map(|(_, part)| part));
             if parts.take(rest.len()).any(loose) {
                 remarks.push(format!(
-                    "in the selection `{self}`, `within` applies to the next word only; use parentheses: within 5 of (...)"
+                    "in the selection `{}`, `within` applies to the next word only; use parentheses: within 5 of (...)",
+                    self.brief()
                 ));
             }
         });

@@ -53,6 +53,8 @@ fn expressions_select_the_atoms_that_they_name() {
         ("hydrogen", &[8]),
         ("name C* O?", &[1, 2, 4, 5, 7, 9]),
         ("name \"C*\"", &[1, 2, 4]),
+        ("name [!CHNO]*", &[6]),
+        ("charge!=0.5", &[1, 2, 4, 6, 7, 9]),
         ("resid 2:4", &[3, 4, 5, 6, 7, 8]),
         ("resid 1 4 to 5", &[0, 1, 2, 7, 8, 9]),
         ("element fe N", &[0, 3, 6]),
@@ -78,6 +80,19 @@ fn expressions_select_the_atoms_that_they_name() {
         let (found, _) = select(text).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert_eq!(found, expected, "{text}");
     }
+}
+
+/// Their length is limited, not their number; a parenthesis between quotes is a letter.
+#[test]
+fn long_lists_are_read() {
+    let groups = vec!["(name FE)"; 1000].join(" or ");
+    let quoted = format!("name FE {}", "'(' ".repeat(1000));
+    for text in [groups, quoted] {
+        assert_eq!(select(&text).expect("a long list").0, [6]);
+    }
+    let (_, notes) = select(&format!("resid {}", "77 ".repeat(20_000))).expect("numbers");
+    assert_eq!(notes.len(), 1);
+    assert!(notes[0].contains("nor 19999 other values; the file has 1 to 5") && notes[0].len() < 400, "{notes:?}");
 }
 
 #[test]
@@ -124,7 +139,11 @@ fn invalid_expressions_are_refused_at_their_place() {
         ("charge < high", "charge is a number in this file"),
         ("name < N", "which are not compared"),
         ("name 5 to x and", "at column"),
-        (&deep, "128 levels"),
+        (&deep, "128 parts within each other at column"),
+        (&"byres ".repeat(9000), "128 parts within each other"),
+        (&"same resname as ".repeat(3000), "128 parts within each other"),
+        (&"around 1 ".repeat(5000), "128 parts within each other"),
+        (&"within 1 of ".repeat(5000), "128 parts within each other"),
     ] {
         let error = select(text).map(drop).expect_err(text).to_string();
         assert!(error.contains(told), "{text}: {error}");

@@ -38,7 +38,7 @@ impl Range {
         let fail = || {
             let problem = format!("{column} is a number in this file, and {} is not", quote(&value.to_string()));
             Error::settings(
-                format!("selection `{selection}`: {problem}"),
+                format!("selection `{}`: {problem}", selection.brief()),
                 "use numbers and ranges such as 7, 10:20 or 10 to 20",
             )
         };

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::read::particles::{Column, Particles};
 use crate::scene::Skipped;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Columns whose whole numbers are identifiers: of types, molecules, copies.
 const NUMBERED: [&str; 6] = ["type", "mol", "molecule", "model", "copy", "cluster"];
@@ -35,7 +35,8 @@ pub(super) fn elements(elements: &[u8]) -> Legend {
         Category { label, color: [red, green, blue], count: counts[usize::from(number)] }
     };
     let categories = there.map(category).collect();
-    Legend { name: "element".into(), map: ColorMap::Category, range: [1.0, 118.0], log: false, categories }
+    let (map, range) = (ColorMap::Category, [1.0, 118.0]);
+    Legend { name: "element".into(), map, range, log: false, categories, names: Vec::new() }
 }
 
 /// The colours and the legend where the scale's columns are categories; `None` where they are numbers.
@@ -66,14 +67,20 @@ pub(super) fn apply(
     if scale.log {
         return refused("logarithm", "remove --log, or use a column of numbers");
     }
+    let (names, numbers) = labels.map(|labels| joined(&scale.names, labels)).unzip();
+    let names: Vec<String> = names.unwrap_or_default();
+    let number = |value: f64| match &numbers {
+        Some(numbers) if value >= 0.0 => numbers.get(value as usize).copied().unwrap_or(f64::NAN),
+        _ => value.floor(),
+    };
     // A continuous map is spread over all names of the file.
-    let last = labels.map_or(1, |labels| labels.len().saturating_sub(1).max(1)) as f64;
+    let last = labels.map_or(1, |_| names.len().saturating_sub(1).max(1)) as f64;
     let map = scale.map.unwrap_or(ColorMap::Category);
     let place = |category: f64| if map == ColorMap::Category { category } else { category / last };
     let (mut counts, mut missing, mut more) = (BTreeMap::<i64, u64>::new(), 0_u64, 0_u64);
     for value in &column.values {
         let known = counts.len() < MOST;
-        match value.floor() {
+        match number(*value) {
             category if !category.is_finite() => missing += 1,
             category if known || counts.contains_key(&(category as i64)) => {
                 *counts.entry(category as i64).or_default() += 1
@@ -93,7 +100,7 @@ pub(super) fn apply(
         skipped.assumed.push(format!("{several} categories of {name} share {colors} colours"));
     }
     let label = |category: i64| match labels {
-        Some(labels) => usize::try_from(category).ok().and_then(|n| labels.get(n)).cloned().unwrap_or_default(),
+        Some(_) => usize::try_from(category).ok().and_then(|n| names.get(n)).cloned().unwrap_or_default(),
         None => category.to_string(),
     };
     let category = |(number, count): (&i64, &u64)| Category {
@@ -104,16 +111,33 @@ pub(super) fn apply(
     let categories: Vec<Category> = counts.iter().map(category).collect();
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let range = [ends(counts.keys().next()), ends(counts.keys().next_back())];
-    let color = |x: &f64| match x.floor() {
+    let color = |category: f64| match category {
         category if category.is_finite() => map.color(place(category)),
         _ => linear(MISSING),
     };
     // Few colours for many particles.
-    let known: BTreeMap<i64, [f32; 3]> = counts.keys().map(|n| (*n, color(&(*n as f64)))).collect();
-    let of = |x: &f64| known.get(&(x.floor() as i64)).filter(|_| x.is_finite()).copied().unwrap_or_else(|| color(x));
+    let known: BTreeMap<i64, [f32; 3]> = counts.keys().map(|n| (*n, color(*n as f64))).collect();
+    let of = |x: &f64| {
+        let category = number(*x);
+        known.get(&(category as i64)).filter(|_| category.is_finite()).copied().unwrap_or_else(|| color(category))
+    };
     let colors = column.values.par_iter().map(of).collect();
-    let legend = Legend { name: name.clone(), map, range, log: false, categories };
+    let legend = Legend { name: name.clone(), map, range, log: false, categories, names };
     Ok(Some((colors, (several > 0).then_some(legend))))
+}
+
+/// The known names and then the new ones of a file, and the place of each of the file's names in this list.
+fn joined(known: &[String], labels: &[String]) -> (Vec<String>, Vec<f64>) {
+    let mut names = known.to_vec();
+    let mut places: HashMap<&str, usize> = known.iter().enumerate().map(|(n, name)| (name.as_str(), n)).collect();
+    let mut place = |name| {
+        *places.entry(name).or_insert_with(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        }) as f64
+    };
+    let numbers = labels.iter().map(|name| place(name.as_str())).collect();
+    (names, numbers)
 }
 
 #[cfg(test)]
@@ -132,7 +156,7 @@ mod tests {
     }
 
     fn scale(name: &str, map: Option<ColorMap>) -> Scale {
-        Scale { columns: vec![name.into()], map, range: None, log: false }
+        Scale { map, ..Scale::of(vec![name.into()]) }
     }
 
     #[test]
@@ -147,6 +171,13 @@ mod tests {
         assert_eq!(colors, [0.0, 0.0, 3.0, 2.0].map(|k| ColorMap::Category.color(k)));
         assert_eq!(categories[2].color, ColorMap::Category.srgb(3.0));
         assert!(said.is_empty(), "{said:?}");
+        // A film keeps the colours of its first frame's names; new ones follow.
+        let held = Scale { names: vec!["D".into(), "C".into()], ..scale("chain", None) };
+        let ((colors, legend), _) = colored("chain", &[0.0, 3.0, 1.0], &chains, &held).expect("ok").expect("some");
+        assert_eq!(colors, [2.0, 0.0, 3.0].map(|k| ColorMap::Category.color(k)));
+        let legend = legend.expect("a legend");
+        let found: Vec<&str> = legend.categories.iter().map(|category| &category.label[..]).collect();
+        assert_eq!((found, legend.names), (vec!["D", "A", "B"], ["D", "C", "A", "B", " "].map(String::from).to_vec()));
         // A continuous map is spread over the names.
         let viridis = Some(ColorMap::Viridis);
         let ((colors, _), _) =

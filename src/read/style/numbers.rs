@@ -60,7 +60,7 @@ impl Scale {
                 "{lost} of {n} values of {name} {why}, so these particles have the first colour of the map"
             ));
         }
-        let legend = Legend { name, map, range: [low, high], log: self.log, categories: Vec::new() };
+        let legend = Legend { name, map, range: [low, high], log: self.log, categories: Vec::new(), names: Vec::new() };
         Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
     }
 }
@@ -78,7 +78,7 @@ mod tests {
     fn columns_are_coloured_between_the_ends_of_their_range() {
         let mut p = particles(3);
         p.columns = vec![Column { name: "v".into(), values: vec![1.0, 10.0, 100.0] }];
-        let scale = |range, log| Scale { columns: vec!["V".into()], map: Some(ColorMap::Viridis), range, log };
+        let scale = |range, log| Scale { map: Some(ColorMap::Viridis), range, log, ..Scale::of(vec!["V".into()]) };
         let middle = ColorMap::Viridis.color(0.5);
         let apply = |scale: Scale, p: &Particles| {
             let mut skipped = Skipped::default();

@@ -14,6 +14,17 @@ pub struct Scale {
     pub range: Option<[f64; 2]>,
     /// Whether the scale is logarithmic.
     pub log: bool,
+    /// Names of categories whose colours are fixed, in the order of their colours: a film keeps those of its first frame.
+    /// Others follow in the file's order.
+    pub names: Vec<String>,
+}
+
+impl Scale {
+    /// The colours of these columns, with everything else as it is by default.
+    #[must_use]
+    pub fn of(columns: Vec<String>) -> Self {
+        Self { columns, map: None, range: None, log: false, names: Vec::new() }
+    }
 }
 
 /// The legend of a scale.
@@ -29,6 +40,15 @@ pub struct Legend {
     pub log: bool,
     /// The categories that occur; empty for numbers.
     pub categories: Vec<Category>,
+    /// The names of the file in the order of their colours, whether they occur or not; empty for numbers.
+    pub names: Vec<String>,
+}
+
+impl Legend {
+    /// Whether it is a scale of numbers that are all equal.
+    pub(in crate::read) fn is_flat(&self) -> bool {
+        self.names.is_empty() && self.categories.is_empty() && self.range[0] == self.range[1]
+    }
 }
 
 /// A category of particles.

@@ -10,7 +10,7 @@ const FRAMES: &[u8] = include_bytes!("../../../../fuzz/corpus/gsd/frames");
 
 fn gsd(bytes: &[u8], columns: &[&str]) -> Gsd {
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale { columns, map: None, range: None, log: false };
+    let scale = Scale::of(columns);
     let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     Gsd::new(SceneSource::of_bytes(bytes), &ReadOptions { style, ..ReadOptions::default() })
 }

@@ -4,7 +4,7 @@ use crate::read::style::{Coloring, Scale, Style};
 
 fn options(columns: &[&str]) -> ReadOptions {
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale { columns, map: None, range: None, log: false };
+    let scale = Scale::of(columns);
     ReadOptions { style: Style { coloring: Coloring::Column(scale), ..Style::default() }, ..ReadOptions::default() }
 }
 

@@ -27,7 +27,7 @@ fn waters() -> Vec<[f64; 3]> {
 
 fn open(format: Format, bytes: &[u8], topology: Option<Topology>, columns: &[&str]) -> Trajectory {
     let columns = columns.iter().map(|name| (*name).to_owned()).collect();
-    let scale = Scale { columns, map: None, range: None, log: false };
+    let scale = Scale::of(columns);
     let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
     let source = SceneSource { format, ..SceneSource::of_bytes(bytes) };
     Trajectory::new(source, topology, &ReadOptions { style, ..ReadOptions::default() })
