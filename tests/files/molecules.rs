@@ -138,7 +138,7 @@ fn assemblies_are_those_that_gemmi_makes() {
         let unit = read(&path, &ReadOptions::default());
         for assembly in ASSEMBLIES.iter().filter(|assembly| assembly.file == name) {
             let columns = vec!["copy".to_owned()];
-            let scale = Scale { columns, map: None, range: None, log: false };
+            let scale = Scale::of(columns);
             let style = Style { coloring: Coloring::Column(scale), ..Style::default() };
             let options = ReadOptions { assembly: Some(assembly.id.into()), style, ..ReadOptions::default() };
             let mut sequence = Sequence::open(&path, &options).expect("the file");
