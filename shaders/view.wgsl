@@ -6,7 +6,7 @@ struct View {
     up: vec4<f32>,
     back: vec4<f32>,
     background: vec4<f32>, // linear RGB; w unused
-    width: u32,            // W of the full frame in pixels; with samples, of the finer frame
+    width: u32,            // W of the frame of pixels; with samples or an off-centre lens, of the finer frame
     height: u32,           // H likewise
     first_row: u32,        // of the band of the window that this dispatch renders, in the full frame
     rows: u32,             // in the band
@@ -24,6 +24,9 @@ struct View {
     jitter: u32,           // pixels of the finer frame along a side of a stratum, a power of two
     sample: u32,           // its number
     seed: u32,             // of the samples' positions in their strata
+    step: u32,             // pixels of the finer frame from a place of a ray to the next
+    shift_column: u32,     // of the image's first place in the finer frame
+    shift_row: u32,
 }
 
 const GROUP: u32 = 64u; // invocations in a workgroup: a tile of 8 x 8 pixels, or 64 given rays

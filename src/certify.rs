@@ -81,7 +81,7 @@ impl<R: Number> Certify<'_, R> {
 
     /// The list entries of the ray's tile.
     fn entries(&self, s: &Slopes<R>) -> Range<usize> {
-        let [row, column] = [s.row, s.column].map(|n| n as u32 / self.view.fine());
+        let [row, column] = self.view.pixel_of([s.row, s.column].map(|n| n as u32));
         let [first, end] = self.lists.range(row, column);
         first as usize..end as usize
     }

@@ -21,6 +21,7 @@ mod tests;
 use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
+use crate::scene::camera::{CentredFrame, Viewport};
 use crate::scene::{Scene, Spheres, check_sphere};
 pub use answer::Truth;
 use answer::{DecidedHit, Path};
@@ -42,8 +43,7 @@ pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>(
 pub struct Judge {
     bench: Bench,
     lens: ExactLens,
-    viewport: crate::scene::camera::Viewport,
-    size: [u32; 2],
+    frame: CentredFrame,
 }
 
 impl Judge {
@@ -53,20 +53,20 @@ impl Judge {
     /// Those of [`Scene::check`].
     pub fn new(scene: &Scene) -> Result<Self> {
         scene.check()?;
-        let (width, height) = (scene.image.width, scene.image.height);
-        let viewport = scene.camera.viewport(width, height)?;
-        let lens = ExactLens::of(viewport, width, height);
+        let frame = scene.camera.centred([scene.image.width, scene.image.height], 1, 1)?;
+        let viewport = frame.viewport;
+        let lens = ExactLens::of(viewport, frame.size);
         let mut bench = Bench::new(ExactFrame::of(&scene.camera), scene.camera.eye.to_array(), &scene.spheres);
         if viewport.is_parallel() {
             bench.screen_aside(filter::exponent(&viewport));
         }
-        Ok(Self { bench, lens, viewport, size: [width, height] })
+        Ok(Self { bench, lens, frame })
     }
 
-    /// The same viewport divided `fine` times as finely both ways: rows and columns then refer to the finer frame.
-    pub(crate) fn refined(self, fine: u32) -> Self {
-        let [width, height] = self.size.map(|side| side * fine);
-        Self { lens: ExactLens::of(self.viewport, width, height), size: [width, height], ..self }
+    /// The same for rays through the pixels of a frame with this viewport and size: rows and columns then refer to it.
+    pub(crate) fn in_frame(self, viewport: Viewport, size: [u32; 2]) -> Self {
+        let frame = CentredFrame { viewport, size, step: 1, shift: [0; 2] };
+        Self { lens: ExactLens::of(viewport, size), frame, ..self }
     }
 
     /// The nearest hit of the ray through the centre of row `i`, column `j`, over all spheres.
@@ -134,8 +134,10 @@ impl Judge {
     }
 
     fn ray(&self, i: u32, j: u32) -> RayForms {
+        let CentredFrame { viewport, size, step, shift: [left, top] } = &self.frame;
+        let (i, j) = (i * step + top, j * step + left);
         RayForms {
-            quick: filter::FilterRay::through(&self.viewport, self.size, i, j),
+            quick: filter::FilterRay::through(viewport, *size, i, j),
             line: self.lens.line(i, j),
             stretch: self.lens.stretch(),
             planar: true,

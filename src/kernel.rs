@@ -60,7 +60,8 @@ pub(crate) struct Kernel {
     pub(crate) tree: bool,
     /// Certified given rays: whether anything is hit, instead of what is hit first.
     pub(crate) any: bool,
-    /// Viewing rays pass through samples of the pixels instead of the pixel centres.
+    /// Viewing rays pass through samples of the pixels, or belong to an off-centre lens: their places are computed
+    /// (main/sample.wgsl); otherwise they pass through the pixels' centres.
     pub(crate) samples: bool,
 }
 

@@ -19,9 +19,10 @@ pub use records::{Sphere, SphereRecord, SphereResiduals, ViewRecord};
 
 use crate::double_double as dd;
 use crate::error::{Error, Place, Result};
+use crate::exact::Judge;
 use crate::number::Number;
 use crate::scene::Scene;
-use crate::scene::camera::{Basis, Viewport};
+use crate::scene::camera::{Basis, CentredFrame, Viewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -56,6 +57,8 @@ pub struct View {
     pub pitch: [f64; 3],
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
+    /// The viewport of the whole frame, of which the record has the size; `None` for given rays.
+    pub(crate) viewport: Option<Viewport>,
     /// The frame's unit of t is 2^unit: a hit lies at t 2^unit (u, v, -d), with u, v, d as scaled.
     pub unit: i32,
 }
@@ -102,8 +105,9 @@ impl View {
     /// The same for the rays of `raster`. The window selects the rays; no other number depends on it.
     fn of_raster(scene: &Scene, raster: Raster) -> Result<Self> {
         scene.check()?;
-        let viewport = scene.camera.viewport(scene.image.width, scene.image.height)?;
-        let [width, height] = [scene.image.width, scene.image.height].map(|side| side * raster.fine());
+        let size = [scene.image.width, scene.image.height];
+        let CentredFrame { viewport, size: [width, height], step, shift } =
+            scene.camera.centred(size, raster.strata, raster.jitter)?;
         let parallel = viewport.is_parallel();
         let basis = scene.camera.basis()?;
         let unit = unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?;
@@ -124,6 +128,9 @@ impl View {
             strata: raster.strata,
             jitter: raster.jitter,
             seed: raster.seed,
+            step,
+            shift_column: shift[0],
+            shift_row: shift[1],
             half_du: pixel[0],
             half_dv: pixel[1],
             d: pixel[2],
@@ -133,7 +140,20 @@ impl View {
             ..ViewRecord::zeroed()
         };
         let view = Self::of_basis(basis, record, pitch, scene.spheres.len(), unit);
-        Ok(Self { parallel, ..view })
+        Ok(Self { parallel, viewport: Some(viewport), ..view })
+    }
+
+    /// The judge of a scene for rays by their row and column in the record's frame.
+    ///
+    /// # Errors
+    /// Those of [`Judge::new`].
+    pub(crate) fn judge(&self, scene: &Scene) -> Result<Judge> {
+        let judge = Judge::new(scene)?;
+        let size = [self.record.width, self.record.height];
+        Ok(match self.viewport {
+            Some(viewport) => judge.in_frame(viewport, size),
+            None => judge,
+        })
     }
 
     /// A view along the world's axes from `eye`, for tracing given rays.
@@ -150,7 +170,7 @@ impl View {
         let axis = |a: DVec3| [a.x as f32, a.y as f32, a.z as f32, 0.0];
         let [right, up, back] = [basis.u, basis.v, basis.w].map(axis);
         let record = ViewRecord { right, up, back, spheres: spheres as u32, ..record };
-        Self { record, spheres: Vec::new(), residuals: Vec::new(), basis, pitch, parallel: false, unit }
+        Self { record, spheres: Vec::new(), residuals: Vec::new(), basis, pitch, parallel: false, viewport: None, unit }
     }
 
     /// The spheres in the arithmetic of a CPU twin, with their rounding errors where `wide`.

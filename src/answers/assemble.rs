@@ -58,6 +58,7 @@ impl Answers<'_> {
                 Aov::Position => {
                     let point = |pixel: usize, d, depth| {
                         let [row, column] = self.view.record.place(pixel as u32);
+                        let [row, column] = self.view.record.sample_position(row, column);
                         self.view.point(self.view.origin(row, column), d, depth)
                     };
                     Data::F64(self.fill(f64::NAN, point, |t| t.position)?)
@@ -118,6 +119,7 @@ impl Answers<'_> {
                         [missed; N]
                     } else {
                         let [row, column] = self.view.record.place(pixel as u32);
+                        let [row, column] = self.view.record.sample_position(row, column);
                         let [u, v, w] = self.view.direction(row, column);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's depth; the other methods give t along (u, v,

@@ -5,7 +5,7 @@ use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::error::Result;
-use crate::exact::{Judge, Truth};
+use crate::exact::Truth;
 use crate::scene::{DEFAULT_COLOR, Scene, Spheres};
 use crate::shade::Shade;
 use crate::view::View;
@@ -40,7 +40,7 @@ pub(crate) fn settle(
     unsure: &[u32],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let settler = Settler { scene, twin: Certify::new(&view.record, binned), go_on };
+    let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let mut left = unsure;
     while !left.is_empty() {
@@ -59,6 +59,7 @@ pub(crate) fn settle(
 /// Decides unsure pixels.
 struct Settler<'a> {
     scene: &'a Scene,
+    view: &'a View,
     twin: Certify<'a, f32>,
     go_on: &'a (dyn Fn() -> bool + Sync),
 }
@@ -103,7 +104,7 @@ impl Settler<'_> {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
         let few = Scene { spheres, ..scene.bare() };
-        let judge = Judge::new(&few)?.refined(self.twin.view.fine());
+        let judge = self.view.judge(&few)?;
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let decide = |(&pixel, own): (&u32, &Vec<u32>)| {
             let candidates: Vec<u32> = own.iter().map(local).collect();
@@ -119,7 +120,7 @@ impl Settler<'_> {
 /// Decides every pixel of the window among all spheres, in exact arithmetic only. `go_on` is called before every row.
 pub(crate) fn exact(scene: &Scene, view: &View, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Settled>> {
     let record = &view.record;
-    let judge = Judge::new(scene)?.refined(record.fine());
+    let judge = view.judge(scene)?;
     let row = |i: u32| {
         let pixels = if go_on() { i * record.columns..(i + 1) * record.columns } else { 0..0 };
         let decide = |pixel: u32| {

@@ -93,8 +93,7 @@ impl BinnedScene {
         pool: &Pool,
     ) -> Result<Option<Self>> {
         let (width, height) = (scene.image.width, scene.image.height);
-        let viewport = scene.camera.viewport(width, height)?;
-        let projection = ProjectionBounds::new(&scene.camera, view, &viewport, terms)?;
+        let projection = ProjectionBounds::new(&scene.camera, view, [width, height], terms)?;
         if !projection.is_bounded() {
             return Ok(None);
         }

@@ -9,7 +9,7 @@ use super::answer::ProjectionRecord;
 use super::terms::Terms;
 use crate::double_double::{self as dd, Dd3};
 use crate::error::Result;
-use crate::scene::camera::{Basis, Camera, Viewport};
+use crate::scene::camera::{Basis, Camera};
 use crate::tile::TILE;
 use crate::view::View;
 use glam::DVec3;
@@ -128,9 +128,13 @@ pub(super) struct ProjectionBounds {
     /// 2^shift, and 2^-frame.
     fixed: f64,
     to_frame: f64,
-    /// Pixels of the view's frame per side of an image pixel; tiles per pixel of the view's frame.
+    /// Pixels of the view's frame per side of an image pixel, tiles per pixel of the view's frame, and column and row of
+    /// the image's corner in that frame.
     per_pixel: f64,
     per_tile: f64,
+    corner: [f64; 2],
+    /// One past the last column and row of the image in the view's frame.
+    end: [f64; 2],
     /// Error of a fixed-point centre, and of a winner's, in the unit of rho.
     coarse: f64,
     fine: f64,
@@ -143,7 +147,10 @@ pub(super) struct ProjectionBounds {
 }
 
 impl ProjectionBounds {
-    pub(super) fn new(camera: &Camera, view: &View, viewport: &Viewport, terms: &Terms) -> Result<Self> {
+    /// For the rays of a view of an image of this size.
+    pub(super) fn new(camera: &Camera, view: &View, image: [u32; 2], terms: &Terms) -> Result<Self> {
+        let viewport = view.viewport.map_or_else(|| camera.viewport(image[0], image[1]), Ok)?;
+        let corner = [view.record.shift_column, view.record.shift_row].map(f64::from);
         let [right, up, back] = camera.axes()?;
         let size = [f64::from(view.record.width), f64::from(view.record.height)];
         let parallel = viewport.is_parallel();
@@ -203,6 +210,8 @@ impl ProjectionBounds {
             to_frame,
             per_pixel: view.record.fine().into(),
             per_tile: 1.0 / f64::from(TILE * view.record.fine()),
+            corner,
+            end: [0, 1].map(|k| corner[k] + f64::from(image[k] * view.record.fine())),
             coarse,
             fine,
             errors,

@@ -50,6 +50,14 @@ pub(super) fn resized(record: &CameraRecord, size: Option<(u32, u32)>) -> Camera
     let [w, h] = record.size.map(f64::from);
     match (size, record.distance) {
         (Some((width, height)), Some(distance)) if [width, height] != record.size => {
+            if let Lens::Intrinsics { fx, fy, cx, cy } = camera.lens {
+                // The principal point keeps its distance from the middle, in heights of the view.
+                let scale = f64::from(height) / h;
+                let [cx, cy] = [(cx, w, width), (cy, h, height)]
+                    .map(|(center, from, to)| (center - from / 2.0) * scale + f64::from(to) / 2.0);
+                let lens = Lens::Intrinsics { fx: fx * scale, fy: fy * scale, cx, cy };
+                return Camera { lens, ..camera };
+            }
             let shape = vw * h / (vh * w);
             let vw = vh * shape * f64::from(width) / f64::from(height);
             Camera { lens: Lens::Viewport { vw, vh, distance }, ..camera }

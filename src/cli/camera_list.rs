@@ -21,7 +21,7 @@ pub(super) struct CameraListArgs {
         ["eye", "at", "view", "up", "fit", "ortho", "spin", "from"])]
     pub(super) file: Option<PathBuf>,
     /// Focal lengths and principal point in pixels for cameras without a lens of their own; the centre of the top left
-    /// pixel is 0.5,0.5. The principal point is the centre of the image.
+    /// pixel is 0.5,0.5. The principal point may lie anywhere, also outside of the image.
     #[arg(long, value_name = "FX,FY,CX,CY", value_parser = intrinsics, requires = "file", conflicts_with = "vfov")]
     intrinsics: Option<Intrinsics>,
     /// The cameras, once they were read.

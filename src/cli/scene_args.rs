@@ -320,7 +320,7 @@ impl CameraArgs {
         if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
-                Lens::RowCentres { .. } | Lens::Orthographic { .. } => 1.0,
+                Lens::RowCentres { .. } | Lens::Orthographic { .. } | Lens::Intrinsics { .. } => 1.0,
             };
             camera.lens = Lens::Vfov { degrees, distance };
         }

@@ -30,9 +30,9 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    match view.record.fine() {
-        1 => certified_by::<false>(kernel, view, binned, colors, raw, go_on),
-        _ => certified_by::<true>(kernel, view, binned, colors, raw, go_on),
+    match view.record.is_plain() {
+        true => certified_by::<false>(kernel, view, binned, colors, raw, go_on),
+        false => certified_by::<true>(kernel, view, binned, colors, raw, go_on),
     }
 }
 

@@ -140,11 +140,12 @@ pub(crate) struct ExactLens {
 }
 
 impl ExactLens {
-    pub(crate) fn of(viewport: Viewport, width: u32, height: u32) -> Self {
-        let (w, h) = (Dyadic::from(i64::from(width)), Dyadic::from(i64::from(height)));
+    pub(crate) fn of(viewport: Viewport, size: [u32; 2]) -> Self {
+        let size = size.map(i64::from);
+        let [w, h] = size.map(Dyadic::from);
         let (wide, tall) = (&Dyadic::of(viewport.vw) * &h, &Dyadic::of(viewport.vh) * &w);
         let deep = (!viewport.is_parallel()).then(|| (&(&Dyadic::of(viewport.d) * &w) * &h).ldexp(1));
-        Self { wide, tall, deep, size: [i64::from(width), i64::from(height)] }
+        Self { wide, tall, deep, size }
     }
 
     /// The ray through the centre of row i, column j, times [`Self::stretch`].

@@ -216,7 +216,8 @@ mod tests {
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
-            zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed);
+            zero half_du_low half_dv_low d_low first_column columns strata jitter sample seed step shift_column
+            shift_row);
         same!(module "SphereRecord", SphereRecord, center_radius power scale id);
         same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);

@@ -11,7 +11,7 @@ mod table;
 pub use listed::ListedCamera;
 
 use crate::error::{Error, Place, Result};
-use crate::scene::camera::{Intrinsics, Lens};
+use crate::scene::camera::{Camera, Intrinsics, Lens};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -50,10 +50,11 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
     Ok(cameras)
 }
 
-/// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1.
+/// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1 where the
+/// principal point is the centre of the image.
 ///
 /// # Errors
-/// [`Error::Settings`] for focal lengths that are not positive, and for a principal point outside of the image's centre.
+/// [`Error::Settings`] for focal lengths that are not positive, and for a principal point farther than 2^18 pixels.
 pub fn lens_of(intrinsics: &Intrinsics, width: u32, height: u32) -> Result<Lens> {
     let Intrinsics { fx, fy, cx, cy } = *intrinsics;
     let [w, h] = [width, height].map(f64::from);
@@ -61,15 +62,13 @@ pub fn lens_of(intrinsics: &Intrinsics, width: u32, height: u32) -> Result<Lens>
         let problem = format!("the focal lengths {fx}, {fy} are not positive");
         return Err(Error::settings(problem, "give them in pixels, such as 525,525,320,240"));
     }
-    if [cx, cy] != [w / 2.0, h / 2.0] {
-        let problem =
-            format!("the principal point {cx}, {cy} is not the centre of an image of {width} x {height} pixels");
-        let mend = format!(
-            "use cx = {}, cy = {} (the centre of the top left pixel is 0.5, 0.5), or another size",
-            w / 2.0,
-            h / 2.0
-        );
-        return Err(Error::settings(problem, mend));
+    if [cx, cy] == [w / 2.0, h / 2.0] {
+        return Ok(Lens::Viewport { vw: w / fx, vh: h / fy, distance: 1.0 });
     }
-    Ok(Lens::Viewport { vw: w / fx, vh: h / fy, distance: 1.0 })
+    let lens = Lens::Intrinsics { fx, fy, cx, cy };
+    let camera = Camera { lens, ..Camera::CANONICAL };
+    camera.viewport(width, height).map(|_| lens).map_err(|error| match error {
+        Error::Scene { problem, mend, .. } => Error::settings(problem, mend),
+        other => other,
+    })
 }

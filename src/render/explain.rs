@@ -103,7 +103,7 @@ impl Renderer {
             halfline: env!("CARGO_PKG_VERSION"),
             spheres: scene.spheres.len() as u64,
             skipped: scene.skipped.total(),
-            size: [view.record.width, view.record.height],
+            size: [scene.image.width, scene.image.height],
             camera: CameraRecord::new(&scene.camera, scene.image.width, scene.image.height)?,
             window: [window.x0, window.y0, window.x1, window.y1],
             rays: view.record.pixels() as u64,

@@ -153,7 +153,7 @@ impl Renderer {
             Accuracy::Fast => timings.time("predict", || setup.predicted(scene)),
             _ => None,
         };
-        let (width, height, full) = (window.width(), window.height(), [view.record.width, view.record.height]);
+        let (width, height, full) = (window.width(), window.height(), [scene.image.width, scene.image.height]);
         let report = self.report(plan, scene, settings, samples);
         let mut frame = Frame { width, height, window, full, buffers, report };
         let report = &mut frame.report;

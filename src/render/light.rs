@@ -30,7 +30,7 @@ impl LightSetup {
     /// it.
     fn judge(&self, scene: &Scene, view: &View) -> Result<Option<Judge>> {
         let certified = matches!(self.accuracy, Accuracy::Certified | Accuracy::Exact);
-        certified.then(|| Ok(Judge::new(&scene.bare())?.refined(view.record.fine()))).transpose()
+        certified.then(|| view.judge(&scene.bare())).transpose()
     }
 }
 

@@ -12,6 +12,7 @@ use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::Kernel;
 use crate::scene::Scene;
+use crate::scene::camera::Lens;
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use serde::Serialize;
@@ -92,6 +93,8 @@ impl Plan {
         }
         (plan.search, plan.search_reason) =
             search::for_viewing_rays(settings.search, plan.kernel.certify, scene.spheres.len());
+        // Its pixels are those of a finer or larger frame.
+        plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
         if finished || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {

@@ -16,8 +16,10 @@
 //! origin = e + u u + v v            direction = -w
 //! ```
 
+mod centred;
 mod record;
 
+pub(crate) use centred::CentredFrame;
 pub use record::{CameraRecord, Intrinsics};
 
 use crate::double_double::{Dd, Dd3};
@@ -72,6 +74,19 @@ pub enum Lens {
         /// Degrees between 0 and 180.
         degrees: f64,
     },
+    /// Focal lengths and principal point in pixels, from the top left corner of the image: the centre of its first pixel is
+    /// (0.5, 0.5). The principal point may lie anywhere; it is rounded to a half or to a small share of a pixel, see
+    /// [`CameraRecord::new`].
+    Intrinsics {
+        /// Focal length across.
+        fx: f64,
+        /// Focal length down.
+        fy: f64,
+        /// Column of the principal point.
+        cx: f64,
+        /// Row of the principal point.
+        cy: f64,
+    },
     /// Parallel rays: a view of this height, whose width follows from the aspect ratio of the image. A hit's t,
     /// distance and depth are equal: its distance from the plane of the eye.
     Orthographic {
@@ -107,6 +122,9 @@ pub struct Basis {
 /// Half an ulp in every component of both vectors moves up x view by at most 2 sqrt(3) 2^-53 |up||view|. Below about
 /// twice that (8 2^-53, about 9e-16 rad) the last digits of the input would determine the roll of the camera.
 pub const PARALLEL: f64 = 8.0 / (1u64 << 53) as f64;
+
+/// The farthest principal point, in pixels: frames have at most 2^20 columns.
+const FARTHEST_CENTER: f64 = (1 << 18) as f64;
 
 impl Camera {
     /// The canonical camera of the lecture: eye at the origin, looking down -z, viewport 1 x 1 at distance 1.
@@ -182,7 +200,7 @@ impl Camera {
         Ok([unit(right), unit(above), unit(back)])
     }
 
-    /// Magnifies the image of `width` x `height` pixels by `factor` about its middle: its viewport is narrower by that
+    /// Magnifies the image of `width` x `height` pixels by `factor` about its principal point, the middle for most lenses: its viewport is narrower by that
     /// factor, and the eye stays, so that the perspective does too. The viewport's numbers are rounded here, once, and are
     /// exact from here on. The width of an orthographic view still follows from its height.
     ///
@@ -192,6 +210,8 @@ impl Camera {
         let Viewport { vw, vh, d } = self.viewport(width, height)?;
         self.lens = match self.lens {
             Lens::Orthographic { height } => Lens::Orthographic { height: height / factor },
+            // The same principal point.
+            Lens::Intrinsics { fx, fy, cx, cy } => Lens::Intrinsics { fx: fx * factor, fy: fy * factor, cx, cy },
             _ => Lens::Viewport { vw: vw / factor, vh: vh / factor, distance: d },
         };
         self.viewport(width, height).map(drop)
@@ -226,6 +246,21 @@ impl Camera {
                 return Ok(Viewport { vw: positive("height", shaped(vh))?, vh, d: f64::INFINITY });
             }
             Lens::Viewport { vw, vh, distance } => (vw, vh, distance),
+            Lens::Intrinsics { fx, fy, cx, cy } => {
+                let (fx, fy) = (positive("fx", fx)?, positive("fy", fy)?);
+                for (field, x) in [("cx", cx), ("cy", cy)] {
+                    if !(x.abs() <= FARTHEST_CENTER) {
+                        let problem = format!("the principal point is {x}");
+                        let place = Place::field(format!("camera.{field}"));
+                        return Err(Error::scene(
+                            place,
+                            problem,
+                            "give it in pixels, at most 2^18 from the image's corner",
+                        ));
+                    }
+                }
+                (f64::from(width), f64::from(height) * (fx / fy), fx)
+            }
             Lens::Vfov { degrees, distance } => {
                 let vh = tall("vfov", degrees, positive("distance", distance)?)?;
                 (shaped(vh), vh, distance)

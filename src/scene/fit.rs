@@ -76,6 +76,10 @@ impl Scene {
         }
         let basis = self.camera.basis()?;
         let viewport = self.camera.viewport(self.image.width, self.image.height)?;
+        if matches!(self.camera.lens, Lens::Intrinsics { .. }) {
+            let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
+            return Err(Error::settings(problem, "use a viewport or --vfov"));
+        }
         let around = framing.ball.then(|| ball(&self.spheres));
         let framed = around.as_ref().unwrap_or(&self.spheres);
         // Coordinates are relative to the middle, so that distant scenes lose no precision.

@@ -50,11 +50,6 @@ impl Raster {
         Ok(Some(Self { window, strata, jitter, seed }))
     }
 
-    /// K: pixels of the finer frame along a side of a pixel.
-    pub(crate) fn fine(&self) -> u32 {
-        self.strata * self.jitter
-    }
-
     /// Samples of a pixel.
     pub(crate) fn count(&self) -> u32 {
         self.strata.saturating_mul(self.strata)

@@ -16,7 +16,8 @@ pub struct ViewRecord {
     pub back: [f32; 4],
     /// Linear RGB of a miss; the fourth number is unused.
     pub background: [f32; 4],
-    /// W of the full frame; with several samples per pixel, of the finer frame whose pixels are the samples.
+    /// W of the frame whose middle is the principal point and whose pixels are the places of rays: the image; with several
+    /// samples per pixel, or another principal point, a finer or larger frame.
     pub width: u32,
     /// H likewise.
     pub height: u32,
@@ -52,8 +53,14 @@ pub struct ViewRecord {
     pub sample: u32,
     /// Seed of the sample positions.
     pub seed: u32,
+    /// Pixels of the finer frame from a place of a ray to the next; 1 unless the principal point divides pixels finely.
+    pub step: u32,
+    /// Column in the finer frame of the first place of the image; 0 unless the principal point is not its middle.
+    pub shift_column: u32,
+    /// Row likewise.
+    pub shift_row: u32,
     /// WGSL rounds the size up to the alignment of the vectors.
-    pub unused: [u32; 2],
+    pub unused: [u32; 3],
 }
 
 impl ViewRecord {
@@ -76,13 +83,25 @@ impl ViewRecord {
     /// K, the pixels of the finer frame along a side of a pixel; 1 for pixel centres.
     #[inline(always)]
     pub(crate) fn fine(&self) -> u32 {
-        self.strata * self.jitter
+        self.strata * self.jitter * self.step
+    }
+
+    /// Row and column of the image's pixel of a ray, from those of the ray in the finer frame.
+    #[inline(always)]
+    pub(crate) fn pixel_of(&self, [row, column]: [u32; 2]) -> [u32; 2] {
+        [(row - self.shift_row) / self.fine(), (column - self.shift_column) / self.fine()]
+    }
+
+    /// Whether the rays are those of a frame whose pixels are the image's.
+    #[inline(always)]
+    pub(crate) fn is_plain(&self) -> bool {
+        self.fine() == 1 && [self.shift_column, self.shift_row] == [0; 2]
     }
 
     /// Row and column in the finer frame of a pixel's ray; the pixel's own for pixel centres. The twin of main/sample.wgsl.
     #[inline(always)]
     pub(crate) fn sample_position(&self, row: u32, column: u32) -> [u32; 2] {
-        if self.fine() == 1 {
+        if self.is_plain() {
             return [row, column];
         }
         let [across, down, ..] = pcg4d([column, row, self.sample, self.seed]);
@@ -90,7 +109,7 @@ impl ViewRecord {
             (pixel * self.strata + stratum) * self.jitter + (hash >> 16 & (self.jitter - 1))
         };
         let (i, j) = (self.sample / self.strata, self.sample % self.strata);
-        [within(row, i, down), within(column, j, across)]
+        [within(row, i, down) * self.step + self.shift_row, within(column, j, across) * self.step + self.shift_column]
     }
 }
 
@@ -174,7 +193,7 @@ mod tests {
 
     #[test]
     fn each_stratum_has_one_sample_in_every_window() {
-        let record = ViewRecord { strata: 3, jitter: 16, seed: 7, ..ViewRecord::zeroed() };
+        let record = ViewRecord { strata: 3, jitter: 16, step: 1, seed: 7, ..ViewRecord::zeroed() };
         let mut counts = [0u32; 16];
         for sample in 0..9 {
             for (row, column) in (0..100).flat_map(|i| (0..100).map(move |j| (i, j))) {

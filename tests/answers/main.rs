@@ -32,6 +32,7 @@ mod given;
 mod light;
 mod measure;
 mod metamorphic;
+mod off_center;
 mod ortho;
 mod plan;
 mod predict;

@@ -110,6 +110,50 @@ fn the_cameras_are_written_beside_the_pictures_and_can_be_read_again() {
     }
 }
 
+/// What an image of 40 x 30 with the principal point (35, 9.5) shows is in the last 30 rows and the first 40 columns of one
+/// of 70 x 41 with the same focal lengths.
+#[test]
+fn principal_points_may_lie_beside_the_middle() {
+    let dir = dir();
+    let pose = json!([[1, 0, 0, 0.5], [0, -1, 0, 0.2], [0, 0, -1, 9], [0, 0, 0, 1]]);
+    let k = |cx: f64, cy: f64| json!([[50, 0, cx], [0, 50, cy], [0, 0, 1]]);
+    dir.put("off.json", json!({"poses": [{"pose": pose, "K": k(35.0, 9.5)}]}).to_string());
+    dir.put("bare.json", json!({"poses": [{"pose": pose}]}).to_string());
+    dir.put("whole.json", json!({"poses": [{"pose": pose, "K": k(35.0, 20.5)}]}).to_string());
+    let arrays = |names: [&str; 2]| names.map(|name| dir.array(name).0);
+    views(&dir, "--cameras off.json --aov distance=t%d.npy --aov id=i%d.npy -o p%d.png");
+    let whole = "a.xyz --size 70x41 --crop 0,11,40,41 --cameras whole.json --aov distance=wt%d.npy --aov id=wi%d.npy";
+    dir.render(whole);
+    let found = arrays(["t1.npy", "i1.npy"]);
+    let expected = arrays(["wt1.npy", "wi1.npy"]);
+    assert!(found[1] == expected[1], "other ids");
+    // The viewport of the larger image has rounded numbers: 70/50 and 41/50.
+    let close = |(a, b): (&f64, &f64)| a == b || (a - b).abs() < 1e-12;
+    assert!(found[0].iter().zip(&expected[0]).all(close), "other distances");
+    assert!(found[1].iter().filter(|id| **id >= 0.0).count() > 100, "the atoms are in view");
+    views(&dir, "--cameras bare.json --intrinsics 50,50,35,9.5 --aov distance=bt%d.npy --aov id=bi%d.npy");
+    assert!(found == arrays(["bt1.npy", "bi1.npy"]));
+    // The list beside the picture, and the picture itself, give the camera back.
+    let written: Value = serde_json::from_slice(&dir.get("cameras.json")).expect("JSON");
+    let intrinsics = json!({"fx": 50.0, "fy": 50.0, "cx": 35.0, "cy": 9.5});
+    assert_eq!(written["cameras"][0]["intrinsics"], intrinsics);
+    dir.put("again.json", dir.get("cameras.json"));
+    dir.render("a.xyz --cameras again.json --aov distance=at%d.npy --aov id=ai%d.npy");
+    assert!(found == arrays(["at1.npy", "ai1.npy"]));
+    dir.render("a.xyz --camera-from p1.png --aov distance=ct.npy --aov id=ci.npy");
+    assert!(found == arrays(["ct.npy", "ci.npy"]));
+    // Tiles are parts of the image.
+    views(&dir, "--cameras off.json --tile 2/4 --aov distance=q%d.npy");
+    let (part, shape) = dir.array("q1.npy");
+    let expected: Vec<f64> = (0..15).flat_map(|i| found[0][40 * i + 20..40 * i + 40].to_vec()).collect();
+    assert!(shape == [15, 20] && part == expected);
+    // A calibrated point is rounded to less than 1/512 of a pixel, which is told.
+    let report =
+        &views(&dir, "--cameras bare.json --intrinsics 50,49,18.3717,16.2229 -o c%d.png --json").json_lines()[0];
+    let point = ["cx", "cy"].map(|key| report["camera"]["intrinsics"][key].as_f64().expect("a number"));
+    assert!((point[0] - 18.3717).abs() <= 1.0 / 512.0 && (point[1] - 16.2229).abs() <= 1.0 / 512.0, "{point:?}");
+}
+
 #[test]
 fn a_list_moves_through_the_frames_of_a_film() {
     let dir = dir();
@@ -144,7 +188,7 @@ fn invalid_lists_are_refused_with_the_camera_and_the_field() {
     for (options, words) in [
         ("--cameras list.json -o a%d.png", &["camera 0 has no lens", "--intrinsics"][..]),
         ("--cameras list.json -o a.png --vfov 30", &["a.%04d.png"]),
-        ("--cameras list.json -o a%d.png --size 40x30 --intrinsics 50,50,19.5,15", &["principal point", "cx = 20"]),
+        ("--cameras list.json -o a%d.png --size 40x30 --intrinsics 50,50,1e7,15", &["principal point is 10000000"]),
         ("--cameras list.json -o a%d.png --intrinsics 0,50,256,256", &["not positive"]),
         ("--cameras list.json -o a%d.png --intrinsics 50", &["four finite numbers"]),
         ("-o a.png --intrinsics 50,50,20,15", &["--cameras"]),

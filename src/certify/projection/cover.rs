@@ -53,8 +53,9 @@ impl Cover {
         if inner <= 0.0 || depth <= 0.0 {
             return;
         }
-        let [x, y] = [record.x, record.y]
-            .map(|n| (f64::from(n) / projection.fixed - 0.5 * (projection.per_pixel - 1.0)) / projection.per_pixel);
+        let middle = 0.5 * (projection.per_pixel - 1.0);
+        let [x, y] = [(record.x, projection.corner[0]), (record.y, projection.corner[1])]
+            .map(|(n, corner)| (f64::from(n) / projection.fixed - corner - middle) / projection.per_pixel);
         let step = projection.step.map(|step| step * projection.per_pixel);
         let (x, y) = (x - self.corner[0], y - self.corner[1]);
         let most = f64::from(TILE - 1);

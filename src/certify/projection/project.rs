@@ -198,15 +198,15 @@ impl ProjectionBounds {
             // A ray that hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x)
             // <= 1 + x / 2.
             let half = aim.rho * (1.0 + 0.5 * aim.steepest[k] * aim.steepest[k]) * self.per_step[k] + WIDEN[0];
-            let first = -floor(-larger(place[k] - half, 0.0));
-            let last = floor(smaller(place[k] + half, self.size[k] - 1.0));
+            let first = -floor(-larger(place[k] - half, self.corner[k]));
+            let last = floor(smaller(place[k] + half, self.end[k] - 1.0));
             seen &= first <= last;
             outside |= place[k].abs() >= self.farthest;
             fixed[k] = whole(place[k] * self.fixed);
             let pixel = fixed[k].wrapping_add(1 << (self.shift - 1)) >> self.shift;
             subpixel_offset[k] = (SIGNS[k] * ((place[k] - f64::from(pixel)) + low[k])) as f32;
             // Adding half a pixel keeps the quotient far from integers, so its rounding does not matter.
-            tiles[k] = [first, last].map(|pixel| whole(floor((pixel + 0.5) * self.per_tile)) as u32);
+            tiles[k] = [first, last].map(|pixel| whole(floor((pixel - self.corner[k] + 0.5) * self.per_tile)) as u32);
         }
         let center = aim.depth - reference;
         let more = if aim.plain { center } else { NEVER };

@@ -50,8 +50,7 @@ fn covered_pixels_are_hit() {
         let scene = make(&mut rng);
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
-        let viewport = scene.camera.viewport(width, height).expect("a viewport");
-        let lens = ProjectionBounds::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+        let lens = ProjectionBounds::new(&scene.camera, &view, [width, height], &TERMS).expect("a lens");
         let judge = Judge::new(&scene).expect("a judge");
         let unit = crate::double_double::ldexp(1.0, view.unit);
         for id in 0..scene.spheres.len() {
@@ -87,8 +86,7 @@ fn a_disc_closes_its_pixels_and_no_others() {
     let camera = Camera { lens: Viewport { vw: 0.005, vh: 0.005, distance: 1.0 }, ..Camera::CANONICAL };
     let scene = Scene { camera, image, spheres, lighting: Default::default(), skipped: Default::default() };
     let view = View::new(&scene).expect("a view");
-    let viewport = scene.camera.viewport(16, 13).expect("a viewport");
-    let lens = ProjectionBounds::new(&scene.camera, &view, &viewport, &TERMS).expect("a lens");
+    let lens = ProjectionBounds::new(&scene.camera, &view, [16, 13], &TERMS).expect("a lens");
     let Staged::Projected(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a projected sphere") };
     let judge = Judge::new(&scene).expect("a judge");
     for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

@@ -72,8 +72,8 @@ impl Sight {
 
     fn lens(&self) -> Option<(View, ProjectionBounds)> {
         let view = View::new(&self.scene).ok()?;
-        let viewport = self.scene.camera.viewport(self.scene.image.width, self.scene.image.height).ok()?;
-        let lens = ProjectionBounds::new(&self.scene.camera, &view, &viewport, &TERMS).expect("axes");
+        let ImagePlane { width, height, .. } = self.scene.image;
+        let lens = ProjectionBounds::new(&self.scene.camera, &view, [width, height], &TERMS).expect("axes");
         lens.is_bounded().then_some((view, lens))
     }
 

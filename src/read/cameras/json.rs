@@ -49,6 +49,11 @@ pub(super) fn read(bytes: &[u8], file: &Place) -> Result<Vec<ListedCamera>> {
             (None, Some(shared)) if !camera.has_lens => Some(shared.of(camera.size)),
             _ => None,
         };
+        // A viewport has the principal point in its middle.
+        let middle = camera.size.map(|size| size.map(|side| f64::from(side) / 2.0));
+        if camera.intrinsics.is_some_and(|own| middle.is_some_and(|middle| [own.cx, own.cy] != middle)) {
+            camera.has_lens = false;
+        }
         Ok(camera)
     };
     list.iter().enumerate().map(one).collect()

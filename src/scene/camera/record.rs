@@ -43,7 +43,9 @@ pub struct Intrinsics {
 }
 
 impl CameraRecord {
-    /// The record of a camera for an image of `width` x `height` pixels.
+    /// The record of a camera for an image of `width` x `height` pixels. A principal point beside the middle is the rounded
+    /// one of the rays: to half a pixel where it is given so, else to 1/512 of a pixel, or less finely for images of more
+    /// than 255 pixels: to 2^-20 of eight times the side of the smallest image around it that contains this one.
     ///
     /// # Errors
     /// Those of [`Camera::viewport`].
@@ -55,6 +57,7 @@ impl CameraRecord {
         };
         let distance = (!viewport.is_parallel()).then_some(viewport.d);
         let [w, h] = [width, height].map(f64::from);
+        let [cx, cy] = camera.principal_point([width, height]);
         Ok(Self {
             eye: camera.eye.to_array(),
             at,
@@ -63,13 +66,17 @@ impl CameraRecord {
             viewport: [viewport.vw, viewport.vh],
             distance,
             size: [width, height],
-            intrinsics: distance.map(|d| Intrinsics {
-                fx: d * w / viewport.vw,
-                fy: d * h / viewport.vh,
-                cx: w / 2.0,
-                cy: h / 2.0,
+            intrinsics: distance.map(|d| match camera.lens {
+                Lens::Intrinsics { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
+                _ => Intrinsics { fx: d * w / viewport.vw, fy: d * h / viewport.vh, cx, cy },
             }),
         })
+    }
+
+    /// The intrinsics, if the principal point is not the middle of the image.
+    fn off_center(&self) -> Option<Intrinsics> {
+        let middle = self.size.map(|side| f64::from(side) / 2.0);
+        self.intrinsics.filter(|intrinsics| [intrinsics.cx, intrinsics.cy] != middle)
     }
 
     /// The camera.
@@ -80,9 +87,10 @@ impl CameraRecord {
             eye: DVec3::from_array(self.eye),
             look: self.at.map_or(Look::View(DVec3::from_array(self.view)), |at| Look::At(DVec3::from_array(at))),
             up: DVec3::from_array(self.up),
-            lens: match self.distance {
-                Some(distance) => Lens::Viewport { vw, vh, distance },
-                None => Lens::Orthographic { height: vh },
+            lens: match (self.off_center(), self.distance) {
+                (Some(Intrinsics { fx, fy, cx, cy }), _) => Lens::Intrinsics { fx, fy, cx, cy },
+                (None, Some(distance)) => Lens::Viewport { vw, vh, distance },
+                (None, None) => Lens::Orthographic { height: vh },
             },
         }
     }

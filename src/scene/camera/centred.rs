@@ -1,0 +1,99 @@
+//! Images whose principal point is not their middle. The lecture's viewport reaches from l to r and from b to t; such an
+//! image is a part of a larger one whose middle is the principal point, and its pixels are pixels of that frame, or of a
+//! finer one if the principal point lies between the middles and the borders of pixels.
+
+use super::{Camera, Lens, Viewport};
+use crate::error::{Error, Result};
+
+/// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
+const MOST: i64 = 1 << 20;
+
+/// The most parts of a pixel in which the principal point is given.
+const FINEST: u32 = 256;
+
+/// The strata along a side of a pixel that must be possible beside the parts: 64 samples.
+const STRATA: f64 = 8.0;
+
+/// A frame whose middle is the principal point, and the place of an image's rays in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CentredFrame {
+    /// Of the whole frame; its numbers are exact.
+    pub(crate) viewport: Viewport,
+    /// Columns and rows.
+    pub(crate) size: [u32; 2],
+    /// Columns, or rows, of the frame from a place of a ray to the next.
+    pub(crate) step: u32,
+    /// Column and row of the image's first place.
+    pub(crate) shift: [u32; 2],
+}
+
+impl Camera {
+    /// The frame for an image of `width` x `height` pixels, each divided into `strata` x `strata` parts with `jitter` x
+    /// `jitter` places for rays. A place n from the left is column n step + shift; with a principal point in the middle of
+    /// the image that is n.
+    ///
+    /// # Errors
+    /// Those of [`Camera::viewport`]; [`Error::Limits`] for more than 2^20 columns or rows.
+    pub(crate) fn centred(&self, [width, height]: [u32; 2], strata: u32, jitter: u32) -> Result<CentredFrame> {
+        let viewport = self.viewport(width, height)?;
+        let Lens::Intrinsics { fx, fy, cx, cy } = self.lens else {
+            let size = [width, height].map(|side| side * strata * jitter);
+            return Ok(CentredFrame { viewport, size, step: 1, shift: [0; 2] });
+        };
+        let parts = parts([width, height], [cx, cy]);
+        let step = (parts / jitter).max(1);
+        let fine = i64::from(strata) * i64::from(jitter) * i64::from(step);
+        let axis = |side: u32, center: f64| {
+            // Twice the principal point's column in the finer frame; `fine` is a multiple of the parts.
+            let middle = halves(center, parts) * (fine / i64::from(parts));
+            // The ray of place n is (2 n + 1) step - middle half columns from the principal point; the frame is wide enough
+            // for all of them, and its middle is the principal point.
+            let shift = (fine * i64::from(side) - middle + i64::from(step) - 1).max(0);
+            [shift, 2 * shift + 1 - i64::from(step) + middle]
+        };
+        let ([left, columns], [top, rows]) = (axis(width, cx), axis(height, cy));
+        if columns.max(rows) > MOST {
+            let problem = format!(
+                "the principal point {cx}, {cy} of an image of {width} x {height} pixels with {} samples per pixel needs a \
+                 frame of {columns} x {rows} places, and {MOST} are possible",
+                strata * strata
+            );
+            return Err(Error::Limits { problem, mend: "use fewer --samples, or a smaller image".into() });
+        }
+        let [w, h] = [columns, rows].map(|side| side as f64 / fine as f64);
+        let viewport = Viewport { vw: w, vh: h * (fx / fy), d: fx };
+        Ok(CentredFrame { viewport, size: [columns as u32, rows as u32], step, shift: [left as u32, top as u32] })
+    }
+
+    /// The principal point of the rays, in pixels from the top left corner: that of the lens, rounded to a share of a pixel
+    /// (a half, or between 1/512 and 1/32 by the size of the image), or the middle.
+    pub(crate) fn principal_point(&self, [width, height]: [u32; 2]) -> [f64; 2] {
+        match self.lens {
+            Lens::Intrinsics { cx, cy, .. } => {
+                let parts = parts([width, height], [cx, cy]);
+                [cx, cy].map(|center| halves(center, parts) as f64 / f64::from(2 * parts))
+            }
+            _ => [width, height].map(|side| f64::from(side) / 2.0),
+        }
+    }
+}
+
+/// The number of parts along a side of a pixel: 1 where the principal point is a whole number of half pixels, else a power
+/// of two that leaves room for samples.
+fn parts(size: [u32; 2], center: [f64; 2]) -> u32 {
+    if center.iter().all(|x| (2.0 * x).fract() == 0.0) {
+        return 1;
+    }
+    let reach = |k: usize| center[k].abs().max((f64::from(size[k]) - center[k]).abs());
+    let side = 2.0 * reach(0).max(reach(1)) + 2.0;
+    let mut parts = FINEST;
+    while parts > 1 && STRATA * f64::from(parts) * side > MOST as f64 {
+        parts /= 2;
+    }
+    parts
+}
+
+/// Twice a number of pixels in parts of a pixel, rounded.
+fn halves(center: f64, parts: u32) -> i64 {
+    (2.0 * center * f64::from(parts)).round() as i64
+}

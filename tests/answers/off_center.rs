@@ -1,0 +1,214 @@
+//! The promise of lenses whose principal point is not the middle of the image: every ray leaves through the pixel's centre of
+//! the pinhole camera, ((j + 1/2 - cx)/fx, (cy - i - 1/2)/fy, -1), on every adapter, certified as with every lens.
+//!
+//! Gold standard: that formula and the quadratic in f64, written here; and crops of images whose middle is the principal
+//! point.
+
+use crate::adapter::{cpu, gpu_or_skip};
+use crate::rng::Rng;
+use glam::DVec3;
+use halfline::camera::{Camera, CameraRecord, Lens, Look};
+use halfline::exact::Judge;
+use halfline::frame::{Aov, Frame};
+use halfline::intersect::Method;
+use halfline::render::Renderer;
+use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::settings::{Accuracy, Search, Settings};
+use halfline::window::Window;
+
+const SIZE: [u32; 2] = [88, 61];
+
+fn scene(lens: Lens, [width, height]: [u32; 2]) -> Scene {
+    let mut random = Rng::new(9);
+    let mut spheres = Spheres::default();
+    for n in 0..700 {
+        let center = [0, 1, 2].map(|_| 12.0 * random.unit() - 6.0);
+        spheres.push(center, 0.1 + 0.6 * random.unit().powi(3), Some([(n % 7) as f32 / 7.0, 0.5, 0.9]));
+    }
+    Scene {
+        camera: Camera {
+            eye: DVec3::new(3.0, 4.0, 15.0),
+            look: Look::View(DVec3::new(-0.2, -0.3, -1.0)),
+            up: DVec3::new(0.1, 1.0, 0.2),
+            lens,
+        },
+        image: ImagePlane { width, height, background: [0.1, 0.2, 0.3] },
+        spheres,
+        skipped: Skipped::default(),
+        lighting: Default::default(),
+    }
+}
+
+fn intrinsics([cx, cy]: [f64; 2]) -> Lens {
+    Lens::Intrinsics { fx: 90.0, fy: 84.5, cx, cy }
+}
+
+/// Principal points: whole and half pixels, shares of 1/512 that the rays can have, beside the image, and the middle.
+const POINTS: [[f64; 2]; 6] = [
+    [30.0, 20.5],
+    [44.0, 30.5],
+    [18.373046875, 41.8046875],
+    [87.998046875, 0.001953125],
+    [-40.5, 75.0],
+    [121.251953125, -30.37109375],
+];
+
+/// The direction of the ray of a pixel, by the pinhole camera.
+fn pinhole(camera: &Camera, [i, j]: [f64; 2]) -> DVec3 {
+    let Lens::Intrinsics { fx, fy, cx, cy } = camera.lens else { panic!("no intrinsics") };
+    let Look::View(view) = camera.look else { panic!("no view") };
+    let back = -view.normalize();
+    let right = camera.up.cross(back).normalize();
+    right * ((j - cx) / fx) + back.cross(right) * ((cy - i) / fy) - back
+}
+
+/// The nearest sphere of a ray and its distance, and the least share of a radius by which it passes a silhouette.
+fn nearest(scene: &Scene, direction: DVec3) -> (Option<(u32, f64)>, f64) {
+    let d = direction.normalize();
+    let (mut found, mut margin): (Option<(u32, f64)>, f64) = (None, f64::INFINITY);
+    for (n, (center, radius)) in scene.spheres.centers.iter().zip(&scene.spheres.radii).enumerate() {
+        let p = DVec3::from_array(*center) - scene.camera.eye;
+        let aside = p.cross(d).length() / radius;
+        margin = margin.min((aside - 1.0).abs());
+        if aside < 1.0 {
+            let t = p.dot(d) - radius * (1.0 - aside * aside).sqrt();
+            if t > 0.0 && found.is_none_or(|(_, least)| t < least) {
+                found = Some((n as u32, t));
+            }
+        }
+    }
+    (found, margin)
+}
+
+fn frame(renderer: &mut Renderer, scene: &Scene, settings: Settings) -> Frame {
+    let aovs = vec![Aov::Distance, Aov::Normal, Aov::Position, Aov::Depth, Aov::Certainty, Aov::Id];
+    renderer.render(scene, &Settings { aovs, ..settings }).expect("a frame")
+}
+
+#[test]
+fn rays_are_those_of_the_pinhole_camera() {
+    let mut renderers = vec![("CPU path", cpu())];
+    renderers.extend(gpu_or_skip().map(|gpu| ("GPU", gpu)));
+    let (mut pixels, mut skipped) = (0, 0);
+    for (name, renderer) in &mut renderers {
+        for point in POINTS {
+            let scene = scene(intrinsics(point), SIZE);
+            let judge = Judge::new(&scene).expect("a judge");
+            let certified = frame(renderer, &scene, Settings { accuracy: Accuracy::Certified, ..Settings::default() });
+            let by_method = |search| Settings { method: Some(Method::Stable), search, ..Settings::default() };
+            let fast = [Search::Tiles, Search::All].map(|search| frame(renderer, &scene, by_method(search)));
+            let distance = certified.f64(Aov::Distance).expect("distances");
+            let position = certified.f64(Aov::Position).expect("positions");
+            for (i, j) in (0..SIZE[1]).flat_map(|i| (0..SIZE[0]).map(move |j| (i, j))) {
+                let at = (i * SIZE[0] + j) as usize;
+                let ray = pinhole(&scene.camera, [f64::from(i) + 0.5, f64::from(j) + 0.5]);
+                let (found, margin) = nearest(&scene, ray);
+                pixels += 1;
+                // f64 has 1e-16 of 20 units; silhouettes nearer than this are left to the judge.
+                if margin < 1e-10 {
+                    skipped += 1;
+                    continue;
+                }
+                let place = format!("{name}, principal point {point:?}, row {i}, column {j}");
+                assert_eq!(certified.ids()[at], found.map_or(-1, |(id, _)| id as i32), "{place}");
+                assert_eq!(judge.pixel(i, j).map(|truth| truth.id), found.map(|(id, _)| id), "{place}: the judge");
+                if let Some((_, t)) = found {
+                    // The tolerance of certified depths.
+                    assert!((distance[at] - t).abs() <= 1e-5 * t, "{place}: {} of {t}", distance[at]);
+                    let world = scene.camera.eye + ray.normalize() * t;
+                    let off = DVec3::new(position[3 * at], position[3 * at + 1], position[3 * at + 2]) - world;
+                    assert!(off.length() <= 1e-5 * t, "{place}: position");
+                }
+                // A method in f32 errs at silhouettes only: its own error is below 1e-3 of a radius here.
+                for other in fast.iter().filter(|_| margin > 1e-3) {
+                    assert_eq!(other.ids()[at], certified.ids()[at], "{place}: method stable");
+                }
+            }
+        }
+    }
+    println!("{pixels} pixels, {skipped} skipped near a silhouette");
+    assert!(skipped * 1000 < pixels);
+}
+
+#[test]
+fn an_image_is_a_part_of_the_one_around_its_principal_point() {
+    for samples in [1, 16] {
+        let settings =
+            || Settings { accuracy: Accuracy::Certified, aovs: vec![Aov::Color], samples, ..Settings::default() };
+        // Half pixels: of 2 * 60 columns the first 88, of 2 * 40.5 rows the last 61.
+        let part = scene(intrinsics([60.0, 20.5]), SIZE);
+        let lens = Lens::Viewport { vw: 120.0, vh: 81.0 * (90.0 / 84.5), distance: 90.0 };
+        let whole = scene(lens, [120, 81]);
+        let mut renderer = cpu();
+        let window = Window { x0: 0, y0: 20, x1: 88, y1: 81 };
+        let ours = frame(&mut renderer, &part, settings());
+        let theirs = frame(&mut renderer, &whole, Settings { window: Some(window), ..settings() });
+        for aov in [Aov::Distance, Aov::Depth, Aov::Position] {
+            let bits =
+                |frame: &Frame| -> Vec<u64> { frame.f64(aov).expect("a buffer").iter().map(|x| x.to_bits()).collect() };
+            // The viewport's height has a rounded quotient: the same one in both.
+            assert!(bits(&ours) == bits(&theirs), "{} with {samples} samples", aov.name());
+        }
+        assert_eq!(ours.ids(), theirs.ids());
+        // A part of the image is the same part of the frame.
+        let window = Window { x0: 13, y0: 7, x1: 60, y1: 50 };
+        let cut = frame(&mut renderer, &part, Settings { window: Some(window), ..settings() });
+        let expected: Vec<i32> =
+            (7..50).flat_map(|i| (13..60).map(move |j| (i, j))).map(|(i, j)| ours.ids()[i * 88 + j]).collect();
+        assert_eq!(cut.ids(), &expected[..]);
+    }
+}
+
+/// Coverage of 64 samples beside that of a fine grid of rays by the pinhole camera.
+#[test]
+fn samples_cover_the_pixels_of_the_pinhole_camera() {
+    let mut renderers = vec![("CPU path", cpu())];
+    renderers.extend(gpu_or_skip().map(|gpu| ("GPU", gpu)));
+    for point in [[18.37109375, 41.8046875], [-8.25, 41.5], [30.25, 20.75]] {
+        // A smaller image in a shorter lens, since each pixel has 256 rays.
+        let [width, height] = [40, 31];
+        let lens = Lens::Intrinsics { fx: 45.0, fy: 42.0, cx: point[0] / 2.0, cy: point[1] / 2.0 };
+        let mut scene = scene(lens, [width, height]);
+        let keep = 40;
+        scene.spheres.centers.truncate(keep);
+        scene.spheres.radii.truncate(keep);
+        scene.spheres.colors = None;
+        scene.spheres.radii.iter_mut().for_each(|radius| *radius += 0.5);
+        for (name, renderer) in &mut renderers {
+            let settings = Settings { samples: 64, aovs: vec![Aov::Alpha], ..Settings::default() };
+            let frame = renderer.render(&scene, &settings).expect("a frame");
+            let alpha = frame.f32(Aov::Alpha).expect("coverage");
+            let (mut worst, mut edges): (f64, u32) = (0.0, 0);
+            for (i, j) in (0..height).flat_map(|i| (0..width).map(move |j| (i, j))) {
+                let part = |n: u32, k: u32| f64::from(n) + (f64::from(k) + 0.5) / 16.0;
+                let rays = (0..16).flat_map(|a| (0..16).map(move |b| (a, b)));
+                let hits = rays
+                    .filter(|(a, b)| nearest(&scene, pinhole(&scene.camera, [part(i, *a), part(j, *b)])).0.is_some());
+                let share = hits.count() as f64 / 256.0;
+                edges += u32::from(share > 0.0 && share < 1.0);
+                worst = worst.max((share - f64::from(alpha[(i * width + j) as usize])).abs());
+            }
+            // An edge crosses at most 16 of the 8 x 8 strata, each off by less than a half with random sign: 0.12 is three
+            // standard deviations. A quarter of a pixel would be seen as 0.25.
+            assert!(worst < 0.15 && edges > 100, "{name}, {point:?}: {worst} at {edges} edges");
+        }
+    }
+}
+
+#[test]
+fn the_record_of_a_camera_tells_its_principal_point() {
+    for point in [[18.3, 41.7], [1000.123, -2000.4], [30.0, 20.5], [3e4 + 0.3, 0.2]] {
+        let scene = scene(intrinsics(point), SIZE);
+        let record = CameraRecord::new(&scene.camera, SIZE[0], SIZE[1]).expect("a record");
+        let found = record.intrinsics.expect("intrinsics");
+        // A part is 1/256 of a pixel while 8 * 256 * (2 * distance + 2) <= 2^20, and half of it is the rounding.
+        let side = 2.0 * point[0].abs().max(point[1].abs()).max(100.0) + 2.0;
+        let part = if point[0].fract() == 0.0 { 0.0 } else { 1.0_f64.min(2f64.powi(-8).max(side * 2f64.powi(-16))) };
+        assert!((found.cx - point[0]).abs() <= part / 2.0 && (found.cy - point[1]).abs() <= part / 2.0, "{found:?}");
+        let again = CameraRecord::new(&record.camera(), SIZE[0], SIZE[1]).expect("a record");
+        assert_eq!(again, record, "its rays are the same again");
+    }
+    for bad in [[f64::NAN, 1.0], [1.0, f64::INFINITY], [1e9, 0.0]] {
+        cpu().render(&scene(intrinsics(bad), SIZE), &Settings::default()).expect_err("no frame of that size");
+    }
+}
