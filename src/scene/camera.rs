@@ -249,7 +249,7 @@ impl Camera {
             Lens::Intrinsics { fx, fy, cx, cy } => {
                 let (fx, fy) = (positive("fx", fx)?, positive("fy", fy)?);
                 for (field, x) in [("cx", cx), ("cy", cy)] {
-                    if !(x.abs() <= FARTHEST_CENTER) {
+                    if x.is_nan() || x.abs() > FARTHEST_CENTER {
                         let problem = format!("the principal point is {x}");
                         let place = Place::field(format!("camera.{field}"));
                         return Err(Error::scene(
