@@ -108,14 +108,17 @@ const LISTED: usize = 64;
 /// # Errors
 /// Those of [`Scene::read`].
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
-    let survey = Survey::default();
+    of_source(SceneSource::open(path, options)?, path, options, Survey::default())
+}
+
+/// The content of an opened source, counted by `survey`.
+fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Survey) -> Result<FileInfo> {
     let options = ReadOptions {
         survey: Some(survey.clone()),
         frames: FrameRange::first(),
         style: Style::default(),
         ..options.clone()
     };
-    let source = SceneSource::open(path, &options)?;
     let format = source.format.name();
     let mut frames = match particles::open(source, &options)? {
         Ok(frames) => frames,
@@ -247,3 +250,6 @@ impl RadiiInfo {
         Self { source, min, max }
     }
 }
+
+#[cfg(test)]
+mod tests;

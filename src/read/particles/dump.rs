@@ -194,15 +194,20 @@ impl ParticleFrames for Dump {
             }
             _ => None,
         };
-        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        let row = |line: &Lines<&[u8]>, found: &mut Particles| {
+            let before = found.positions.len();
+            layout.row(&mut Words::of(line), line, found)?;
+            // Particles are counted and dropped before the frame ends, so each is placed in its row.
+            if let Some(cell) = scaling {
+                found.positions[before..].iter_mut().for_each(|position| *position = cell.place(*position));
+            }
+            Ok(())
+        };
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout)?;
         particles.settle_texts();
-        if let Some(cell) = scaling {
-            particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
-        }
         Ok(Some(particles))
     }
 

@@ -3,7 +3,7 @@
 use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
 use super::names::Names;
-use super::survey::{Counted, Counts, PART, Survey};
+use super::survey::{Counted, Counts, Survey};
 use crate::error::Result;
 use crate::memory::{entries, extend_to};
 use crate::scene::{Cell, Skipped};
@@ -229,8 +229,8 @@ impl Particles {
     /// [`Error::Limits`].
     pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
         let n = self.positions.len();
-        if n >= PART
-            && let Some(survey) = self.survey.clone()
+        if let Some(survey) = self.survey.clone()
+            && survey.is_full(n)
         {
             self.count(&mut survey.counts());
             return Ok(());

@@ -6,7 +6,7 @@ use super::infer::{self, AtomNames, Inference};
 use super::layout::named;
 use super::names::Names;
 use super::rows::surplus;
-use super::survey::{PART, Survey};
+use super::survey::Survey;
 use super::{Column, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
@@ -131,7 +131,7 @@ impl Gro {
         let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
         let names_of = AtomNames { symbol: b"", name, residue, site };
         if let Some(survey) = &self.survey
-            && particles.positions.len() >= PART
+            && survey.is_full(particles.positions.len())
             && inference.is_new_residue(&names_of)
         {
             particles.count_inferred(std::mem::take(inference), survey);

@@ -5,7 +5,7 @@ use super::atom_property::AtomProperty;
 use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
-use super::survey::{PART, Survey};
+use super::survey::Survey;
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
@@ -225,7 +225,8 @@ impl Model {
         chain: u32,
         mut value: impl FnMut(AtomProperty) -> Result<f64>,
     ) -> Result<()> {
-        if self.survey.is_some() && self.particles.positions.len() >= PART && self.inference.is_new_residue(atom) {
+        let full = |survey: &Survey| survey.is_full(self.particles.positions.len());
+        if self.survey.as_ref().is_some_and(full) && self.inference.is_new_residue(atom) {
             self.count();
         }
         let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;

@@ -6,15 +6,19 @@ use crate::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The most particles in a part.
-pub(super) const PART: usize = 1 << 19;
+/// The most particles in a part, unless another number is given.
+const PART: usize = 1 << 19;
 
 /// The most different numbers of a column that are counted.
 const VALUES: usize = 64;
 
 /// The counts so far; clones share them.
-#[derive(Debug, Clone, Default)]
-pub struct Survey(Arc<Mutex<Counts>>);
+#[derive(Debug, Clone)]
+pub struct Survey {
+    counts: Arc<Mutex<Counts>>,
+    /// The number of particles after which a part is counted and dropped.
+    part: usize,
+}
 
 /// The counts of a frame.
 #[derive(Debug, Clone)]
@@ -78,7 +82,24 @@ pub(super) struct Counted<'a> {
     pub(super) columns: Vec<(&'a str, &'a [f64], bool)>,
 }
 
+impl Default for Survey {
+    fn default() -> Self {
+        Self { counts: Arc::default(), part: PART }
+    }
+}
+
 impl Survey {
+    /// A survey that drops the particles after each part of so many; the counts do not depend on it.
+    #[cfg(test)]
+    pub(in crate::read) fn with_part(part: usize) -> Self {
+        Self { part, ..Self::default() }
+    }
+
+    /// Whether `particles` are a part.
+    pub(super) fn is_full(&self, particles: usize) -> bool {
+        particles >= self.part
+    }
+
     /// Counts spheres and drops them; without radii in the file their radii are not counted.
     pub(in crate::read) fn count_spheres(&self, spheres: &mut Spheres, sized: bool) {
         self.counts().add(&Counted {
@@ -93,7 +114,7 @@ impl Survey {
 
     /// The counts so far.
     pub(super) fn counts(&self) -> MutexGuard<'_, Counts> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
