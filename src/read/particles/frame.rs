@@ -127,8 +127,13 @@ impl Particles {
         }
     }
 
-    /// Finishes an inference: removes virtual sites and returns what to report.
-    pub(super) fn infer(&mut self, inference: Inference) -> Vec<String> {
+    /// Finishes an inference: removes virtual sites and returns what to report. For a survey the particles are counted
+    /// and dropped.
+    pub(super) fn infer(&mut self, mut inference: Inference, survey: Option<&Survey>) -> Vec<String> {
+        if let Some(survey) = survey {
+            self.count_part(&mut inference, survey);
+            return survey.counts().infer(inference);
+        }
         let read = self.elements.len() as u64;
         let inferred = inference.finish(&mut self.elements);
         self.leave_sites_out(inferred.sites() > 0);
@@ -162,23 +167,18 @@ impl Particles {
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());
-        let said = counts.inferred();
-        counts.warnings.extend(said);
         counts
     }
 
-    /// The same for a part whose elements are still being inferred.
-    pub(super) fn count_inferred(&mut self, inference: Inference, survey: &Survey) {
-        let inferred = inference.finish(&mut self.elements);
-        self.leave_sites_out(inferred.sites() > 0);
-        self.count_unknown_atoms(&inferred);
-        let mut counts = survey.counts();
-        counts.add_inferred(inferred, std::mem::take(&mut self.unknown));
-        self.count(&mut counts);
+    /// Counts a part whose elements are still being inferred, and drops it.
+    pub(super) fn count_part(&mut self, inference: &mut Inference, survey: &Survey) {
+        inference.end_part(&mut self.elements);
+        self.count(&mut survey.counts());
     }
 
-    /// Counts the particles and drops them; what describes the frame as a whole is kept.
+    /// Counts the particles without virtual sites and drops them; what describes the frame as a whole is kept.
     pub(super) fn count(&mut self, counts: &mut Counts) {
+        self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
         counts.add(&Counted {
             positions: &self.positions,

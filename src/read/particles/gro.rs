@@ -42,6 +42,39 @@ enum GroColumn {
     Resname,
 }
 
+impl GroColumn {
+    /// Whether a frame has this column; `moving` says whether it has velocities.
+    fn is_there(self, moving: bool) -> bool {
+        moving || !matches!(self, Self::Velocity(_))
+    }
+
+    /// The column without values.
+    fn column(self) -> Column {
+        let name = KINDS.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name);
+        Column { name: name.to_owned(), values: Vec::new() }
+    }
+}
+
+/// A frame while it is read.
+#[derive(Default)]
+struct GroFrame {
+    /// The width of a coordinate.
+    width: usize,
+    /// The requested columns that the frame has.
+    wanted: Vec<GroColumn>,
+    /// The names of atoms and of residues.
+    names: [Names; 2],
+    inference: Inference,
+}
+
+impl GroFrame {
+    /// Takes the requested columns that the frame has; `moving` says whether it has velocities.
+    fn begin(&mut self, wanted: &[GroColumn], moving: bool, particles: &mut Particles) {
+        self.wanted = wanted.iter().filter(|kind| kind.is_there(moving)).copied().collect();
+        particles.columns = self.wanted.iter().map(|kind| kind.column()).collect();
+    }
+}
+
 const KINDS: [(&str, GroColumn); 7] = [
     ("name", GroColumn::Name),
     ("resname", GroColumn::Resname),
@@ -121,20 +154,16 @@ impl Gro {
     }
 
     /// Parses the atom of the current line.
-    fn atom(
-        &self,
-        width: usize,
-        particles: &mut Particles,
-        names: &mut [Names; 2],
-        inference: &mut Inference,
-    ) -> Result<()> {
+    fn atom(&self, frame: &mut GroFrame, particles: &mut Particles) -> Result<()> {
+        let GroFrame { width, wanted, names, inference } = frame;
+        let width = *width;
         let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
         let names_of = AtomNames { symbol: b"", name, residue, site };
         if let Some(survey) = &self.survey
             && survey.is_full(particles.positions.len())
-            && inference.is_new_residue(&names_of)
+            && inference.decides_before(&names_of)
         {
-            particles.count_inferred(std::mem::take(inference), survey);
+            particles.count_part(inference, survey);
         }
         particles.grow(1, infer::BYTES)?;
         let mut position = [0.0; 3];
@@ -152,7 +181,7 @@ impl Gro {
         }
         inference.push(&names_of, &mut particles.elements);
         particles.positions.push(position);
-        for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
+        for (kind, column) in wanted.iter().zip(&mut particles.columns) {
             let columns = match kind {
                 GroColumn::Residue => RESIDUE,
                 GroColumn::Serial => SERIAL,
@@ -162,7 +191,7 @@ impl Gro {
             column.values.push(self.number(columns).unwrap_or(f64::NAN));
         }
         for (text, word) in [(GroColumn::Name, name), (GroColumn::Resname, residue)] {
-            let Some(at) = self.wanted.iter().position(|kind| *kind == text) else { continue };
+            let Some(at) = wanted.iter().position(|kind| *kind == text) else { continue };
             let number = names[usize::from(text == GroColumn::Resname)].number(word)?;
             particles.columns[at].values.push(f64::from(number));
         }
@@ -241,39 +270,35 @@ impl ParticleFrames for Gro {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         let mut particles = Particles::default();
-        let name = |kind: &GroColumn| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
-        particles.columns =
-            self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
         for name in ["name", "resname"] {
             // The names follow at the end of the frame.
             particles.labels.insert(name.into(), Vec::new());
         }
-        let (mut width, mut moving, mut inference) = (0, false, Inference::new(false));
-        // The names of atoms and of residues.
-        let mut names = [Names::default(), Names::default()];
+        let (mut frame, mut moving) = (GroFrame::default(), false);
+        frame.begin(&self.wanted, moving, &mut particles);
         for n in 0..count {
             self.need("atom")?;
             if n == 0 {
-                width = self.width()?;
-                moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
+                frame.width = self.width()?;
+                moving = !self.field(X + 3 * frame.width..usize::MAX).trim_ascii().is_empty();
+                frame.begin(&self.wanted, moving, &mut particles);
             }
-            if let Err(error) = self.atom(width, &mut particles, &mut names, &mut inference) {
+            if let Err(error) = self.atom(&mut frame, &mut particles) {
                 return Err(self.early_box(n, count).unwrap_or(error));
             }
             self.lines.found();
         }
         self.need("box")?;
-        self.check_end(width, count)?;
+        self.check_end(frame.width, count)?;
         particles.cell = self.cell()?;
         // The line after the box is the next frame's title, not an atom.
         self.held = self.lines.advance()?;
-        self.check_end(width, count)?;
-        let there = |kind: GroColumn| moving || !matches!(kind, GroColumn::Velocity(_));
-        particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
-        particles.columns.retain(|column| particles.has.contains(&column.name));
-        let labels = ["name", "resname"].into_iter().zip(&names);
+        self.check_end(frame.width, count)?;
+        let there = KINDS.iter().filter(|(_, kind)| kind.is_there(moving));
+        particles.has = there.map(|(name, _)| (*name).to_owned()).collect();
+        let labels = ["name", "resname"].into_iter().zip(&frame.names);
         particles.labels.extend(labels.map(|(name, names)| (name.to_owned(), names.labels())));
-        let said = particles.infer(inference);
+        let said = particles.infer(frame.inference, self.survey.as_ref());
         // All frames would have the same message.
         if !std::mem::replace(&mut self.told, true) {
             particles.skipped.assumed.extend(said);

@@ -1,7 +1,7 @@
 //! What a file contains, counted part by part: the particles of a part are dropped when they have been counted, so that
 //! the memory does not grow with the file.
 
-use super::infer::Inferred;
+use super::infer::{Inference, code_of_unknown};
 use crate::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -37,7 +37,6 @@ pub(in crate::read) struct Counts {
     pub(in crate::read) unknown: BTreeMap<String, u64>,
     pub(in crate::read) cell: Option<Cell>,
     pub(in crate::read) warnings: Vec<String>,
-    inferred: Inferred,
 }
 
 /// The values of a column.
@@ -67,7 +66,6 @@ impl Default for Counts {
             unknown: BTreeMap::new(),
             cell: None,
             warnings: Vec::new(),
-            inferred: Inferred::default(),
         }
     }
 }
@@ -143,19 +141,21 @@ impl Counts {
         }
     }
 
-    /// Adds how elements of a part were inferred, and its unknown names.
-    pub(super) fn add_inferred(&mut self, inferred: Inferred, unknown: BTreeMap<String, u64>) {
-        self.inferred.add(inferred);
-        self.add_unknown(unknown);
+    /// Finishes an inference whose atoms were all counted; returns what to report.
+    pub(super) fn infer(&mut self, inference: Inference) -> Vec<String> {
+        let inferred = inference.finish_counts(&mut self.elements);
+        for (slot, name) in inferred.names.iter().enumerate() {
+            let count = std::mem::take(&mut self.elements[code_of_unknown(slot)]);
+            self.elements[0] += count;
+            if count > 0 {
+                *self.unknown.entry(name.clone()).or_default() += count;
+            }
+        }
+        inferred.sentences(self.particles + inferred.sites())
     }
 
     pub(super) fn add_unknown(&mut self, unknown: BTreeMap<String, u64>) {
         unknown.into_iter().for_each(|(name, count)| *self.unknown.entry(name).or_default() += count);
-    }
-
-    /// The messages about inferred elements.
-    pub(super) fn inferred(&self) -> Vec<String> {
-        self.inferred.sentences(self.particles + self.inferred.sites())
     }
 }
 
