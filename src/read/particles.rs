@@ -14,6 +14,7 @@ mod las;
 mod layout;
 mod left_out;
 mod masses;
+mod mixed;
 mod mmcif;
 mod molecule;
 mod names;

@@ -139,3 +139,50 @@ fn the_counts_do_not_depend_on_the_size_of_the_parts() {
         }
     }
 }
+
+#[test]
+fn a_column_of_numbers_and_texts_is_text() {
+    let table = "x,y,z,a,b,c\n0,0,0,1,0.5,2\n1,0,0,2,A,2\n2,0,0,A,B,2\n3,0,0,A,,x y\n";
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\nITEM: ATOMS x y z type\n0 0 0 1\n0 0 1 2\n0 0 2 A\n";
+    for part in [1, usize::MAX] {
+        let info = counted("a.csv", table, part).expect("a table");
+        let column = |name: &str| {
+            let ColumnInfo { kind, min, values, distinct, missing, .. } = &info.columns[name];
+            (*kind, *min, values.join(" "), *distinct, *missing)
+        };
+        assert_eq!(column("a"), ("text", None, "A 1 2".into(), Some(3), 0));
+        // Numbers that are not whole are not counted.
+        assert_eq!(column("b"), ("text", None, "A B".into(), None, 1));
+        assert_eq!(column("c"), ("text", None, "2 x y".into(), Some(2), 0));
+        let info = counted("a.dump", dump, part).expect("a dump");
+        assert_eq!((info.columns["type"].kind, &info.columns["type"].values.join(" ")[..]), ("text", "1 2 A"));
+    }
+    // A coordinate is an error still.
+    let error = counted("a.csv", "x,y,z\n0,0,0\n0,A,0\n", 1).map(drop).expect_err("a text").to_string();
+    assert!(error.contains("a.csv:3:3: y: `A` is not a number"), "{error}");
+}
+
+#[test]
+fn infinities_are_counted_and_not_in_the_range() {
+    let info = counted("a.csv", "x,y,z,t\n0,0,0,inf\n1,0,0,-inf\n2,0,0,3\n3,0,0,nan\n4,0,0,\n", 1).expect("a table");
+    let t = &info.columns["t"];
+    assert_eq!(
+        (t.min, t.max, t.infinite, t.missing, &t.values[..]),
+        (Some(3.0), Some(3.0), 2, 2, &["3".to_owned()][..])
+    );
+}
+
+#[test]
+fn files_without_particles_have_a_warning_and_their_columns() {
+    for (name, text, column) in [
+        ("a.xyz", "0\nProperties=species:S:1:pos:R:3:kind:S:1:v:R:1\n", "kind"),
+        ("a.gro", "nothing\n0\n1 1 1\n", "resname"),
+        ("a.csv", "x,y,z,element\n", "element"),
+    ] {
+        let info = counted(name, text, usize::MAX).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((info.spheres, info.extent.is_none(), info.columns[column].kind), (0, true, "text"), "{name}");
+        assert_eq!(info.warnings, ["there is no sphere to render"], "{name}");
+    }
+    let info = counted("a.toml", "[camera]\neye = [0.0, 0.0, 5.0]\nat = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov = 60.0\n[image]\nsize = [4, 4]\n", usize::MAX).expect("a scene");
+    assert_eq!((info.spheres, &info.warnings[..]), (0, &["there is no sphere to render".to_owned()][..]));
+}

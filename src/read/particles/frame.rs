@@ -2,6 +2,7 @@
 
 use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
+use super::mixed::Mixed;
 use super::names::Names;
 use super::survey::{Counted, Counts, Survey};
 use crate::error::Result;
@@ -42,6 +43,8 @@ pub(crate) struct Particles {
     pub(in crate::read) texts: Vec<(usize, Names)>,
     /// The other content of a column of symbols, while it is read.
     pub(in crate::read) species: Species,
+    /// Texts in columns of numbers, for a survey.
+    pub(in crate::read) mixed: Mixed,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
     /// Invalid rows that are left out, while they are read.
@@ -95,7 +98,7 @@ impl Particles {
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
         self.species.add(more.species);
         self.left_out.append(more.left_out);
-        Ok(())
+        self.mixed.append(more.mixed)
     }
 
     /// Reports the rows that were left out.
@@ -162,6 +165,11 @@ impl Particles {
         for (name, labels) in self.labels {
             if let Some(column) = counts.columns.get_mut(&name) {
                 column.labels = labels;
+            }
+        }
+        for (column, texts) in self.mixed.into_counts() {
+            if let Some(column) = counts.columns.get_mut(&self.columns[column].name) {
+                column.mix(texts);
             }
         }
         counts.add_unknown(self.unknown);

@@ -42,15 +42,21 @@ pub(in crate::read) struct Counts {
 /// The values of a column.
 #[derive(Debug, Clone)]
 pub(in crate::read) struct ColumnCounts {
-    /// The least and the largest number.
+    /// The least and the largest finite number.
     pub(in crate::read) ends: [f64; 2],
     /// Particles without a number.
     pub(in crate::read) missing: u64,
+    /// Particles with an infinity.
+    pub(in crate::read) infinite: u64,
     /// The number of particles by value: by the number of a name, or by whole number; `None` for other numbers and too
     /// many of them.
     pub(in crate::read) values: Option<BTreeMap<i64, u64>>,
+    /// Whether the column has names instead of numbers.
+    pub(in crate::read) text: bool,
     /// The names; empty for numbers.
     pub(in crate::read) labels: Vec<String>,
+    /// Texts among the numbers, with the number of their particles.
+    pub(in crate::read) texts: BTreeMap<String, u64>,
 }
 
 impl Default for Counts {
@@ -136,6 +142,7 @@ impl Counts {
                 self.columns.insert((*name).to_owned(), ColumnCounts::new());
             }
             if let Some(counts) = self.columns.get_mut(*name) {
+                counts.text |= text;
                 values.iter().for_each(|value| counts.add(*value, *text));
             }
         }
@@ -161,12 +168,28 @@ impl Counts {
 
 impl ColumnCounts {
     fn new() -> Self {
-        Self { ends: [f64::INFINITY, f64::NEG_INFINITY], missing: 0, values: Some(BTreeMap::new()), labels: Vec::new() }
+        Self {
+            ends: [f64::INFINITY, f64::NEG_INFINITY],
+            missing: 0,
+            infinite: 0,
+            values: Some(BTreeMap::new()),
+            text: false,
+            labels: Vec::new(),
+            texts: BTreeMap::new(),
+        }
+    }
+
+    /// Takes texts that were counted as missing numbers.
+    pub(super) fn mix(&mut self, texts: BTreeMap<String, u64>) {
+        self.missing = self.missing.saturating_sub(texts.values().sum());
+        self.text |= !texts.is_empty();
+        self.texts = texts;
     }
 
     fn add(&mut self, value: f64, text: bool) {
-        if value.is_nan() {
-            self.missing += 1;
+        if !value.is_finite() {
+            self.missing += u64::from(value.is_nan());
+            self.infinite += u64::from(value.is_infinite());
             return;
         }
         self.ends = [self.ends[0].min(value), self.ends[1].max(value)];
