@@ -7,6 +7,7 @@ mod bytes;
 mod data;
 mod dump;
 mod frame;
+mod frame_time;
 mod gro;
 mod gsd;
 mod infer;
@@ -32,6 +33,7 @@ mod trajectory;
 mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};
+pub use frame_time::FrameTime;
 pub(super) use infer::{ResidueClass, class, is_ion};
 pub(super) use layout::{EVERY, Layout, Role, component, wanted};
 pub use periodic::Periodic;

@@ -1,5 +1,6 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
+use super::frame_time::FrameTime;
 use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
 use super::mixed::Mixed;
@@ -37,6 +38,8 @@ pub(crate) struct Particles {
     pub(crate) size: Vec<u16>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
+    /// Its time and step.
+    pub(crate) when: FrameTime,
     /// Names that are not elements, with the number of their particles.
     pub(crate) unknown: BTreeMap<String, u64>,
     /// The index and the names of each column of text, while it is read.

@@ -7,7 +7,7 @@ use super::layout::named;
 use super::names::Names;
 use super::rows::surplus;
 use super::survey::Survey;
-use super::{Column, ParticleFrames, Particles};
+use super::{Column, FrameTime, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -27,6 +27,8 @@ pub(super) struct Gro {
     told: bool,
     /// Whether the current line has not been parsed yet.
     held: bool,
+    /// The time and the step in the title of the current frame.
+    when: FrameTime,
 }
 
 /// The columns of an atom besides its position.
@@ -100,7 +102,7 @@ impl Gro {
         let columns = options.columns();
         let wanted = named(&columns, &KINDS);
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false }
+        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -115,6 +117,9 @@ impl Gro {
                     self.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
                 })?;
                 return check_ids(count).map(|()| Some(count));
+            }
+            if !titled {
+                self.when = FrameTime::of(behind(text, "t="), behind(text, "step="));
             }
             titled = true;
         }
@@ -236,6 +241,14 @@ impl Gro {
     }
 }
 
+/// The number behind a word of a title, as GROMACS writes `t=   1.00000 step= 500`.
+fn behind<T: std::str::FromStr>(title: &str, word: &str) -> Option<T> {
+    let starts = |at: usize| title[..at].chars().next_back().is_none_or(|c| !c.is_alphanumeric());
+    let (at, _) = title.match_indices(word).find(|(at, _)| starts(*at))?;
+    let ends = |c: char| c.is_whitespace() || c == ',' || c == ';';
+    title[at + word.len()..].split(ends).find(|word| !word.is_empty())?.parse().ok()
+}
+
 /// The positions of the numbers in a word, and its end. Numbers too long for their columns have no blank between them:
 /// each has as many decimals as the last.
 fn fields(word: &str) -> Vec<usize> {
@@ -288,6 +301,7 @@ impl ParticleFrames for Gro {
             }
             self.lines.found();
         }
+        particles.when = self.when;
         self.need("box")?;
         self.check_end(frame.width, count)?;
         particles.cell = self.cell()?;
@@ -347,6 +361,21 @@ MD of 2 waters, t= 0.0
 12345CA      CA99999   0.12600   1.62400   1.67900
  1 2 3 0 0 0.25 0 0.5 0.75
 ";
+
+    #[test]
+    fn titles_have_a_time_and_a_step() {
+        for (title, time, step) in [
+            ("MD of 2 waters, t= 0.0", Some(0.0), None),
+            ("Protein in water t=  12.50000 step= 6250", Some(12.5), Some(6250)),
+            ("offset=3 t=1e3,step=-1", Some(1000.0), Some(-1)),
+            ("at t= start", None, None),
+            ("water", None, None),
+            ("t=nan", None, None),
+        ] {
+            let frame = read(&format!("{title}\n0\n1 1 1\n"), &[]).expect("a frame").remove(0);
+            assert_eq!(frame.when, FrameTime { time, step }, "{title}");
+        }
+    }
 
     #[test]
     fn frames_are_read_in_angstrom_by_the_width_that_decimals_give() {
