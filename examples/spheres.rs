@@ -1,5 +1,5 @@
 //! The spheres of particle files, for comparison with other programs: a line of JSON for each frame, with centres,
-//! radii, the cell, the range of the values that give the colours, and the warnings. Scripts of
+//! radii, the cell, the range of the values that give the colours, the warnings, time and step. Scripts of
 //! `tests/independent` read it.
 //!
 //! ```sh
@@ -9,11 +9,12 @@
 
 use halfline::ReadOptions;
 use halfline::read::style::{Coloring, Scale};
-use halfline::read::{Periodic, Sequence};
+use halfline::read::{Hold, Periodic, Sequence};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut options = ReadOptions { frames: "1-".parse()?, ..ReadOptions::default() };
+    // The range of a column is that of each frame.
+    let mut options = ReadOptions { frames: "1-".parse()?, hold: Hold::None, ..ReadOptions::default() };
     let mut words = std::env::args().skip(1);
     let file = words.next().ok_or("a file is missing")?;
     while let Some(word) = words.next() {
@@ -40,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let warnings = frame.scene.skipped.warnings();
         let line = json!({
             "frame": frame.number, "centers": spheres.centers, "radii": spheres.radii, "colors": spheres.colors,
-            "cell": cell, "range": range, "warnings": warnings,
+            "cell": cell, "range": range, "warnings": warnings, "time": frame.when.time, "step": frame.when.step,
         });
         println!("{line}");
     }

@@ -97,18 +97,29 @@ fn text(info: &FileInfo) -> String {
     if !info.elements.is_empty() {
         let mut counts: Vec<_> = info.elements.iter().collect();
         counts.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
-        line("elements", list(counts.iter().map(|(symbol, count)| format!("{symbol} {count}"))));
+        let names: Vec<&str> =
+            info.columns.iter().filter(|column| is_elements(info, column)).map(|c| &c.0[..]).collect();
+        let column = if names.is_empty() { String::new() } else { format!(" (column {})", list(names)) };
+        line("elements", list(counts.iter().map(|(symbol, count)| format!("{symbol} {count}"))) + &column);
     }
     if !info.chains.is_empty() {
         line("chains", format!("{}: {}", info.chains.len(), list(&info.chains)));
     }
-    for (n, (name, column)) in info.columns.iter().enumerate() {
+    for (n, (name, column)) in info.columns.iter().filter(|column| !is_elements(info, column)).enumerate() {
         line(if n == 0 { "columns" } else { "" }, format!("{name:12} {}", values(column)));
     }
     for warning in &info.warnings {
         line("warning", warning.clone());
     }
     text
+}
+
+/// Whether a column names the elements, which are listed with their counts.
+fn is_elements(info: &FileInfo, (_, column): &(&String, &ColumnInfo)) -> bool {
+    let is_symbol = |name: &String| info.elements.contains_key(name);
+    !info.elements.is_empty()
+        && column.distinct == Some(info.elements.len() as u64)
+        && column.values.iter().all(is_symbol)
 }
 
 /// The values of a column in words.
@@ -124,6 +135,9 @@ fn values(column: &ColumnInfo) -> String {
         let more = column.distinct.unwrap_or(0).saturating_sub(shown.len() as u64);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         parts.push(format!("{}{more}", list(shown)));
+    }
+    if column.infinite > 0 {
+        parts.push(format!("{} infinite", column.infinite));
     }
     if column.missing > 0 {
         parts.push(format!("{} without a value", column.missing));

@@ -6,6 +6,7 @@ use clap::Args;
 use halfline::camera::Viewport;
 use halfline::error::{Error, Result};
 use halfline::measure::plot::inset::{Corner, Insets, MOST_LETTERS, Panels, ScaleBar};
+use halfline::quote::number;
 use halfline::read::style::Legend;
 use halfline::scene::Scene;
 use halfline::write::file::is_standard_output;
@@ -19,7 +20,7 @@ pub(super) struct InsetArgs {
         requires = "color_by")]
     legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
-    /// number of spheres, {time} by the frame's time if it has one.
+    /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
     #[arg(long, value_name = "TEXT", value_parser = label)]
     label: Option<Label>,
     /// Draws a bar of a round length in scene units at the bottom left, with this unit in its label. With a perspective
@@ -39,6 +40,7 @@ enum LabelPart {
     File,
     Count,
     Time,
+    Step,
 }
 
 impl InsetArgs {
@@ -130,7 +132,12 @@ impl Label {
                 }
                 LabelPart::Count => picture.scene.spheres.len().to_string(),
                 LabelPart::Time => {
-                    return Err(Error::settings("--label has {time}, but the frame has no time", "remove {time}"));
+                    let found = picture.when.time.map(brief);
+                    found.ok_or_else(|| lacking("{time}", "time", picture.when.step.map(|_| "{step}")))?
+                }
+                LabelPart::Step => {
+                    let found = picture.when.step.map(|step| step.to_string());
+                    found.ok_or_else(|| lacking("{step}", "step", picture.when.time.map(|_| "{time}")))?
                 }
             })
         };
@@ -138,11 +145,26 @@ impl Label {
     }
 }
 
+/// A time with seven significant digits, which a number of 32 bits has, and without zeros at its end.
+fn brief(time: f64) -> String {
+    let text = number(time, 7);
+    if text.contains('e') || !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The error for a name in braces that the frame has no number for; `other` is one that it has.
+fn lacking(name: &str, what: &str, other: Option<&str>) -> Error {
+    let other = other.map_or(String::new(), |other| format!(", or use {other}"));
+    Error::settings(format!("--label has {name}, but the frame has no {what}"), format!("remove {name}{other}"))
+}
+
 fn label(text: &str) -> Result<Label, String> {
     if text.trim().is_empty() || text.chars().count() > MOST_LETTERS {
         return Err(format!("expected a text of 1 to {MOST_LETTERS} letters"));
     }
-    let wrong = || "expected {frame}, {file}, {count} or {time} in braces".to_owned();
+    let wrong = || "expected {frame}, {file}, {count}, {time} or {step} in braces".to_owned();
     let (mut parts, mut rest) = (Vec::new(), text);
     while let Some(start) = rest.find(['{', '}']) {
         let (before, from) = rest.split_at(start);
@@ -153,6 +175,7 @@ fn label(text: &str) -> Result<Label, String> {
             "file" => LabelPart::File,
             "count" => LabelPart::Count,
             "time" => LabelPart::Time,
+            "step" => LabelPart::Step,
             _ => return Err(wrong()),
         });
         rest = after;
@@ -171,6 +194,8 @@ mod tests {
         assert_eq!(label("t"), Ok(Label(vec![text("t")])));
         let parts = vec![text("a "), LabelPart::Frame, text("/"), LabelPart::Count, text("")];
         assert_eq!(label("a {frame}/{count}"), Ok(Label(parts)));
+        let times = [0.0, 100.00000762939453, 2.5, 0.1f32.into(), -3.0, 1e9].map(brief);
+        assert_eq!(times, ["0", "100", "2.5", "0.1", "-3", "1.000000e9"]);
         for bad in ["", " ", "{", "}", "{x}", "{frame", "a}b", "{{frame}", "{}", &"x".repeat(1001)] {
             label(bad).expect_err(bad);
         }

@@ -11,7 +11,7 @@ use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
-use halfline::read::{Hold, ReadOptions, SceneFrame, Sequence};
+use halfline::read::{FrameTime, Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::scene::{Reach, Scene};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -39,6 +39,7 @@ pub(super) struct Numbered {
     pub(super) scene: Scene,
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
+    pub(super) when: FrameTime,
 }
 
 impl<'a> SceneFrames<'a> {
@@ -103,7 +104,8 @@ impl<'a> SceneFrames<'a> {
         // The light from above left belongs to the final camera.
         let request = self.args.look_request(!frame.has_camera);
         let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
-        Ok(Some(Numbered { number: frame.number, scene: frame.scene, legend: frame.legend, look }))
+        let SceneFrame { number, scene, legend, when, .. } = frame;
+        Ok(Some(Numbered { number, scene, legend, look, when }))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.

@@ -50,12 +50,12 @@ pub struct FileInfo {
 /// A column of a file.
 #[derive(Debug, Clone, Serialize)]
 pub struct ColumnInfo {
-    /// `number` or `text`.
+    /// `number` or `text`. A column of numbers and texts is text.
     #[serde(rename = "type")]
     pub kind: &'static str,
-    /// The least number; `None` for text.
+    /// The least finite number; `None` for text.
     pub min: Option<f64>,
-    /// The largest number; `None` for text.
+    /// The largest finite number; `None` for text.
     pub max: Option<f64>,
     /// The different names, the most frequent first; of numbers the whole ones in ascending order, if all are whole and
     /// there are few. At most 64.
@@ -64,6 +64,8 @@ pub struct ColumnInfo {
     pub distinct: Option<u64>,
     /// Particles without a number or a name.
     pub missing: u64,
+    /// Particles with an infinite number.
+    pub infinite: u64,
 }
 
 /// A periodic cell.
@@ -99,6 +101,9 @@ pub struct RadiiInfo {
     pub max: f64,
 }
 
+/// The warning about a frame or a scene without spheres.
+const NOTHING: &str = "there is no sphere to render";
+
 /// The most values that are listed.
 const LISTED: usize = 64;
 
@@ -108,14 +113,17 @@ const LISTED: usize = 64;
 /// # Errors
 /// Those of [`Scene::read`].
 pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
-    let survey = Survey::default();
+    of_source(SceneSource::open(path, options)?, path, options, Survey::default())
+}
+
+/// The content of an opened source, counted by `survey`.
+fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Survey) -> Result<FileInfo> {
     let options = ReadOptions {
         survey: Some(survey.clone()),
         frames: FrameRange::first(),
         style: Style::default(),
         ..options.clone()
     };
-    let source = SceneSource::open(path, &options)?;
     let format = source.format.name();
     let mut frames = match particles::open(source, &options)? {
         Ok(frames) => frames,
@@ -161,6 +169,9 @@ impl FileInfo {
             let names: Vec<String> = counts.unknown.iter().map(|(name, n)| format!("{n} {name}")).collect();
             warnings.push(format!("names without an element: {}", names.join(", ")));
         }
+        if counts.particles == 0 {
+            warnings.push(NOTHING.into());
+        }
         let [low, high] = counts.extent;
         Self {
             schema: "halfline-info",
@@ -187,31 +198,34 @@ impl FileInfo {
         survey.count_spheres(&mut copy, true);
         let counts = super::particles::Particles::default().counted(&survey);
         let info = Self::of(counts);
-        Self { format, camera: true, colored: spheres.colors.is_some(), warnings: scene.skipped.warnings(), ..info }
+        let nothing = spheres.is_empty().then(|| NOTHING.to_owned());
+        let warnings = scene.skipped.warnings().into_iter().chain(nothing).collect();
+        Self { format, camera: true, colored: spheres.colors.is_some(), warnings, ..info }
     }
 }
 
 impl ColumnInfo {
     fn of(column: ColumnCounts) -> Self {
-        let ColumnCounts { ends: [low, high], missing, values, labels } = column;
-        let text = !labels.is_empty();
-        let distinct = values.as_ref().map(|values| values.len() as u64);
-        let mut counted: Vec<(i64, u64)> = values.unwrap_or_default().into_iter().collect();
-        if text {
-            counted.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        }
+        let ColumnCounts { ends: [low, high], missing, infinite, values, text, labels, texts } = column;
+        let distinct = values.as_ref().map(|values| (values.len() + texts.len()) as u64);
         let name = |number: i64| match usize::try_from(number).ok().and_then(|n| labels.get(n)) {
             Some(label) => label.trim().to_owned(),
             None => number.to_string(),
         };
+        let numbered = values.unwrap_or_default().into_iter().map(|(number, count)| (name(number), count));
+        let mut counted: Vec<(String, u64)> = numbered.chain(texts).collect();
+        if text {
+            counted.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        }
         let there = low <= high && !text;
         Self {
             kind: if text { "text" } else { "number" },
             min: there.then_some(low),
             max: there.then_some(high),
-            values: counted.iter().take(LISTED).map(|(number, _)| name(*number)).collect(),
+            values: counted.into_iter().take(LISTED).map(|(name, _)| name).collect(),
             distinct,
             missing,
+            infinite,
         }
     }
 }
@@ -247,3 +261,6 @@ impl RadiiInfo {
         Self { source, min, max }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::input::Input;
 use super::options::{Hold, ReadOptions};
 use super::particles::periodic::no_cell;
-use super::particles::{self, ParticleFrames, Particles, Periodic};
+use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
 use super::source::SceneSource;
 use super::style::{Legend, no_selections};
@@ -51,6 +51,8 @@ pub struct SceneFrame {
     pub legend: Option<Legend>,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
+    /// Its time and step, as far as the file has them.
+    pub when: FrameTime,
 }
 
 impl SceneFrame {
@@ -152,7 +154,7 @@ impl Sequence {
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
     fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
-        let cell = particles.cell;
+        let (cell, when) = (particles.cell, particles.when);
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
         select::apply(&self.options, &mut particles)?;
@@ -183,7 +185,7 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell })
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, when })
     }
 
     /// The next selected frame; `None` after the last.
@@ -202,7 +204,8 @@ impl Sequence {
                     let Some(scene) = scene.take() else { return Ok(None) };
                     if wanted {
                         let (scene, has_camera) = (*scene, true);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend: None, cell: None }));
+                        let when = FrameTime::default();
+                        return Ok(Some(SceneFrame { number, scene, has_camera, legend: None, cell: None, when }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

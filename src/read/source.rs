@@ -25,7 +25,7 @@ impl SceneSource {
     /// columns are named is a table if nothing else is detected.
     ///
     /// # Errors
-    /// Those of [`Input::open`], and [`Error::Scene`] for a file whose format is not detected.
+    /// Those of [`Input::open`], and [`Error::Scene`] for an empty file and for one whose format is not detected.
     pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         Self::of(Input::open(path, &options.watch)?, path, options)
     }
@@ -40,6 +40,10 @@ impl SceneSource {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
+        if start.is_empty() {
+            let place = Place::file(path.display().to_string());
+            return Err(Error::scene(place, "the file is empty", "use a file with a scene or particles"));
+        }
         let format = match (options.format, recognise(&start, &name)) {
             (Some(format), _) | (None, Ok(format)) => format,
             (None, Err(_)) if !options.columns_named.is_empty() => Format::Csv,
@@ -61,5 +65,22 @@ impl SceneSource {
     /// As [`SceneSource::of_text`].
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
         Self { reader: Input::of_bytes(bytes), path: "text".into(), format: Format::Native }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_file_is_called_empty() {
+        let open = |format| {
+            let options = ReadOptions { format, ..ReadOptions::default() };
+            SceneSource::of(Input::of_bytes(b""), Path::new("a.xyz"), &options)
+        };
+        for format in [None, Some(Format::Pdb)] {
+            let error = open(format).map(drop).expect_err("nothing").to_string();
+            assert!(error.starts_with("a.xyz: the file is empty"), "{error}");
+        }
     }
 }

@@ -125,6 +125,28 @@ fn a_label_belongs_to_its_frame_and_to_the_provenance() {
     assert!(again("two").contains("already there"));
 }
 
+/// The label is in the provenance of the picture.
+#[test]
+fn labels_have_the_time_and_the_step_of_their_frame() {
+    let dir = dir();
+    let gro = |t: &str| format!("water, t= {t}\n1\n    1SOL     OW    1   0.000   0.100   0.200\n 1 1 1\n");
+    dir.put("a.gro", gro("0.00000 step= 0") + &gro("2.50000 step= 1250"));
+    let atom = |time: f64| format!("1\nTime={time} Properties=species:S:1:pos:R:3\nO 0 0 0\n");
+    dir.put("t.xyz", atom(0.125) + &atom(1e3));
+    dir.put("a.dump", "ITEM: TIMESTEP\n40\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y z\n0 0 0\n");
+    for (file, frame, label, text) in [
+        ("a.gro", 2, "t_=_{time}_ps,_step_{step}", "t_=_2.5_ps,_step_1250"),
+        ("a.gro", 1, "{time}/{step}", "0/0"),
+        ("t.xyz", 1, "{time}", "0.125"),
+        ("t.xyz", 2, "{time}", "1000"),
+        ("a.dump", 1, "{step}", "40"),
+    ] {
+        dir.render(&format!("{file} --frames {frame} --label {label} -o l.png"));
+        let drawn = String::from_utf8_lossy(&dir.get("l.png")).into_owned();
+        assert!(drawn.contains(&format!("label: {text}")), "{file} {frame}: {text}");
+    }
+}
+
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let dir = dir();
@@ -139,7 +161,12 @@ fn what_cannot_be_drawn_is_refused() {
     for label in ["{", "}", "{x}", "{frame"] {
         dir.refused_render(2, &format!("s.toml --label {label} -o a.png"), &["--label", "{frame}, {file}, {count}"]);
     }
-    dir.refused_render(2, "s.toml --label {time} -o a.png", &["{time}", "no time"]);
+    for name in ["time", "step"] {
+        dir.refused_render(2, &format!("s.toml --label {{{name}}} -o a.png"), &[name, &format!("no {name}")]);
+    }
+    let dump = "ITEM: TIMESTEP\n40\nITEM: NUMBER OF ATOMS\n1\nITEM: ATOMS x y z\n0 0 0\n";
+    dir.put("a.dump", dump);
+    dir.refused_render(2, "a.dump --label {time} -o a.png", &["no time", "{step}"]);
     for option in ["--label x", "--scale-bar"] {
         dir.refused_render(2, &format!("s.toml {option} --size 12x9 -o a.png"), &["12 x 9", "--size"]);
     }

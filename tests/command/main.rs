@@ -20,6 +20,7 @@ mod exit_codes;
 mod faults;
 mod film;
 mod habits;
+mod info;
 mod insets;
 mod light;
 #[cfg(target_os = "linux")]

@@ -59,9 +59,16 @@ def trajectories():
             names = MDAnalysis.Universe(os.path.join(data, topology)).atoms.names
             stays = np.array([name != "MW" and not name.startswith("DM") for name in names])
         assert len(found) == reader.n_frames, (name, len(found), reader.n_frames)
-        errors, cells, speeds = [], [], []
+        errors, cells, speeds, times = [], [], [], []
         for n, (frame, step) in enumerate(zip(found, reader)):
             errors.append(error_of(frame["centers"], step.positions[stays]))
+            if name.startswith("lammps/"):
+                # The unit of LAMMPS is not in the file, and MDAnalysis takes it as AKMA.
+                assert frame["time"] is None, name
+            else:
+                times.append(abs(frame["time"] - step.time) / max(abs(step.time), 1e-300))
+            # MDAnalysis gives the position in a DCD file as the step.
+            assert name.endswith("dcd") or frame["step"] == step.data["step"], name
             if step.dimensions is None or not step.dimensions.any():
                 assert frame["cell"] is None, name
             else:
@@ -73,12 +80,15 @@ def trajectories():
                 # MDAnalysis converts nm/ps to ångström/ps.
                 vy = step.velocities[stays, 1].astype("f8") / 10
                 speeds.append(error_of(ranges[n], [vy.min(), vy.max()]))
+        # Times are numbers of the file, or a product of three, of which MDAnalysis rounds another order.
+        assert max(times + [0]) <= 4 * 2**-53, (name, max(times))
         assert max(errors) <= position and max(cells + [0]) <= cell and max(speeds + [0]) <= position, name
         one = read(path, "--frames", str(len(found)), *options)
         assert [frame["centers"] for frame in one] == [found[-1]["centers"]], name
         print(
             f"{name}: {len(found)} frames of {len(found[0]['centers'])}, positions {max(errors):.1e}, "
-            f"cells {max(cells + [0]):.1e} of {len(cells)}, velocities {max(speeds + [0]):.1e} of {len(speeds)}"
+            f"cells {max(cells + [0]):.1e} of {len(cells)}, velocities {max(speeds + [0]):.1e} of {len(speeds)}, "
+            f"times {max(times + [0]):.1e} of {len(times)}"
         )
 
 

@@ -3,7 +3,7 @@
 
 use super::layout::{Layout, Role, wanted};
 use super::rows::{rows, surplus};
-use super::{ParticleFrames, Particles, Survey};
+use super::{FrameTime, ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -28,6 +28,7 @@ pub(super) struct Dump {
 struct DumpHeader {
     count: u64,
     cell: Option<Cell>,
+    when: FrameTime,
 }
 
 /// Names of coordinates in order of preference: plain, unwrapped, and as fractions of the cell's edges.
@@ -47,6 +48,7 @@ impl Dump {
 
     fn head(&mut self) -> Result<Option<DumpHeader>> {
         let (mut count, mut cell, mut begun, mut foreign) = (None, None, false, false);
+        let (mut time, mut step) = (None, None);
         loop {
             if !std::mem::take(&mut self.held) && !self.lines.advance()? {
                 return if begun { Err(self.ends("ITEM")) } else { Ok(None) };
@@ -62,6 +64,10 @@ impl Dump {
             (begun, foreign) = (true, false);
             if item == "TIMESTEP" {
                 self.need("TIMESTEP")?;
+                step = self.lines.text().trim().parse().ok();
+            } else if item == "TIME" {
+                self.need("TIME")?;
+                time = self.lines.text().trim().parse().ok();
             } else if item == "NUMBER OF ATOMS" {
                 self.need("NUMBER OF ATOMS")?;
                 let text = self.lines.text().trim();
@@ -83,9 +89,9 @@ impl Dump {
                         "add ITEM: NUMBER OF ATOMS before the atoms",
                     )
                 })?;
-                return Ok(Some(DumpHeader { count, cell }));
+                return Ok(Some(DumpHeader { count, cell, when: FrameTime::of(time, step) }));
             } else {
-                // UNITS, TIME and other sections.
+                // UNITS and other sections.
                 foreign = true;
             }
         }
@@ -178,9 +184,9 @@ impl Dump {
 
 impl ParticleFrames for Dump {
     fn next(&mut self) -> Result<Option<Particles>> {
-        let Some(DumpHeader { count, cell }) = self.head()? else { return Ok(None) };
+        let Some(DumpHeader { count, cell, when }) = self.head()? else { return Ok(None) };
         let (layout, scaled) = self.layout()?;
-        let mut particles = Particles { cell, ..layout.begin(self.survey.as_ref()) };
+        let mut particles = Particles { cell, when, ..layout.begin(self.survey.as_ref()) };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
@@ -194,15 +200,20 @@ impl ParticleFrames for Dump {
             }
             _ => None,
         };
-        let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
+        let row = |line: &Lines<&[u8]>, found: &mut Particles| {
+            let before = found.positions.len();
+            layout.row(&mut Words::of(line), line, found)?;
+            // Particles are counted and dropped before the frame ends, so each is placed in its row.
+            if let Some(cell) = scaling {
+                found.positions[before..].iter_mut().for_each(|position| *position = cell.place(*position));
+            }
+            Ok(())
+        };
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
         }
         self.check_end(count, &layout)?;
         particles.settle_texts();
-        if let Some(cell) = scaling {
-            particles.positions.iter_mut().for_each(|position| *position = cell.place(*position));
-        }
         Ok(Some(particles))
     }
 
@@ -242,6 +253,8 @@ mod tests {
         assert_eq!(frames[0].has, ["id", "type", "x", "y", "z", "vx", "radius"]);
         assert_eq!((frames[1].positions[0], frames[1].radii[0]), ([0.0, 1.0, 8.0], 1.5));
         assert_eq!((&frames[1].elements[..], frames[1].columns.len()), (&[26][..], 0));
+        let when = [Some(0.5), None].map(|time| FrameTime { time, step: Some(7) });
+        assert_eq!([frames[0].when, frames[1].when], when);
     }
 
     #[test]

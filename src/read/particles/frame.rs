@@ -1,9 +1,11 @@
 //! The particles of a frame, as a file lists them, and the trait of their readers.
 
+use super::frame_time::FrameTime;
 use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
+use super::mixed::Mixed;
 use super::names::Names;
-use super::survey::{Counted, Counts, PART, Survey};
+use super::survey::{Counted, Counts, Survey};
 use crate::error::Result;
 use crate::memory::{entries, extend_to};
 use crate::scene::{Cell, Skipped};
@@ -36,12 +38,16 @@ pub(crate) struct Particles {
     pub(crate) size: Vec<u16>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
+    /// Its time and step.
+    pub(crate) when: FrameTime,
     /// Names that are not elements, with the number of their particles.
     pub(crate) unknown: BTreeMap<String, u64>,
     /// The index and the names of each column of text, while it is read.
     pub(in crate::read) texts: Vec<(usize, Names)>,
     /// The other content of a column of symbols, while it is read.
     pub(in crate::read) species: Species,
+    /// Texts in columns of numbers, for a survey.
+    pub(in crate::read) mixed: Mixed,
     /// Skipped records and assumptions.
     pub(crate) skipped: Skipped,
     /// Invalid rows that are left out, while they are read.
@@ -95,7 +101,7 @@ impl Particles {
         more.unknown.iter().for_each(|(name, count)| self.meet_unknown(name, *count));
         self.species.add(more.species);
         self.left_out.append(more.left_out);
-        Ok(())
+        self.mixed.append(more.mixed)
     }
 
     /// Reports the rows that were left out.
@@ -127,8 +133,13 @@ impl Particles {
         }
     }
 
-    /// Finishes an inference: removes virtual sites and returns what to report.
-    pub(super) fn infer(&mut self, inference: Inference) -> Vec<String> {
+    /// Finishes an inference: removes virtual sites and returns what to report. For a survey the particles are counted
+    /// and dropped.
+    pub(super) fn infer(&mut self, mut inference: Inference, survey: Option<&Survey>) -> Vec<String> {
+        if let Some(survey) = survey {
+            self.count_part(&mut inference, survey);
+            return survey.counts().infer(inference);
+        }
         let read = self.elements.len() as u64;
         let inferred = inference.finish(&mut self.elements);
         self.leave_sites_out(inferred.sites() > 0);
@@ -159,26 +170,26 @@ impl Particles {
                 column.labels = labels;
             }
         }
+        for (column, texts) in self.mixed.into_counts() {
+            if let Some(column) = counts.columns.get_mut(&self.columns[column].name) {
+                column.mix(texts);
+            }
+        }
         counts.add_unknown(self.unknown);
         counts.cell = self.cell;
         counts.warnings.extend(self.skipped.warnings());
-        let said = counts.inferred();
-        counts.warnings.extend(said);
         counts
     }
 
-    /// The same for a part whose elements are still being inferred.
-    pub(super) fn count_inferred(&mut self, inference: Inference, survey: &Survey) {
-        let inferred = inference.finish(&mut self.elements);
-        self.leave_sites_out(inferred.sites() > 0);
-        self.count_unknown_atoms(&inferred);
-        let mut counts = survey.counts();
-        counts.add_inferred(inferred, std::mem::take(&mut self.unknown));
-        self.count(&mut counts);
+    /// Counts a part whose elements are still being inferred, and drops it.
+    pub(super) fn count_part(&mut self, inference: &mut Inference, survey: &Survey) {
+        inference.end_part(&mut self.elements);
+        self.count(&mut survey.counts());
     }
 
-    /// Counts the particles and drops them; what describes the frame as a whole is kept.
+    /// Counts the particles without virtual sites and drops them; what describes the frame as a whole is kept.
     pub(super) fn count(&mut self, counts: &mut Counts) {
+        self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
         counts.add(&Counted {
             positions: &self.positions,
@@ -229,8 +240,8 @@ impl Particles {
     /// [`Error::Limits`].
     pub(crate) fn grow(&mut self, more: usize, beside: usize) -> Result<()> {
         let n = self.positions.len();
-        if n >= PART
-            && let Some(survey) = self.survey.clone()
+        if let Some(survey) = self.survey.clone()
+            && survey.is_full(n)
         {
             self.count(&mut survey.counts());
             return Ok(());

@@ -6,8 +6,8 @@ use super::infer::{self, AtomNames, Inference};
 use super::layout::named;
 use super::names::Names;
 use super::rows::surplus;
-use super::survey::{PART, Survey};
-use super::{Column, ParticleFrames, Particles};
+use super::survey::Survey;
+use super::{Column, FrameTime, ParticleFrames, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -27,6 +27,8 @@ pub(super) struct Gro {
     told: bool,
     /// Whether the current line has not been parsed yet.
     held: bool,
+    /// The time and the step in the title of the current frame.
+    when: FrameTime,
 }
 
 /// The columns of an atom besides its position.
@@ -40,6 +42,39 @@ enum GroColumn {
     Name,
     /// Name of its residue.
     Resname,
+}
+
+impl GroColumn {
+    /// Whether a frame has this column; `moving` says whether it has velocities.
+    fn is_there(self, moving: bool) -> bool {
+        moving || !matches!(self, Self::Velocity(_))
+    }
+
+    /// The column without values.
+    fn column(self) -> Column {
+        let name = KINDS.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name);
+        Column { name: name.to_owned(), values: Vec::new() }
+    }
+}
+
+/// A frame while it is read.
+#[derive(Default)]
+struct GroFrame {
+    /// The width of a coordinate.
+    width: usize,
+    /// The requested columns that the frame has.
+    wanted: Vec<GroColumn>,
+    /// The names of atoms and of residues.
+    names: [Names; 2],
+    inference: Inference,
+}
+
+impl GroFrame {
+    /// Takes the requested columns that the frame has; `moving` says whether it has velocities.
+    fn begin(&mut self, wanted: &[GroColumn], moving: bool, particles: &mut Particles) {
+        self.wanted = wanted.iter().filter(|kind| kind.is_there(moving)).copied().collect();
+        particles.columns = self.wanted.iter().map(|kind| kind.column()).collect();
+    }
 }
 
 const KINDS: [(&str, GroColumn); 7] = [
@@ -67,7 +102,7 @@ impl Gro {
         let columns = options.columns();
         let wanted = named(&columns, &KINDS);
         let lines = Lines::new(source.reader, &source.path).of_any_bytes();
-        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false }
+        Self { lines, wanted, survey: options.survey.clone(), told: false, held: false, when: FrameTime::default() }
     }
 
     /// The number of atoms of the next frame; `None` at the end of the file.
@@ -82,6 +117,9 @@ impl Gro {
                     self.fail(0, "count", problem, "add a title, and the number of atoms on the line after it")
                 })?;
                 return check_ids(count).map(|()| Some(count));
+            }
+            if !titled {
+                self.when = FrameTime::of(behind(text, "t="), behind(text, "step="));
             }
             titled = true;
         }
@@ -121,20 +159,16 @@ impl Gro {
     }
 
     /// Parses the atom of the current line.
-    fn atom(
-        &self,
-        width: usize,
-        particles: &mut Particles,
-        names: &mut [Names; 2],
-        inference: &mut Inference,
-    ) -> Result<()> {
+    fn atom(&self, frame: &mut GroFrame, particles: &mut Particles) -> Result<()> {
+        let GroFrame { width, wanted, names, inference } = frame;
+        let width = *width;
         let [name, residue, site] = [NAME, RESIDUE_NAME, RESIDUE].map(|columns| self.field(columns).trim_ascii());
         let names_of = AtomNames { symbol: b"", name, residue, site };
         if let Some(survey) = &self.survey
-            && particles.positions.len() >= PART
-            && inference.is_new_residue(&names_of)
+            && survey.is_full(particles.positions.len())
+            && inference.decides_before(&names_of)
         {
-            particles.count_inferred(std::mem::take(inference), survey);
+            particles.count_part(inference, survey);
         }
         particles.grow(1, infer::BYTES)?;
         let mut position = [0.0; 3];
@@ -152,7 +186,7 @@ impl Gro {
         }
         inference.push(&names_of, &mut particles.elements);
         particles.positions.push(position);
-        for (kind, column) in self.wanted.iter().zip(&mut particles.columns) {
+        for (kind, column) in wanted.iter().zip(&mut particles.columns) {
             let columns = match kind {
                 GroColumn::Residue => RESIDUE,
                 GroColumn::Serial => SERIAL,
@@ -162,7 +196,7 @@ impl Gro {
             column.values.push(self.number(columns).unwrap_or(f64::NAN));
         }
         for (text, word) in [(GroColumn::Name, name), (GroColumn::Resname, residue)] {
-            let Some(at) = self.wanted.iter().position(|kind| *kind == text) else { continue };
+            let Some(at) = wanted.iter().position(|kind| *kind == text) else { continue };
             let number = names[usize::from(text == GroColumn::Resname)].number(word)?;
             particles.columns[at].values.push(f64::from(number));
         }
@@ -207,6 +241,14 @@ impl Gro {
     }
 }
 
+/// The number behind a word of a title, as GROMACS writes `t=   1.00000 step= 500`.
+fn behind<T: std::str::FromStr>(title: &str, word: &str) -> Option<T> {
+    let starts = |at: usize| title[..at].chars().next_back().is_none_or(|c| !c.is_alphanumeric());
+    let (at, _) = title.match_indices(word).find(|(at, _)| starts(*at))?;
+    let ends = |c: char| c.is_whitespace() || c == ',' || c == ';';
+    title[at + word.len()..].split(ends).find(|word| !word.is_empty())?.parse().ok()
+}
+
 /// The positions of the numbers in a word, and its end. Numbers too long for their columns have no blank between them:
 /// each has as many decimals as the last.
 fn fields(word: &str) -> Vec<usize> {
@@ -241,39 +283,36 @@ impl ParticleFrames for Gro {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         let mut particles = Particles::default();
-        let name = |kind: &GroColumn| KINDS.iter().find(|(_, known)| known == kind).map_or("", |(name, _)| name);
-        particles.columns =
-            self.wanted.iter().map(|kind| Column { name: name(kind).to_owned(), values: Vec::new() }).collect();
         for name in ["name", "resname"] {
             // The names follow at the end of the frame.
             particles.labels.insert(name.into(), Vec::new());
         }
-        let (mut width, mut moving, mut inference) = (0, false, Inference::new(false));
-        // The names of atoms and of residues.
-        let mut names = [Names::default(), Names::default()];
+        let (mut frame, mut moving) = (GroFrame::default(), false);
+        frame.begin(&self.wanted, moving, &mut particles);
         for n in 0..count {
             self.need("atom")?;
             if n == 0 {
-                width = self.width()?;
-                moving = !self.field(X + 3 * width..usize::MAX).trim_ascii().is_empty();
+                frame.width = self.width()?;
+                moving = !self.field(X + 3 * frame.width..usize::MAX).trim_ascii().is_empty();
+                frame.begin(&self.wanted, moving, &mut particles);
             }
-            if let Err(error) = self.atom(width, &mut particles, &mut names, &mut inference) {
+            if let Err(error) = self.atom(&mut frame, &mut particles) {
                 return Err(self.early_box(n, count).unwrap_or(error));
             }
             self.lines.found();
         }
+        particles.when = self.when;
         self.need("box")?;
-        self.check_end(width, count)?;
+        self.check_end(frame.width, count)?;
         particles.cell = self.cell()?;
         // The line after the box is the next frame's title, not an atom.
         self.held = self.lines.advance()?;
-        self.check_end(width, count)?;
-        let there = |kind: GroColumn| moving || !matches!(kind, GroColumn::Velocity(_));
-        particles.has = KINDS.iter().filter(|(_, kind)| there(*kind)).map(|(name, _)| (*name).to_owned()).collect();
-        particles.columns.retain(|column| particles.has.contains(&column.name));
-        let labels = ["name", "resname"].into_iter().zip(&names);
+        self.check_end(frame.width, count)?;
+        let there = KINDS.iter().filter(|(_, kind)| kind.is_there(moving));
+        particles.has = there.map(|(name, _)| (*name).to_owned()).collect();
+        let labels = ["name", "resname"].into_iter().zip(&frame.names);
         particles.labels.extend(labels.map(|(name, names)| (name.to_owned(), names.labels())));
-        let said = particles.infer(inference);
+        let said = particles.infer(frame.inference, self.survey.as_ref());
         // All frames would have the same message.
         if !std::mem::replace(&mut self.told, true) {
             particles.skipped.assumed.extend(said);
@@ -322,6 +361,21 @@ MD of 2 waters, t= 0.0
 12345CA      CA99999   0.12600   1.62400   1.67900
  1 2 3 0 0 0.25 0 0.5 0.75
 ";
+
+    #[test]
+    fn titles_have_a_time_and_a_step() {
+        for (title, time, step) in [
+            ("MD of 2 waters, t= 0.0", Some(0.0), None),
+            ("Protein in water t=  12.50000 step= 6250", Some(12.5), Some(6250)),
+            ("offset=3 t=1e3,step=-1", Some(1000.0), Some(-1)),
+            ("at t= start", None, None),
+            ("water", None, None),
+            ("t=nan", None, None),
+        ] {
+            let frame = read(&format!("{title}\n0\n1 1 1\n"), &[]).expect("a frame").remove(0);
+            assert_eq!(frame.when, FrameTime { time, step }, "{title}");
+        }
+    }
 
     #[test]
     fn frames_are_read_in_angstrom_by_the_width_that_decimals_give() {

@@ -6,7 +6,7 @@ mod file;
 
 use super::bytes::BinaryFile;
 use super::layout::is_wanted;
-use super::{Column, ParticleFrames, Particles};
+use super::{Column, FrameTime, ParticleFrames, Particles};
 use crate::error::Result;
 use crate::memory::{check, check_ids};
 use crate::read::options::ReadOptions;
@@ -149,6 +149,13 @@ impl<'a> Reading<'a> {
         types
     }
 
+    /// The step, which is 0 by the schema where the file has none.
+    fn step(&self) -> i64 {
+        let name = "configuration/step";
+        let chunk = self.file.chunk(self.frame, name).or_else(|| self.file.chunk(0, name));
+        chunk.and_then(|chunk| self.file.numbers(chunk).next()).map_or(0, |step| step as i64)
+    }
+
     /// The box: lengths, then the tilts xy, xz and yz; its centre is the origin.
     fn cell(&self) -> Result<Option<Cell>> {
         let name = "configuration/box";
@@ -177,6 +184,7 @@ impl ParticleFrames for Gsd {
             positions: reading.positions()?,
             radii: reading.radii()?,
             cell: reading.cell()?,
+            when: FrameTime::of(None, Some(reading.step())),
             has: COLUMNS.iter().map(|(name, ..)| (*name).to_owned()).collect(),
             ..Particles::default()
         };

@@ -18,6 +18,9 @@ use std::collections::BTreeMap;
 const UNKNOWN: u8 = 128;
 const VIRTUAL: u8 = u8::MAX;
 
+/// The code of counted atoms for which columns and name give different elements; unknown names have lower ones.
+const LATE: u8 = VIRTUAL - 1;
+
 /// The most unknown names that are counted separately; the others are counted together.
 const NAMES: usize = 16;
 
@@ -147,18 +150,6 @@ impl Inferred {
         said
     }
 
-    /// Adds the result for another part of the model, whose unknown names are counted elsewhere.
-    pub(super) fn add(&mut self, other: Self) {
-        self.counts.iter_mut().zip(other.counts).for_each(|(count, more)| *count += more);
-        self.unknown += other.unknown;
-        self.beads += other.beads;
-        self.astray |= other.astray;
-        for (name, count) in other.sites {
-            let full = self.sites.len() > RESIDUE && !self.sites.contains_key(&name);
-            *self.sites.entry(if full { "others".into() } else { name }).or_default() += count;
-        }
-    }
-
     /// The number of particles that are not atoms and are left out.
     pub(super) fn sites(&self) -> u64 {
         self.sites.values().sum()
@@ -177,6 +168,8 @@ pub(super) struct Inference {
     evidence: Evidence,
     /// Atoms for which columns and name give different elements: the name's element.
     late: Vec<(usize, u8)>,
+    /// The number of such atoms in the parts that were counted, by both codes.
+    counted: BTreeMap<(u8, u8), u64>,
     /// Atoms for which both give the same.
     alike: u64,
     found: Inferred,
@@ -190,7 +183,7 @@ impl Inference {
 
     /// Adds the atom after the last of `elements` and appends its code there.
     pub(super) fn push(&mut self, atom: &AtomNames<'_>, elements: &mut Vec<u8>) {
-        if self.is_new_residue(atom) || self.members.len() == RESIDUE {
+        if self.decides_before(atom) {
             self.decide(elements);
             self.site.clear();
             self.site.extend(atom.site);
@@ -215,29 +208,61 @@ impl Inference {
         self.members.push(member);
     }
 
-    /// Whether an atom begins another residue.
-    pub(super) fn is_new_residue(&self, atom: &AtomNames<'_>) -> bool {
-        self.site != atom.site || self.residue != atom.residue
+    /// Whether the atoms so far are decided without this one, because it begins another residue.
+    pub(super) fn decides_before(&self, atom: &AtomNames<'_>) -> bool {
+        self.site != atom.site || self.residue != atom.residue || self.members.len() == RESIDUE
+    }
+
+    /// Ends a part of the atoms, whose codes are counted before the list is emptied.
+    pub(super) fn end_part(&mut self, elements: &mut [u8]) {
+        self.decide(elements);
+        for (index, by_name) in std::mem::take(&mut self.late) {
+            *self.counted.entry((elements[index], by_name)).or_default() += 1;
+            elements[index] = LATE;
+        }
+    }
+
+    /// [`Inference::finish`] for the number of atoms of each code, all of whose parts have ended. Virtual sites are not
+    /// among them.
+    pub(super) fn finish_counts(mut self, counts: &mut [u64; 256]) -> Inferred {
+        let (standard, how) = self.alignment();
+        counts[usize::from(LATE)] = 0;
+        for ((by_columns, by_name), count) in std::mem::take(&mut self.counted) {
+            let code = if standard { by_columns } else { by_name };
+            counts[usize::from(code)] += count;
+            self.count_late(code, how, count);
+        }
+        self.found
     }
 
     /// Decides the remaining atoms. Virtual sites have the code of [`is_site`], unknown atoms are numbered by their
     /// names.
     pub(super) fn finish(mut self, elements: &mut [u8]) -> Inferred {
         self.decide(elements);
-        let standard = self.evidence.is_standard();
-        let how = if standard { InferenceRule::Columns } else { InferenceRule::Name };
-        self.found.counts[how as usize] += self.alike;
-        self.found.astray = !standard;
+        let (standard, how) = self.alignment();
         for (index, by_name) in std::mem::take(&mut self.late) {
             if !standard {
                 elements[index] = by_name;
             }
-            match elements[index] < UNKNOWN {
-                true => self.found.counts[how as usize] += 1,
-                false => self.found.unknown += 1,
-            }
+            self.count_late(elements[index], how, 1);
         }
         self.found
+    }
+
+    /// Whether names are aligned as in the format, and the rule for atoms whose columns count therefore.
+    fn alignment(&mut self) -> (bool, InferenceRule) {
+        let standard = self.evidence.is_standard();
+        let how = if standard { InferenceRule::Columns } else { InferenceRule::Name };
+        self.found.counts[how as usize] += self.alike;
+        self.found.astray = !standard;
+        (standard, how)
+    }
+
+    fn count_late(&mut self, code: u8, how: InferenceRule, count: u64) {
+        match code < UNKNOWN {
+            true => self.found.counts[how as usize] += count,
+            false => self.found.unknown += count,
+        }
     }
 
     /// Decides the atoms of the current residue.
@@ -310,6 +335,11 @@ impl Inference {
 /// Whether this code means a virtual site.
 pub(super) fn is_site(code: u8) -> bool {
     code == VIRTUAL
+}
+
+/// The code of the unknown atoms whose name has this index in [`Inferred::names`].
+pub(super) fn code_of_unknown(slot: usize) -> usize {
+    usize::from(UNKNOWN) + slot
 }
 
 /// The index of an unknown atom's name in [`Inferred::names`].

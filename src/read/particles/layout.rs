@@ -57,6 +57,8 @@ struct Slot {
     /// For a component of a vector whose length is requested: the index among the requested columns, and whether it is
     /// the first component.
     part: Option<(usize, bool)>,
+    /// Whether texts are counted instead of being errors, for a survey of all columns.
+    mixed: bool,
 }
 
 /// A particle that is being read.
@@ -96,7 +98,7 @@ impl Layout {
             role => role,
         };
         let name = name.to_lowercase();
-        let mut slot = Slot { name, role, requested: None, text: None, part: None };
+        let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: false };
         self.has.push(slot.name.clone());
         if is_wanted(wanted, &slot.name) {
             if self.requested.contains(&slot.name) {
@@ -107,6 +109,7 @@ impl Layout {
                 slot.text = Some(self.texts.len());
                 self.texts.push(self.requested.len());
             }
+            slot.mixed = role == Role::Other && wanted.iter().any(|name| name == EVERY);
             self.requested.push(slot.name.clone());
         }
         self.slots.push(slot);
@@ -277,6 +280,12 @@ impl Slot {
             }
             // A missing number in a table is NaN.
             Role::Other | Role::Number if word.text.is_empty() => f64::NAN,
+            Role::Other if self.mixed && word.text.parse::<f64>().is_err() => {
+                if let Some(column) = self.requested {
+                    particles.mixed.meet(column, word.text, 1)?;
+                }
+                f64::NAN
+            }
             Role::Other | Role::Number => word.number(&self.name)?,
         };
         self.put(number, making, particles);

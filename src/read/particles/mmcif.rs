@@ -287,6 +287,9 @@ impl ParticleFrames for Mmcif {
                 continue;
             }
             let mut model = Model::new(&self.choice, &self.layout.has(), Inference::new(false));
+            if self.layout.is_fractional() {
+                model = model.whole();
+            }
             self.body(Some(&mut model))?;
             let more = self.state == State::AtomRow;
             self.know_operators()?;

@@ -5,7 +5,7 @@ use super::atom_property::AtomProperty;
 use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
-use super::survey::{PART, Survey};
+use super::survey::Survey;
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{Ledger, reserve};
@@ -136,7 +136,7 @@ pub(super) struct Model {
     watch: Watch,
     /// Inference of elements that the file does not give.
     inference: Inference,
-    /// Where the atoms are counted and dropped, residue by residue.
+    /// Where the atoms are counted and dropped, part by part.
     survey: Option<Survey>,
     /// The number of atoms, and of those that are alternate locations.
     met: u64,
@@ -165,12 +165,18 @@ impl Model {
             ledger: Ledger::default(),
             watch: choice.watch.clone(),
             inference,
-            survey: choice.survey.clone(),
+            // Copies are made of all atoms, and the highest occupancy is that of all alternatives.
+            survey: choice.survey.clone().filter(|_| !copy && choice.altloc != Altloc::Highest),
             met: 0,
             alternates: 0,
             first: String::new(),
             found: false,
         }
+    }
+
+    /// Keeps all atoms until the end, of which copies are made.
+    pub(super) fn whole(self) -> Self {
+        Self { survey: None, ..self }
     }
 
     /// Whether an atom at an alternate location (empty if it has only one) is read. `site` writes what its alternatives
@@ -225,7 +231,8 @@ impl Model {
         chain: u32,
         mut value: impl FnMut(AtomProperty) -> Result<f64>,
     ) -> Result<()> {
-        if self.survey.is_some() && self.particles.positions.len() >= PART && self.inference.is_new_residue(atom) {
+        let full = |survey: &Survey| survey.is_full(self.particles.positions.len());
+        if self.survey.as_ref().is_some_and(full) && self.inference.decides_before(atom) {
             self.count();
         }
         let beside = self.columns.len() * size_of::<f64>() + size_of::<u32>() + infer::BYTES;
@@ -248,13 +255,12 @@ impl Model {
         self.particles.radii.push(radius);
     }
 
-    /// Counts the atoms so far and drops them; the next residue is inferred by itself.
+    /// Counts the atoms so far and drops them.
     fn count(&mut self) {
-        let Some(survey) = self.survey.clone() else { return };
-        let next = Inference::new(self.inference.columns);
-        let inference = std::mem::replace(&mut self.inference, next);
+        let Some(survey) = &self.survey else { return };
+        let survey = survey.clone();
         self.move_columns();
-        self.particles.count_inferred(inference, &survey);
+        self.particles.count_part(&mut self.inference, &survey);
         let columns = std::mem::take(&mut self.particles.columns).into_iter().map(|column| column.values);
         self.columns.iter_mut().zip(columns).for_each(|((_, values), empty)| *values = empty);
     }
@@ -274,8 +280,14 @@ impl Model {
     /// Those of [`assembly::build`] and of `copies`.
     pub(super) fn finish(mut self, copies: Copies<'_>, names: &[Vec<u8>], file: &Place) -> Result<Particles> {
         self.move_columns();
+        if self.survey.is_some() {
+            let said = self.particles.infer(std::mem::take(&mut self.inference), self.survey.as_ref());
+            self.particles.skipped.assumed.extend(said);
+            self.particles.skipped.assumed.extend(self.alternates());
+            return Ok(self.particles);
+        }
         let read = self.particles.elements.len() as u64;
-        let inferred = self.inference.finish(&mut self.particles.elements);
+        let inferred = std::mem::take(&mut self.inference).finish(&mut self.particles.elements);
         if !self.beaten.is_empty() || inferred.sites() > 0 {
             let mut stays: Vec<bool> = self.particles.elements.iter().map(|code| !is_site(*code)).collect();
             self.beaten.iter().for_each(|n| stays[*n] = false);
@@ -291,6 +303,12 @@ impl Model {
         };
         self.particles.skipped.assumed.extend(inferred.sentences(read));
         self.particles.count_unknown_atoms(&inferred);
+        self.particles.skipped.assumed.extend(self.alternates());
+        Ok(self.particles)
+    }
+
+    /// What is reported about alternate locations.
+    fn alternates(&self) -> Option<String> {
         let of = format!("{} of {} atoms are alternate locations", self.alternates, self.met);
         let said = match &self.altloc {
             Altloc::All => {
@@ -305,10 +323,7 @@ impl Model {
             }
             _ => String::new(),
         };
-        if self.alternates > 0 && !said.is_empty() {
-            self.particles.skipped.assumed.push(said);
-        }
-        Ok(self.particles)
+        (self.alternates > 0 && !said.is_empty()).then_some(said)
     }
 }
 

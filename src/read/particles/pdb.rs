@@ -48,11 +48,11 @@ pub(super) struct Pdb {
     told: bool,
 }
 
-/// The columns of an atom by format: those of PDB, and in PDBQT a charge after them.
+/// The columns of an atom by format: those of PDB, and in PDBQT a charge in place of the segment.
 const HAS: [AtomProperty; 13] = [
+    AtomProperty::Segid,
     AtomProperty::Name,
     AtomProperty::Resname,
-    AtomProperty::Segid,
     AtomProperty::Altloc,
     AtomProperty::Icode,
     AtomProperty::Record,
@@ -64,9 +64,10 @@ const HAS: [AtomProperty; 13] = [
     AtomProperty::Serial,
     AtomProperty::Charge,
 ];
-const HAS_PQR: [AtomProperty; 7] = [
+const HAS_PQR: [AtomProperty; 8] = [
     AtomProperty::Name,
     AtomProperty::Resname,
+    AtomProperty::Icode,
     AtomProperty::Record,
     AtomProperty::Charge,
     AtomProperty::Residue,
@@ -78,7 +79,7 @@ const HAS_PQR: [AtomProperty; 7] = [
 fn has(dialect: Format) -> &'static [AtomProperty] {
     match dialect {
         Format::Pqr => &HAS_PQR,
-        Format::Pdbqt => &HAS,
+        Format::Pdbqt => &HAS[1..],
         _ => &HAS[..12],
     }
 }

@@ -49,16 +49,22 @@ impl Poscar {
     fn read(&self, mut lines: Lines<Input>) -> Result<Particles> {
         let header = header(&mut lines)?;
         let mut particles = Particles { has: vec![SPECIES.into()], ..Particles::default() };
+        // A species that occurs again has the label of the first.
+        let (mut labels, mut places) = (Vec::new(), Vec::new());
+        for (k, (name, _)) in header.species.iter().enumerate() {
+            let label = if name.is_empty() { format!("{}", k + 1) } else { name.clone() };
+            let place = labels.iter().position(|known| *known == label).unwrap_or(labels.len());
+            places.push(place as f64);
+            if place == labels.len() {
+                labels.push(label);
+            }
+        }
         if self.wanted {
             particles.columns.push(Column { name: SPECIES.into(), values: Vec::new() });
-            let label = |(k, (name, _)): (usize, &(String, u64))| match name.as_str() {
-                "" => format!("{}", k + 1),
-                name => name.to_owned(),
-            };
-            particles.labels.insert(SPECIES.into(), header.species.iter().enumerate().map(label).collect());
+            particles.labels.insert(SPECIES.into(), labels);
         }
         let known = header.species.iter().any(|(name, _)| !name.is_empty());
-        for (k, (name, count)) in header.species.iter().enumerate() {
+        for ((name, count), place) in header.species.iter().zip(places) {
             let number = atomic_number(symbol(name));
             for _ in 0..*count {
                 need(&mut lines, "position")?;
@@ -68,7 +74,7 @@ impl Poscar {
                     particles.elements.push(number);
                 }
                 if let Some(column) = particles.columns.first_mut() {
-                    column.values.push(k as f64);
+                    column.values.push(place);
                 }
                 lines.found();
             }
@@ -258,6 +264,11 @@ mod tests {
         assert!(axes.skipped.assumed[0].contains("names no species"), "{:?}", axes.skipped);
         let unknown = read(&format!("x\n1\n{CELL}Q O\n1 1\nD\n0 0 0\n0 0 0\n")).expect("a crystal");
         assert_eq!((&unknown.elements[..], unknown.unknown["Q"]), (&[0, 8][..], 1));
+        let again = read(&format!("x\n1\n{CELL}Fe O Fe\n1 1 2\nD\n0 0 0\n0 0 0\n0 0 0\n0 0 0\n")).expect("a crystal");
+        assert_eq!(
+            (&again.labels["species"][..], &again.columns[0].values[..], &again.elements[..]),
+            (&["Fe".to_owned(), "O".to_owned()][..], &[0.0, 1.0, 0.0, 0.0][..], &[26, 8, 26, 26][..])
+        );
     }
 
     #[test]

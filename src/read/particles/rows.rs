@@ -30,18 +30,22 @@ pub(super) fn rows(
     lines.block(most, &mut block)?;
     let mut taken = block.len();
     while block.len() > 0 {
-        let (before, parts) = (particles.positions.len(), block.parts());
+        let (mut some, parts) = (false, block.parts());
+        let mut append = |part: Particles| {
+            some |= !part.positions.is_empty();
+            particles.append(part)
+        };
         let read = if parts.len() == 1 {
             // A small frame does not pay for waking other threads.
-            parts.into_iter().try_for_each(|part| particles.append(found(part)?))?;
+            parts.into_iter().try_for_each(|part| append(found(part)?))?;
             lines.block(most - taken, &mut next)
         } else {
             let (read, all): (_, Vec<Result<Particles>>) =
                 rayon::join(|| lines.block(most - taken, &mut next), || parts.into_par_iter().map(found).collect());
-            all.into_iter().try_for_each(|part| particles.append(part?))?;
+            all.into_iter().try_for_each(|part| append(part?))?;
             read
         };
-        if particles.positions.len() > before {
+        if some {
             lines.found();
         }
         read?;

@@ -1,20 +1,24 @@
 //! What a file contains, counted part by part: the particles of a part are dropped when they have been counted, so that
 //! the memory does not grow with the file.
 
-use super::infer::Inferred;
+use super::infer::{Inference, code_of_unknown};
 use crate::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The most particles in a part.
-pub(super) const PART: usize = 1 << 19;
+/// The most particles in a part, unless another number is given.
+const PART: usize = 1 << 19;
 
 /// The most different numbers of a column that are counted.
 const VALUES: usize = 64;
 
 /// The counts so far; clones share them.
-#[derive(Debug, Clone, Default)]
-pub struct Survey(Arc<Mutex<Counts>>);
+#[derive(Debug, Clone)]
+pub struct Survey {
+    counts: Arc<Mutex<Counts>>,
+    /// The number of particles after which a part is counted and dropped.
+    part: usize,
+}
 
 /// The counts of a frame.
 #[derive(Debug, Clone)]
@@ -33,21 +37,26 @@ pub(in crate::read) struct Counts {
     pub(in crate::read) unknown: BTreeMap<String, u64>,
     pub(in crate::read) cell: Option<Cell>,
     pub(in crate::read) warnings: Vec<String>,
-    inferred: Inferred,
 }
 
 /// The values of a column.
 #[derive(Debug, Clone)]
 pub(in crate::read) struct ColumnCounts {
-    /// The least and the largest number.
+    /// The least and the largest finite number.
     pub(in crate::read) ends: [f64; 2],
     /// Particles without a number.
     pub(in crate::read) missing: u64,
+    /// Particles with an infinity.
+    pub(in crate::read) infinite: u64,
     /// The number of particles by value: by the number of a name, or by whole number; `None` for other numbers and too
     /// many of them.
     pub(in crate::read) values: Option<BTreeMap<i64, u64>>,
+    /// Whether the column has names instead of numbers.
+    pub(in crate::read) text: bool,
     /// The names; empty for numbers.
     pub(in crate::read) labels: Vec<String>,
+    /// Texts among the numbers, with the number of their particles.
+    pub(in crate::read) texts: BTreeMap<String, u64>,
 }
 
 impl Default for Counts {
@@ -63,7 +72,6 @@ impl Default for Counts {
             unknown: BTreeMap::new(),
             cell: None,
             warnings: Vec::new(),
-            inferred: Inferred::default(),
         }
     }
 }
@@ -78,7 +86,24 @@ pub(super) struct Counted<'a> {
     pub(super) columns: Vec<(&'a str, &'a [f64], bool)>,
 }
 
+impl Default for Survey {
+    fn default() -> Self {
+        Self { counts: Arc::default(), part: PART }
+    }
+}
+
 impl Survey {
+    /// A survey that drops the particles after each part of so many; the counts do not depend on it.
+    #[cfg(test)]
+    pub(in crate::read) fn with_part(part: usize) -> Self {
+        Self { part, ..Self::default() }
+    }
+
+    /// Whether `particles` are a part.
+    pub(super) fn is_full(&self, particles: usize) -> bool {
+        particles >= self.part
+    }
+
     /// Counts spheres and drops them; without radii in the file their radii are not counted.
     pub(in crate::read) fn count_spheres(&self, spheres: &mut Spheres, sized: bool) {
         self.counts().add(&Counted {
@@ -93,7 +118,7 @@ impl Survey {
 
     /// The counts so far.
     pub(super) fn counts(&self) -> MutexGuard<'_, Counts> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -117,35 +142,54 @@ impl Counts {
                 self.columns.insert((*name).to_owned(), ColumnCounts::new());
             }
             if let Some(counts) = self.columns.get_mut(*name) {
+                counts.text |= text;
                 values.iter().for_each(|value| counts.add(*value, *text));
             }
         }
     }
 
-    /// Adds how elements of a part were inferred, and its unknown names.
-    pub(super) fn add_inferred(&mut self, inferred: Inferred, unknown: BTreeMap<String, u64>) {
-        self.inferred.add(inferred);
-        self.add_unknown(unknown);
+    /// Finishes an inference whose atoms were all counted; returns what to report.
+    pub(super) fn infer(&mut self, inference: Inference) -> Vec<String> {
+        let inferred = inference.finish_counts(&mut self.elements);
+        for (slot, name) in inferred.names.iter().enumerate() {
+            let count = std::mem::take(&mut self.elements[code_of_unknown(slot)]);
+            self.elements[0] += count;
+            if count > 0 {
+                *self.unknown.entry(name.clone()).or_default() += count;
+            }
+        }
+        inferred.sentences(self.particles + inferred.sites())
     }
 
     pub(super) fn add_unknown(&mut self, unknown: BTreeMap<String, u64>) {
         unknown.into_iter().for_each(|(name, count)| *self.unknown.entry(name).or_default() += count);
     }
-
-    /// The messages about inferred elements.
-    pub(super) fn inferred(&self) -> Vec<String> {
-        self.inferred.sentences(self.particles + self.inferred.sites())
-    }
 }
 
 impl ColumnCounts {
     fn new() -> Self {
-        Self { ends: [f64::INFINITY, f64::NEG_INFINITY], missing: 0, values: Some(BTreeMap::new()), labels: Vec::new() }
+        Self {
+            ends: [f64::INFINITY, f64::NEG_INFINITY],
+            missing: 0,
+            infinite: 0,
+            values: Some(BTreeMap::new()),
+            text: false,
+            labels: Vec::new(),
+            texts: BTreeMap::new(),
+        }
+    }
+
+    /// Takes texts that were counted as missing numbers.
+    pub(super) fn mix(&mut self, texts: BTreeMap<String, u64>) {
+        self.missing = self.missing.saturating_sub(texts.values().sum());
+        self.text |= !texts.is_empty();
+        self.texts = texts;
     }
 
     fn add(&mut self, value: f64, text: bool) {
-        if value.is_nan() {
-            self.missing += 1;
+        if !value.is_finite() {
+            self.missing += u64::from(value.is_nan());
+            self.infinite += u64::from(value.is_infinite());
             return;
         }
         self.ends = [self.ends[0].min(value), self.ends[1].max(value)];

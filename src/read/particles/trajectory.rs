@@ -115,7 +115,7 @@ impl ParticleFrames for Trajectory {
                 particles.columns.push(Column { name: VELOCITIES[*k].to_owned(), values });
             }
         }
-        (particles.positions, particles.cell) = (moment.positions, moment.cell);
+        (particles.positions, particles.cell, particles.when) = (moment.positions, moment.cell, moment.when);
         Ok(Some(particles))
     }
 

@@ -4,7 +4,7 @@
 
 use super::layout::{Layout, Role, component, wanted};
 use super::rows::{rows, surplus};
-use super::{ParticleFrames, Particles, Survey};
+use super::{FrameTime, ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;
 use crate::quote::quote;
@@ -92,12 +92,15 @@ impl Xyz {
         Error::scene(self.lines.place(byte).named(field), problem, mend)
     }
 
-    /// The columns and the cell of the comment line.
-    fn layout(&self) -> Result<(Layout, Option<Cell>)> {
+    /// The columns, the cell, and the time of the comment line.
+    fn layout(&self) -> Result<(Layout, Option<Cell>, FrameTime)> {
         let (mut at, mut properties, mut cell) = (0, "species:S:1:pos:R:3", None);
+        let (mut time, mut step) = (None, None);
         for (place, key, value) in pairs(self.lines.text()) {
             match &key.to_ascii_lowercase()[..] {
                 "properties" => (at, properties) = (place, value),
+                "time" => time = value.trim().parse().ok(),
+                "step" => step = value.trim().parse().ok(),
                 "lattice" => cell = Some(self.lattice(place, value)?),
                 _ => {}
             }
@@ -124,7 +127,7 @@ impl Xyz {
         if !layout.contains(Role::Position(2)) {
             return Err(wrong("the property pos with three columns is missing".into()));
         }
-        Ok((layout.skipping(self.skip_invalid), cell))
+        Ok((layout.skipping(self.skip_invalid), cell, FrameTime::of(time, step)))
     }
 
     fn lattice(&self, at: usize, text: &str) -> Result<Cell> {
@@ -195,8 +198,8 @@ impl ParticleFrames for Xyz {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(count) = self.count()? else { return Ok(None) };
         self.need("comment")?;
-        let (layout, cell) = self.layout()?;
-        let mut particles = Particles { cell, ..layout.begin(self.survey.as_ref()) };
+        let (layout, cell, when) = self.layout()?;
+        let mut particles = Particles { cell, when, ..layout.begin(self.survey.as_ref()) };
         let row = |line: &Lines<&[u8]>, found: &mut _| layout.row(&mut Words::of(line), line, found);
         if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
             return Err(self.ends("atom"));
@@ -238,6 +241,9 @@ mod tests {
         assert_eq!(frame.columns, [Column { name: "v_y".into(), values: vec![5.0] }]);
         assert_eq!(frame.cell.expect("a cell").edges[1], [0.0, 2.0, 0.0]);
         assert_eq!(frame.unknown.get("Xx"), Some(&1));
+        assert_eq!(frame.when, FrameTime::default());
+        let text = "1\nTime=0.25 step=40 Properties=pos:R:3\n1 2 3\n";
+        assert_eq!(read(text, &[]).expect("a frame")[0].when, FrameTime { time: Some(0.25), step: Some(40) });
         assert_eq!(frame.has[3..], ["species", "v_x", "v_y", "radius"]);
     }
 

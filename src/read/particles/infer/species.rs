@@ -79,16 +79,16 @@ impl Species {
         (self.messages(codes.len() as u64, names), !self.sites.is_empty())
     }
 
-    /// The same for the number of particles of each code; virtual sites are removed. Returns the messages.
+    /// The same for the number of particles of each code, virtual sites not among them. Returns the messages.
     pub(crate) fn settle_counts(self, counts: &mut [u64; 256]) -> Vec<String> {
-        let (total, mut names) = (counts.iter().sum(), 0_u64);
+        let total = counts.iter().sum::<u64>() + self.sites.values().sum::<u64>();
+        let mut names = 0_u64;
         for code in (0..=u8::MAX).filter(|code| is_unsure(*code)) {
             let count = std::mem::take(&mut counts[usize::from(code)]);
             let (number, is_name) = self.decide(code);
             names += if is_name { count } else { 0 };
             counts[usize::from(number)] += count;
         }
-        counts[usize::from(SITE)] = 0;
         self.messages(total, names)
     }
 

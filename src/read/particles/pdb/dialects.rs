@@ -75,7 +75,9 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &m
     let atom = AtomNames { symbol: if symbol.len() <= 2 { symbol } else { b"" }, ..atom };
     let serial = words.first().and_then(|word| word.text.trim_start_matches(char::is_alphabetic).parse().ok());
     // An insertion code may follow the residue's number.
-    let site = std::str::from_utf8(atom.site).unwrap_or_default().trim_end_matches(|c: char| !c.is_ascii_digit());
+    let whole = std::str::from_utf8(atom.site).unwrap_or_default();
+    let site = whole.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let icode = if site.is_empty() { "" } else { whole[site.len()..].trim() };
     let number = site.rsplit(|c: char| !(c.is_ascii_digit() || c == '-')).next().and_then(|digits| digits.parse().ok());
     let record = &line[..line.iter().take_while(|byte| byte.is_ascii_alphabetic()).count()];
     model.push(&atom, position, 0, |kind| {
@@ -86,6 +88,7 @@ pub(super) fn pqr<R: BufRead>(lines: &Lines<R>, names: &mut NameTable, model: &m
             AtomProperty::Chain => names.number(kind, chain)?,
             AtomProperty::Name => names.number(kind, atom.name.trim_ascii())?,
             AtomProperty::Resname => names.number(kind, atom.residue)?,
+            AtomProperty::Icode => names.number(kind, icode.as_bytes())?,
             AtomProperty::Record => names.number(kind, record)?,
             _ => 0.0,
         })

@@ -261,6 +261,9 @@ fn autodock_types_give_elements() {
     let frame = read_as(Format::Pdbqt, &text.concat(), &options(&["charge", "serial"])).expect("atoms").remove(0);
     assert_eq!(frame.elements, [6, 1, 8, 7, 11, 17, 30, 16, 6]);
     assert_eq!(frame.columns[0].values[..3], [0.007, 0.292, -0.507]);
+    // The charge is in the columns of the segment.
+    let segid = read_as(Format::Pdbqt, &text.concat(), &options(&["segid"])).expect("atoms").remove(0);
+    assert!(segid.columns.is_empty() && !segid.has.contains(&"segid".to_owned()), "{:?}", segid.has);
     assert!(frame.skipped.assumed.is_empty(), "{:?}", frame.skipped);
 }
 
@@ -271,8 +274,9 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
         ATOM   2  CA  MET A   1     -11.5   26.0   10.0  0.2  2.0\n\
         HETATM99999  H1  WAT B  -7A   -100.123-200.456-300.789  0.4170 0.0000\n\
         HETATM100000 CL   CL     9       1.0 2.0 3.0 -1.0 1.9 CL\nTER\nEND\n";
-    let frame =
-        read_as(Format::Pqr, text, &options(&["charge", "serial", "residue", "chain"])).expect("atoms").remove(0);
+    let frame = read_as(Format::Pqr, text, &options(&["charge", "serial", "residue", "chain", "icode"]))
+        .expect("atoms")
+        .remove(0);
     assert_eq!(frame.elements, [7, 6, 1, 17]);
     assert_eq!(frame.positions[0], [-11.921, 26.307, 10.41]);
     assert_eq!(frame.positions[2], [-100.123, -200.456, -300.789]);
@@ -282,6 +286,14 @@ fn radii_and_charges_of_pqr_are_read_with_and_without_columns() {
     assert_eq!(column("charge"), [-0.3, 0.2, 0.417, -1.0]);
     assert_eq!(column("serial"), [1.0, 2.0, 99999.0, 100000.0]);
     assert_eq!((column("residue"), column("chain")), (&[1.0, 1.0, -7.0, 9.0][..], &[0.0, 1.0, 2.0, 0.0][..]));
+    let icodes = |frame: &Particles| -> Vec<String> {
+        let column = frame.columns.iter().find(|column| column.name == "icode").expect("icode");
+        column.values.iter().map(|number| frame.labels["icode"][*number as usize].clone()).collect()
+    };
+    assert_eq!(icodes(&frame), ["", "", "A", ""]);
+    let spaced = "ATOM 1 N MET A 52A 1.0 2.0 3.0 0.5 1.5\nATOM 2 N MET A 52 B 1.0 2.0 3.0 0.5 1.5\n";
+    let frame = read_as(Format::Pqr, spaced, &options(&["icode"])).expect("atoms").remove(0);
+    assert_eq!(icodes(&frame), ["A", "B"]);
     for (line, told) in [
         (
             "ATOM      1  N    MET     1     -11.921   26.307   10.410\n",

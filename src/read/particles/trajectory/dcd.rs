@@ -5,6 +5,7 @@
 use super::moment::{Moment, Moments};
 use crate::error::Result;
 use crate::memory::{check, check_ids, reserve};
+use crate::read::particles::FrameTime;
 use crate::read::particles::bytes::BinaryFile;
 use crate::read::particles::molecule;
 use crate::scene::Cell;
@@ -17,6 +18,8 @@ pub(super) struct Dcd {
     fixed: Option<Fixed>,
     /// The bytes of a record.
     record: Vec<u8>,
+    /// The number of frames so far.
+    passed: i64,
 }
 
 /// What the first records say of the frames.
@@ -28,6 +31,10 @@ struct DcdHeader {
     atoms: u64,
     has_cell: bool,
     has_fourth: bool,
+    /// The step of the first frame, the steps between frames, and the time of a step in AKMA units.
+    first: i32,
+    between: i32,
+    delta: f64,
 }
 
 /// Atoms that do not move: frames after the first have the others only.
@@ -39,6 +46,13 @@ struct Fixed {
 }
 
 const DAMAGED: &str = "the file is damaged, or is no DCD file; copy or write it again";
+
+/// Picoseconds per AKMA unit of time, in which CHARMM and NAMD write the time of a step
+/// (academiccharmm.org/documentation, usage: 1 AKMA unit is 4.888821e-14 s).
+const AKMA: f64 = 0.048_888_21;
+
+/// The title of LAMMPS, which writes the time of a step in the unit of its input (`dump_dcd.cpp`).
+const LAMMPS: &[u8] = b"Written by LAMMPS";
 
 /// Bytes of a cell: six doubles.
 const CELL: u64 = 48;
@@ -54,11 +68,19 @@ impl DcdHeader {
     fn ints(self, record: &[u8]) -> Vec<i32> {
         record.as_chunks().0.iter().map(|bytes| self.int(*bytes)).collect()
     }
+
+    /// The time of a frame, from 0, where the file has the time of a step, and its step, where it has the steps between
+    /// frames.
+    fn when(self, frame: i64) -> FrameTime {
+        let step = (self.between > 0).then(|| i64::from(self.first) + frame * i64::from(self.between));
+        let time = step.filter(|_| self.delta > 0.0).map(|step| step as f64 * self.delta * AKMA);
+        FrameTime::of(time, step)
+    }
 }
 
 impl Dcd {
     pub(super) fn new(file: BinaryFile) -> Self {
-        Self { file, header: None, fixed: None, record: Vec::new() }
+        Self { file, header: None, fixed: None, record: Vec::new(), passed: 0 }
     }
 
     /// The header, which is read once.
@@ -67,15 +89,25 @@ impl Dcd {
             return Ok(header);
         }
         let (big, marker) = self.encoding()?;
-        let mut header = DcdHeader { big, marker, atoms: 0, has_cell: false, has_fourth: false };
+        let unread =
+            DcdHeader { big, marker, atoms: 0, has_cell: false, has_fourth: false, first: 0, between: 0, delta: 0.0 };
+        let mut header = unread;
         self.file.block(80, &mut self.record, "control numbers")?;
         self.marker(header, 84, "control numbers")?;
         let control = header.ints(&self.record);
         // X-PLOR has no version, and the second half of a double where CHARMM says whether there is a cell.
         let is_charmm = control[19] != 0;
         (header.has_cell, header.has_fourth) = (is_charmm && control[10] != 0, is_charmm && control[11] != 0);
+        (header.first, header.between) = (control[1], control[2]);
+        header.delta = match (is_charmm, self.record[36..44].try_into()) {
+            (false, Ok(bytes)) if big => f64::from_be_bytes(bytes),
+            (false, Ok(bytes)) => f64::from_le_bytes(bytes),
+            _ => f64::from(f32::from_bits(control[9] as u32)),
+        };
         let fixed = control[8];
-        self.titles(header)?;
+        if self.titles(header)? {
+            header.delta = 0.0;
+        }
         self.marker(header, 4, "number of atoms")?;
         let at = self.file.at();
         let atoms = header.int(self.file.bytes("number of atoms")?);
@@ -100,8 +132,9 @@ impl Dcd {
     }
 
     /// Skips the titles, of 80 bytes each after their number. Versions of MDAnalysis write a marker for two titles and
-    /// three titles (package 2.11, coordinates/test.dcd), so their number counts.
-    fn titles(&mut self, header: DcdHeader) -> Result<()> {
+    /// three titles (package 2.11, coordinates/test.dcd), so their number counts. Returns whether the first is that of
+    /// LAMMPS.
+    fn titles(&mut self, header: DcdHeader) -> Result<bool> {
         let (field, at) = ("titles", self.file.at());
         let length = self.length(header, field)?;
         let count = header.int(self.file.bytes(field)?);
@@ -109,8 +142,12 @@ impl Dcd {
         let text = length.checked_sub(4).ok_or_else(|| wrong(format!("a record of {length} bytes")))?;
         let count = u64::try_from(count).map_err(|_| wrong(format!("{count} titles")))?;
         let bytes = if text.is_multiple_of(80) { 80 * count } else { text };
-        self.file.pass(bytes, field)?;
-        self.marker(header, length, field)
+        let first = bytes.min(80);
+        self.file.block(first, &mut self.record, field)?;
+        let by_lammps = self.record.starts_with(LAMMPS);
+        self.file.pass(bytes - first, field)?;
+        self.marker(header, length, field)?;
+        Ok(by_lammps)
     }
 
     /// The byte order and the size of a marker, from the first record, which has 84 bytes and begins with its kind.
@@ -255,7 +292,8 @@ impl Moments for Dcd {
             }
         }
         self.file.found();
-        Ok(Some(Moment { positions, cell, ..Moment::default() }))
+        self.passed += 1;
+        Ok(Some(Moment { positions, cell, when: header.when(self.passed - 1), ..Moment::default() }))
     }
 
     fn skip(&mut self) -> Result<bool> {
@@ -272,6 +310,7 @@ impl Moments for Dcd {
             self.pass(header, "skipped frame")?;
         }
         self.file.found();
+        self.passed += 1;
         Ok(true)
     }
 }

@@ -1,6 +1,7 @@
 //! A frame of a trajectory, and the trait of its decoders.
 
 use crate::error::Result;
+use crate::read::particles::FrameTime;
 use crate::scene::Cell;
 
 /// A frame of a trajectory.
@@ -13,6 +14,8 @@ pub(super) struct Moment {
     /// Velocities in the unit of the file; empty where they are not read.
     pub(super) velocities: Vec<[f64; 3]>,
     pub(super) cell: Option<Cell>,
+    /// Picoseconds, and the step.
+    pub(super) when: FrameTime,
 }
 
 /// A decoder of trajectories.

@@ -2,6 +2,7 @@
 //! [`waters`]; TRR and DCD are put together here from the descriptions of the formats.
 
 use super::*;
+use crate::read::particles::FrameTime;
 use crate::read::style::{Coloring, Scale, Style};
 
 /// Four waters in the box 20 x 30 x 40, in two runs of small differences, compressed with a precision of 1000.
@@ -73,13 +74,15 @@ fn xtc_of_many_atoms_has_sizes_of_64_bits() {
 
 #[test]
 fn xtc_frames_of_few_atoms_are_not_compressed() {
-    let words = [1995i32, 2, 0, 0];
+    let words = [1995i32, 2, 500];
     let mut bytes: Vec<u8> = words.iter().flat_map(|x| x.to_be_bytes()).collect();
+    bytes.extend(2.5f32.to_be_bytes());
     bytes.extend([0; 36]);
     bytes.extend(2i32.to_be_bytes());
     bytes.extend([0.5f32, -1.0, 2.0, 3.0, 4.25, 0.0].iter().flat_map(|x| x.to_be_bytes()));
     let frame = frames(Format::Xtc, &bytes, &[]).expect("a frame").remove(0);
     assert_eq!((&frame.positions[..], frame.cell), (&[[5.0, -10.0, 20.0], [30.0, 42.5, 0.0]][..], None));
+    assert_eq!(frame.when, FrameTime { time: Some(2.5), step: Some(500) });
     assert!(open(Format::Xtc, &bytes, None, &[]).skip().expect("skipped"));
 }
 
@@ -114,6 +117,7 @@ fn trr_is_read_in_both_precisions_and_frames_without_positions_are_skipped() {
         let columns: Vec<_> = found[0].columns.iter().map(|c| (c.name.as_str(), &c.values[..])).collect();
         assert_eq!(columns, [("vx", &[0.5, 3.5][..]), ("vz", &[2.5, 5.5])]);
         assert_eq!((found[1].positions[1], found[1].cell), ([35.0, 45.0, 55.0], None));
+        assert_eq!(found[0].when, FrameTime { time: Some(0.5), step: Some(7) });
         assert!(found[1].has.is_empty() && found[1].columns.is_empty());
         let mut passed = open(Format::Trr, &bytes, None, &[]);
         assert!(passed.skip().expect("one"));
@@ -147,6 +151,8 @@ fn dcd(how: How) -> Vec<u8> {
     let mut control = [0; 20];
     (control[0], control[8], control[19]) = (2, if how.fixed { 2 } else { 0 }, 24);
     (control[10], control[11]) = (i32::from(how.cell.is_some()), i32::from(how.fourth));
+    // The first frame is that of step 1000, others follow every 250, and a step takes 0.5 AKMA units.
+    (control[1], control[2], control[9]) = (1000, 250, 0.5f32.to_bits() as i32);
     let first = [b"CORD".to_vec(), control.iter().flat_map(|x| int(*x)).collect()].concat();
     let mut bytes = [record(first), record([int(1), vec![b' '; 80]].concat()), record(int(3))].concat();
     if how.fixed {
@@ -182,9 +188,34 @@ fn dcd_is_read_in_all_its_variants() {
         assert_eq!(found[0].cell.expect("a cell").edges, [[20.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 40.0]]);
         let mut passed = open(Format::Dcd, &bytes, None, &[]);
         assert!(passed.skip().expect("one"));
-        assert_eq!(passed.next().expect("read").expect("the second").positions, found[1].positions);
+        let second = passed.next().expect("read").expect("the second");
+        assert_eq!((second.positions, second.when), (found[1].positions.clone(), found[1].when));
         assert!(!passed.skip().expect("the end"));
+        for (frame, step) in found.iter().zip([1000, 1250]) {
+            let time = frame.when.time.expect("a time");
+            // 4.888821e-14 s are an AKMA unit; two roundings.
+            assert!((time - step as f64 * 0.5 * 0.04888821).abs() < 1e-14 * time && frame.when.step == Some(step));
+        }
     }
+}
+
+#[test]
+fn steps_of_dcd_have_a_time_in_the_precision_of_the_program() {
+    let mut bytes = dcd(PLAIN);
+    // The control numbers follow the marker and the kind; X-PLOR has a double, and no version at the end.
+    bytes[8 + 36..8 + 44].copy_from_slice(&0.1f64.to_le_bytes());
+    bytes[8 + 76..8 + 80].fill(0);
+    let when = |bytes: &[u8]| frames(Format::Dcd, bytes, &[]).expect("two frames")[0].when;
+    let time = when(&bytes).time.expect("a time");
+    assert!((time - 4.888821).abs() < 1e-13, "{time}");
+    let mut lammps = bytes.clone();
+    // The titles follow the first record, their marker and their number.
+    lammps[92 + 8..92 + 25].copy_from_slice(b"Written by LAMMPS");
+    assert_eq!(when(&lammps), FrameTime { time: None, step: Some(1000) });
+    bytes[8 + 36..8 + 44].fill(0);
+    assert_eq!(when(&bytes), FrameTime { time: None, step: Some(1000) });
+    bytes[8 + 8..8 + 12].fill(0);
+    assert_eq!(when(&bytes), FrameTime::default());
 }
 
 #[test]

@@ -3,8 +3,9 @@
 //! stay in nm/ps, as those of GRO. Frames without positions are skipped and not counted.
 
 use super::moment::{Moment, Moments};
-use super::xdr::{NANOMETRE, Real, atoms, cell, int, vectors};
+use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
 use crate::error::Result;
+use crate::read::particles::FrameTime;
 use crate::read::particles::bytes::BinaryFile;
 
 /// The reader.
@@ -45,6 +46,7 @@ struct TrrHeader {
     sizes: [u64; 10],
     atoms: u64,
     real: Real,
+    when: FrameTime,
 }
 
 impl TrrHeader {
@@ -63,7 +65,7 @@ impl Trr {
         Self { file, moving }
     }
 
-    /// The header of the next frame, without its time; `None` at the end of the file.
+    /// The header of the next frame; `None` at the end of the file.
     fn header(&mut self) -> Result<Option<TrrHeader>> {
         let file = &mut self.file;
         if file.is_end()? {
@@ -85,18 +87,21 @@ impl Trr {
             *size = u64::try_from(bytes).map_err(|_| wrong())?;
         }
         let (at, atoms) = (file.at(), atoms(file)?);
-        let real = Self::real(&sizes, atoms);
-        let sizes_fit = real.is_some_and(|real| {
+        let precision = Self::real(&sizes, atoms);
+        let sizes_fit = precision.is_some_and(|real| {
             let fits = |part: usize, numbers: u64| [0, numbers * real.size()].contains(&sizes[part]);
             (BOX..=4).all(|part| fits(part, 9)) && (POSITIONS..10).all(|part| fits(part, 3 * atoms))
         });
-        let Some(real) = real.filter(|_| sizes_fit) else {
+        let Some(precision) = precision.filter(|_| sizes_fit) else {
             let problem = format!("the sizes of the parts of a frame do not fit {atoms} atoms");
             return Err(file.fail(at, "number of atoms", problem, DAMAGED));
         };
-        // Step, number of energies, time and lambda.
-        file.pass(8 + 2 * real.size(), "time")?;
-        Ok(Some(TrrHeader { sizes, atoms, real }))
+        let step = int(file, "step")?;
+        file.pass(4, "number of energies")?;
+        let time = real(file, precision, "time")?;
+        file.pass(precision.size(), "lambda")?;
+        let when = FrameTime::of(Some(time), Some(step.into()));
+        Ok(Some(TrrHeader { sizes, atoms, real: precision, when }))
     }
 
     /// The precision, from the size of a part; single where all are empty.
@@ -136,7 +141,7 @@ impl Moments for Trr {
         let passed = if moving { VELOCITIES + 1 } else { VELOCITIES };
         file.pass(header.bytes(passed..10), "velocities and forces")?;
         file.found();
-        Ok(Some(Moment { positions, has_velocities: header.has(VELOCITIES), velocities, cell }))
+        Ok(Some(Moment { positions, has_velocities: header.has(VELOCITIES), velocities, cell, when: header.when }))
     }
 
     fn skip(&mut self) -> Result<bool> {

@@ -7,6 +7,7 @@ use super::ints::{self, Packed};
 use super::moment::{Moment, Moments};
 use super::xdr::{NANOMETRE, Real, atoms, cell, int, real, vectors};
 use crate::error::Result;
+use crate::read::particles::FrameTime;
 use crate::read::particles::bytes::BinaryFile;
 use crate::scene::Cell;
 
@@ -23,6 +24,7 @@ struct XtcHeader {
     long: bool,
     atoms: u64,
     cell: Option<Cell>,
+    when: FrameTime,
 }
 
 /// The numbers that a frame begins with; the second is for frames whose compressed bytes may need a 64-bit number.
@@ -51,7 +53,9 @@ impl Xtc {
             return Err(self.file.fail(at, "magic number", problem, DAMAGED));
         }
         let atoms = atoms(&mut self.file)?;
-        self.file.pass(8, "step and time")?;
+        let step = int(&mut self.file, "step")?;
+        let time = real(&mut self.file, Real::Single, "time")?;
+        let when = FrameTime::of(Some(time), Some(step.into()));
         let cell = cell(&mut self.file, Real::Single)?;
         let at = self.file.at();
         let again = int(&mut self.file, "number of positions")?;
@@ -59,7 +63,7 @@ impl Xtc {
             let problem = format!("{again} positions of {atoms} atoms");
             return Err(self.file.fail(at, "number of positions", problem, DAMAGED));
         }
-        Ok(Some(XtcHeader { long: magic == MAGIC_64, atoms, cell }))
+        Ok(Some(XtcHeader { long: magic == MAGIC_64, atoms, cell, when }))
     }
 
     /// The number of compressed bytes, which is at the current byte.
@@ -114,7 +118,7 @@ impl Moments for Xtc {
             self.compressed(&header)?
         };
         self.file.found();
-        Ok(Some(Moment { positions, cell: header.cell, ..Moment::default() }))
+        Ok(Some(Moment { positions, cell: header.cell, when: header.when, ..Moment::default() }))
     }
 
     fn skip(&mut self) -> Result<bool> {
