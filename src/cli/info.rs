@@ -125,7 +125,8 @@ fn is_elements(info: &FileInfo, (_, column): &(&String, &ColumnInfo)) -> bool {
 /// The values of a column in words.
 fn values(column: &ColumnInfo) -> String {
     let mut parts = Vec::new();
-    if let (Some(low), Some(high)) = (column.min, column.max) {
+    let is_one = column.distinct == Some(1);
+    if let (Some(low), Some(high), false) = (column.min, column.max, is_one) {
         parts.push(format!("{} to {}", brief(low), brief(high)));
     }
     let few = column.kind == "text" || column.values.len() <= LISTED;

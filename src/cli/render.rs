@@ -15,6 +15,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
 use halfline::measure::plot::inset::Panels;
+use halfline::progress::Cancel;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
@@ -55,6 +56,9 @@ pub(crate) struct Render {
     quiet: QuietArgs,
 }
 
+/// The most spheres of a scene beside which the next one is prepared: some 200 MB.
+const AHEAD: usize = 1 << 22;
+
 /// The heading of the options that report on the rendering.
 const REPORTING: &str = "Reporting";
 
@@ -89,7 +93,8 @@ impl Render {
             settings.aovs.push(Aov::Color);
         }
         // Opening a device takes time, so it runs beside the reading of the scene.
-        let (opened, renderer) = threads::both(|| self.first(), || Renderer::new(&settings));
+        let cancel = Cancel::default();
+        let (opened, renderer) = threads::both(|| self.first(&cancel), || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
@@ -101,7 +106,13 @@ impl Render {
             note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let (mut printed, mut cameras) = (BTreeSet::new(), WrittenCameras::default());
-        while let Some(now) = picture {
+        // The next scene is prepared while one is rendered, unless two would need much memory.
+        let is_large = picture.as_ref().is_some_and(|picture| picture.scene.spheres.len() > AHEAD);
+        let mut next = || match picture.take() {
+            Some(first) => Ok(Some(first)),
+            None => self.ready(&mut scene_frames),
+        };
+        let mut each = |now: Numbered| {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
@@ -110,7 +121,14 @@ impl Render {
             let files = self.args.files.targets(now.number)?;
             let camera = CameraRecord::new(&now.scene.camera, image.width, image.height)?;
             cameras.add(now.number, files.iter().map(Target::path), camera);
-            picture = self.ready(&mut scene_frames)?;
+            Ok(())
+        };
+        if self.args.is_many() && !is_large {
+            threads::ahead(next, &cancel, each)?;
+        } else {
+            while let Some(now) = next()? {
+                each(now)?;
+            }
         }
         bar.finish();
         if let Some(list) = self.args.camera_list()? {
@@ -214,8 +232,8 @@ impl Render {
     }
 
     /// The opened file and its first scene.
-    fn first(&self) -> Result<(SceneFrames<'_>, Option<Numbered>)> {
-        let mut scene_frames = SceneFrames::open(&self.args)?;
+    fn first(&self, cancel: &Cancel) -> Result<(SceneFrames<'_>, Option<Numbered>)> {
+        let mut scene_frames = SceneFrames::open(&self.args, cancel)?;
         let first = self.ready(&mut scene_frames)?;
         Ok((scene_frames, first))
     }

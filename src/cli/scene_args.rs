@@ -12,6 +12,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
+use halfline::progress::Cancel;
 use halfline::scene::{Framing, Scene};
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::shade::Shade;
@@ -175,7 +176,7 @@ impl ComputeArgs {
 impl SceneArgs {
     /// The scene with the options applied; of several, the first.
     pub(super) fn first(&self) -> Result<Numbered> {
-        let first = SceneFrames::open(self)?.next_frame()?;
+        let first = SceneFrames::open(self, &Cancel::default())?.next_frame()?;
         first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
     }
 

@@ -9,6 +9,7 @@ use super::watch;
 use glam::{DQuat, DVec3};
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
+use halfline::progress::Cancel;
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, Hold, ReadOptions, SceneFrame, Sequence};
@@ -43,9 +44,10 @@ pub(super) struct Numbered {
 }
 
 impl<'a> SceneFrames<'a> {
-    /// Opens the scene file.
-    pub(super) fn open(args: &'a SceneArgs) -> Result<Self> {
+    /// Opens the scene file; `cancel` ends the reading of frames.
+    pub(super) fn open(args: &'a SceneArgs, cancel: &Cancel) -> Result<Self> {
         let mut options = args.color.of(args.read.options())?;
+        options.watch = options.watch.cancelled_by(cancel);
         options.skip_invalid = args.skip_invalid;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;

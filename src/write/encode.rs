@@ -3,7 +3,7 @@
 use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
 use super::rows::Rows;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frame::{Aov, Buffer, Data, Frame, srgb};
 use crate::quote::number;
 use rayon::prelude::*;
@@ -58,7 +58,10 @@ impl Rows for Encoder<'_> {
                 None => floats(&all[values], form),
             },
             Data::F64(all) => doubles(&all[values], form, style),
-            Data::I32(all) => plain(&all[values], i32::to_le_bytes),
+            Data::I32(all) => match form.kind {
+                SampleType::U16 => made(&all[values], |id| number_of(id).unwrap_or(u16::MAX).to_le_bytes()).into(),
+                _ => plain(&all[values], i32::to_le_bytes),
+            },
             Data::U8(all) => bytes(&all[values], form, self.format),
         })
     }
@@ -164,6 +167,26 @@ fn step(x: f64, unit: f64) -> u16 {
 
 /// The largest length in a 16-bit PNG, in units.
 const STEPS: f64 = 65535.0;
+
+/// The number of a sphere in a 16-bit PNG, from 1: 0 is a miss. `None` for an id that is too large.
+fn number_of(id: i32) -> Option<u16> {
+    u16::try_from(i64::from(id) + 1).ok()
+}
+
+/// Checks that a 16-bit PNG can hold the ids.
+///
+/// # Errors
+/// [`Error::Settings`] for an id above 65534.
+pub(super) fn check_ids(buffer: &Buffer) -> Result<()> {
+    let Data::I32(ids) = &buffer.data else { return Ok(()) };
+    match ids.par_iter().copied().max().filter(|id| number_of(*id).is_none()) {
+        Some(id) => {
+            let problem = format!("the id {id} does not fit into a 16-bit PNG, which holds ids up to 65534");
+            Err(Error::settings(problem, "write .npy or .exr, or --select fewer spheres"))
+        }
+        None => Ok(()),
+    }
+}
 
 /// A warning about lengths that do not fit into a 16-bit PNG.
 pub(super) fn warning(buffer: &Buffer, unit: f64) -> Option<String> {

@@ -173,6 +173,9 @@ impl Target {
                 refuse(format!("{} needs the buffer {aov}, which the frame lacks", self.path.display()))
             })?;
             buffer.check()?;
+            if self.format == FileFormat::Png {
+                encode::check_ids(buffer)?;
+            }
             if buffer.shape[..2] != [lines, columns] || frame.width as usize != columns {
                 return Err(refuse(format!("the buffers do not have the size of the window {}", origin.window)));
             }

@@ -12,7 +12,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FileFormat {
-    /// A picture: colour in sRGB, alpha, normals or occlusion as levels, or lengths in whole units.
+    /// A picture: colour in sRGB, alpha, normals or occlusion as levels, lengths in whole units, or ids from 1.
     Png,
     /// All buffers as layers of one file, 32 bits per sample.
     Exr,
@@ -45,7 +45,7 @@ impl FileFormat {
     /// Whether it can hold a buffer.
     pub fn takes(self, aov: Aov) -> bool {
         match self {
-            Self::Png => !matches!(aov, Aov::Position | Aov::Id | Aov::Certainty | Aov::Bound | Aov::Shadow),
+            Self::Png => !matches!(aov, Aov::Position | Aov::Certainty | Aov::Bound | Aov::Shadow),
             Self::Pfm => {
                 matches!(aov, Aov::Color | Aov::Distance | Aov::Depth | Aov::Normal | Aov::Position | Aov::Occlusion)
             }
@@ -75,7 +75,7 @@ impl FileFormat {
     fn kind(self, aov: Aov, bits: Bits) -> SampleType {
         match (self, aov.dtype(), aov) {
             (Self::Png, _, Aov::Mask) => SampleType::U8,
-            (Self::Png, "float64", _) => SampleType::U16,
+            (Self::Png, "float64", _) | (Self::Png, _, Aov::Id) => SampleType::U16,
             (Self::Png, ..) if bits == Bits::Sixteen => SampleType::U16,
             (Self::Png, ..) => SampleType::U8,
             (Self::Exr, _, Aov::Id | Aov::Certainty) => SampleType::U32,

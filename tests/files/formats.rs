@@ -91,6 +91,7 @@ fn expected(frame: &Frame, aov: Aov, format: FileFormat, style: &FormatOptions) 
         (FileFormat::Png, Aov::Alpha | Aov::Occlusion) => map(&|x| (levels * x).round()),
         (FileFormat::Png, Aov::Normal) => map(&|x| (levels * (x + 1.0) / 2.0).round()),
         (FileFormat::Png, Aov::Mask) => map(&|x| 255.0 * x),
+        (FileFormat::Png, Aov::Id) => map(&|x| x + 1.0),
         (FileFormat::Png, _) => {
             map(&|x| if x.is_finite() { (x / style.unit).round().clamp(1.0, 65535.0) } else { 0.0 })
         }
@@ -127,17 +128,19 @@ fn random_parts_of_random_frames_are_read_back() {
     for n in 0..12 {
         let full = [rng.within(1, 40), rng.within(1, 30)];
         let window = random_window(&mut rng, full);
-        let part = cut(&frame(n, full), window);
+        let whole = cut(&frame(n, full), window);
+        let few = with_small_ids(&whole);
         for format in FileFormat::ALL.into_iter().filter(|format| *format != FileFormat::Raw) {
             for style in styles() {
                 for aov in Aov::ALL.into_iter().filter(|aov| format.takes(*aov)) {
                     let path = folder.path().join(format!("one{}", format.ending()));
+                    let part = if (format, aov) == (FileFormat::Png, Aov::Id) { &few } else { &whole };
                     let target = Target::new(&[aov], &path, style).expect("a target");
-                    let (bytes, image_file) = written(&part, &target);
+                    let (bytes, image_file) = written(part, &target);
                     assert_eq!((image_file.window, image_file.full), (window, full));
                     let found = samples(&image_file.layers[0]);
                     let what = format!("{aov} as {format:?} of {window} in {full:?} with {style:?}");
-                    let wanted = expected(&part, aov, format, &style);
+                    let wanted = expected(part, aov, format, &style);
                     // A level of the normal may fall between two: n + 1 is rounded once, in f32.
                     let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1.0;
                     let whole = if (format, aov) == (FileFormat::Png, Aov::Normal) {
@@ -146,11 +149,40 @@ fn random_parts_of_random_frames_are_read_back() {
                         same(&found, &wanted)
                     };
                     assert!(whole, "{what}");
-                    assert_eq!(written(&part, &target).0, bytes, "{what}: the same bytes");
+                    assert_eq!(written(part, &target).0, bytes, "{what}: the same bytes");
                 }
             }
         }
     }
+}
+
+/// The same frame with ids up to 65534, the largest in a PNG.
+fn with_small_ids(frame: &Frame) -> Frame {
+    let mut few = frame.clone();
+    for buffer in &mut few.buffers {
+        if let Data::I32(ids) = &mut buffer.data {
+            ids.iter_mut().filter(|id| **id >= 0).for_each(|id| *id %= 65535);
+            ids[0] = 65534;
+        }
+    }
+    few
+}
+
+#[test]
+fn ids_that_a_png_cannot_hold_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ids.png");
+    let mut frame = with_small_ids(&frame(1, [9, 5]));
+    let target = Target::new(&[Aov::Id], &path, FormatOptions::default()).expect("a target");
+    for buffer in &mut frame.buffers {
+        if let Data::I32(ids) = &mut buffer.data {
+            ids[3] = 65535;
+        }
+    }
+    let origin = origin(&frame, &Settings::default(), "scene");
+    let error = target.write(&frame, &origin).expect_err("65536 is no 16-bit number").to_string();
+    assert!(error.contains("the id 65535") && error.contains(".npy or .exr"), "{error}");
+    assert!(!path.exists(), "no file is left");
 }
 
 #[test]

@@ -326,7 +326,7 @@ fn a_target_writes_what_readers_read() {
 #[test]
 fn a_target_refuses_buffers_that_it_cannot_hold() {
     for (aovs, name, offer) in [
-        (&[Aov::Id][..], "id.png", "use the file name extension .exr, .npy, .npz or .raw"),
+        (&[Aov::Certainty][..], "c.png", "use the file name extension .exr, .npy, .npz or .raw"),
         (&[Aov::Color], "picture.jpg", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),
         (&[Aov::Mask], "mask.pfm", "use the file name extension .png, .exr, .npy, .npz or .raw"),
         (&[Aov::Color], ".png", "use the file name extension .png, .exr, .npy, .npz, .pfm or .raw"),

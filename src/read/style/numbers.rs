@@ -7,6 +7,7 @@ use crate::quote::{list, quote};
 use crate::read::particles::{Column, Particles};
 use crate::scene::Skipped;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 impl Scale {
     /// The colours, and the legend unless there are no values and no range.
@@ -19,15 +20,16 @@ impl Scale {
             return Err(Error::settings(problem, "use two positive numbers, or remove --log"));
         }
         let column = |name: &String| {
-            particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
-                let mend = match &particles.has[..] {
-                    [] => "this file has no columns of numbers".to_owned(),
-                    has => format!("the file has {}", list(has)),
-                };
+            let known = particles.columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
+            known.map(Cow::Borrowed).or_else(|| own(particles, name).map(Cow::Owned)).ok_or_else(|| {
+                let all = particles.has.iter().map(String::as_str);
+                let axes = ["x", "y", "z"].into_iter().filter(|axis| !particles.has.iter().any(|name| name == axis));
+                let mend = format!("the file has {}", list(all.chain(axes)));
                 Error::settings(format!("the file has no column {} to colour by", quote(name)), mend)
             })
         };
-        let columns: Vec<&Column> = self.columns.iter().map(column).collect::<Result<_>>()?;
+        let columns: Vec<Cow<'_, Column>> = self.columns.iter().map(column).collect::<Result<_>>()?;
+        let columns: Vec<&Column> = columns.iter().map(|column| &**column).collect();
         if let Some(found) = categories::apply(self, &columns, particles, skipped)? {
             return Ok(found);
         }
@@ -65,6 +67,18 @@ impl Scale {
     }
 }
 
+/// Coordinates and radii, which every file or some files have besides their columns.
+fn own(particles: &Particles, name: &str) -> Option<Column> {
+    let values: Vec<f64> = match name.to_ascii_lowercase().as_str() {
+        "x" => particles.positions.iter().map(|position| position[0]).collect(),
+        "y" => particles.positions.iter().map(|position| position[1]).collect(),
+        "z" => particles.positions.iter().map(|position| position[2]).collect(),
+        "radius" if !particles.radii.is_empty() => particles.radii.clone(),
+        _ => return None,
+    };
+    Some(Column { name: name.to_owned(), values })
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::colormap::ColorMap;
@@ -93,6 +107,11 @@ mod tests {
         );
         assert!(colors[1].iter().zip(middle).all(|(a, b)| (a - b).abs() < 0.02), "the logarithm's middle");
         assert_eq!(apply(scale(Some([0.0, 20.0]), false), &p).expect("colours").0[1], middle);
+        // Coordinates need no column.
+        p.positions[2] = [7.0, 0.0, 5.0];
+        let height = Scale { columns: vec!["z".into()], ..scale(None, false) };
+        let (colors, legend, _) = apply(height, &p).expect("colours");
+        assert_eq!((legend.expect("a legend").range, colors[2]), ([0.0, 5.0], ColorMap::Viridis.color(1.0)));
         let missing = Scale { columns: vec!["w".into()], ..scale(None, false) };
         assert!(apply(missing, &p).expect_err("no such column").to_string().contains("`w`"));
         apply(scale(Some([0.0, 20.0]), true), &p).expect_err("0 has no logarithm");
