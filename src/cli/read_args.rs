@@ -99,7 +99,7 @@ pub(super) struct ColorArgs {
     /// r,g,b in linear RGB. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = color_rule)]
     color: Vec<Rule<[f32; 3]>>,
-    /// Colours by element, chain, or any numeric column of the file; several columns (vx,vy,vz) by their length.
+    /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     color_by: Option<String>,
     /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, grays, category [default:

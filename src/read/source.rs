@@ -40,10 +40,6 @@ impl SceneSource {
             name.set_extension("");
         }
         let start = reader.look(LOOK).map_err(|e| Error::read(path, e))?;
-        if start.is_empty() {
-            let place = Place::file(path.display().to_string());
-            return Err(Error::scene(place, "the file is empty", "use a file with a scene or particles"));
-        }
         let format = match (options.format, recognise(&start, &name)) {
             (Some(format), _) | (None, Ok(format)) => format,
             (None, Err(_)) if !options.columns_named.is_empty() => Format::Csv,
@@ -51,6 +47,11 @@ impl SceneSource {
                 return Err(Error::scene(Place::file(path.display().to_string()), problem, mend));
             }
         };
+        // The reader of scenes says more: what a scene needs.
+        if start.is_empty() && !matches!(format, Format::Native | Format::Nff) {
+            let place = Place::file(path.display().to_string());
+            return Err(Error::scene(place, "the file is empty", "use a file with particles"));
+        }
         Ok(Self { reader, path: path.to_path_buf(), format })
     }
 }

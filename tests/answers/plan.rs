@@ -106,7 +106,7 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     let names = |plan: &Explanation| plan.uploaded.iter().map(|b| (b.name, b.bytes)).collect::<Vec<_>>();
     let plan = planned(&scene, &uncertified);
     assert_eq!(plan.adapter, renderer.adapter());
-    assert_eq!(names(&plan), [("view", 144), ("spheres", 32 * n)]);
+    assert_eq!(names(&plan), [("view", 160), ("spheres", 32 * n)]);
     assert!(plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
     let pixels = plan.rays;
     let written: Vec<_> = plan.written.iter().map(|b| (b.name, b.bytes)).collect();
