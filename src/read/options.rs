@@ -48,7 +48,7 @@ pub struct ReadOptions {
     pub hide: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
-    /// Counts the particles instead of keeping them, with all columns; see [`crate::read::info`].
+    /// Counts the particles instead of keeping them, with all columns; see [`info`](fn@crate::read::info).
     pub survey: Option<Survey>,
     /// Cancellation of the reading.
     pub watch: Watch,

@@ -41,7 +41,7 @@ fn invalid_arguments_are_exit_code_2() {
     render(&["-o", "out.npy", "--aov", "id=./out.npy"], &["out.npy", "twice"]);
     render(&["-o", "out.jpg"], &["out.jpg", ".png, .exr, .npy, .npz, .pfm or .raw"]);
     render(&["-o", "out"], &["out", ".png, .exr, .npy, .npz, .pfm or .raw"]);
-    render(&["--aov", "id=out.png"], &["out.png", "id", ".npy"]);
+    render(&["--aov", "certainty=out.png"], &["out.png", "certainty", ".npy"]);
     render(&["--aov", "id"], &["NAME=FILE", ".exr or .npz"]);
     render(&["-o", "out.png", "--aov", "id,depth"], &["id,depth", "has no file", ".exr or .npz"]);
     render(&["-o", "-", "--aov", "id,depth"], &["id,depth", "has no file", ".exr or .npz"]);
