@@ -11,9 +11,11 @@ use halfline::camera::{Camera, CameraRecord, Lens, Look};
 use halfline::exact::Judge;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
+use halfline::measure::run::{Options, Subject, measure};
+use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
-use halfline::settings::{Accuracy, Search, Settings};
+use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::window::Window;
 
 const SIZE: [u32; 2] = [88, 61];
@@ -208,6 +210,10 @@ fn the_record_of_a_camera_tells_its_principal_point() {
         let again = CameraRecord::new(&record.camera(), SIZE[0], SIZE[1]).expect("a record");
         assert_eq!(again, record, "its rays are the same again");
     }
+    let options = Options { backend: Backend::Cpu, ..Options::default() };
+    let subject = Subject::scene("off-centre", scene(intrinsics([30.0, 20.5]), SIZE));
+    let error = measure(&subject, &options, &Watch::default(), &mut |_| {});
+    assert!(error.map(drop).expect_err("its clearance is another").to_string().contains("principal point"));
     for bad in [[f64::NAN, 1.0], [1.0, f64::INFINITY], [1e9, 0.0]] {
         cpu().render(&scene(intrinsics(bad), SIZE), &Settings::default()).expect_err("no frame of that size");
     }

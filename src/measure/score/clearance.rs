@@ -3,7 +3,7 @@
 use crate::double_double::{self as dd, Dd, Dd3, dot};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
-use crate::scene::camera::Viewport;
+use crate::scene::camera::{Lens, Viewport};
 use crate::view::FromEye;
 
 /// Returns an error for cameras that the compared methods and the clearance computation do not support.
@@ -11,6 +11,10 @@ pub(in crate::measure) fn one_eye(scene: &Scene) -> Result<()> {
     if scene.camera.lens.is_orthographic() {
         let problem = "the methods that are measured have one eye, and this camera is orthographic";
         return Err(Error::settings(problem, "give the camera a vfov instead of a height"));
+    }
+    if matches!(scene.camera.lens, Lens::Intrinsics { .. }) {
+        let problem = "the clearance of rays is measured for lenses whose principal point is the middle of the image";
+        return Err(Error::settings(problem, "give the camera a viewport or a vfov"));
     }
     Ok(())
 }
