@@ -47,8 +47,7 @@ impl Bar {
     pub(super) fn with_output(output: ProgressOutput, frames: u32) -> Self {
         let notes = Arc::<Mutex<Notes>>::default();
         let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        let lines = matches!(output, ProgressOutput::Json | ProgressOutput::Openjd)
-            .then(|| Arc::new(Mutex::new(ProgressLines::new(output, frames))));
+        let lines = output.is_lines().then(|| Arc::new(Mutex::new(ProgressLines::new(output, frames))));
         let drawing = if output == ProgressOutput::Auto && !is_quiet() && std::io::stderr().is_terminal() {
             let (stop, stopped) = mpsc::channel();
             let (notes, line) = (Arc::clone(&notes), line.clone());

@@ -18,6 +18,13 @@ pub(super) enum ProgressOutput {
     Openjd,
 }
 
+impl ProgressOutput {
+    /// Whether programs read lines, which count the pictures one after the other.
+    pub(super) fn is_lines(self) -> bool {
+        matches!(self, Self::Json | Self::Openjd)
+    }
+}
+
 /// The minimum interval between lines of one step.
 const PAUSE: Duration = Duration::from_millis(100);
 

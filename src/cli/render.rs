@@ -1,5 +1,7 @@
 //! `halfline render SCENE`.
 
+mod picture;
+
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
 use super::clash::check_inputs;
@@ -8,24 +10,18 @@ use super::messages::QuietArgs;
 use super::preview::Preview;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
-use super::{go_on, legend, note, print, say, threads};
+use super::{go_on, legend, note, print, threads, watch};
 use clap::Args;
-use halfline::camera::CameraRecord;
 use halfline::error::{Error, Result};
-use halfline::frame::provenance::Origin;
-use halfline::frame::{Aov, Frame};
-use halfline::measure::plot::inset::Panels;
+use halfline::frame::Aov;
 use halfline::progress::Cancel;
-use halfline::render::{Renderer, origin};
+use halfline::render::Renderer;
 use halfline::report::Report;
-use halfline::scene::Scene;
-use halfline::settings::{Accuracy, Backend, Settings};
-use halfline::write::file::Target;
-use rayon::prelude::*;
-use std::collections::BTreeSet;
-use std::fmt;
+use halfline::settings::Backend;
+use halfline::write::file::{Target, is_special};
+use picture::{Messages, Picture};
 use std::num::NonZeroU32;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Renders a picture of a scene or of particles, and the buffers behind it.
@@ -56,8 +52,9 @@ pub(crate) struct Render {
     quiet: QuietArgs,
 }
 
-/// The most spheres of a scene beside which the next one is prepared: some 200 MB.
-const AHEAD: usize = 1 << 22;
+/// The most spheres of all scenes that are in memory together, and the most pixels of their frames: some hundred bytes
+/// each.
+const TOGETHER: usize = 1 << 22;
 
 /// The heading of the options that report on the rendering.
 const REPORTING: &str = "Reporting";
@@ -84,6 +81,28 @@ A scene file, with the depth of every pixel:
 All options: halfline render --help
 ";
 
+/// What is in memory beside the picture that is rendered.
+#[derive(Clone, Copy)]
+enum Room {
+    /// Nothing.
+    Alone,
+    /// The next scene.
+    Next,
+    /// At most this many pictures that are rendered together.
+    Pictures(usize),
+}
+
+impl Room {
+    /// The number of pictures that are rendered together. The serial parts of one run beside the others; a device does
+    /// the rest of one picture at a time.
+    fn lanes(self, is_gpu: bool) -> usize {
+        match self {
+            Self::Alone | Self::Next => 1,
+            Self::Pictures(most) => most.min(if is_gpu { 2 } else { rayon::current_num_threads() }).max(1),
+        }
+    }
+}
+
 impl Render {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
@@ -98,37 +117,41 @@ impl Render {
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
-        let mut renderer = renderer.watched_by(bar.watch());
         if self.args.accuracy.compute.backend == Backend::Auto
             && !renderer.is_gpu()
             && renderer.passed_over().is_empty()
         {
             note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
-        let (mut printed, mut cameras) = (BTreeSet::new(), WrittenCameras::default());
-        // The next scene is prepared while one is rendered, unless two would need much memory.
-        let is_large = picture.as_ref().is_some_and(|picture| picture.scene.spheres.len() > AHEAD);
+        let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));
+        let mut renderers = vec![renderer.watched_by(bar.watch())];
+        let lanes = room.lanes(renderers[0].is_gpu());
+        while renderers.len() < lanes {
+            // Progress is that of the first.
+            renderers.push(Renderer::new(&settings)?.watched_by(watch()));
+        }
+        let (messages, mut cameras) = (Messages::new(&bar), WrittenCameras::default());
         let mut next = || match picture.take() {
             Some(first) => Ok(Some(first)),
             None => self.ready(&mut scene_frames),
         };
-        let mut each = |now: Numbered| {
+        let each = |renderer: &mut Renderer, numbered: Numbered| {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            self.picture(&now, &settings, &mut renderer, &bar, &mut printed)?;
-            let image = now.scene.image;
-            let files = self.args.files.targets(now.number)?;
-            let camera = CameraRecord::new(&now.scene.camera, image.width, image.height)?;
-            cameras.add(now.number, files.iter().map(Target::path), camera);
-            Ok(())
+            self.picture(&numbered, &settings, renderer, &messages)
         };
-        if self.args.is_many() && !is_large {
-            threads::ahead(next, &cancel, each)?;
-        } else {
-            while let Some(now) = next()? {
-                each(now)?;
+        let mut done = |picture: Picture| {
+            cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.camera);
+            self.print_report(&picture.report)
+        };
+        match room {
+            Room::Alone => {
+                while let Some(numbered) = next()? {
+                    done(each(&mut renderers[0], numbered)?)?;
+                }
             }
+            _ => threads::pipeline(next, renderers, &cancel, each, done)?,
         }
         bar.finish();
         if let Some(list) = self.args.camera_list()? {
@@ -137,88 +160,19 @@ impl Render {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Renders one scene and writes its files, unless all exist. Messages in `printed` are not printed again.
-    fn picture(
-        &self,
-        picture: &Numbered,
-        settings: &Settings,
-        renderer: &mut Renderer,
-        bar: &Bar,
-        printed: &mut BTreeSet<String>,
-    ) -> Result<()> {
-        let scene = &picture.scene;
-        let mut targets = self.args.files.targets(picture.number)?;
-        let panels = self.args.insets.panels(&self.args, picture)?;
-        if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
-            target.set_drawn(panels.words());
-        }
-        let settings = &self.args.settings_for(picture, settings, &targets)?;
-        if self.resume && !targets.is_empty() {
-            let report = renderer.dry_run(scene, settings)?;
-            let origin = origin(scene, settings, &report, settings.window_of(scene)?);
-            targets.retain(|target| !target.is_there_while(&origin, &go_on));
-            if targets.is_empty() {
-                let which = if self.args.is_many() { format!("picture {}: ", picture.number) } else { String::new() };
-                bar.aside(|| {
-                    note(format_args!(
-                        "{which}already there: every file is complete and comes from the same rendering"
-                    ));
-                });
-                self.write_legend(picture)?;
-                return self.print_report(&Report { resumed: true, number: picture.number, ..report });
-            }
-        }
-        let mut once = |words: String, print: fn(fmt::Arguments<'_>)| {
-            if !printed.contains(&words) {
-                bar.aside(|| print(format_args!("{words}")));
-                printed.insert(words);
-            }
-        };
-        once(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()), note);
-        let mut frame = self.frames(renderer, scene, settings, &targets)?;
-        frame.report.number = picture.number;
-        frame.report.hold = self.args.read.hold();
-        self.args.read.hold_words().into_iter().for_each(|words| once(words, note));
-        picture.look.words().into_iter().for_each(|words| once(words, note));
-        if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            once(frame.report.reason.clone(), note);
-        }
-        frame.report.warnings.iter().for_each(|warning| once(format!("warning: {warning}"), say));
-        if !targets.is_empty() {
-            self.args.insets.words(scene).into_iter().for_each(|words| once(words, note));
-            let (report, window) = (frame.report.clone(), frame.window);
-            self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
-        }
-        self.write_legend(picture)?;
-        if let Some(preview) = self.preview {
-            preview.show(&frame);
-        }
-        self.print_report(&frame.report)?;
-        renderer.recycle(frame);
-        Ok(())
-    }
-
-    /// Renders the repeated frames; returns the last one with the times of all and the warnings of its files.
-    fn frames(&self, renderer: &mut Renderer, scene: &Scene, settings: &Settings, targets: &[Target]) -> Result<Frame> {
-        let mut frame = renderer.render(scene, settings)?;
-        let mut times = frame.report.frame_ms.clone();
-        let mut kernels = frame.report.kernel_ms.clone();
-        for _ in 1..self.repeat.get() {
-            renderer.recycle(frame);
-            frame = renderer.render(scene, settings)?;
-            times.extend(&frame.report.frame_ms);
-            kernels.extend(&frame.report.kernel_ms);
-        }
-        (frame.report.frame_ms, frame.report.kernel_ms) = (times, kernels);
-        let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
-        frame.report.warnings.extend(beyond);
-        Ok(frame)
-    }
-
-    fn write_legend(&self, picture: &Numbered) -> Result<()> {
-        match (legend::file(&self.args, picture.number)?, &picture.legend) {
-            (Some(path), Some(legend)) => legend::write(legend, &path),
-            _ => Ok(()),
+    /// What there is room for beside the first picture. Pictures that are shown, piped or timed are rendered one after
+    /// the other.
+    fn room(&self, first: &Numbered, targets: &[Target]) -> Room {
+        let image = first.scene.image;
+        let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
+        let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
+        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.is_lines() || is_piped;
+        match TOGETHER / size {
+            _ if !self.args.is_many() => Room::Alone,
+            0 => Room::Alone,
+            1 => Room::Next,
+            _ if in_turn => Room::Next,
+            most => Room::Pictures(most),
         }
     }
 
@@ -270,20 +224,5 @@ impl Render {
             return Err(Error::settings(problem, "use files for the others"));
         }
         Ok(targets)
-    }
-
-    /// Writes the files; the panels are drawn into the picture, and into no other file.
-    fn write(&self, frame: &mut Frame, targets: &[Target], panels: Option<&Panels>, origin: &Origin<'_>) -> Result<()> {
-        let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
-        let write = |frame: &Frame, targets: &[&Target]| {
-            targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
-        };
-        if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
-            let covered = panels.draw(frame, self.args.files.is_transparent());
-            let written = write(frame, &pictures);
-            covered.restore(frame);
-            written?;
-        }
-        write(frame, &others)
     }
 }

@@ -5,7 +5,9 @@ use super::say;
 use halfline::error::Result;
 use halfline::progress::Cancel;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
-use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, available_parallelism};
 
 /// More threads than this, or than there are cores if that is more, slow the work down.
@@ -52,41 +54,99 @@ pub(super) fn both<A, B: Send>(own: impl FnOnce() -> A, beside: impl Fn() -> B +
     })
 }
 
-/// Calls `each` with what `next` gives, in order. `next` runs on another thread where the system allows one, one item
-/// ahead, and is cancelled when `each` fails.
+/// An item, or what came of it, with its number from 0.
+type Counted<T> = (u64, Result<T>);
+
+/// Calls `each` with what `next` gives and a lane, and `done` with the results in the order of the items. `next` runs one
+/// item ahead; it and each lane have threads of their own, as far as the system allows them. All are cancelled when one
+/// fails.
 ///
 /// # Errors
-/// The first error of either.
-pub(super) fn ahead<T: Send>(
+/// The first error in the order of the items.
+pub(super) fn pipeline<T: Send, L: Send, R: Send>(
     mut next: impl FnMut() -> Result<Option<T>> + Send,
+    lanes: Vec<L>,
     cancel: &Cancel,
-    mut each: impl FnMut(T) -> Result<()>,
+    each: impl Fn(&mut L, T) -> Result<R> + Sync,
+    mut done: impl FnMut(R) -> Result<()>,
 ) -> Result<()> {
-    let done = std::thread::scope(|scope| {
-        // An item is handed over when the one before it is done, so there are at most two.
-        let (sender, receiver) = sync_channel(0);
-        let next = &mut next;
-        let make = move || loop {
-            let item = next().transpose();
-            let is_last = !matches!(item, Some(Ok(_)));
-            if sender.send(item).is_err() || is_last {
+    let (most, lanes, each) = (lanes.len(), Mutex::new(lanes), &each);
+    let free = || lanes.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let take = |waiting: &Mutex<Receiver<Counted<T>>>| waiting.lock().unwrap_or_else(PoisonError::into_inner).recv();
+    let work = |waiting: &Mutex<Receiver<Counted<T>>>, results: &SyncSender<Counted<R>>| {
+        let Some(mut lane) = free() else { return };
+        while let Ok((number, item)) = take(waiting) {
+            if results.send((number, item.and_then(|item| each(&mut lane, item)))).is_err() {
                 return;
+            }
+        }
+    };
+    let work = &work;
+    let finished = std::thread::scope(|scope| {
+        let (items, waiting) = sync_channel(0);
+        let next = &mut next;
+        let make = move || {
+            for number in 0.. {
+                let item = next().transpose();
+                let is_last = !matches!(item, Some(Ok(_)));
+                if item.is_some_and(|item| items.send((number, item)).is_err()) || is_last {
+                    return;
+                }
             }
         };
         if is_alone() || Builder::new().name("ahead".into()).spawn_scoped(scope, make).is_err() {
             return None;
         }
-        let done = receiver.iter().map_while(|item| item).try_for_each(|item| each(item?));
-        // The other thread may wait for a silent pipe, or for this one to take its item.
+        let waiting = Arc::new(Mutex::new(waiting));
+        let (results, arriving) = sync_channel(0);
+        let start = |number| {
+            let (waiting, results) = (Arc::clone(&waiting), results.clone());
+            Builder::new().name(format!("lane {number}")).spawn_scoped(scope, move || work(&waiting, &results))
+        };
+        let started = if most > 1 { (0..most).map_while(|number| start(number).ok()).count() } else { 0 };
+        drop(results);
+        let finished = if started > 0 {
+            in_order(arriving.iter()).try_for_each(|result| done(result?))
+        } else {
+            free().map_or(Ok(()), |mut lane| {
+                std::iter::from_fn(|| take(&waiting).ok()).try_for_each(|(_, item)| done(each(&mut lane, item?)?))
+            })
+        };
+        // The other threads may wait for a silent pipe, or to hand over what is no longer wanted: they find no receiver.
         cancel.cancel();
-        drop(receiver);
-        Some(done)
+        drop((waiting, arriving));
+        Some(finished)
     });
-    done.unwrap_or_else(|| {
+    finished.unwrap_or_else(|| {
+        let Some(mut lane) = free() else { return Ok(()) };
         while let Some(item) = next()? {
-            each(item)?;
+            done(each(&mut lane, item)?)?;
         }
         Ok(())
+    })
+}
+
+/// Calls `each` with what `next` gives, in order; `next` runs one item ahead on another thread.
+///
+/// # Errors
+/// As [`pipeline`].
+pub(super) fn ahead<T: Send>(
+    next: impl FnMut() -> Result<Option<T>> + Send,
+    cancel: &Cancel,
+    each: impl FnMut(T) -> Result<()>,
+) -> Result<()> {
+    pipeline(next, vec![()], cancel, |(), item| Ok(item), each)
+}
+
+/// Numbered values in the order of their numbers, from 0.
+fn in_order<T>(mut arriving: impl Iterator<Item = (u64, T)>) -> impl Iterator<Item = T> {
+    let mut early = BTreeMap::new();
+    (0..).map_while(move |expected| {
+        while !early.contains_key(&expected) {
+            let (number, value) = arriving.next()?;
+            early.insert(number, value);
+        }
+        early.remove(&expected)
     })
 }
 
@@ -107,4 +167,60 @@ fn waiting_thread(number: usize) -> std::io::Result<Sender<ThreadBuilder>> {
         }
     };
     Builder::new().name(format!("worker {number}")).spawn(run).map(|_| sender)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use halfline::error::Error;
+    use std::sync::Barrier;
+    use std::time::Duration;
+
+    /// Numbers up to `last`.
+    fn up_to(last: u64) -> impl FnMut() -> Result<Option<u64>> + Send {
+        let mut numbers = 1..=last;
+        move || Ok(numbers.next())
+    }
+
+    #[test]
+    fn lanes_work_together_and_results_come_in_order() {
+        // Three lanes pass it only together.
+        let all = Barrier::new(3);
+        let mut results = Vec::new();
+        let each = |_: &mut u8, number: u64| {
+            all.wait();
+            // The first of three takes longest.
+            std::thread::sleep(Duration::from_millis(5 * (2 - (number - 1) % 3)));
+            Ok(number * number)
+        };
+        let done = |square| {
+            results.push(square);
+            Ok(())
+        };
+        pipeline(up_to(12), vec![0; 3], &Cancel::default(), each, done).expect("no errors");
+        assert_eq!(results, (1..=12).map(|n| n * n).collect::<Vec<u64>>());
+    }
+
+    #[test]
+    fn the_first_error_in_order_ends_everything() {
+        for lanes in [1, 4] {
+            let (cancel, mut results) = (Cancel::default(), Vec::new());
+            let each = |(): &mut (), number: u64| match number {
+                5 => {
+                    std::thread::sleep(Duration::from_millis(20));
+                    Err(Error::settings("the fifth", "none"))
+                }
+                6 => Err(Error::settings("the sixth", "none")),
+                _ => Ok(number),
+            };
+            let done = |number| {
+                results.push(number);
+                Ok(())
+            };
+            let error = pipeline(up_to(u64::MAX), vec![(); lanes], &cancel, each, done).expect_err("the fifth fails");
+            assert!(error.to_string().contains("fifth"), "{error}");
+            assert_eq!(results, [1, 2, 3, 4], "{lanes} lanes");
+            assert!(cancel.is_cancelled(), "{lanes} lanes");
+        }
+    }
 }
