@@ -91,6 +91,23 @@ impl Spheres {
         self.radii.is_empty()
     }
 
+    /// Checks the numbers of every sphere.
+    ///
+    /// # Errors
+    /// As [`check_sphere`] for the first that cannot be rendered.
+    pub(crate) fn check(&self) -> Result<()> {
+        // Without branches, so that compilers vectorize it: every frame checks its spheres.
+        let finite =
+            self.centers.iter().fold(true, |all, c| all & c[0].is_finite() & c[1].is_finite() & c[2].is_finite());
+        if self.radii.iter().fold(finite, |all, r| all & (*r > 0.0) & r.is_finite()) {
+            return Ok(());
+        }
+        let mut spheres = self.centers.iter().zip(&self.radii).enumerate();
+        spheres.try_for_each(|(n, (center, radius))| {
+            check_sphere(*center, *radius, || Place::field(format!("sphere {n}")))
+        })
+    }
+
     /// The corners of the box around all spheres; not finite for no spheres.
     #[must_use]
     pub fn bounds(&self) -> [DVec3; 2] {
@@ -255,9 +272,7 @@ impl Scene {
             );
             return Err(Error::scene("spheres", problem, "use lists of the same length"));
         }
-        for (index, (center, radius)) in s.centers.iter().zip(&s.radii).enumerate() {
-            check_sphere(*center, *radius, || Place::field(format!("sphere {index}")))?;
-        }
+        s.check()?;
         if let Some(materials) = &s.materials {
             let count = materials.kinds.len();
             if materials.of.len() != s.radii.len() || materials.of.iter().any(|kind| *kind as usize >= count) {
@@ -288,15 +303,15 @@ impl Scene {
         if self.lighting != Lighting::default() {
             hash.update(format!("{:?}", self.lighting).as_bytes());
         }
-        hash.update_rayon(bytemuck::cast_slice(&self.spheres.centers));
-        hash.update_rayon(bytemuck::cast_slice(&self.spheres.radii));
+        hash.update(self.spheres.centers.digest().as_bytes());
+        hash.update(self.spheres.radii.digest().as_bytes());
         if let Some(colors) = &self.spheres.colors {
             hash.update(b"colors");
-            hash.update_rayon(bytemuck::cast_slice(colors));
+            hash.update(colors.digest().as_bytes());
         }
         if let Some(materials) = &self.spheres.materials {
             hash.update(format!("{:?}", materials.kinds).as_bytes());
-            hash.update_rayon(bytemuck::cast_slice(&materials.of));
+            hash.update(materials.of.digest().as_bytes());
         }
         hash.finalize().to_hex()[..32].to_owned()
     }

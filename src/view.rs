@@ -66,6 +66,9 @@ pub struct View {
 /// The largest range of exponents in one frame that leaves room for the roots.
 const WIDEST: i32 = 240;
 
+/// Spheres whose sizes are computed by one job.
+const TOGETHER: usize = 1 << 12;
+
 /// The least exponent of a frame's unit: 2^1000 can still be multiplied by subnormal numbers. Those are within 2^-74 of
 /// that unit, where f32 holds them too.
 const LEAST_UNIT: i32 = -1000;
@@ -255,14 +258,19 @@ impl View {
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    let exponents = |(center, radius): (&[f64; 3], &f64)| {
-        let away = (DVec3::from_array(*center) - eye).abs().max_element();
-        dd::exponent(away.max(*radius))
+    // Branches would keep compilers from vectorizing the loop; exponents are in the order of their numbers.
+    let sizes = |(centers, radii): (&[[f64; 3]], &[f64])| {
+        centers.iter().zip(radii).fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (center, radius)| {
+            let away = (DVec3::from_array(*center) - eye).abs();
+            let size = away.x.max(away.y).max(away.z.max(*radius));
+            [least.min(size), most.max(size)]
+        })
     };
-    let span = centers.par_iter().zip(radii).map(exponents).map(|k| (k, k));
-    let Some((least, most)) = span.reduce_with(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+    let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
+    let Some(range) = jobs.map(sizes).reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
+    let [least, most] = range.map(dd::exponent);
     // c - e must not overflow, and squares of numbers scaled by 2^-k must not underflow in double-double.
     if most >= 1000 || most - least > WIDEST {
         let problem = format!("sizes and distances from 2^{least} to 2^{most} exceed the range of one frame");

@@ -3,7 +3,7 @@
 
 use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
-use super::projection::cover::Cover;
+use super::projection::cover::{Cover, Coverage};
 use super::projection::project::{Eight, LANES};
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, Rotation};
@@ -105,7 +105,10 @@ impl BinnedScene {
         }
         let mut record = projection.record(reference, tolerance);
         record.generals = sphere_bins.generals.len() as u32;
-        let placing = Scenery { projection: &projection, scene, size: [width, height], reference: reference.into() };
+        let (centers, radii) = (&scene.spheres.centers[..], &scene.spheres.radii[..]);
+        let reference = reference.into();
+        let coverage = Coverage::new(&projection, [width, height], reference);
+        let placing = Scenery { projection: &projection, centers, radii, coverage, reference };
         let lists = Lists::new(&sphere_bins.bins, view.record.tiles(), level, &placing, pool);
         pool.put_back(sphere_bins.bins);
         Ok(Some(Self { projection: record, lists, generals: sphere_bins.generals, seen: sphere_bins.seen }))
@@ -207,8 +210,9 @@ impl NullaryFnOnce for Batch<'_> {
 /// Creates the records of lists.
 struct Scenery<'a> {
     projection: &'a ProjectionBounds,
-    scene: &'a Scene,
-    size: [u32; 2],
+    centers: &'a [[f64; 3]],
+    radii: &'a [f64],
+    coverage: Coverage,
     reference: f64,
 }
 
@@ -225,7 +229,7 @@ impl Placing for Scenery<'_> {
         Self: 'a;
 
     fn begin(&self, tile: Option<[u32; 2]>) -> Filler<'_> {
-        Filler { scenery: self, cover: tile.map(|tile| Cover::new(tile, self.size)) }
+        Filler { scenery: self, cover: tile.map(|tile| Cover::new(self.coverage, tile)) }
     }
 }
 
@@ -248,12 +252,10 @@ impl NullaryFnOnce for Together<'_> {
 
 impl Filling for Filler<'_> {
     fn place(&mut self, ids: &[u32], to: &mut [Placed]) {
-        let Scenery { projection, scene, reference, .. } = *self.scenery;
+        let Scenery { projection, centers: all, radii: sizes, reference, .. } = *self.scenery;
         let id = |l: usize| ids[l.min(ids.len() - 1)];
-        let (centers, radii) = (
-            std::array::from_fn(|l| scene.spheres.centers[id(l) as usize]),
-            std::array::from_fn(|l| scene.spheres.radii[id(l) as usize]),
-        );
+        let (centers, radii) =
+            (std::array::from_fn(|l| all[id(l) as usize]), std::array::from_fn(|l| sizes[id(l) as usize]));
         let eight = pulp::Arch::new().dispatch(Together { projection, centers, radii, reference });
         for (l, placed) in to.iter_mut().enumerate() {
             if eight.projected[l] != 0 {
@@ -262,7 +264,7 @@ impl Filling for Filler<'_> {
                 *placed = landed.placed;
             }
             if let Some(cover) = &mut self.cover {
-                cover.add(projection, reference, placed);
+                cover.add(placed);
             }
         }
     }

@@ -7,9 +7,9 @@ mod on_device;
 use super::plan::GivenPlan;
 use super::renderer::{Executor, Renderer};
 use crate::cpu;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;
-use crate::scene::{Spheres, check_sphere};
+use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
@@ -183,9 +183,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
-        for (index, (c, r)) in spheres.centers.iter().zip(&spheres.radii).enumerate() {
-            check_sphere(*c, *r, || Place::field(format!("sphere {index}")))?;
-        }
+        spheres.check()?;
         let plan = GivenPlan::new(settings)?;
         let tolerance = settings.promise().relative();
         let (certifies, warning) = self.certifies_given(&plan, settings.backend)?;

@@ -1,9 +1,11 @@
 //! The numbers of a scene's spheres, which a scene owns or shares.
 
+use blake3::{Hash, Hasher};
+use bytemuck::NoUninit;
 use rayon::prelude::*;
 use std::fmt;
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A list that owns its values, or shares those of others without copying them: of clones of a scene, or of memory that
 /// another library manages. Reads as a slice; [`List::to_mut`] changes it.
@@ -11,7 +13,15 @@ pub struct List<T>(Store<T>);
 
 enum Store<T> {
     Own(Vec<T>),
-    Shared(Arc<dyn AsRef<[T]> + Send + Sync>),
+    /// Of clones. No one can change them.
+    Kept(Arc<Kept<T>>),
+    /// Of others, who may change them between frames.
+    Foreign(Arc<dyn AsRef<[T]> + Send + Sync>),
+}
+
+struct Kept<T> {
+    values: Vec<T>,
+    digest: OnceLock<Hash>,
 }
 
 impl<T> List<T> {
@@ -19,7 +29,7 @@ impl<T> List<T> {
     /// list that shares it.
     #[must_use]
     pub fn shared(values: Arc<dyn AsRef<[T]> + Send + Sync>) -> Self {
-        Self(Store::Shared(values))
+        Self(Store::Foreign(values))
     }
 
     /// The number of values for which there is memory without allocating more.
@@ -27,7 +37,7 @@ impl<T> List<T> {
         match &self.0 {
             Store::Own(values) => values.capacity(),
             // A shared list must be copied before it grows.
-            Store::Shared(_) => 0,
+            Store::Kept(_) | Store::Foreign(_) => 0,
         }
     }
 }
@@ -35,12 +45,12 @@ impl<T> List<T> {
 impl<T: Clone> List<T> {
     /// The values for changing them; those of a shared list are copied first.
     pub fn to_mut(&mut self) -> &mut Vec<T> {
-        if let Store::Shared(values) = &self.0 {
-            self.0 = Store::Own((**values).as_ref().to_vec());
+        if !matches!(self.0, Store::Own(_)) {
+            self.0 = Store::Own(self.to_vec());
         }
         match &mut self.0 {
             Store::Own(values) => values,
-            Store::Shared(_) => unreachable!("a shared list was copied"),
+            Store::Kept(_) | Store::Foreign(_) => unreachable!("a shared list was copied"),
         }
     }
 
@@ -55,7 +65,18 @@ impl<T: Send + Sync + 'static> List<T> {
     /// Makes clones cheap: they share the values from here on.
     pub fn share(&mut self) {
         if let Store::Own(values) = &mut self.0 {
-            self.0 = Store::Shared(Arc::new(std::mem::take(values)));
+            self.0 = Store::Kept(Arc::new(Kept { values: std::mem::take(values), digest: OnceLock::new() }));
+        }
+    }
+}
+
+impl<T: NoUninit + Sync> List<T> {
+    /// BLAKE3 of the values' bytes; computed once for clones.
+    pub(crate) fn digest(&self) -> Hash {
+        let digest = |values: &[T]| Hasher::new().update_rayon(bytemuck::cast_slice(values)).finalize();
+        match &self.0 {
+            Store::Kept(kept) => *kept.digest.get_or_init(|| digest(&kept.values)),
+            Store::Own(_) | Store::Foreign(_) => digest(self),
         }
     }
 }
@@ -67,7 +88,8 @@ impl<T> Deref for List<T> {
     fn deref(&self) -> &[T] {
         match &self.0 {
             Store::Own(values) => values,
-            Store::Shared(values) => (**values).as_ref(),
+            Store::Kept(kept) => &kept.values,
+            Store::Foreign(values) => (**values).as_ref(),
         }
     }
 }
@@ -82,7 +104,8 @@ impl<T: Clone> Clone for List<T> {
     fn clone(&self) -> Self {
         Self(match &self.0 {
             Store::Own(values) => Store::Own(values.clone()),
-            Store::Shared(values) => Store::Shared(Arc::clone(values)),
+            Store::Kept(kept) => Store::Kept(Arc::clone(kept)),
+            Store::Foreign(values) => Store::Foreign(Arc::clone(values)),
         })
     }
 }
@@ -161,7 +184,10 @@ mod tests {
         first.share();
         let mut second = first.clone();
         assert_eq!((first.as_ptr(), second.as_ptr()), (address, address), "nothing was copied");
+        let digest = first.digest();
+        assert_eq!((second.digest(), blake3::hash(&[1, 2, 3])), (digest, digest));
         second.to_mut().push(4);
+        assert_ne!(second.digest(), digest, "that of the changed values");
         assert_eq!((&first[..], &second[..]), (&[1, 2, 3][..], &[1, 2, 3, 4][..]));
         assert_ne!(second.as_ptr(), address);
         assert_eq!(first.into_vec(), [1, 2, 3]);

@@ -3,7 +3,7 @@
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::certify::projection::ProjectionBounds;
-use crate::certify::projection::cover::Cover;
+use crate::certify::projection::cover::{Cover, Coverage};
 use crate::certify::projection::stage::Staged;
 use crate::exact::Judge;
 use crate::memory::Pool;
@@ -51,6 +51,7 @@ fn covered_pixels_are_hit() {
         let view = View::new(&scene).expect("a view");
         let (width, height) = (scene.image.width, scene.image.height);
         let lens = ProjectionBounds::new(&scene.camera, &view, [width, height], &TERMS).expect("a lens");
+        let coverage = Coverage::new(&lens, [width, height], 0.0);
         let judge = Judge::new(&scene).expect("a judge");
         let unit = crate::double_double::ldexp(1.0, view.unit);
         for id in 0..scene.spheres.len() {
@@ -58,9 +59,9 @@ fn covered_pixels_are_hit() {
             let Staged::Projected(landed) = staged else { continue };
             for (row, column) in (0..height.div_ceil(TILE)).flat_map(|i| (0..width.div_ceil(TILE)).map(move |j| (i, j)))
             {
-                let mut cover = Cover::new([column, row], [width, height]);
+                let mut cover = Cover::new(coverage, [column, row]);
                 let all = cover.open;
-                cover.add(&lens, 0.0, &landed.placed);
+                cover.add(&landed.placed);
                 for bit in (0..64).filter(|bit| (all & !cover.open) >> bit & 1 == 1) {
                     let (i, j) = (row * TILE + bit / TILE, column * TILE + bit % TILE);
                     let truth = judge.among(i, j, &[id as u32]).expect("a covered pixel is hit");
@@ -90,10 +91,10 @@ fn a_disc_closes_its_pixels_and_no_others() {
     let Staged::Projected(landed) = lens.stage(0, [0.0, 0.0, -100.0], 0.159, 0.0) else { panic!("a projected sphere") };
     let judge = Judge::new(&scene).expect("a judge");
     for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        let mut cover = Cover::new([column, row], [16, 13]);
+        let mut cover = Cover::new(Coverage::new(&lens, [16, 13], 0.0), [column, row]);
         assert_eq!(cover.open.count_ones(), TILE * if row == 0 { 8 } else { 5 }, "only what lies in the image");
         assert_eq!(cover.limit(), None);
-        cover.add(&lens, 0.0, &landed.placed);
+        cover.add(&landed.placed);
         for (i, j) in
             (row * TILE..(row * TILE + TILE).min(13)).flat_map(|i| (0..TILE).map(move |j| (i, column * TILE + j)))
         {
