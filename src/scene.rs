@@ -96,10 +96,8 @@ impl Spheres {
     /// # Errors
     /// As [`check_sphere`] for the first that cannot be rendered.
     pub(crate) fn check(&self) -> Result<()> {
-        // Without branches, so that compilers vectorize it: every frame checks its spheres.
-        let finite =
-            self.centers.iter().fold(true, |all, c| all & c[0].is_finite() & c[1].is_finite() & c[2].is_finite());
-        if self.radii.iter().fold(finite, |all, r| all & (*r > 0.0) & r.is_finite()) {
+        let are_finite = self.centers.is_sound(|c| c[0].is_finite() & c[1].is_finite() & c[2].is_finite());
+        if are_finite && self.radii.is_sound(|radius| (*radius > 0.0) & radius.is_finite()) {
             return Ok(());
         }
         let mut spheres = self.centers.iter().zip(&self.radii).enumerate();

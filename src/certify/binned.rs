@@ -79,6 +79,8 @@ struct SphereBins {
     range: Option<[f64; 2]>,
     /// Number of projected spheres.
     seen: u64,
+    /// Number of their entries in lists of single tiles.
+    entries: u64,
 }
 
 impl BinnedScene {
@@ -109,7 +111,8 @@ impl BinnedScene {
         let reference = reference.into();
         let coverage = Coverage::new(&projection, [width, height], reference);
         let placing = Scenery { projection: &projection, centers, radii, coverage, reference };
-        let lists = Lists::new(&sphere_bins.bins, view.record.tiles(), level, &placing, pool);
+        let (bins, entries) = (&sphere_bins.bins, sphere_bins.entries);
+        let lists = Lists::new(bins, entries, view.record.tiles(), level, &placing, pool);
         pool.put_back(sphere_bins.bins);
         Ok(Some(Self { projection: record, lists, generals: sphere_bins.generals, seen: sphere_bins.seen }))
     }
@@ -139,9 +142,10 @@ impl ProjectionBounds {
             })
             .collect();
         let seen = done.iter().map(|job| job.seen).sum();
+        let entries = done.iter().map(|job| job.entries).sum();
         let ranges = done.iter().filter_map(|job| job.range);
         let range = ranges.reduce(|[a, b], [least, most]| [a.min(least), b.max(most)]);
-        SphereBins { bins, generals: done.into_iter().flat_map(|job| job.generals).collect(), range, seen }
+        SphereBins { bins, generals: done.into_iter().flat_map(|job| job.generals).collect(), range, seen, entries }
     }
 }
 
@@ -161,10 +165,12 @@ struct BatchSummary {
     generals: Vec<GeneralRecord>,
     range: Option<[f64; 2]>,
     seen: u64,
+    entries: u64,
 }
 
 impl BatchSummary {
-    fn see(&mut self, depth: f64) {
+    fn see(&mut self, depth: f64, bin: &Bin) {
+        self.entries += bin.entries(0);
         let [least, most] = self.range.unwrap_or([depth; 2]);
         self.range = Some([least.min(depth), most.max(depth)]);
         self.seen += 1;
@@ -189,7 +195,7 @@ impl NullaryFnOnce for Batch<'_> {
                 *bin = Bin::NOWHERE;
                 if eight.projected[l] != 0 {
                     *bin = eight.bin(l);
-                    found.see(eight.depth[l]);
+                    found.see(eight.depth[l], bin);
                 } else if eight.other[l] != 0 {
                     let id = (self.first + first + l) as u32;
                     match self.projection.stage(id, centers[l], radii[l], self.reference) {
@@ -197,7 +203,7 @@ impl NullaryFnOnce for Batch<'_> {
                         Staged::General(record) => found.generals.push(record),
                         Staged::Projected(landed) => {
                             *bin = landed.bin;
-                            found.see(landed.depth);
+                            found.see(landed.depth, bin);
                         }
                     }
                 }

@@ -47,7 +47,7 @@ impl Bin {
     pub(crate) const NOWHERE: Self = Self { chunk_min_depth: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
 
     /// Number of lists that contain it, if squares of 2^level tiles share one.
-    fn entries(&self, level: u32) -> u64 {
+    pub(crate) fn entries(&self, level: u32) -> u64 {
         let [columns, rows] =
             self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
         columns * rows
@@ -90,12 +90,22 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// Bins spheres, whose ids are their indices in `bins`. Squares of 2^`level` tiles, or larger ones, share a list.
+    /// Bins spheres, whose ids are their indices in `bins`, with `single` entries in lists of single tiles. Squares of 2^`level` tiles, or larger ones, share a list.
     /// The size is chosen for the whole image, and lists are created only for cells that overlap `tiles` (first and
     /// last column and row). So each list equals that of the whole image.
-    pub(crate) fn new(bins: &[Bin], tiles: [[u32; 2]; 2], level: u32, placing: &impl Placing, pool: &Pool) -> Self {
+    pub(crate) fn new(
+        bins: &[Bin],
+        single: u64,
+        tiles: [[u32; 2]; 2],
+        level: u32,
+        placing: &impl Placing,
+        pool: &Pool,
+    ) -> Self {
         let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
-        let entries = |level: u32| bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>();
+        let entries = |level: u32| match level {
+            0 => single,
+            _ => bins.par_iter().map(|bin| bin.entries(level)).sum::<u64>(),
+        };
         let fits = |level: &u32| *level >= WHOLE || entries(*level) <= most;
         let level = (level..=WHOLE).find(fits).unwrap_or(WHOLE);
         let grid = Grid::new(level, tiles);

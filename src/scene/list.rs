@@ -22,6 +22,7 @@ enum Store<T> {
 struct Kept<T> {
     values: Vec<T>,
     digest: OnceLock<Hash>,
+    sound: OnceLock<bool>,
 }
 
 impl<T> List<T> {
@@ -65,7 +66,20 @@ impl<T: Send + Sync + 'static> List<T> {
     /// Makes clones cheap: they share the values from here on.
     pub fn share(&mut self) {
         if let Store::Own(values) = &mut self.0 {
-            self.0 = Store::Kept(Arc::new(Kept { values: std::mem::take(values), digest: OnceLock::new() }));
+            let (digest, sound) = (OnceLock::new(), OnceLock::new());
+            self.0 = Store::Kept(Arc::new(Kept { values: std::mem::take(values), digest, sound }));
+        }
+    }
+}
+
+impl<T> List<T> {
+    /// Whether the one rule for the values of this list holds for all of them; tested once for clones.
+    pub(crate) fn is_sound(&self, rule: impl Fn(&T) -> bool) -> bool {
+        // Without branches, so that compilers vectorize it.
+        let test = |values: &[T]| values.iter().fold(true, |all, value| all & rule(value));
+        match &self.0 {
+            Store::Kept(kept) => *kept.sound.get_or_init(|| test(&kept.values)),
+            Store::Own(_) | Store::Foreign(_) => test(self),
         }
     }
 }
@@ -186,7 +200,9 @@ mod tests {
         assert_eq!((first.as_ptr(), second.as_ptr()), (address, address), "nothing was copied");
         let digest = first.digest();
         assert_eq!((second.digest(), blake3::hash(&[1, 2, 3])), (digest, digest));
+        assert!(first.is_sound(|value| *value < 4) && second.is_sound(|value| *value < 4));
         second.to_mut().push(4);
+        assert!(!second.is_sound(|value| *value < 4), "of the changed values");
         assert_ne!(second.digest(), digest, "that of the changed values");
         assert_eq!((&first[..], &second[..]), (&[1, 2, 3][..], &[1, 2, 3, 4][..]));
         assert_ne!(second.as_ptr(), address);
