@@ -88,7 +88,9 @@ fn a_legend_has_the_colours_of_the_spheres() {
     for (corner, right, lower) in [
         ("", true, None),
         ("=top-right", true, Some(false)),
+        (" top-right", true, Some(false)),
         ("=top-left", false, Some(false)),
+        (" bottom-left", false, Some(true)),
         ("=bottom-left", false, Some(true)),
         ("=bottom-right", true, Some(true)),
     ] {
