@@ -178,6 +178,7 @@ impl Render {
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = picture.number;
         frame.report.hold = self.args.read.hold();
+        frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
         self.args.read.hold_words().into_iter().for_each(|words| once(words, note));
         picture.look.words().into_iter().for_each(|words| once(words, note));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {

@@ -149,6 +149,36 @@ fn labels_have_the_time_and_the_step_of_their_frame() {
     }
 }
 
+/// DejaVu Sans has the letters of Europe and the signs of physics, and no Chinese ones
+/// (<https://dejavu-fonts.github.io/>, unicover.txt).
+#[test]
+fn letters_that_the_font_lacks_are_named() {
+    let dir = dir();
+    dir.put("names.csv", "x,y,z,kind\n0,0,0,\u{6c34}\n4,0,0,Na\u{207a}\n");
+    let warning = |options: &[&str]| {
+        let run = dir.render(&[options, &["-o", "a.png", "--json"]].concat());
+        let told: Vec<String> = serde_json::from_value(run.json()["warnings"].clone()).expect("texts");
+        told.iter().for_each(|text| assert!(run.err.contains(text.as_str()), "{text}: {}", run.err));
+        told.into_iter().find(|text| text.contains("font"))
+    };
+    let legend = ["names.csv", "--radius", "1", "--color-by", "kind", "--legend-in"];
+    for (options, lacks) in [
+        (
+            &["s.toml", "--label", "\u{c5}ngstr\u{f6}m \u{2264} \u{3b1} \u{6c34}\u{6e29}\u{6c34}"][..],
+            "\u{6c34} (U+6C34), \u{6e29} (U+6E29)",
+        ),
+        (&["s.toml", "--scale-bar=\u{6c34}"], "\u{6c34} (U+6C34)"),
+        (&["s.toml", "--label", "a\u{e000}"], "\\u{e000} (U+E000)"),
+        (&legend, "\u{6c34} (U+6C34)"),
+    ] {
+        let told = warning(options).unwrap_or_else(|| panic!("{options:?}"));
+        assert!(told.contains(&format!("lacks {lacks}: boxes")), "{told}");
+    }
+    for options in [&["s.toml", "--label", "\u{c5} \u{2264} \u{b5}m\u{b2}"][..], &["s.toml"], &legend[..5]] {
+        assert_eq!(warning(options), None, "{options:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let dir = dir();

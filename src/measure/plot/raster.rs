@@ -200,6 +200,12 @@ pub(super) fn letters_width(text: &str, bold: bool, size: f32) -> f32 {
     face(bold).width(text, size)
 }
 
+/// The letters of a text that the font has no outline for, which are drawn as empty boxes.
+pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
+    // Glyph 0 is that of every unknown letter.
+    text.chars().filter(move |letter| face(bold).font.glyph_id(*letter) == GlyphId(0))
+}
+
 fn face(bold: bool) -> &'static Face {
     if bold { &FACES.bold } else { &FACES.regular }
 }
