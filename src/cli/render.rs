@@ -179,6 +179,8 @@ impl Render {
         frame.report.number = picture.number;
         frame.report.hold = self.args.read.hold();
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
+        let of_legend = legend::warning(&self.args, picture.legend.as_ref());
+        frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
         self.args.read.hold_words().into_iter().for_each(|words| once(words, note));
         picture.look.words().into_iter().for_each(|words| once(words, note));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {

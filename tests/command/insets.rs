@@ -174,7 +174,10 @@ fn letters_that_the_font_lacks_are_named() {
         let told = warning(options).unwrap_or_else(|| panic!("{options:?}"));
         assert!(told.contains(&format!("lacks {lacks}: boxes")), "{told}");
     }
-    for options in [&["s.toml", "--label", "\u{c5} \u{2264} \u{b5}m\u{b2}"][..], &["s.toml"], &legend[..5]] {
+    let file = |name| [&legend[..5], &["--legend", name]].concat();
+    assert!(warning(&file("l.png")).is_some_and(|told| told.contains("lacks \u{6c34} (U+6C34): boxes")));
+    let known = ["s.toml", "--label", "\u{c5} \u{2264} \u{b5}m\u{b2}"];
+    for options in [&known[..], &["s.toml"], &legend[..5], &file("l.svg")] {
         assert_eq!(warning(options), None, "{options:?}");
     }
 }

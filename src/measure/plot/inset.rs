@@ -4,10 +4,9 @@
 mod page;
 
 use super::canvas::plain;
-use super::raster::missing;
+use super::raster::{missing, warning};
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Buffer, Data, Frame};
-use crate::quote::list;
 use crate::read::style::{Legend, linear};
 use page::Page;
 use std::collections::BTreeSet;
@@ -180,10 +179,7 @@ impl Panels {
     /// What the panels do not show as it is written, in a whole sentence: letters that the font lacks.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let named = |letter: &char| format!("{} (U+{:04X})", letter.escape_debug(), u32::from(*letter));
-        let letters = list(self.unknown.iter().map(named));
-        (!self.unknown.is_empty())
-            .then(|| format!("the font of texts in the picture lacks {letters}: boxes are drawn instead"))
+        warning(&self.unknown)
     }
 
     /// Draws the panels on the colour of a whole frame, and in its alpha if the background is transparent; returns what they cover.
