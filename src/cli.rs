@@ -73,7 +73,8 @@ pub(crate) fn arguments() -> Result<Arguments> {
         Ok(command) => (command, None),
         Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
     };
-    let mut matches = command.clone().try_get_matches().unwrap_or_else(|error| end(&error));
+    let words = inset_args::joined(std::env::args_os());
+    let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));
     // A configuration file that cannot be read is an error only for commands that use it; help does not.
     if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
         return Err(fault);

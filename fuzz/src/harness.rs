@@ -58,6 +58,11 @@ const PER_BYTE_SECONDS: f64 = 1e-4;
 /// The most decompressed bytes that are run.
 const UNPACKED: u64 = 8 << 20;
 
+/// The most points in a byte of LAZ, and the memory and time of each.
+const POINTS_OF_LAZ: usize = 1100;
+const PER_POINT: usize = 256;
+const PER_POINT_SECONDS: f64 = 1e-6;
+
 /// The most characters of an error or a warning: a place, a few quoted words, a list of names.
 const LONGEST: usize = 2000;
 
@@ -130,9 +135,15 @@ fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
         let in_pieces = read(Pieces { content: content.to_vec(), at: 0 }, &options, length);
         assert!(at_once == in_pieces || !whole, "at once {at_once:?}, in pieces {in_pieces:?}");
     }
-    let per_byte =
-        if matches!(format, Some(Format::Native | Format::Pcd) | None) { PER_BYTE_OF_TOML } else { PER_BYTE };
-    allowed(length, per_byte)
+    match format {
+        Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
+        Some(Format::Las) | None => {
+            let points = POINTS_OF_LAZ * length;
+            let Allowed { bytes, seconds } = allowed(length, PER_BYTE_OF_TOML);
+            Allowed { bytes: bytes + PER_POINT * points, seconds: seconds + PER_POINT_SECONDS * points as f64 }
+        }
+        _ => allowed(length, PER_BYTE),
+    }
 }
 
 /// The input as a reader receives it.
@@ -233,10 +244,12 @@ fn check_shot(shot: &SceneFrame, options: &ReadOptions, length: usize) -> String
         assert!(colors.iter().flatten().all(|c| *c >= 0.0 && c.is_finite()), "colours are light");
     }
     // A sphere has three coordinates of at least one byte each; an assembly repeats spheres. In compressed formats it has
-    // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three.
+    // at least two bits (XTC), and three bytes decompress to at most 264 (PCD), in which a point has at least three. A
+    // point like the one before takes 0.0075 bits of LAZ.
     let most = match options.format {
         Some(Format::Xtc) => 4 * length,
-        Some(Format::Pcd) | None => 30 * length,
+        Some(Format::Pcd) => 30 * length,
+        Some(Format::Las) | None => POINTS_OF_LAZ * length,
         _ => length / 3,
     };
     assert!(options.assembly.is_some() || spheres.len() <= most, "{} spheres of {length} bytes", spheres.len());

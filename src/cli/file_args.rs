@@ -3,8 +3,9 @@
 use super::clash::place;
 use super::read_args::color;
 use super::scene_frames::{check_pattern, numbered};
-use clap::Args;
 use clap::builder::ArgPredicate;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::Scene;
@@ -31,9 +32,8 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
-    #[arg(long, value_name = "N")]
-    dpi: Option<Dpi>,
+    #[command(flatten)]
+    dpi: DpiArgs,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
     #[arg(long, value_name = "X", default_value = "0.001", value_parser = unit, allow_negative_numbers = true)]
     unit: f64,
@@ -50,6 +50,43 @@ pub(super) struct FileArgs {
     // --background on the command line overrides a configuration file that makes all backgrounds transparent.
     #[arg(long, help_heading = "Image", default_value_if("background", ArgPredicate::IsPresent, "false"))]
     transparent: bool,
+}
+
+/// The resolution of PNG files.
+#[derive(Debug)]
+struct DpiArgs {
+    dpi: Option<Dpi>,
+    /// Whether the command line gives it; a preference from elsewhere may apply to no file.
+    is_typed: bool,
+}
+
+#[derive(Debug, Args)]
+struct DpiOption {
+    /// Pixels per inch, stored in PNG for print; the number of pixels is that of --size.
+    #[arg(long, value_name = "N")]
+    dpi: Option<Dpi>,
+}
+
+impl Args for DpiArgs {
+    fn augment_args(command: Command) -> Command {
+        DpiOption::augment_args(command)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        DpiOption::augment_args_for_update(command)
+    }
+}
+
+impl FromArgMatches for DpiArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let is_typed = matches.value_source("dpi") == Some(ValueSource::CommandLine);
+        Ok(Self { dpi: DpiOption::from_arg_matches(matches)?.dpi, is_typed })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
 impl FileArgs {
@@ -85,6 +122,15 @@ impl FileArgs {
             ));
         }
         files.into_iter().map(|(path, aovs)| self.target(&aovs, &path)).collect()
+    }
+
+    /// Returns an error for a --dpi of the command line that none of the files would hold.
+    pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
+        if !self.dpi.is_typed || targets.iter().any(|target| target.format() == FileFormat::Png) {
+            return Ok(());
+        }
+        let problem = "--dpi applies to PNG files, and none is written";
+        Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
     }
 
     /// Whether -o names a picture.
@@ -128,7 +174,7 @@ impl FileArgs {
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
-        let Self { bits, unit, no_return, transparent, dpi, .. } = *self;
+        let Self { bits, unit, no_return, transparent, dpi: DpiArgs { dpi, .. }, .. } = *self;
         let style = FormatOptions { bits, unit, no_return, transparent, dpi };
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),

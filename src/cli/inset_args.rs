@@ -10,12 +10,14 @@ use halfline::quote::number;
 use halfline::read::style::Legend;
 use halfline::scene::Scene;
 use halfline::write::file::is_standard_output;
+use std::ffi::OsString;
 
 /// The options for what is drawn inside the picture.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct InsetArgs {
-    /// Draws the legend of --color-by inside the picture: right, top-left, top-right, bottom-left, bottom-right.
+    /// Draws the legend of --color-by inside the picture: right (the default), top-left, top-right, bottom-left,
+    /// bottom-right. The corner may also follow a blank.
     #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right",
         requires = "color_by")]
     legend_in: Option<Corner>,
@@ -28,6 +30,8 @@ pub(super) struct InsetArgs {
     #[arg(long, value_name = "UNIT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
     scale_bar: Option<String>,
 }
+
+const LEGEND_IN: &str = "--legend-in";
 
 /// The text of a label, in parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -160,6 +164,21 @@ fn lacking(name: &str, what: &str, other: Option<&str>) -> Error {
     Error::settings(format!("--label has {name}, but the frame has no {what}"), format!("remove {name}{other}"))
 }
 
+/// The words of a command line in which the name of a corner behind `--legend-in` and a blank is joined to it by `=`, up
+/// to `--`. For an option with an optional value clap would take any next word, also that of the scene file.
+pub(super) fn joined(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let (mut all, mut ended): (Vec<OsString>, bool) = (Vec::new(), false);
+    for word in words {
+        ended |= word == "--";
+        let corner = word.to_str().filter(|word| !ended && Corner::ALL.iter().any(|corner| corner.name() == *word));
+        match (corner, all.last_mut()) {
+            (Some(corner), Some(option)) if option == LEGEND_IN => option.push(format!("={corner}")),
+            _ => all.push(word),
+        }
+    }
+    all
+}
+
 fn label(text: &str) -> Result<Label, String> {
     if text.trim().is_empty() || text.chars().count() > MOST_LETTERS {
         return Err(format!("expected a text of 1 to {MOST_LETTERS} letters"));
@@ -187,6 +206,21 @@ fn label(text: &str) -> Result<Label, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_a_corner_is_joined_to_its_option() {
+        for (typed, words) in [
+            ("render a.pdb --legend-in top-right -o b", "render a.pdb --legend-in=top-right -o b"),
+            ("render --legend-in right", "render --legend-in=right"),
+            ("render --legend-in a.pdb", "render --legend-in a.pdb"),
+            ("render --legend-in ./right", "render --legend-in ./right"),
+            ("render --legend-in=right right", "render --legend-in=right right"),
+            ("render right -- --legend-in right", "render right -- --legend-in right"),
+        ] {
+            let typed = joined(typed.split(' ').map(OsString::from));
+            assert_eq!(typed.join(" ".as_ref()), words);
+        }
+    }
 
     #[test]
     fn labels_are_text_with_names_in_braces() {

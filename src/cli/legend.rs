@@ -37,6 +37,11 @@ pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
     Ok(path)
 }
 
+/// What the file does not show as it is written. An SVG takes letters from the fonts of the machine that shows it.
+pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<String> {
+    args.color.legend.as_deref().filter(|path| is_png(path)).and(legend).and_then(Legend::warning)
+}
+
 /// Writes a legend atomically.
 pub(super) fn write(legend: &Legend, path: &Path) -> Result<()> {
     let plot = legend.plot()?;

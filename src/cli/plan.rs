@@ -39,6 +39,10 @@ impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
         let targets = self.args.files.targets(1)?;
+        // A plan may be of no file.
+        if !targets.is_empty() {
+            self.args.files.check_dpi(&targets)?;
+        }
         let picture = self.args.first()?;
         let settings = self.args.settings_for(&picture, &self.args.settings(&targets), &targets)?;
         let Numbered { scene, look, .. } = picture;

@@ -214,6 +214,7 @@ impl Render {
         legend::check(&self.args)?;
         self.args.insets.check(&self.args)?;
         self.args.check_outputs()?;
+        self.args.files.check_dpi(&targets)?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));

@@ -13,6 +13,7 @@ use halfline::progress::Cancel;
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, Hold, ReadOptions, SceneFrame, Sequence};
+use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Reach, Scene};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -112,10 +113,13 @@ impl<'a> SceneFrames<'a> {
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
+        let holds = self.args.read.frames().is_some() && self.args.read.hold != Hold::None;
+        if holds && self.camera.is_none() && self.args.camera.list.file.is_none() {
+            self.hold_to_clipped(frame)?;
+        }
         arrange(&self.args.read, frame)?;
         size(self.args.image.size.or(self.size), self.args, frame);
         // A frame without spheres has nothing to hold to.
-        let holds = self.args.read.frames().is_some() && self.args.read.hold != Hold::None;
         let holds = holds && !frame.scene.spheres.is_empty();
         if holds && self.middle.is_none() {
             self.middle = Some(frame.scene.spheres.middle());
@@ -127,14 +131,27 @@ impl<'a> SceneFrames<'a> {
             }
             Some(camera) => frame.scene.camera = camera,
             None => {
-                aim(self.args, frame);
-                if let Some(framing) = self.args.camera.framing(frame.has_camera)? {
-                    frame.scene.fit(&framing)?;
-                }
+                point(self.args, frame)?;
                 self.camera = holds.then_some(frame.scene.camera);
             }
         }
         self.args.camera.zoom(&mut frame.scene)
+    }
+
+    /// Sets the camera of all frames by a frame that the clip planes empty, as it is without them: the camera of a film
+    /// must not depend on which of its frames is the first that they leave something of.
+    fn hold_to_clipped(&mut self, frame: &mut SceneFrame) -> Result<()> {
+        let arrangement = self.args.read.arrangement();
+        if arrangement.leaves_nothing(&frame.scene.spheres, frame.cell.as_ref(), &watch())? {
+            let mut whole = frame.copy();
+            let unclipped = Arrangement { clip: Vec::new(), ..arrangement };
+            unclipped.apply(&mut whole.scene.spheres, whole.cell.as_ref(), &watch())?;
+            size(self.args.image.size.or(self.size), self.args, &mut whole);
+            point(self.args, &mut whole)?;
+            self.camera = Some(whole.scene.camera);
+            self.middle.get_or_insert(whole.scene.spheres.middle());
+        }
+        Ok(())
     }
 }
 
@@ -161,6 +178,9 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
             range = Some([low.min(legend.range[0]), high.max(legend.range[1])]);
         }
         arrange(&args.read, &mut frame)?;
+        if frame.scene.spheres.is_empty() {
+            continue;
+        }
         size(args.image.size, args, &mut frame);
         aim(args, &mut frame);
         if let Some(framing) = args.camera.framing(frame.has_camera)?
@@ -196,6 +216,15 @@ fn aim(args: &SceneArgs, frame: &mut SceneFrame) {
     camera.apply(&mut scene.camera, frame.has_camera);
     if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {
         scene.camera.look = Look::At(scene.spheres.middle());
+    }
+}
+
+/// Applies the options of the camera, and frames the spheres where they do not give its place.
+fn point(args: &SceneArgs, frame: &mut SceneFrame) -> Result<()> {
+    aim(args, frame);
+    match args.camera.framing(frame.has_camera)? {
+        Some(framing) => frame.scene.fit(&framing),
+        None => Ok(()),
     }
 }
 

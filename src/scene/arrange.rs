@@ -61,7 +61,7 @@ impl Arrangement {
             let edges = edges(need("copies")?);
             // Copies of no spheres are no spheres.
             if !spheres.is_empty() {
-                repeat(spheres, self.copies, edges, watch)?;
+                repeat(spheres, self.copies, self.total(spheres.len()), edges, watch)?;
             }
         }
         for plane in &self.clip {
@@ -78,11 +78,48 @@ impl Arrangement {
     }
 }
 
+impl Arrangement {
+    /// Whether the clip planes remove every copy of every sphere, and no outline is drawn; `false` where there are no
+    /// spheres.
+    ///
+    /// # Errors
+    /// As [`Arrangement::apply`] for copies that do not fit into memory; [`Error::Interrupted`].
+    pub fn leaves_nothing(&self, spheres: &Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<bool> {
+        if self.clip.is_empty() || self.outline.is_some() || spheres.is_empty() {
+            return Ok(false);
+        }
+        let [a, b, c] = match cell {
+            Some(cell) => cell.edges.map(DVec3::from_array),
+            None if self.copies == [1; 3] => [DVec3::ZERO; 3],
+            None => return Ok(false),
+        };
+        check_spheres(self.total(spheres.len()), spheres.colors.is_some())?;
+        let [na, nb, nc] = self.copies;
+        for (k, j, i) in (0..nc).flat_map(|k| (0..nb).flat_map(move |j| (0..na).map(move |i| (k, j, i)))) {
+            watch.check()?;
+            let [i, j, k] = [i, j, k].map(f64::from);
+            let shift = i * a + j * b + k * c;
+            let stays = |center: &[f64; 3]| {
+                let center = DVec3::from_array(*center) + shift;
+                self.clip.iter().all(|[x, y, z, d]| DVec3::new(*x, *y, *z).dot(center) <= *d)
+            };
+            if spheres.centers.par_iter().any(stays) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The number of copies of `count` spheres, the originals included.
+    fn total(&self, count: usize) -> u64 {
+        self.copies.iter().fold(count as u64, |n, k| n.saturating_mul(u64::from(*k)))
+    }
+}
+
 /// Spheres copied between two checks for cancellation.
 const BATCH: usize = 1 << 22;
 
-fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch: &Watch) -> Result<()> {
-    let total = copies.iter().fold(spheres.len() as u64, |n, k| n.saturating_mul(u64::from(*k)));
+fn repeat(spheres: &mut Spheres, copies: [u32; 3], total: u64, [a, b, c]: [DVec3; 3], watch: &Watch) -> Result<()> {
     check_spheres(total, spheres.colors.is_some())?;
     let (own, total) = (std::mem::take(spheres), total as usize);
     let [na, nb, _] = copies.map(|n| n as usize);
@@ -216,6 +253,32 @@ mod tests {
         let clip = Arrangement { clip: vec![[1.0, 0.0, 0.0, 0.5]], ..Arrangement::default() };
         clip.apply(&mut spheres, None, &Watch::default()).expect("no cell is needed");
         assert_eq!((spheres.len(), spheres.radii[0], spheres.colors.map(|c| c.len())), (1, 0.5, Some(1)));
+    }
+
+    #[test]
+    fn what_is_clipped_away_is_known_before() {
+        // The copies of the centre 0, 0, 0 along the first edge are at 2 and 4, those of 1, 1, 1 at 3 and 5.
+        for (copies, clip, bead, nothing) in [
+            ([1; 3], vec![[1.0, 0.0, 0.0, -1.0]], None, true),
+            ([1; 3], vec![[1.0, 0.0, 0.0, 0.0]], None, false),
+            ([1; 3], vec![[-1.0, 0.0, 0.0, -0.5], [0.0, 1.0, 0.0, 0.5]], None, true),
+            ([1; 3], vec![[1.0, 0.0, 0.0, -1.0]], Some(Bead::Thin), false),
+            ([1; 3], Vec::new(), None, false),
+            ([3, 1, 1], vec![[-1.0, 0.0, 0.0, -5.0]], None, false),
+            ([3, 1, 1], vec![[-1.0, 0.0, 0.0, -5.5]], None, true),
+        ] {
+            let arrangement = Arrangement { copies, clip, outline: bead };
+            let found = arrangement.leaves_nothing(&two(), Some(&CELL), &Watch::default()).expect("room");
+            assert_eq!(found, nothing, "{arrangement:?}");
+            let mut spheres = two();
+            arrangement.apply(&mut spheres, Some(&CELL), &Watch::default()).expect("room");
+            assert_eq!(spheres.is_empty(), nothing, "{arrangement:?}");
+        }
+        let far = Arrangement { clip: vec![[1.0, 0.0, 0.0, -1.0]], ..Arrangement::default() };
+        assert!(far.leaves_nothing(&two(), None, &Watch::default()).expect("no cell is needed"));
+        assert!(!far.leaves_nothing(&Spheres::default(), None, &Watch::default()).expect("no spheres"));
+        let many = Arrangement { copies: [1 << 20; 3], ..far };
+        assert!(matches!(many.leaves_nothing(&two(), Some(&CELL), &Watch::default()), Err(Error::Limits { .. })));
     }
 
     #[test]

@@ -114,6 +114,33 @@ fn a_film_is_held_to_the_first_frame_that_shows_something() {
     }
 }
 
+/// Frames whose two spheres come nearer from frame to frame, on the x axis at 16 and 20, 12 and 16, and so on.
+#[test]
+fn a_film_whose_first_frames_are_clipped_away_has_the_camera_of_the_first() {
+    let frames: Vec<_> =
+        (0..5).map(|n| [("a", 16.0 - 4.0 * f64::from(n), 0.0), ("b", 20.0 - 4.0 * f64::from(n), 1.0)]).collect();
+    let frames: Vec<&[(&str, f64, f64)]> = frames.iter().map(|frame| &frame[..]).collect();
+    let dir = TestDir::new(&[("near.xyz", &named(&frames))]);
+    let run = |options: &str| dir.render(&format!("near.xyz --radius 1 --size 40x30 --json {options}")).json_lines();
+    let unclipped = run("--frames 1");
+    // Spheres are left from the third frame on, at 8.
+    for (hold, expected) in [("first", Some(&unclipped[0]["camera"])), ("all", None)] {
+        let clip = format!("--clip 1,0,0,9 --hold {hold}");
+        let film = run(&format!("{clip} --frames 1-5 -o f%d.png"));
+        let counts: Vec<_> = film.iter().map(|report| report["spheres"].as_u64().expect("a count")).collect();
+        assert_eq!(counts, [0, 0, 1, 2, 2]);
+        let camera = expected.unwrap_or(&film[0]["camera"]);
+        film.iter().for_each(|report| assert_eq!(report["camera"], *camera, "{hold}, {}", report["number"]));
+        for n in [2, 3, 5] {
+            let alone = run(&format!("{clip} --frames {n} -o alone.png"));
+            assert_eq!(alone[0]["camera"], *camera, "{hold}, {n} alone");
+            assert!(dir.get("alone.png") == dir.get(&format!("f{n}.png")), "{hold}, {n} alone");
+        }
+    }
+    let each = run("--clip 1,0,0,9 --hold none --frames 4-5");
+    assert_ne!(each[0]["camera"], each[1]["camera"]);
+}
+
 #[test]
 fn a_frame_alone_says_what_the_film_says() {
     let atom = |x: u32| format!("{:5}{:<5}{:>5}{:5}{:8.3}{:8.3}{:8.3}\n", 1, "MOL", "Q9", 1, x, 0.0, 0.0);

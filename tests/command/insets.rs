@@ -88,7 +88,9 @@ fn a_legend_has_the_colours_of_the_spheres() {
     for (corner, right, lower) in [
         ("", true, None),
         ("=top-right", true, Some(false)),
+        (" top-right", true, Some(false)),
         ("=top-left", false, Some(false)),
+        (" bottom-left", false, Some(true)),
         ("=bottom-left", false, Some(true)),
         ("=bottom-right", true, Some(true)),
     ] {
@@ -144,6 +146,39 @@ fn labels_have_the_time_and_the_step_of_their_frame() {
         dir.render(&format!("{file} --frames {frame} --label {label} -o l.png"));
         let drawn = String::from_utf8_lossy(&dir.get("l.png")).into_owned();
         assert!(drawn.contains(&format!("label: {text}")), "{file} {frame}: {text}");
+    }
+}
+
+/// DejaVu Sans has the letters of Europe and the signs of physics, and no Chinese ones
+/// (<https://dejavu-fonts.github.io/>, unicover.txt).
+#[test]
+fn letters_that_the_font_lacks_are_named() {
+    let dir = dir();
+    dir.put("names.csv", "x,y,z,kind\n0,0,0,\u{6c34}\n4,0,0,Na\u{207a}\n");
+    let warning = |options: &[&str]| {
+        let run = dir.render(&[options, &["-o", "a.png", "--json"]].concat());
+        let told: Vec<String> = serde_json::from_value(run.json()["warnings"].clone()).expect("texts");
+        told.iter().for_each(|text| assert!(run.err.contains(text.as_str()), "{text}: {}", run.err));
+        told.into_iter().find(|text| text.contains("font"))
+    };
+    let legend = ["names.csv", "--radius", "1", "--color-by", "kind", "--legend-in"];
+    for (options, lacks) in [
+        (
+            &["s.toml", "--label", "\u{c5}ngstr\u{f6}m \u{2264} \u{3b1} \u{6c34}\u{6e29}\u{6c34}"][..],
+            "\u{6c34} (U+6C34), \u{6e29} (U+6E29)",
+        ),
+        (&["s.toml", "--scale-bar=\u{6c34}"], "\u{6c34} (U+6C34)"),
+        (&["s.toml", "--label", "a\u{e000}"], "\\u{e000} (U+E000)"),
+        (&legend, "\u{6c34} (U+6C34)"),
+    ] {
+        let told = warning(options).unwrap_or_else(|| panic!("{options:?}"));
+        assert!(told.contains(&format!("lacks {lacks}: boxes")), "{told}");
+    }
+    let file = |name| [&legend[..5], &["--legend", name]].concat();
+    assert!(warning(&file("l.png")).is_some_and(|told| told.contains("lacks \u{6c34} (U+6C34): boxes")));
+    let known = ["s.toml", "--label", "\u{c5} \u{2264} \u{b5}m\u{b2}"];
+    for options in [&known[..], &["s.toml"], &legend[..5], &file("l.svg")] {
+        assert_eq!(warning(options), None, "{options:?}");
     }
 }
 

@@ -167,6 +167,18 @@ fn a_png_has_the_resolution_of_its_option() {
     for bad in ["0", "-1", "1.5", "1000001", "x"] {
         dir.refused_render(2, &format!("s.toml -o c.png --dpi={bad}"), &["--dpi", bad, "such as 300"]);
     }
+    for files in ["-o c.npy", "-o c.exr --aov id=d.npy", "--aov depth=d.pfm", "-o - --raw", "--json"] {
+        dir.refused_render(2, &format!("s.toml {files} --dpi 300"), &["--dpi applies to PNG files", ".png"]);
+    }
+    dir.refused(2, "plan s.toml -o c.npy --dpi 300", &["--dpi applies to PNG files"]);
+    dir.good("plan s.toml --dpi 300");
+    dir.render("s.toml -o - --dpi 300");
+    // Preferences may apply to other pictures.
+    dir.put("config.toml", "dpi = 300\n");
+    for variable in [("HALFLINE_CONFIG", "config.toml"), ("HALFLINE_DPI", "300")] {
+        let run = dir.run_with("render s.toml -o e.npy --backend cpu", &[variable]);
+        assert_eq!(run.code, 0, "{variable:?}: {}", run.err);
+    }
 }
 
 /// Zooming by X shows the pixels of the middle: a zoom by 3 of a picture with an odd number of pixels has every third ray

@@ -1,16 +1,16 @@
 """Trajectories, crystals, scans and simulations as other programs read them, compared with the spheres of halfline.
 
-    pip install MDAnalysis MDAnalysisTests ase laspy gsd numpy
+    pip install MDAnalysis MDAnalysisTests ase laspy lazrs gsd numpy
     cargo build --release --example spheres
-    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las gsd]
+    python tests/independent/readers.py target/release/examples/spheres [trajectories poscar las laz gsd]
 """
-import json, os, subprocess, sys, tempfile, warnings
+import itertools, json, os, subprocess, sys, tempfile, warnings
 
 import numpy as np
 
 warnings.simplefilter("ignore")
 spheres = os.path.abspath(sys.argv[1])
-parts = sys.argv[2:] or ["trajectories", "poscar", "las", "gsd"]
+parts = sys.argv[2:] or ["trajectories", "poscar", "las", "laz", "gsd"]
 
 
 def read(path, *arguments):
@@ -153,6 +153,12 @@ def las():
             (found,) = read(file.name)
             ranges = {name: read(file.name, "--color-by", name)[0]["range"] for name in names}
             other = laspy.read(file.name)
+        with tempfile.NamedTemporaryFile(suffix=".laz") as file:
+            # laspy compresses by lazrs.
+            cloud.write(file.name)
+            (packed,) = read(file.name)
+            assert all(packed[key] == found[key] for key in ["centers", "radii", "colors"]), fmt
+            assert ranges == {name: read(file.name, "--color-by", name)[0]["range"] for name in names}, fmt
         assert found["centers"] == other.xyz.tolist(), fmt
         for name, theirs in names.items():
             column = np.asarray(other[theirs], "f8")
@@ -162,7 +168,53 @@ def las():
             # IEC 61966-2-1; stored as float32.
             linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
             assert error_of(found["colors"], linear) < 2**-23, fmt
-        print(f"LAS, format {fmt}: 1000 points with equal positions, ranges of {', '.join(names)}")
+        print(f"LAS and LAZ, format {fmt}: 1000 points with equal positions, ranges of {', '.join(names)}")
+
+
+def laz():
+    """Scans of more points than a chunk of LAZ has: 50,000."""
+    import laspy
+
+    for fmt, count in itertools.product([0, 1, 2, 3, 6, 7, 8], [50000, 120001]):
+        rng = np.random.default_rng(fmt)
+        header = laspy.LasHeader(point_format=fmt, version="1.4" if fmt > 5 else "1.2")
+        header.scales, header.offsets = [0.001] * 3, [4e5, 5e6, 0]
+        if fmt in (1, 7):
+            header.add_extra_dim(laspy.ExtraBytesParams(name="more", type=np.float32))
+        cloud, n = laspy.LasData(header), np.arange(count)
+        angle = n % 500 / 250 - 1
+        cloud.x, cloud.y = 4e5 + 100 * angle + rng.normal(0, 0.01, count), 5e6 + n / 500 * 0.3
+        cloud.z = 20 * np.sin(cloud.x / 30) + rng.normal(0, 0.05, count)
+        cloud.intensity = 2000 + 800 * np.cos(n / 90) + rng.integers(0, 60, count)
+        cloud.number_of_returns = rng.integers(1, 5, count)
+        cloud.return_number = 1 + rng.integers(0, 5, count) % cloud.number_of_returns
+        cloud.classification, cloud.point_source_id = rng.choice([1, 2, 5, 6], count), 7 + n // 30000
+        cloud.user_data, names = n // 1000 % 9, {"intensity": "intensity", "point_source": "point_source_id"}
+        dimensions = list(cloud.point_format.dimension_names)
+        if fmt > 5:
+            cloud.scan_angle, cloud.scanner_channel = 5000 * angle, rng.integers(0, 3, count) * (n % 40000 > 30000)
+        if "gps_time" in dimensions:
+            cloud.gps_time, names["gps_time"] = 2e8 + n // 2 * 5e-6 + n // 500 * 0.01 + (n // 7000 % 3) * 1e6, "gps_time"
+        if "nir" in dimensions:
+            cloud.nir, names["nir"] = rng.integers(900, 1000, count), "nir"
+        if "red" in dimensions:
+            cloud.red, cloud.green, cloud.blue = [256 * (100 + rng.integers(0, 20, count) + k * n // 9000) for k in range(3)]
+        if "more" in dimensions:
+            cloud.more = np.sqrt(n)
+        found = {}
+        for suffix in [".las", ".laz"]:
+            with tempfile.NamedTemporaryFile(suffix=suffix) as file:
+                cloud.write(file.name)
+                (frame,) = read(file.name)
+                ranges = {name: read(file.name, "--color-by", name)[0]["range"] for name in names}
+                found[suffix] = [frame[key] for key in ["centers", "radii", "colors"]], ranges
+                size = os.path.getsize(file.name)
+        assert found[".las"] == found[".laz"] and len(found[".laz"][0][0]) == count, fmt
+        assert found[".laz"][0][0] == cloud.xyz.tolist(), fmt
+        for name, theirs in names.items():
+            column = np.asarray(cloud[theirs], "f8")
+            assert found[".laz"][1][name] == [column.min(), column.max()], (fmt, name)
+        print(f"LAZ, format {fmt}: {count} points in {size} bytes, equal to LAS")
 
 
 def gsd():

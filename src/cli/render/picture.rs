@@ -92,6 +92,9 @@ impl Render {
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         frame.report.number = numbered.number;
         frame.report.hold = self.args.read.hold();
+        frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
+        let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
+        frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
         self.args.read.hold_words().into_iter().chain(numbered.look.words()).for_each(|words| messages.note(words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             messages.note(frame.report.reason.clone());

@@ -4,10 +4,12 @@
 mod page;
 
 use super::canvas::plain;
+use super::raster::{missing, warning};
 use crate::error::{Error, Result};
 use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::read::style::{Legend, linear};
 use page::Page;
+use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
 
 /// Where the legend is.
@@ -76,6 +78,8 @@ pub struct Insets {
 pub struct Panels {
     panels: Vec<Panel>,
     words: String,
+    /// Letters of the texts that the font lacks.
+    unknown: BTreeSet<char>,
 }
 
 #[derive(Debug, Clone)]
@@ -104,11 +108,12 @@ impl Insets {
     /// [`Error::Settings`] if the picture is too small for one of them, or a scale bar has no length.
     pub fn panels(&self, width: u32, height: u32) -> Result<Panels> {
         let page = Page::new(width, height);
-        let mut words = Vec::new();
+        let (mut words, mut unknown) = (Vec::new(), BTreeSet::new());
         let legend = match &self.legend {
             Some((legend, corner)) => {
-                let (pixels, text) = page.legend(legend)?;
-                words.push(format!("legend {}: {text}", corner.name()));
+                let (pixels, [title, text]) = page.legend(legend)?;
+                unknown.extend(missing(&title, true).chain(missing(&text, false)));
+                words.push(format!("legend {}: {title}{text}", corner.name()));
                 Some((pixels, *corner))
             }
             None => None,
@@ -121,9 +126,11 @@ impl Insets {
         let label = label.map(|label| page.label(&label, free).map(|pixels| (pixels, label))).transpose()?;
         let bar = self.scale_bar.as_ref().map(|bar| page.scale_bar(bar.per_pixel, &bar.unit, free)).transpose()?;
         if let Some((_, label)) = &label {
+            unknown.extend(missing(label, false));
             words.push(format!("label: {label}"));
         }
         if let Some((_, text)) = &bar {
+            unknown.extend(missing(text, false));
             words.push(format!("scale bar: {text}"));
         }
         let mut panels = Vec::new();
@@ -158,7 +165,7 @@ impl Insets {
             };
             panels.push(Panel { at: [left.max(0.0) as usize, row.max(0.0) as usize], pixels });
         }
-        Ok(Panels { panels, words: words.join("; ") })
+        Ok(Panels { panels, words: words.join("; "), unknown })
     }
 }
 
@@ -167,6 +174,12 @@ impl Panels {
     #[must_use]
     pub fn words(&self) -> &str {
         &self.words
+    }
+
+    /// What the panels do not show as it is written, in a whole sentence: letters that the font lacks.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        warning(&self.unknown)
     }
 
     /// Draws the panels on the colour of a whole frame, and in its alpha if the background is transparent; returns what they cover.

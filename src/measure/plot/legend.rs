@@ -2,8 +2,9 @@
 //! coloured quantity.
 
 use super::Plot;
-use super::canvas::{Area, Drawing, drawing, shortened, text};
+use super::canvas::{Area, Drawing, drawing, plain, shortened, text};
 use super::look::{Drawn, INK, bold, centered, font};
+use super::raster::{missing, warning};
 use crate::error::{Error, Result};
 use crate::read::style::Legend;
 use plotters::prelude::*;
@@ -49,16 +50,27 @@ impl Legend {
         Ok(Plot { name, caption: "The numbers or categories that the colours show.", svg, png })
     }
 
+    /// What the PNG of [`Legend::plot`] does not show as it is written, in a whole sentence: letters that the font lacks.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let labels = self.labels().into_iter().flat_map(|label| missing(&plain(&label), false).collect::<Vec<_>>());
+        warning(&missing(&plain(&self.name), true).chain(labels).collect())
+    }
+
     fn title(&self, area: &Area<'_>) -> Drawn {
         let log = if self.log { " (logarithmic)" } else { "" };
         text(area, &format!("{}{log}", self.name), &bold(28), (BAR[0], 30))
     }
 
+    /// The labels of the first categories.
+    fn labels(&self) -> Vec<String> {
+        self.categories.iter().take(LABELS).map(|category| shortened(&category.label, LETTERS)).collect()
+    }
+
     /// A swatch and a label for every category, in columns that fit the longest.
     fn swatches(&self) -> Drawn<Drawing> {
         let [left, top, wide, _] = BAR;
-        let labels: Vec<String> =
-            self.categories.iter().take(LABELS).map(|category| shortened(&category.label, LETTERS)).collect();
+        let labels = self.labels();
         let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
         let column = SWATCH + GAPS[0] + LETTER * longest as i32 + GAPS[1];
         let columns = ((wide + GAPS[1]) / column).max(1);

@@ -3,12 +3,14 @@
 
 use super::cells::Cells;
 use super::look::Drawn;
+use crate::quote::list;
 use crate::write::png;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use plotters::prelude::{DrawingBackend, SVGBackend};
 use plotters_backend::DrawingErrorKind;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle, FontStyle, FontTransform};
+use std::collections::BTreeSet;
 use std::io;
 use std::sync::LazyLock;
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
@@ -198,6 +200,19 @@ pub(super) fn letters(text: &str, bold: bool, size: f32, at: (f32, f32)) -> Opti
 /// The width of a text.
 pub(super) fn letters_width(text: &str, bold: bool, size: f32) -> f32 {
     face(bold).width(text, size)
+}
+
+/// The letters of a text that the font has no outline for, which are drawn as empty boxes.
+pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
+    // Glyph 0 is that of every unknown letter.
+    text.chars().filter(move |letter| face(bold).font.glyph_id(*letter) == GlyphId(0))
+}
+
+/// What to report of letters that the font lacks, in a whole sentence.
+pub(super) fn warning(letters: &BTreeSet<char>) -> Option<String> {
+    let named = |letter: &char| format!("{} (U+{:04X})", letter.escape_debug(), u32::from(*letter));
+    let names = list(letters.iter().map(named));
+    (!letters.is_empty()).then(|| format!("the font of labels and legends lacks {names}: boxes are drawn instead"))
 }
 
 fn face(bold: bool) -> &'static Face {

@@ -135,14 +135,7 @@ fn columns(field: &Field) -> Vec<(usize, Scalar, String, Role)> {
     let name = field.name.to_lowercase();
     match &field.dtype {
         DType::Plain(of) => {
-            let role = match name.as_str() {
-                "x" => Role::Position(0),
-                "y" => Role::Position(1),
-                "z" => Role::Position(2),
-                "radius" => Role::Radius,
-                "diameter" => Role::Diameter,
-                _ => Role::Other,
-            };
+            let role = Role::of_field(&name);
             Scalar::of_numpy(of).map(|scalar| (0, scalar, name, role)).into_iter().collect()
         }
         DType::Array(3, inner) => match &**inner {

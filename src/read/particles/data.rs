@@ -208,15 +208,8 @@ impl LammpsData {
         let columns = &self.with_flags(columns, &style);
         let mut layout = Layout::default();
         for name in columns.split(' ') {
-            let role = match name {
-                "x" => Role::Position(0),
-                "y" => Role::Position(1),
-                "z" => Role::Position(2),
-                "diameter" => Role::Diameter,
-                _ => Role::Other,
-            };
             let twice = |problem| Error::scene(line.clone().named(heading), problem, "use each column name once");
-            layout.add(name, role, &self.wanted).map_err(twice)?;
+            layout.add(name, Role::of_field(name), &self.wanted).map_err(twice)?;
         }
         let mut particles = layout.begin(None);
         if !told {

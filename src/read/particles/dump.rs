@@ -12,6 +12,7 @@ use crate::read::lines::{Lines, Words};
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
 use crate::scene::Cell;
+use std::io::BufRead;
 
 /// The reader.
 pub(super) struct Dump {
@@ -130,8 +131,9 @@ impl Dump {
         Ok(bounds)
     }
 
-    /// The columns named by the current line, and whether coordinates are fractions of the cell's edges.
-    fn layout(&self) -> Result<(Layout, bool)> {
+    /// The columns named by the current line, and whether coordinates are fractions of the cell's edges. The first of
+    /// `count` atoms, whose line is then the current one, shows which columns are text.
+    fn layout(&mut self, count: u64) -> Result<(Layout, bool)> {
         let names = || Words::of(&self.lines).skip(2);
         let at = names().next().map_or(self.lines.text().len(), |word| word.at);
         let fail = |problem: String, mend| Err(self.fail(at, "ITEM: ATOMS", problem, mend));
@@ -139,17 +141,28 @@ impl Dump {
         let Some((axes, scaled)) = AXES.into_iter().find(|(axes, _)| axes.iter().all(|axis| has(axis))) else {
             return fail("no three columns are coordinates".into(), "dump x y z, xu yu zu, xs ys zs or xsu ysu zsu");
         };
-        let mut layout = Layout::default();
-        for word in names() {
-            let role = match word.text {
-                "radius" => Role::Radius,
-                "diameter" => Role::Diameter,
-                "element" => Role::Symbol,
-                name => axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position),
-            };
-            if let Err(problem) = layout.add(word.text, role, &self.wanted) {
-                return fail(problem, "use each column name once");
+        let role = |name: &str| match name {
+            "radius" => Role::Radius,
+            "diameter" => Role::Diameter,
+            "element" => Role::Symbol,
+            // The label of a type may look like a number.
+            "typelabel" => Role::Text,
+            name => axes.iter().position(|axis| *axis == name).map_or(Role::Other, Role::Position),
+        };
+        let mut columns: Vec<_> = names().map(|word| (word.text.to_owned(), role(word.text))).collect();
+        let place = self.lines.place(at).named("ITEM: ATOMS");
+        if count > 0 {
+            self.need("atom")?;
+            for (word, (_, role)) in Words::of(&self.lines).zip(&mut columns) {
+                if *role == Role::Other && word.text.parse::<f64>().is_err() {
+                    *role = Role::Text;
+                }
             }
+        }
+        let mut layout = Layout::default();
+        for (name, role) in &columns {
+            let twice = |problem: String| Error::scene(place.clone(), problem, "use each column name once");
+            layout.add(name, *role, &self.wanted).map_err(twice)?;
         }
         Ok((layout.skipping(self.skip_invalid), scaled))
     }
@@ -185,32 +198,24 @@ impl Dump {
 impl ParticleFrames for Dump {
     fn next(&mut self) -> Result<Option<Particles>> {
         let Some(DumpHeader { count, cell, when }) = self.head()? else { return Ok(None) };
-        let (layout, scaled) = self.layout()?;
+        let item = self.lines.place(0).named("ITEM: ATOMS");
+        let (layout, scaled) = self.layout(count)?;
         let mut particles = Particles { cell, when, ..layout.begin(self.survey.as_ref()) };
         let scaling = match cell {
             Some(cell) if scaled => Some(cell),
             None if scaled => {
                 let mend = "add ITEM: BOX BOUNDS before the atoms";
-                return Err(self.fail(
-                    0,
-                    "ITEM: ATOMS",
-                    "the coordinates are fractions of a cell that is not given",
-                    mend,
-                ));
+                return Err(Error::scene(item, "the coordinates are fractions of a cell that is not given", mend));
             }
             _ => None,
         };
-        let row = |line: &Lines<&[u8]>, found: &mut Particles| {
-            let before = found.positions.len();
-            layout.row(&mut Words::of(line), line, found)?;
-            // Particles are counted and dropped before the frame ends, so each is placed in its row.
-            if let Some(cell) = scaling {
-                found.positions[before..].iter_mut().for_each(|position| *position = cell.place(*position));
+        if count > 0 {
+            atom(&self.lines, &layout, scaling, &mut particles)?;
+            self.lines.found();
+            let row = |line: &Lines<&[u8]>, found: &mut _| atom(line, &layout, scaling, found);
+            if rows(&mut self.lines, count - 1, &layout, &mut particles, row)? < count - 1 {
+                return Err(self.ends("atom"));
             }
-            Ok(())
-        };
-        if rows(&mut self.lines, count, &layout, &mut particles, row)? < count {
-            return Err(self.ends("atom"));
         }
         self.check_end(count, &layout)?;
         particles.settle_texts();
@@ -221,6 +226,17 @@ impl ParticleFrames for Dump {
         let Some(DumpHeader { count, .. }) = self.head()? else { return Ok(false) };
         if self.lines.pass_particles(count)? < count { Err(self.ends("atom")) } else { Ok(true) }
     }
+}
+
+/// Adds the atom of the current line, whose coordinates are fractions of the edges of a cell where there is one.
+fn atom<R: BufRead>(lines: &Lines<R>, layout: &Layout, scaling: Option<Cell>, particles: &mut Particles) -> Result<()> {
+    let before = particles.positions.len();
+    layout.row(&mut Words::of(lines), lines, particles)?;
+    // Particles are counted and dropped before the frame ends, so each is placed in its row.
+    if let Some(cell) = scaling {
+        particles.positions[before..].iter_mut().for_each(|position| *position = cell.place(*position));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -270,6 +286,30 @@ mod tests {
         assert_eq!((found.cell.expect("a cell").origin, found.positions[0]), ([1.0, 2.0, 3.0], [4.0, 3.0, 4.0]));
         let both = read_one(&frame(CUBE, "xs ys zs xu yu zu", "0 0 0 9 9 9"));
         assert_eq!(both.positions[0], [9.0; 3], "unwrapped before scaled");
+    }
+
+    #[test]
+    fn columns_of_text_are_names() {
+        let named = |found: &Particles, name: &str| {
+            let column = found.columns.iter().find(|column| column.name == name).expect(name);
+            column.values.iter().map(|value| found.labels[name][*value as usize].clone()).collect::<Vec<_>>()
+        };
+        let first = frame(CUBE, "id mol typelabel x y z q", "1 wat 1 0 1 2 nan\n2 lig c3 0 1 2 0.5\n3 wat c3 0 1 2 1");
+        let second = frame(CUBE, "id mol x y z", "1 7 0.5 0 0\n2 8 1 0 0");
+        let frames = read(&format!("{first}{second}"), &["mol", "typelabel", "q"]).expect("frames");
+        assert_eq!(
+            (named(&frames[0], "mol"), named(&frames[0], "typelabel")),
+            (["wat", "lig", "wat"].map(String::from).to_vec(), ["1", "c3", "c3"].map(String::from).to_vec())
+        );
+        assert_eq!((frames[0].columns[2].values[1], frames[0].labels.len()), (0.5, 2), "numbers stay");
+        assert_eq!((&frames[1].columns[0].values[..], frames[1].labels.len()), (&[7.0, 8.0][..], 0));
+        // Unread text is no error, and a text below a number is one.
+        read(&first, &[]).expect("no column");
+        let mixed = frame(CUBE, "mol x y z", "7 0 0 0\nwat 0 0 0");
+        let error = read(&mixed, &["mol"]).map(drop).expect_err("mixed").to_string();
+        assert!(error.contains(":11:1: mol: `wat`"), "{error}");
+        let none = frame(CUBE, "mol x y z", "").replace("ATOMS mol x y z\n\n", "ATOMS mol x y z\n");
+        assert!(read(&format!("{none}{second}"), &["mol"]).expect("no atoms").len() == 2);
     }
 
     #[test]

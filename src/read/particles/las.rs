@@ -1,6 +1,7 @@
-//! LAS: points of laser scans in records of ten formats (ASPRS, LAS Specification 1.4 R15). Coordinates are whole numbers
-//! times a scale plus an offset, in f64. Compressed files (LAZ) are refused: for a damaged file the crates las 0.11 and
-//! laz 0.13 allocate the number of chunks that it names, and the failed allocation ends the process.
+//! LAS: points of laser scans in records of ten formats (ASPRS, LAS Specification 1.4 R15), also compressed (LAZ).
+//! Coordinates are whole numbers times a scale plus an offset, in f64.
+
+mod laz;
 
 use super::bytes::BinaryFile;
 use super::layout::{Layout, Role, wanted};
@@ -9,6 +10,7 @@ use crate::error::Result;
 use crate::memory::check_ids;
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
+use laz::{Laz, LazScheme};
 use rayon::prelude::*;
 
 /// The reader.
@@ -26,6 +28,8 @@ struct LasHeader {
     points: u64,
     scale: [f64; 3],
     offset: [f64; 3],
+    /// How the points are compressed, if they are.
+    scheme: Option<LazScheme>,
 }
 
 /// The fields of a record: the byte of each that only some formats have.
@@ -93,10 +97,23 @@ impl Las {
     }
 
     fn read(&self, mut file: BinaryFile) -> Result<Particles> {
-        let header = LasHeader::read(&mut file)?;
+        let mut header = LasHeader::read(&mut file)?;
         let layout = self.layout(header.format, &file)?;
         let mut particles = layout.begin(self.survey.as_ref());
         let (mut block, mut numbers, mut read) = (Vec::new(), Vec::new(), 0);
+        if let Some(scheme) = header.scheme.take() {
+            let mut laz = Laz::new(file, scheme, header.format, header.record)?;
+            for point in 0..header.points {
+                numbers.clear();
+                header.numbers(laz.next()?, &mut numbers);
+                layout.numbers(&numbers, &mut particles)?;
+                if point % BLOCK == 0 {
+                    laz.found();
+                }
+            }
+            light(&mut particles);
+            return Ok(particles);
+        }
         while read < header.points {
             let count = BLOCK.min(header.points - read);
             file.block(count * header.record as u64, &mut block, "points")?;
@@ -166,17 +183,13 @@ impl LasHeader {
             file.block(HEADER_14 - HEADER, &mut rest, "header")?;
             points = u64_at(&rest, 247 - HEADER as usize);
         }
-        // LAZ sets the highest bits.
-        if bytes[104] >= 64 {
-            let mend = "decompress it, for example with `laszip -i in.laz -o out.las` or `pdal translate`";
-            return Err(file.fail(104, "point format", "the points are compressed (LAZ)", mend));
-        }
-        let format = FORMATS.get(usize::from(bytes[104])).copied();
-        let wrong =
-            || file.fail(104, "point format", format!("point format {}", bytes[104]), "formats 0 to 10 are read");
+        // LAZ sets the highest bit.
+        let (is_compressed, number) = (bytes[104] >= 128, bytes[104] & 127);
+        let format = FORMATS.get(usize::from(number)).copied();
+        let wrong = || file.fail(104, "point format", format!("point format {number}"), "formats 0 to 10 are read");
         let format = format.ok_or_else(wrong)?;
         if record < format.size {
-            let problem = format!("{record} bytes, but format {} has {}", bytes[104], format.size);
+            let problem = format!("{record} bytes, but format {number} has {}", format.size);
             return Err(file.fail(105, "point record length", problem, DAMAGED));
         }
         check_ids(points)?;
@@ -190,8 +203,14 @@ impl LasHeader {
             let problem = format!("the points begin at byte {start}, the header has {size} bytes");
             return Err(file.fail(96, "offset to point data", problem, DAMAGED));
         }
-        file.pass(start - here, "variable length records")?;
-        Ok(Self { format, record, points, scale, offset })
+        let scheme = if is_compressed && points > 0 {
+            file.pass(size.saturating_sub(here), "header")?;
+            Some(LazScheme::find(file, u32_at(&bytes, 100), start, format, record)?)
+        } else {
+            None
+        };
+        file.pass(start.saturating_sub(file.at()), "variable length records")?;
+        Ok(Self { format, record, points, scale, offset, scheme })
     }
 
     /// The numbers of a record; colours are those of the file.
@@ -346,7 +365,7 @@ mod tests {
         for (bytes, told) in [
             (with(0, 0), "byte 0: signature"),
             (with(25, 5), "byte 24: version: version 1.5"),
-            (with(104, 131), "byte 104: point format: the points are compressed (LAZ); decompress it"),
+            (with(104, 131), "byte 104: point format: the points are compressed, but the record of LASzip is missing"),
             (with(104, 11), "byte 104: point format: point format 11"),
             (with(105, 33), "byte 105: point record length: 33 bytes, but format 3 has 34"),
             (with(96, 0), "byte 96: offset to point data"),

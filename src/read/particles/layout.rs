@@ -30,6 +30,20 @@ pub(crate) enum Role {
     Other,
 }
 
+impl Role {
+    /// The meaning of a field that is called by its plain name, `x`, `y`, `z`, `radius` or `diameter`, in lower case.
+    pub(crate) fn of_field(name: &str) -> Self {
+        match name {
+            "x" => Self::Position(0),
+            "y" => Self::Position(1),
+            "z" => Self::Position(2),
+            "radius" => Self::Radius,
+            "diameter" => Self::Diameter,
+            _ => Self::Other,
+        }
+    }
+}
+
 /// The columns of a row in the order of the file.
 #[derive(Debug, Default)]
 pub(crate) struct Layout {

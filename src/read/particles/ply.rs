@@ -93,15 +93,10 @@ impl Ply {
         let colored = ["red", "green", "blue"].iter().all(|name| vertex.properties.iter().any(|p| p.name == *name));
         for property in vertex.properties.iter().filter(|property| property.length.is_none()) {
             let role = match property.name.as_str() {
-                "x" => Role::Position(0),
-                "y" => Role::Position(1),
-                "z" => Role::Position(2),
-                "radius" => Role::Radius,
-                "diameter" => Role::Diameter,
                 "red" if colored => Role::Color(0),
                 "green" if colored => Role::Color(1),
                 "blue" if colored => Role::Color(2),
-                _ => Role::Other,
+                name => Role::of_field(name),
             };
             layout.add(&property.name, role, &self.wanted).map_err(wrong)?;
         }

@@ -96,8 +96,9 @@ impl Page {
         Ok((pixels, text))
     }
 
-    /// The legend in a column, and what it shows: a bar with the largest number at the top, or a swatch for each category.
-    pub(super) fn legend(&self, legend: &Legend) -> Result<(Pixmap, String)> {
+    /// The legend in a column, its title, and what it shows besides: a bar with the largest number at the top, or a swatch
+    /// for each category.
+    pub(super) fn legend(&self, legend: &Legend) -> Result<(Pixmap, [String; 2])> {
         let (size, margin) = (self.size, self.margin);
         let log = if legend.log { " (logarithmic)" } else { "" };
         let widest = 0.4 * self.width;
@@ -106,7 +107,7 @@ impl Page {
         // From the top of a row to that of the next.
         let row = (1.5 * size).round();
         let free = self.height - 4.0 * margin - below;
-        let mut words = title.clone();
+        let mut words = String::new();
         let bar = legend.categories.is_empty();
         let rows = ((free / row).max(0.0) as usize).min(legend.categories.len());
         // The last row counts what does not fit.
@@ -164,7 +165,7 @@ impl Page {
             }
             self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
         }
-        Ok((pixels, words))
+        Ok((pixels, [title, words]))
     }
 
     /// Writes a line of text whose top left is at a point.

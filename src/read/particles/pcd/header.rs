@@ -154,7 +154,7 @@ fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, wanted: &[String]) ->
             PcdKind::Numbers => {
                 for part in 0..count {
                     let column = if count == 1 { name.clone() } else { component(name, part) };
-                    layout.add(&column, role(&column), wanted).map_err(wrong)?;
+                    layout.add(&column, Role::of_field(&column), wanted).map_err(wrong)?;
                 }
                 layout.vector(&name.to_lowercase(), count, wanted);
             }
@@ -167,16 +167,5 @@ fn fields(lists: &[(Vec<String>, Place); 4], file: &Place, wanted: &[String]) ->
             let problem = format!("a point has no {}", ["x", "y", "z"][axis]);
             Err(Error::scene(file.clone().named("FIELDS"), problem, "give the points the fields x, y and z"))
         }
-    }
-}
-
-fn role(name: &str) -> Role {
-    match name {
-        "x" => Role::Position(0),
-        "y" => Role::Position(1),
-        "z" => Role::Position(2),
-        "radius" => Role::Radius,
-        "diameter" => Role::Diameter,
-        _ => Role::Other,
     }
 }

@@ -1,0 +1,273 @@
+//! LAZ: points of LAS in compressed chunks (LAZ Specification 1.4, rapidlasso.de). Formats 0 to 3 and 6 to 10 are read, chunk
+//! after chunk; the table of chunks behind the points is not needed.
+//!
+//! The crate laz 0.13 is not used. For a damaged file it allocates the number of chunks that the table names, its sums
+//! overflow, which is a panic in debug builds, and a changed sequence of times calls itself until the stack ends, which
+//! no check before the call can prevent.
+
+mod arithmetic;
+mod color;
+mod integer;
+mod layered;
+mod sequential;
+mod time;
+
+use super::{DAMAGED, PointFormat, u16_at, u32_at};
+use crate::error::{Error, Place, Result};
+use crate::read::particles::bytes::BinaryFile;
+use arithmetic::{Decoder, Source};
+use layered::{LAYERS, Layered};
+use sequential::Sequential;
+
+/// How the points are compressed: the record `laszip encoded` of the header.
+pub(super) struct LazScheme {
+    coding: Coding,
+    /// Points in a chunk; `None` where each has its number.
+    chunk: Option<u64>,
+    /// Whether chunks are independent, and a number before the first is the place of their table.
+    has_table: bool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Coding {
+    Sequential,
+    /// By layers, in version 3 or 4.
+    Layered(u16),
+}
+
+/// The user and the number of that record.
+const USER: &[u8] = b"laszip encoded\0";
+const RECORD: u16 = 22204;
+
+/// Bytes of the head of a record behind the header.
+const HEAD: usize = 54;
+
+const OTHER: &str = "decompress the file, for example with `laszip -i in.laz -o out.las` or `pdal translate`";
+
+/// The points of a file.
+pub(super) struct Laz {
+    points: Decoder<BinaryFile>,
+    scheme: LazScheme,
+    format: PointFormat,
+    record: usize,
+    /// Points until the next chunk.
+    left: u64,
+    state: Option<State>,
+    first: Vec<u8>,
+}
+
+enum State {
+    Sequential(Box<Sequential>),
+    Layered(Box<Layered>),
+}
+
+/// The bytes of a layer.
+struct Layer {
+    bytes: Vec<u8>,
+    at: usize,
+    place: Place,
+}
+
+impl LazScheme {
+    /// Reads the records behind the header up to the points, at byte `start`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a file without the record, and for a compression that is not read.
+    pub(super) fn find(
+        file: &mut BinaryFile,
+        count: u32,
+        start: u64,
+        format: PointFormat,
+        size: usize,
+    ) -> Result<Self> {
+        let mut record = Vec::new();
+        for _ in 0..count {
+            let at = file.at();
+            let head = file.bytes::<HEAD>("variable length record")?;
+            let length = u64::from(u16_at(&head, 20));
+            if file.at() + length > start {
+                return Err(file.fail(at, "variable length record", "it does not end before the points", DAMAGED));
+            }
+            if head[2..].starts_with(USER) && u16_at(&head, 18) == RECORD {
+                let at = file.at();
+                file.block(length, &mut record, "record of LASzip")?;
+                return Self::of(&record, format, size)
+                    .map_err(|(byte, problem, mend)| file.fail(at + byte, "record of LASzip", problem, mend));
+            }
+            file.pass(length, "variable length record")?;
+        }
+        Err(file.fail(104, "point format", "the points are compressed, but the record of LASzip is missing", DAMAGED))
+    }
+
+    /// The scheme of a record; in an error the byte, the problem and the mend.
+    fn of(record: &[u8], format: PointFormat, size: usize) -> Result<Self, (u64, String, &'static str)> {
+        if record.len() < 34 || record.len() < 34 + 6 * usize::from(u16_at(record, 32)) {
+            return Err((0, format!("it has only {} bytes", record.len()), DAMAGED));
+        }
+        let other = |byte, what: String| Err((byte, what, OTHER));
+        let (compressor, coder, chunk) = (u16_at(record, 0), u16_at(record, 2), u32_at(record, 12));
+        if coder != 0 {
+            return other(2, format!("coder {coder}"));
+        }
+        // The items of a point: number, bytes, version.
+        let items: Vec<[u16; 3]> = record[34..]
+            .chunks_exact(6)
+            .take(u16_at(record, 32).into())
+            .map(|item| [0, 2, 4].map(|at| u16_at(item, at)))
+            .collect();
+        let version = items.first().map_or(0, |item| item[2]);
+        let coding = match (compressor, version, format.long) {
+            (1 | 2, 2, false) => Coding::Sequential,
+            (3, 3 | 4, true) => Coding::Layered(version),
+            _ => return other(0, format!("compressor {compressor} in version {version} of this point format")),
+        };
+        let mut expected = vec![if format.long { [10, 30] } else { [6, 20] }];
+        if format.long {
+            expected.extend(format.infrared.map(|_| [12, 8]).or(format.color.map(|_| [11, 6])));
+        } else {
+            expected.extend(format.gps_time.map(|_| [7, 8]));
+            expected.extend(format.color.map(|_| [8, 6]));
+        }
+        let known: usize = expected.iter().map(|item| usize::from(item[1])).sum();
+        if known != format.size {
+            // A packet of a waveform.
+            expected.push([if format.long { 13 } else { 9 }, 29]);
+        }
+        if let Ok(extra @ 1..) = u16::try_from(size - format.size) {
+            expected.push([if format.long { 14 } else { 0 }, extra]);
+        }
+        if !items.iter().map(|[kind, bytes, _]| [*kind, *bytes]).eq(expected) {
+            return Err((34, "the items are not those of the point format".into(), DAMAGED));
+        }
+        if items.iter().any(|item| item[2] != version) || known != format.size && !format.long {
+            return other(34, "items of several versions, or waveforms".into());
+        }
+        let variable = chunk == 0 || chunk == u32::MAX;
+        if variable && compressor == 2 {
+            return other(12, "chunks of several sizes of these point formats".into());
+        }
+        let chunk = if compressor == 1 { Some(u64::MAX) } else { (!variable).then_some(chunk.into()) };
+        Ok(Self { coding, chunk, has_table: compressor != 1 })
+    }
+}
+
+impl Laz {
+    /// The points from the next byte of a file on, in records of so many bytes.
+    ///
+    /// # Errors
+    /// Those of reading.
+    pub(super) fn new(mut file: BinaryFile, scheme: LazScheme, format: PointFormat, record: usize) -> Result<Self> {
+        if scheme.has_table {
+            file.pass(8, "place of the table of chunks")?;
+        }
+        Ok(Self { points: Decoder::new(file), scheme, format, record, left: 0, state: None, first: Vec::new() })
+    }
+
+    /// The record of the next point.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where the points end or no encoder writes what they are, and those of reading.
+    pub(super) fn next(&mut self) -> Result<&[u8]> {
+        if self.left == 0 {
+            self.begin()?;
+            self.left -= 1;
+            return Ok(&self.first);
+        }
+        self.left -= 1;
+        match &mut self.state {
+            Some(State::Sequential(points)) => points.next(&mut self.points),
+            Some(State::Layered(points)) => points.next(),
+            None => Ok(&self.first),
+        }
+    }
+
+    /// Reports that particles were found.
+    pub(super) fn found(&mut self) {
+        self.points.source().found();
+    }
+
+    /// Begins a chunk.
+    fn begin(&mut self) -> Result<()> {
+        // The last chunk's memory is free before the next one's is taken.
+        self.state = None;
+        let file = self.points.source();
+        file.found();
+        file.block(self.record as u64, &mut self.first, "points")?;
+        match self.scheme.coding {
+            Coding::Sequential => {
+                self.left = self.scheme.chunk.unwrap_or(u64::MAX);
+                self.points.begin()?;
+                self.state = Some(State::Sequential(Box::new(Sequential::new(self.format, &self.first))));
+            }
+            Coding::Layered(version) => {
+                let at = file.at();
+                let count = u64::from(u32::from_le_bytes(file.bytes("points of a chunk")?));
+                self.left = self.scheme.chunk.unwrap_or(count);
+                if self.left == 0 {
+                    return Err(file.fail(at, "points of a chunk", "there are none", DAMAGED));
+                }
+                let layers = self.layers()?;
+                let points = Layered::new(self.format, &self.first, layers, version == 3);
+                self.state = Some(State::Layered(Box::new(points)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the layers of a chunk; those that are not needed are skipped.
+    fn layers(&mut self) -> Result<Vec<Option<Decoder<Layer>>>> {
+        let file = self.points.source();
+        let known = LAYERS + usize::from(self.format.color.is_some()) + usize::from(self.format.infrared.is_some());
+        let waves = usize::from(self.format.size >= 59);
+        let count = known + waves + self.record - self.format.size;
+        let mut sizes = Vec::new();
+        file.block(4 * count as u64, &mut sizes, "sizes of layers")?;
+        let mut layers = Vec::with_capacity(LAYERS + 2);
+        for (index, size) in sizes.chunks_exact(4).map(|size| u64::from(u32_at(size, 0))).enumerate() {
+            // The first layer has what every point has; without bytes it ends within the second.
+            if index >= known || (size == 0 && index > 0) {
+                file.pass(size, "layer")?;
+                if index < known {
+                    layers.push(None);
+                }
+                continue;
+            }
+            let place = file.file().named(format!("byte {}: layer", file.at()));
+            let mut bytes = Vec::new();
+            file.block(size, &mut bytes, "layer")?;
+            let mut layer = Decoder::new(Layer { bytes, at: 0, place });
+            if size > 0 {
+                layer.begin()?;
+            }
+            layers.push(Some(layer));
+        }
+        Ok(layers)
+    }
+}
+
+impl Source for BinaryFile {
+    fn byte(&mut self) -> Result<u8> {
+        self.bytes("points").map(|[byte]| byte)
+    }
+
+    fn invalid(&self) -> Error {
+        self.fail(self.at(), "points", INVALID, DAMAGED)
+    }
+}
+
+impl Source for Layer {
+    fn byte(&mut self) -> Result<u8> {
+        let byte = self.bytes.get(self.at).copied();
+        self.at += 1;
+        byte.ok_or_else(|| Error::scene(self.place.clone(), "the layer ends within the points of its chunk", DAMAGED))
+    }
+
+    fn invalid(&self) -> Error {
+        Error::scene(self.place.clone(), INVALID, DAMAGED)
+    }
+}
+
+const INVALID: &str = "the compressed points are not valid";
+
+#[cfg(test)]
+mod tests;
