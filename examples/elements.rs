@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let colors = scene.spheres.colors.unwrap_or_default();
                 let found: Vec<_> = colors.iter().map(|color| symbols.get(&color.map(f32::to_bits))).collect();
                 let warnings = scene.skipped.warnings();
-                json!({ "file": file, "symbols": found, "positions": scene.spheres.centers, "warnings": warnings })
+                json!({ "file": file, "symbols": found, "positions": *scene.spheres.centers, "warnings": warnings })
             }
             Err(error) => json!({ "file": file, "error": error.to_string() }),
         };

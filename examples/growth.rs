@@ -40,7 +40,7 @@ fn overlap(pixels: f64) -> Scene {
     let away = (1.7f64.powi(2) + 1.1f64.powi(2) + 2.4f64.powi(2)).sqrt();
     let pixel = 2.0 * away * 16f64.to_radians().tan() / f64::from(SIDE);
     let mut scene = cloud(1000);
-    scene.spheres.radii.fill(pixels * pixel);
+    scene.spheres.radii.to_mut().fill(pixels * pixel);
     scene
 }
 

@@ -102,7 +102,7 @@ type Callback = dyn FnMut(Progress) + Send;
 /// use halfline::{Cancel, Error, Renderer, Settings, Watch};
 /// # use halfline::{Camera, ImagePlane, Scene, Skipped, Spheres};
 /// # let image = ImagePlane { width: 8, height: 8, background: [0.0; 3] };
-/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]], radii: vec![1.0], colors: None, materials: None };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
 /// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() };
 /// let (cancel, settings) = (Cancel::default(), Settings::default());
 /// let watch = Watch::default()

@@ -8,6 +8,7 @@ mod check;
 mod fit;
 pub mod lidar;
 mod light;
+mod list;
 mod material;
 
 use crate::error::{Error, Place, Result};
@@ -20,6 +21,7 @@ pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub use fit::{Framing, Reach};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
+pub use list::List;
 pub use material::{Material, Materials};
 
 /// Linear RGB of a sphere without a colour.
@@ -62,11 +64,11 @@ impl Default for ImagePlane {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
     /// Centres in world coordinates.
-    pub centers: Vec<[f64; 3]>,
+    pub centers: List<[f64; 3]>,
     /// Radii, positive and finite.
-    pub radii: Vec<f64>,
+    pub radii: List<f64>,
     /// Linear RGB per sphere; `None` when no sphere of the scene has a colour, so that none is uploaded.
-    pub colors: Option<Vec<[f32; 3]>>,
+    pub colors: Option<List<[f32; 3]>>,
     /// What the spheres are made of; `None` where all of them reflect diffusely only.
     pub materials: Option<Materials>,
 }
@@ -79,8 +81,8 @@ impl Spheres {
 
     /// Removes all spheres, and keeps the memory.
     pub(crate) fn clear(&mut self) {
-        self.centers.clear();
-        self.radii.clear();
+        self.centers.to_mut().clear();
+        self.radii.to_mut().clear();
         (self.colors, self.materials) = (None, None);
     }
 
@@ -114,17 +116,17 @@ impl Spheres {
         let n = self.len();
         let room = |capacity: usize| capacity - n >= more;
         let colored = colored || self.colors.is_some();
-        let colors = self.colors.as_ref().map_or(0, Vec::capacity);
+        let colors = self.colors.as_ref().map_or(0, List::capacity);
         if room(self.centers.capacity()) && room(self.radii.capacity()) && (!colored || colors >= n + more) {
             return Ok(());
         }
         let each = size_of::<[f64; 3]>() + size_of::<f64>() + if colored { size_of::<[f32; 3]>() } else { 0 };
         let entries = entries(n, more, each, "spheres")?;
-        extend_to(&mut self.centers, entries)?;
-        extend_to(&mut self.radii, entries)?;
+        extend_to(self.centers.to_mut(), entries)?;
+        extend_to(self.radii.to_mut(), entries)?;
         // If the first sphere has a colour, adding it makes the list.
         if self.colors.is_some() || colored && n > 0 {
-            let colors = self.colors.get_or_insert_default();
+            let colors = self.colors.get_or_insert_default().to_mut();
             extend_to(colors, entries)?;
             colors.resize(n, DEFAULT_COLOR);
         }
@@ -141,22 +143,34 @@ impl Spheres {
         Ok(())
     }
 
+    /// Makes clones cheap: they share the numbers from here on. A change of shared numbers copies them first.
+    pub fn share(&mut self) {
+        self.centers.share();
+        self.radii.share();
+        if let Some(colors) = &mut self.colors {
+            colors.share();
+        }
+        if let Some(materials) = &mut self.materials {
+            materials.of.share();
+        }
+    }
+
     /// Adds one sphere. The first colour creates the colour list; spheres without one get [`DEFAULT_COLOR`] in it.
     pub fn push(&mut self, center: [f64; 3], radius: f64, color: Option<[f32; 3]>) {
         match (&mut self.colors, color) {
-            (Some(colors), color) => colors.push(color.unwrap_or(DEFAULT_COLOR)),
+            (Some(colors), color) => colors.to_mut().push(color.unwrap_or(DEFAULT_COLOR)),
             (None, Some(color)) => {
                 let mut colors = vec![DEFAULT_COLOR; self.len()];
                 colors.push(color);
-                self.colors = Some(colors);
+                self.colors = Some(colors.into());
             }
             (None, None) => {}
         }
         if let Some(materials) = &mut self.materials {
             materials.push(Material::default());
         }
-        self.centers.push(center);
-        self.radii.push(radius);
+        self.centers.to_mut().push(center);
+        self.radii.to_mut().push(radius);
     }
 
     /// Changes the material of the sphere that was added last.
@@ -165,8 +179,9 @@ impl Spheres {
         if count == 0 || self.materials.is_none() && material == plain {
             return;
         }
-        let materials = self.materials.get_or_insert_with(|| Materials { kinds: vec![plain], of: vec![0; count] });
-        materials.of.pop();
+        let materials =
+            self.materials.get_or_insert_with(|| Materials { kinds: vec![plain], of: vec![0; count].into() });
+        materials.of.to_mut().pop();
         materials.push(material);
     }
 }
@@ -236,7 +251,7 @@ impl Scene {
                 "found {} centres, {} radii and {} colours",
                 s.centers.len(),
                 s.radii.len(),
-                s.colors.as_ref().map_or(0, Vec::len)
+                s.colors.as_ref().map_or(0, |colors| colors.len())
             );
             return Err(Error::scene("spheres", problem, "use lists of the same length"));
         }

@@ -83,7 +83,7 @@ impl<'a> SceneFrames<'a> {
                 if self.standing.is_none() {
                     self.standing = self.sequence.next_scene()?;
                 }
-                let standing = self.standing.as_ref().map(SceneFrame::copy).transpose()?;
+                let standing = self.standing.as_mut().map(SceneFrame::copy);
                 standing.map(|frame| SceneFrame { number: u64::from(count) + 1, ..frame })
             }
             None => {

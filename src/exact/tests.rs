@@ -233,8 +233,12 @@ fn the_filter_leaves_close_calls_to_exact_signs() {
 fn an_eye_just_off_the_surface_is_on_its_side() {
     // |p|^2 - r^2 is the square of the shift, which a double-double loses beside 1.
     for k in [-30, -60, -500] {
-        let spheres =
-            Spheres { centers: vec![[1.0, 2f64.powi(k), 0.0]], radii: vec![1.0], colors: None, materials: None };
+        let spheres = Spheres {
+            centers: vec![[1.0, 2f64.powi(k), 0.0]].into(),
+            radii: vec![1.0].into(),
+            colors: None,
+            materials: None,
+        };
         let outside = judge_ray([0.0; 3], [1.0, 0.0, 0.0], &spheres).expect("looking in");
         // t = c/(b + sqrt(D)) for c = 2^2k, b = 1 and D = 1 - 2^2k.
         assert_eq!((outside.root, outside.t), (Root::Near, 2f64.powi(2 * k - 1)), "2^{k}");
@@ -243,13 +247,14 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
     // p = (3 + 4 x, 4 - 3 x, 0) and r = 5: c = 25 x^2, which is lost in a product of double-doubles.
     for k in 30..60 {
         let x = 2f64.powi(-k);
-        let spheres = Spheres { centers: vec![[3.0, 4.0, 0.0]], radii: vec![5.0], colors: None, materials: None };
+        let spheres =
+            Spheres { centers: vec![[3.0, 4.0, 0.0]].into(), radii: vec![5.0].into(), colors: None, materials: None };
         let outside = judge_ray([-4.0 * x, 3.0 * x, 0.0], [3.0, 4.0, 0.0], &spheres).expect("looking in");
         assert_eq!((outside.root, outside.t), (Root::Near, x * x / 2.0), "2^-{k}");
     }
     let inside = Spheres {
-        centers: vec![[1.0 - 2f64.powi(-53), 2f64.powi(-60), 0.0]],
-        radii: vec![1.0],
+        centers: vec![[1.0 - 2f64.powi(-53), 2f64.powi(-60), 0.0]].into(),
+        radii: vec![1.0].into(),
         colors: None,
         materials: None,
     };
@@ -291,7 +296,7 @@ fn scaled_by_powers_of_two(scene: &Scene) {
         if let Look::At(at) = &mut scaled.camera.look {
             *at *= factor;
         }
-        for (center, radius) in scaled.spheres.centers.iter_mut().zip(&mut scaled.spheres.radii) {
+        for (center, radius) in scaled.spheres.centers.to_mut().iter_mut().zip(scaled.spheres.radii.to_mut()) {
             (*center, *radius) = (center.map(|x| x * factor), *radius * factor);
         }
         let scaled = Judge::new(&scaled).expect("a scaled scene");
@@ -338,8 +343,12 @@ fn a_given_ray_agrees_with_the_pixel_that_it_passes() {
     }
     assert_eq!(judge_ray([0.0; 3], [0.0; 3], &scene.spheres), None);
     assert_eq!(judge_ray([f64::NAN; 3], [1.0; 3], &scene.spheres), None);
-    let bad =
-        Spheres { centers: vec![[0.0, 0.0, 3.0]; 3], radii: vec![f64::NAN, -1.0, 1.0], colors: None, materials: None };
+    let bad = Spheres {
+        centers: vec![[0.0, 0.0, 3.0]; 3].into(),
+        radii: vec![f64::NAN, -1.0, 1.0].into(),
+        colors: None,
+        materials: None,
+    };
     assert_eq!(judge_ray([0.0; 3], [0.0, 0.0, 1.0], &bad).map(|truth| (truth.id, truth.t)), Some((2, 2.0)));
 }
 
@@ -373,7 +382,12 @@ fn the_ends_of_the_range_are_judged_too() {
         judge_ray(
             [-x, 0.0, 0.0],
             [1.0, 0.0, 0.0],
-            &Spheres { centers: vec![[x, 0.0, 0.0]], radii: vec![x / 2.0], colors: None, materials: None },
+            &Spheres {
+                centers: vec![[x, 0.0, 0.0]].into(),
+                radii: vec![x / 2.0].into(),
+                colors: None,
+                materials: None,
+            },
         )
     };
     for x in [1e-300, 1e300, 1.7e308, 4e-320] {
@@ -383,7 +397,12 @@ fn the_ends_of_the_range_are_judged_too() {
     }
     // A radius of 1e-300 grazed at 1e-316 beside a centre 1e300 away: thousands of bits.
     for (r, hit) in [(1e-300, true), (1e-300f64.next_down(), false)] {
-        let spheres = Spheres { centers: vec![[1e300, 1e-300, 0.0]], radii: vec![r], colors: None, materials: None };
+        let spheres = Spheres {
+            centers: vec![[1e300, 1e-300, 0.0]].into(),
+            radii: vec![r].into(),
+            colors: None,
+            materials: None,
+        };
         let truth = judge_ray([0.0; 3], [1e-300, 0.0, 0.0], &spheres);
         assert_eq!(truth.map(|truth| truth.tangent), hit.then_some(true));
     }

@@ -181,8 +181,8 @@ fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) 
         };
         if width <= 4 && spheres.colors.is_none() && block.clone().all(is_sphere) {
             let (centers, radii): (Vec<_>, Vec<_>) = block.map(|row| sphere(values(row))).unzip();
-            spheres.centers.extend(centers);
-            spheres.radii.extend(radii);
+            spheres.centers.to_mut().extend(centers);
+            spheres.radii.to_mut().extend(radii);
         } else {
             for (row, bytes) in (done..).zip(bytes.chunks_exact(row_bytes)) {
                 push(values(bytes), width, spheres).map_err(|e| Fault::Row(row, e))?;

@@ -10,7 +10,6 @@ use super::source::SceneSource;
 use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
-use crate::memory::check_spheres;
 use crate::quote::count;
 use crate::scene::camera::Camera;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene};
@@ -56,13 +55,10 @@ pub struct SceneFrame {
 }
 
 impl SceneFrame {
-    /// Copies the scene.
-    ///
-    /// # Errors
-    /// [`Error::Limits`] where memory is short.
-    pub fn copy(&self) -> Result<Self> {
-        check_spheres(self.scene.spheres.len() as u64, self.scene.spheres.colors.is_some())?;
-        Ok(self.clone())
+    /// A copy that shares its spheres with this one.
+    pub fn copy(&mut self) -> Self {
+        self.scene.spheres.share();
+        self.clone()
     }
 }
 

@@ -141,11 +141,11 @@ impl Style {
             return Err(no_selections());
         }
         let scale = self.radius_scale;
-        spheres.radii.par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
+        spheres.radii.to_mut().par_iter_mut().for_each(|radius| *radius = self.radius.unwrap_or(*radius) * scale);
         match &self.coloring {
             Coloring::File => Ok(()),
             Coloring::One(color) => {
-                spheres.colors = Some(vec![*color; spheres.len()]);
+                spheres.colors = Some(vec![*color; spheres.len()].into());
                 Ok(())
             }
             Coloring::Element => Err(Error::settings("this scene has no elements", "remove --color-by")),
@@ -165,7 +165,8 @@ impl Style {
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, &mut skipped)?;
         self.apply_rules(&particles, &mut colors, &mut radii);
-        let spheres = Spheres { centers: particles.positions, radii, colors, materials: None };
+        let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
+        let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
         let bad = spheres
             .centers
             .par_iter()

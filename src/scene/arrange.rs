@@ -1,6 +1,6 @@
 //! Arranges spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
 
-use super::{Cell, Materials, Spheres};
+use super::{Cell, List, Materials, Spheres};
 use crate::error::{Error, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
@@ -91,10 +91,11 @@ fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch:
         let [i, j, k] = [cell % na, cell / na % nb, cell / na / nb].map(|n| n as f64);
         (DVec3::from_array(own.centers[sphere]) + (i * a + j * b + k * c)).to_array()
     };
-    extend_to(&mut spheres.centers, total)?;
+    let centers = spheres.centers.to_mut();
+    extend_to(centers, total)?;
     for start in (0..total).step_by(BATCH) {
         watch.check()?;
-        spheres.centers.par_extend((start..total.min(start + BATCH)).into_par_iter().map(copy));
+        centers.par_extend((start..total.min(start + BATCH)).into_par_iter().map(copy));
     }
     spheres.radii = repeated(own.radii, total, watch)?;
     spheres.materials = own
@@ -106,7 +107,8 @@ fn repeat(spheres: &mut Spheres, copies: [u32; 3], [a, b, c]: [DVec3; 3], watch:
 }
 
 /// The values repeated to a length of `total`.
-fn repeated<T: Copy>(mut values: Vec<T>, total: usize, watch: &Watch) -> Result<Vec<T>> {
+fn repeated<T: Copy>(values: List<T>, total: usize, watch: &Watch) -> Result<List<T>> {
+    let mut values = values.into_vec();
     extend_to(&mut values, total)?;
     let once = values.len();
     while values.len() < total {
@@ -115,7 +117,7 @@ fn repeated<T: Copy>(mut values: Vec<T>, total: usize, watch: &Watch) -> Result<
         let more = values.len().min((BATCH / once).max(1) * once).min(total - values.len());
         values.extend_from_within(..more);
     }
-    Ok(values)
+    Ok(values.into())
 }
 
 fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
@@ -127,13 +129,13 @@ fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
         kept[*n - 1]
     };
     let (mut a, mut b, mut c, mut d) = (0, 0, 0, 0);
-    spheres.centers.retain(|_| keep(&mut a));
-    spheres.radii.retain(|_| keep(&mut b));
+    spheres.centers.to_mut().retain(|_| keep(&mut a));
+    spheres.radii.to_mut().retain(|_| keep(&mut b));
     if let Some(colors) = &mut spheres.colors {
-        colors.retain(|_| keep(&mut c));
+        colors.to_mut().retain(|_| keep(&mut c));
     }
     if let Some(materials) = &mut spheres.materials {
-        materials.of.retain(|_| keep(&mut d));
+        materials.of.to_mut().retain(|_| keep(&mut d));
     }
     Ok(())
 }
@@ -148,6 +150,8 @@ fn outline(spheres: &mut Spheres, origin: DVec3, edges: [DVec3; 3], bead: Bead) 
         let problem = format!("the beads of the cell have the radius {radius}");
         return Err(Error::settings(problem, "use a positive radius"));
     }
+    // Shared spheres are copied before beads are added.
+    check_spheres(spheres.len() as u64, spheres.colors.is_some())?;
     for (k, along) in edges.into_iter().enumerate() {
         let (p, q) = (edges[(k + 1) % 3], edges[(k + 2) % 3]);
         let steps = (along.length() / radius).ceil().clamp(1.0, MOST_BEADS) as u32;
@@ -201,7 +205,7 @@ mod tests {
     fn copies_of_more_than_a_batch_are_those_of_less() {
         // Three numbers, so that the end of a batch falls among them, and a list whose doubling does not end with a
         // whole copy.
-        let values: Vec<usize> = (0..3).collect();
+        let values: List<usize> = (0..3).collect();
         let all = repeated(values, 3 * (BATCH - 1), &Watch::default()).expect("room");
         assert!(all.len() == 3 * (BATCH - 1) && all.iter().enumerate().all(|(k, n)| *n == k % 3));
     }

@@ -1,5 +1,6 @@
 //! What spheres are made of.
 
+use super::List;
 use crate::error::{Error, Place, Result};
 
 /// How a sphere reflects light and lets it through. Its colour is that of its diffuse reflection, and of a metal's mirror.
@@ -94,7 +95,7 @@ pub struct Materials {
     /// Each material, as a rule once.
     pub kinds: Vec<Material>,
     /// For each sphere the index of its material.
-    pub of: Vec<u32>,
+    pub of: List<u32>,
 }
 
 impl Materials {
@@ -118,6 +119,6 @@ impl Materials {
             self.kinds.push(material);
             self.kinds.len() - 1
         });
-        self.of.push(kind as u32);
+        self.of.to_mut().push(kind as u32);
     }
 }

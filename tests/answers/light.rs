@@ -87,7 +87,7 @@ fn a_mirror_shows_what_is_before_it() {
     assert!(close(&found, &[own + 0.5 * 0.6, 0.5 * own, 0.25 * own]), "{found:?}");
     // Without the red sphere the mirror shows the background.
     let mut alone = corner(MIRROR);
-    alone.spheres.centers[1] = [4.0, 10.0, -4.0];
+    alone.spheres.centers.to_mut()[1] = [4.0, 10.0, -4.0];
     let found = color(&alone);
     let expected = [own + 0.5 * BACKGROUND[0], 0.5 * own + 0.5 * BACKGROUND[1], 0.25 * own + 0.5 * BACKGROUND[2]];
     assert!(close(&found, &expected), "{found:?}");
@@ -106,7 +106,7 @@ fn of_equal_spheres_a_mirror_shows_the_one_with_the_lower_index() {
 #[test]
 fn a_metal_tints_what_it_shows() {
     let mut metal = corner(Material::Metal { fuzz: 0.0 });
-    metal.spheres.colors.as_mut().expect("colours")[1] = [1.0, 1.0, 1.0];
+    metal.spheres.colors.as_mut().expect("colours").to_mut()[1] = [1.0, 1.0, 1.0];
     let found = color(&metal);
     assert!(close(&found, &[0.6, 0.5 * 0.6, 0.25 * 0.6]), "{found:?}");
     // A fuzzy one scatters it, and cannot reflect more than it gets.
@@ -164,7 +164,7 @@ fn clear_spheres_of_index_1_change_nothing() {
     covered.spheres.set_last_material(CLEAR);
     // Behind the eye, so that the same arithmetic shades the rest.
     let mut bare = covered.clone();
-    bare.spheres.centers[60] = [0.1, 0.2, 3.0];
+    bare.spheres.centers.to_mut()[60] = [0.1, 0.2, 3.0];
     let expected = color(&bare);
     let found = color(&covered);
     // The direction is computed again twice, and points on the outline of a sphere behind may fall on its other side: with

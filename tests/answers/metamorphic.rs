@@ -47,10 +47,10 @@ fn base() -> Scene {
 fn mapped(scene: &Scene, scale: f64, map: impl Fn(DVec3) -> DVec3) -> Scene {
     let mut scene = scene.clone();
     scene.camera.eye = map(scene.camera.eye);
-    for center in &mut scene.spheres.centers {
+    for center in scene.spheres.centers.to_mut() {
         *center = map(DVec3::from_array(*center)).to_array();
     }
-    scene.spheres.radii.iter_mut().for_each(|r| *r *= scale);
+    scene.spheres.radii.to_mut().iter_mut().for_each(|r| *r *= scale);
     scene
 }
 
@@ -171,8 +171,8 @@ fn reordered_spheres_have_reordered_ids() {
             let to = |k: usize| (step * k + 5) % count;
             let mut reordered = scene.clone();
             for k in 0..count {
-                reordered.spheres.centers[to(k)] = scene.spheres.centers[k];
-                reordered.spheres.radii[to(k)] = scene.spheres.radii[k];
+                reordered.spheres.centers.to_mut()[to(k)] = scene.spheres.centers[k];
+                reordered.spheres.radii.to_mut()[to(k)] = scene.spheres.radii[k];
             }
             let reordered = certified(renderer, &reordered);
             let rename = |id: i32| usize::try_from(id).map_or(-1, |id| to(id) as i32);

@@ -172,10 +172,10 @@ fn samples_cover_the_pixels_of_the_pinhole_camera() {
         let lens = Lens::Intrinsics { fx: 45.0, fy: 42.0, cx: point[0] / 2.0, cy: point[1] / 2.0 };
         let mut scene = scene(lens, [width, height]);
         let keep = 40;
-        scene.spheres.centers.truncate(keep);
-        scene.spheres.radii.truncate(keep);
+        scene.spheres.centers.to_mut().truncate(keep);
+        scene.spheres.radii.to_mut().truncate(keep);
         scene.spheres.colors = None;
-        scene.spheres.radii.iter_mut().for_each(|radius| *radius += 0.5);
+        scene.spheres.radii.to_mut().iter_mut().for_each(|radius| *radius += 0.5);
         for (name, renderer) in &mut renderers {
             let settings = Settings { samples: 64, aovs: vec![Aov::Alpha], ..Settings::default() };
             let frame = renderer.render(&scene, &settings).expect("a frame");

@@ -88,8 +88,9 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         }),
         ("a long way through", {
             let mut long = cloud(9, 300, zero, 1.0, 0.05);
-            (0..300)
-                .for_each(|n| long.centers[n] = behind(long.centers[n].into(), -(10f64.powi(n as i32 % 9))).to_array());
+            (0..300).for_each(|n| {
+                long.centers.to_mut()[n] = behind(long.centers[n].into(), -(10f64.powi(n as i32 % 9))).to_array()
+            });
             scene(behind(zero, 3.0), 3.0, long)
         }),
         ("silhouettes through pixels", touching()),
@@ -280,9 +281,9 @@ fn spheres_behind_the_plane_of_the_eye_settle_no_pixel() {
     let (_, scene) = scenes().swap_remove(0);
     let mut more = scene.clone();
     let behind = cloud(31, 300, behind(scene.camera.eye, 2.0), 1.0, 0.05);
-    more.spheres.centers.extend(behind.centers);
-    more.spheres.radii.extend(behind.radii);
-    more.spheres.colors.as_mut().expect("colours").extend(behind.colors.expect("colours"));
+    more.spheres.centers.to_mut().extend(behind.centers);
+    more.spheres.radii.to_mut().extend(behind.radii);
+    more.spheres.colors.as_mut().expect("colours").to_mut().extend(behind.colors.expect("colours"));
     let [a, b] = [&scene, &more].map(|scene| frame(&mut cpu(), scene, Accuracy::Certified));
     assert_eq!((a.ids(), a.report.settled), (b.ids(), b.report.settled));
 }

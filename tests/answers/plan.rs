@@ -117,7 +117,7 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
         let text = std::fs::read_to_string(file).expect("a file of the kernel");
         assert_eq!(text.lines().count(), part.lines, "{}", part.file);
     }
-    scene.spheres.colors = Some(vec![[0.5; 3]; scene.spheres.len()]);
+    scene.spheres.colors = Some(vec![[0.5; 3]; scene.spheres.len()].into());
     let plan = planned(&scene, &uncertified);
     assert_eq!(names(&plan).last(), Some(&("colors", 12 * n)));
     assert!(!plan.left_out.iter().any(|left| left.what == "sphere colours"), "{:?}", plan.left_out);
@@ -150,7 +150,7 @@ fn the_plan_says_how_many_spheres_fit() {
             let (mut colored, fast) =
                 (scene(), Settings { search: Search::All, ..settings(backend, Some(0.1), &[Aov::Color]) });
             assert_eq!(planned(&colored, &fast).room.adapter, Some((most / 32).min(i32::MAX as u64)));
-            colored.spheres.colors = Some(vec![[0.5; 3]; colored.spheres.len()]);
+            colored.spheres.colors = Some(vec![[0.5; 3]; colored.spheres.len()].into());
             let certified = Settings { tolerance: None, accuracy: Accuracy::Certified, ..fast };
             assert!(planned(&colored, &certified).room.adapter.is_some_and(|fit| fit <= most / 12));
         }
@@ -166,8 +166,8 @@ fn the_plan_says_how_many_spheres_fit() {
 fn an_uncertified_method_searches_tiles_unless_there_are_few_spheres() {
     let form = |search| Settings { method: Some(Method::Unit), search, ..settings(Backend::Cpu, None, &[Aov::Id]) };
     let mut few = scene();
-    few.spheres.centers.truncate(5);
-    few.spheres.radii.truncate(5);
+    few.spheres.centers.to_mut().truncate(5);
+    few.spheres.radii.to_mut().truncate(5);
     for (scene, option, search, why) in [
         (&few, Search::Auto, "all", "so few"),
         (&few, Search::Tiles, "tiles", "requested"),

@@ -206,7 +206,7 @@ fn grazed(scene: &Scene, limbs: &[(usize, Vec<f64>)], method: Method, turn: usiz
         alone.spheres.push(scene.spheres.centers[*id], touched, None);
         let own = Prediction::of(&alone, method).expect("a good scene").expect("a sphere").outline;
         let side = if n % 2 == 0 { 1.0 } else { -1.0 };
-        scene.spheres.radii[*id] = touched * (1.0 + side * part * own.min(0.5));
+        scene.spheres.radii.to_mut()[*id] = touched * (1.0 + side * part * own.min(0.5));
     }
     scene
 }

@@ -131,7 +131,7 @@ fn a_missing_sphere_is_found() {
     let all = frame(&mut cpu(), &scene, Accuracy::Fast, method, Search::All);
     let mut without = scene.clone();
     let id = all.ids().iter().find(|id| **id >= 20).expect("a sphere without a twin");
-    without.spheres.centers[*id as usize] = [1e3; 3];
+    without.spheres.centers.to_mut()[*id as usize] = [1e3; 3];
     let tiles = frame(&mut cpu(), &without, Accuracy::Fast, method, Search::Tiles);
     assert!(!broken(&tiles, &all, &truth).0.is_empty());
 }

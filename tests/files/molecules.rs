@@ -149,7 +149,7 @@ fn assemblies_are_those_that_gemmi_makes() {
             assert_eq!(shot.legend.expect("copies are numbered").range, [0.0, (assembly.copies - 1) as f64], "{name}");
             if assembly.atoms == assembly.copies * unit.spheres.len() {
                 // The first operator is the identity.
-                assert_eq!(whole.spheres.centers[..unit.spheres.len()], unit.spheres.centers, "{name}");
+                assert_eq!(whole.spheres.centers[..unit.spheres.len()], unit.spheres.centers[..], "{name}");
             }
             // A coordinate is three products and three sums of numbers below 400, in either program.
             for (n, expected) in assembly.some {

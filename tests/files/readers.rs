@@ -40,7 +40,7 @@ fn the_same_scene_in_toml_and_nff_has_its_exact_values() {
         assert_eq!((image.width, image.height, image.background), (120, 67, [0.5, 0.25, 1.0]), "{name}");
         assert_eq!(scene.spheres.centers, [[0.0, 1.0, -1e-3], [0.1, 16.0, 9007199254740992.0]], "{name}");
         assert_eq!(scene.spheres.radii, [1.0, 2.5], "{name}");
-        assert_eq!(scene.spheres.colors, Some(vec![DEFAULT_COLOR, [1.0, 0.5, 0.0]]), "{name}");
+        assert_eq!(scene.spheres.colors, Some(vec![DEFAULT_COLOR, [1.0, 0.5, 0.0]].into()), "{name}");
         let kinds = [("polygon", 1), ("cone", 2), ("polygonal patch", 1)];
         assert_eq!(scene.skipped.kinds, if nff { kinds.to_vec() } else { Vec::new() }, "{name}");
         scene.check().expect("a scene that can be rendered");
@@ -87,7 +87,7 @@ fn csv_and_npy_have_their_exact_values() {
         let wide = |x: f64| if index >= 6 { f64::from(x as f32) } else { x };
         assert_eq!(spheres.centers, rows.map(|r| [r[0], r[1], r[2]].map(wide)), "{index}");
         assert_eq!(spheres.radii, rows.map(|r| wide(r[3])), "{index}");
-        assert_eq!(spheres.colors, Some(rows.map(|r| [r[4], r[5], r[6]].map(|c| c as f32)).to_vec()), "{index}");
+        assert_eq!(spheres.colors, Some(rows.map(|r| [r[4], r[5], r[6]].map(|c| c as f32)).to_vec().into()), "{index}");
     }
     let empty = [("a.csv", b"x,y,z,radius\n".to_vec()), ("a.npy", npy_of("<f8", "True", "(0, 4)", b""))];
     for (name, content) in empty {
@@ -230,7 +230,7 @@ fn materials_of_an_nff_file_are_those_of_the_fill_before() {
     ] {
         let Scene { spheres, skipped, .. } = read("s.nff", scene(lines)).expect("lenient");
         assert_eq!(spheres.materials.map_or(Material::default(), |materials| materials.of(0)), material, "{lines}");
-        assert_eq!(spheres.colors, Some(vec![[1.0, 0.5, 0.0]]));
+        assert_eq!(spheres.colors, Some(vec![[1.0, 0.5, 0.0]].into()));
         assert_eq!(skipped.total(), 0, "materials are not counted as shapes");
         let starts = |(found, start): (&String, &&str)| found.starts_with(start);
         let found = skipped.warnings();

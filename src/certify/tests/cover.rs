@@ -33,7 +33,7 @@ fn scene(rng: &mut Rng) -> Scene {
 fn parallel_scene(rng: &mut Rng) -> Scene {
     let mut scene = scene(rng);
     scene.camera.lens = Orthographic { height: 100.0 };
-    for (center, radius) in scene.spheres.centers.iter_mut().zip(&mut scene.spheres.radii) {
+    for (center, radius) in scene.spheres.centers.to_mut().iter_mut().zip(scene.spheres.radii.to_mut()) {
         let [x, y] = [0, 1].map(|_| rng.between(-80.0, 80.0));
         *center = (scene.camera.eye + DVec3::new(x, y, -rng.decade(-1.0, 4.0))).to_array();
         *radius = rng.decade(-1.0, 1.5);

@@ -65,7 +65,7 @@ fn grazed(mut scene: Scene, [i, j]: [u32; 2], rng: &mut Rng) -> Scene {
     let p = DVec3::from_array(scene.spheres.centers[0]) - scene.camera.eye;
     let d = view.to_world(view.direction(i, j)).normalize();
     if p.dot(d) > 0.0 {
-        scene.spheres.radii[0] = p.cross(d).length() * (1.0 + rng.sign() * rng.unit() * off);
+        scene.spheres.radii.to_mut()[0] = p.cross(d).length() * (1.0 + rng.sign() * rng.unit() * off);
     }
     scene
 }

@@ -166,10 +166,10 @@ fn aimed(rng: &mut Rng, mut site: Site, depths: [f64; 2], first: &[[u32; 2]]) ->
 
 fn scaled(scene: &mut Scene, scale: f64) {
     scene.camera.eye *= scale;
-    for center in &mut scene.spheres.centers {
+    for center in scene.spheres.centers.to_mut() {
         *center = center.map(|x| x * scale);
     }
-    for radius in &mut scene.spheres.radii {
+    for radius in scene.spheres.radii.to_mut() {
         *radius *= scale;
     }
 }
@@ -222,8 +222,8 @@ fn ends(rng: &mut Rng) -> World {
         scale(height);
     }
     let mut eye = scene.camera.eye.to_array();
-    eye.iter_mut().chain(scene.spheres.centers.iter_mut().flatten()).for_each(scale);
-    scene.spheres.radii.iter_mut().for_each(scale);
+    eye.iter_mut().chain(scene.spheres.centers.to_mut().iter_mut().flatten()).for_each(scale);
+    scene.spheres.radii.to_mut().iter_mut().for_each(scale);
     scene.camera.eye = eye.into();
     World { scene, pixels }
 }

@@ -83,7 +83,7 @@ fn planted_wrong_ids_are_classified_and_measured_in_radii() {
     assert_eq!((errors.false_miss, errors.wrong(), errors.outline), (1, 1, Some(1.0)));
     // Behind: the point of the half-line nearest to the centre is the eye, at a distance of 5.
     let mut behind = scene();
-    behind.spheres.centers[1] = [0.0, 0.0, 5.0];
+    behind.spheres.centers.to_mut()[1] = [0.0, 0.0, 5.0];
     let mut frame = exact(&behind);
     ids(&mut frame)[0] = 1;
     let errors = Truths::of(&behind).expect("truths").errors(&frame).expect("errors");
@@ -120,7 +120,7 @@ fn a_planted_wrong_root_is_found() {
     }
     // From inside, the far root is the hit, and the near one is behind.
     let mut inside = scene();
-    inside.spheres.centers[1] = [0.0, 0.0, -0.5];
+    inside.spheres.centers.to_mut()[1] = [0.0, 0.0, -0.5];
     let mut frame = exact(&inside);
     let truths = Truths::of(&inside).expect("truths");
     assert_eq!(frame.f64(Aov::Distance).expect("a requested buffer")[MIDDLE], 1.5);
@@ -199,7 +199,7 @@ fn a_broken_kernel_is_reported() {
     let sound = truths.errors(&crate::render(&scene, &settings).expect("a frame")).expect("errors");
     assert_eq!(sound.wrong(), 0, "{sound:?}");
     let mut broken = scene.clone();
-    broken.spheres.radii.iter_mut().for_each(|r| *r *= 1.01);
+    broken.spheres.radii.to_mut().iter_mut().for_each(|r| *r *= 1.01);
     let errors = truths.errors(&crate::render(&broken, &settings).expect("a frame")).expect("errors");
     println!("sound {sound:?}\nbroken {errors:?}");
     assert!(errors.wrong() > 20 && errors.false_hit > 0 && errors.false_miss == 0, "{errors:?}");

@@ -35,8 +35,9 @@ impl ParticleFrames for Array {
         let mut spheres = Spheres::default();
         let width = npy.read(&header, &[3, 4, 7], &mut spheres, self.survey.as_ref())?;
         let Spheres { centers, radii, colors, .. } = spheres;
-        let radii = if width == 3 { Vec::new() } else { radii };
-        Ok(Some(Particles { positions: centers, radii, colors: colors.unwrap_or_default(), ..Particles::default() }))
+        let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
+        let colors = colors.unwrap_or_default().into_vec();
+        Ok(Some(Particles { positions: centers.into_vec(), radii, colors, ..Particles::default() }))
     }
 }
 

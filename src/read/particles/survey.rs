@@ -109,7 +109,7 @@ impl Survey {
         self.counts().add(&Counted {
             positions: &spheres.centers,
             radii: if sized { &spheres.radii } else { &[] },
-            colors: spheres.colors.as_ref().map_or(0, Vec::len),
+            colors: spheres.colors.as_ref().map_or(0, |colors| colors.len()),
             elements: &[],
             columns: Vec::new(),
         });

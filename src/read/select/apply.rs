@@ -75,7 +75,7 @@ pub(in crate::read) fn add_selected(
     spheres: &mut Spheres,
 ) -> Result<Vec<String>> {
     let Spheres { centers, radii, colors, .. } = part;
-    let particles = Particles { positions: centers, radii, ..Particles::default() };
+    let particles = Particles { positions: centers.into_vec(), radii: radii.into_vec(), ..Particles::default() };
     let mut evaluator = Evaluator::new(&particles, selection);
     let mask = evaluator.mask()?;
     for (n, _) in mask.iter().enumerate().filter(|(_, flag)| **flag) {
