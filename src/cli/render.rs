@@ -6,6 +6,7 @@ use super::clash::check_inputs;
 use super::lines::ProgressOutput;
 use super::messages::QuietArgs;
 use super::preview::Preview;
+use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
 use super::{go_on, legend, note, print, say, threads};
@@ -26,7 +27,6 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::num::NonZeroU32;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Renders a picture of a scene or of particles, and the buffers behind it.
 #[derive(Debug, Args)]
