@@ -48,3 +48,16 @@ def run(command: str, *arguments: object, code: int = 0) -> subprocess.Completed
     done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, timeout=120)
     assert done.returncode == code, done.stderr
     return done
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Prints the counts as the tests of the library do, for tests/run."""
+    counts = {name: len(terminalreporter.getreports(name)) for name in ("passed", "failed", "error", "skipped")}
+    for report in terminalreporter.getreports("skipped"):
+        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
+        terminalreporter.write_line(f"SKIPPED: {report.nodeid.rpartition('/')[2]}: {reason}")
+    failed = counts["failed"] + counts["error"]
+    terminalreporter.write_line(
+        f"test result: {'FAILED' if failed else 'ok'}. {counts['passed']} passed; {failed} failed;"
+        f" {counts['skipped']} ignored"
+    )
