@@ -1,4 +1,5 @@
-"""halfline renders spheres, from atoms to planets: headless, on any GPU, on software Vulkan or on the CPU.
+"""halfline renders spheres, from atoms to planets: headless, on any GPU, on software Vulkan or on
+the CPU.
 
 It says how far from exact every answer can be.
 
@@ -11,9 +12,9 @@ It says how far from exact every answer can be.
 >>> frame.report["hits"] == (frame["id"] >= 0).sum()
 np.True_
 
-Scenes: `Scene`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras: `Camera`, `read_cameras`. Rendering:
-`Renderer`, `Frame`, `Hits`. This machine and files: `adapters`, `info`. Errors: `AccuracyError`, `AdapterError`, and
-ValueError, OSError, MemoryError, KeyboardInterrupt.
+Scenes: `Scene`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras: `Camera`,
+`read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. This machine and files: `adapters`, `info`.
+Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
 """
 
 from ._halfline import AccuracyError, AdapterError, __version__

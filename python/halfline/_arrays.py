@@ -24,12 +24,18 @@ def array(name: str, values: ArrayLike, dtype: type[Number], shape: str) -> NDAr
     try:
         given = np.asarray(values)
     except ValueError as error:
-        raise ValueError(f"{name} is not an array: {error}; give an array of shape {shape}") from None
+        raise ValueError(
+            f"{name} is not an array: {error}; give an array of shape {shape}"
+        ) from None
     if given.dtype.kind not in "fiu":
-        raise ValueError(f"{name} has the dtype {given.dtype}; give real numbers such as {np.dtype(dtype).name}")
+        raise ValueError(
+            f"{name} has the dtype {given.dtype}; give real numbers such as {np.dtype(dtype).name}"
+        )
     wanted = shape.strip("()").replace(" ", "").split(",")
     columns = 3 if wanted[-1] == "3" else None
-    dimensions = given.ndim >= 1 if wanted[0] == "..." else given.ndim == (1 if columns is None else 2)
+    dimensions = (
+        given.ndim >= 1 if wanted[0] == "..." else given.ndim == (1 if columns is None else 2)
+    )
     if not dimensions or (columns is not None and given.shape[-1] != columns):
         raise ValueError(f"{name} has the shape {given.shape}; give an array of shape {shape}")
     return np.require(given, dtype, ["C", "A"])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-# Lengths between these shares of the sorted ones span the shades, so that a single far sphere does not flatten the rest.
+# Lengths between these percentiles span the shades, so that one far sphere does not flatten them.
 _ENDS = (1, 99)
 
 # The darkest shade of a hit; black is a miss.
@@ -43,14 +43,20 @@ def _of_lengths(values: NDArray[np.float64]) -> NDArray[np.float64]:
     if not hits.any():
         return np.zeros(values.shape)
     near, far = np.percentile(values[hits], _ENDS)
-    share = (far - np.where(hits, values, far)) / (far - near) if far > near else np.ones(values.shape)
+    share = (
+        (far - np.where(hits, values, far)) / (far - near) if far > near else np.ones(values.shape)
+    )
     return np.where(hits, _DARKEST + np.clip(share, 0, 1) * (255 - _DARKEST), 0)
 
 
 def _of_ids(ids: NDArray[np.int32]) -> NDArray[np.uint8]:
-    """A colour for each id: multiples of the golden ratio as hues, which keeps neighbours apart."""
+    """A colour for each id: multiples of the golden ratio as hues, which keeps neighbours
+    apart.
+    """
     hue = (ids.astype(np.float64) * 0.6180339887498949) % 1
     value = 0.65 + 0.35 * ((ids.astype(np.float64) * 0.7548776662466927) % 1)
     channels = [np.abs(((hue + shift) % 1) * 6 - 3) - 1 for shift in (0, 2 / 3, 1 / 3)]
-    colors = np.stack([(0.35 + 0.65 * np.clip(channel, 0, 1)) * value for channel in channels], axis=-1)
+    colors = np.stack(
+        [(0.35 + 0.65 * np.clip(channel, 0, 1)) * value for channel in channels], axis=-1
+    )
     return _bytes(np.where(ids[..., np.newaxis] < 0, 0, colors * 255))

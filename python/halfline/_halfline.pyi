@@ -1,6 +1,7 @@
-"""The native module: arrays, options and errors to and from the library. Its documented interface is the package."""
+"""The native module, without arithmetic. Its documented interface is the package."""
 
-from collections.abc import Callable, Iterator, Sequence as Seq
+from collections.abc import Callable, Iterator
+from collections.abc import Sequence as Seq
 from os import PathLike
 from typing import Any, final
 
@@ -20,12 +21,20 @@ class AdapterError(RuntimeError): ...
 @final
 class Camera:
     def __new__(
-        cls, eye: Vector, at: Vector | None, view: Vector | None, up: Vector, lens: Lens, size: Size | None
+        cls,
+        eye: Vector,
+        at: Vector | None,
+        view: Vector | None,
+        up: Vector,
+        lens: Lens,
+        size: Size | None,
     ) -> Camera: ...
     @property
     def size(self) -> Size | None: ...
     @staticmethod
-    def fit(scene: Scene, view: Vector, up: Vector, lens: Lens, size: Size, margin: float) -> Camera: ...
+    def fit(
+        scene: Scene, view: Vector, up: Vector, lens: Lens, size: Size, margin: float
+    ) -> Camera: ...
     def record(self, size: Size) -> str: ...
 
 @final
@@ -89,10 +98,18 @@ class Renderer:
         progress: Report | None,
     ) -> Frame: ...
     def render_many(
-        self, scene: Scene, cameras: list[Camera], picture: dict[str, Any], accurate: dict[str, Any]
+        self,
+        scene: Scene,
+        cameras: list[Camera],
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
     ) -> Frames: ...
     def plan(
-        self, scene: Scene, camera: Camera | None, picture: dict[str, Any], accurate: dict[str, Any]
+        self,
+        scene: Scene,
+        camera: Camera | None,
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
     ) -> str: ...
 
 @final
@@ -105,7 +122,12 @@ class Frame:
     def image(self) -> NDArray[np.uint8]: ...
     def report(self) -> str: ...
     def save(
-        self, path: str | PathLike[str], aovs: list[str] | None, bits: int, unit: float, no_return: str
+        self,
+        path: str | PathLike[str],
+        aovs: list[str] | None,
+        bits: int,
+        unit: float,
+        no_return: str,
     ) -> None: ...
 
 @final
@@ -121,7 +143,11 @@ def color(text: str) -> Vector: ...
 def command(arguments: Seq[str]) -> int: ...
 def elements(symbols: list[str], radii: str) -> tuple[list[float | None], list[Vector | None]]: ...
 def info(
-    path: str | PathLike[str], format: str | None, columns: str | None, skip_invalid: bool, model: int | None
+    path: str | PathLike[str],
+    format: str | None,
+    columns: str | None,
+    skip_invalid: bool,
+    model: int | None,
 ) -> str: ...
 def read_cameras(
     path: str | PathLike[str],

@@ -9,7 +9,9 @@ from importlib import import_module
 from typing import Any
 
 Callback = Callable[[str, int, int, str], object]
-"""Called with the step, how many are done, how many there are (0 if not known), and what is counted."""
+"""Called with the step, how many are done, how many there are (0 if not known), and what is
+counted.
+"""
 
 Reporter = Callback | None
 
@@ -28,7 +30,9 @@ def reporter(progress: bool | Callback) -> Iterator[Reporter]:
     elif progress is False or progress is None:
         yield None
     else:
-        raise TypeError(f"progress is {progress!r}; give True, False or a function of step, done, total, unit")
+        raise TypeError(
+            f"progress is {progress!r}; give True, False or a function of step, done, total, unit"
+        )
 
 
 class _Bar:
@@ -51,7 +55,9 @@ class _Bar:
         if step != self._step:
             self._end()
             self._step = step
-            self._bar = self._tqdm(total=total or None, desc=step, unit=f" {unit}", unit_scale=True)
+            self._bar = self._tqdm(
+                total=total or None, desc=step, unit=f" {unit}", unit_scale=True
+            )
         self._bar.n = done
         self._bar.refresh()
 

@@ -32,7 +32,9 @@ def from_ase(
         radius_scale: Multiplies every radius.
         background: Colour of rays that hit nothing.
     """
-    return _scene(atoms.get_positions(), atoms.get_chemical_symbols(), radii, radius_scale, background)
+    return _scene(
+        atoms.get_positions(), atoms.get_chemical_symbols(), radii, radius_scale, background
+    )
 
 
 def from_mdanalysis(
@@ -45,8 +47,9 @@ def from_mdanalysis(
     """The atoms of an MDAnalysis group or universe in its current frame as spheres.
 
     Args:
-        group: An ``AtomGroup`` or a ``Universe``; its positions are angstrom. Elements are those of the topology; without
-            them, the letters of the atoms' types, as far as they are elements.
+        group: An ``AtomGroup`` or a ``Universe``; its positions are angstrom. Elements are those
+            of the topology; without them, the letters of the atoms' types, as far as they are
+            elements.
         radii: Radii of elements.
         radius_scale: Multiplies every radius.
         background: Colour of rays that hit nothing.
@@ -63,9 +66,16 @@ def _scene(
 ) -> Scene:
     if radii not in ("vdw", "covalent"):
         raise ValueError(f"radii is {radii!r}; give 'vdw' or 'covalent'")
-    kinds, of = np.unique(np.asarray([str(symbol) for symbol in symbols], dtype=str), return_inverse=True)
+    kinds, of = np.unique(
+        np.asarray([str(symbol) for symbol in symbols], dtype=str), return_inverse=True
+    )
     sizes, colors = _halfline.elements(kinds.tolist(), radii)
     unknown = _halfline.color(_UNKNOWN_COLOR)
-    all_sizes = np.array([_UNKNOWN if size is None else size for size in sizes], np.float64)[of] * radius_scale
-    all_colors = np.array([unknown if color is None else color for color in colors], np.float32).reshape(-1, 3)[of]
+    all_sizes = (
+        np.array([_UNKNOWN if size is None else size for size in sizes], np.float64)[of]
+        * radius_scale
+    )
+    all_colors = np.array(
+        [unknown if color is None else color for color in colors], np.float32
+    ).reshape(-1, 3)[of]
     return Scene(np.asarray(positions, np.float64), all_sizes, all_colors, background=background)

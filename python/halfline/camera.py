@@ -6,8 +6,8 @@ import json
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _halfline
 from ._arrays import number, vector
@@ -26,12 +26,15 @@ class Camera:
         view: Direction to look in, of any length; instead of ``at``. The default is -z.
         up: Up direction of the scene, not necessarily of the image.
         vfov: Full vertical field of view in degrees, between 0 and 180; 30 without another lens.
-        viewport: Width and height of the viewport at ``distance``, in any unit; instead of ``vfov``.
+        viewport: Width and height of the viewport at ``distance``, in any unit; instead of
+            ``vfov``.
         distance: Distance of the viewport from the eye, in the unit of ``viewport``.
-        height: Height of the view in scene units: parallel rays (orthographic), which start at the plane of the eye.
+        height: Height of the view in scene units: parallel rays (orthographic), which start at the
+            plane of the eye.
 
     Raises:
-        ValueError: for numbers that give no direction or no viewport, with the name of the argument.
+        ValueError: for numbers that give no direction or no viewport, with the name of the
+            argument.
 
     >>> import halfline as hl
     >>> hl.Camera((0, 0, 5), at=(0, 0, 0), vfov=45)
@@ -70,9 +73,15 @@ class Camera:
             lens = [number("height", height)]
         else:
             lens = [*_two("viewport", viewport), number("distance", distance)]
-        look = {"at": vector("at", at)} if at is not None else {"view": vector("view", (0, 0, -1) if view is None else view)}
+        look = (
+            {"at": vector("at", at)}
+            if at is not None
+            else {"view": vector("view", (0, 0, -1) if view is None else view)}
+        )
         eye, up = vector("eye", eye), vector("up", up)
-        self._native = _halfline.Camera(eye, look.get("at"), look.get("view"), up, (kind, lens), None)
+        self._native = _halfline.Camera(
+            eye, look.get("at"), look.get("view"), up, (kind, lens), None
+        )
         values: dict[str, Any] = {"eye": eye, **look, "up": up}
         values[kind] = tuple(lens[:2]) if kind == "viewport" else lens[0]
         if kind != "height" and distance != 1.0:
@@ -101,10 +110,11 @@ class Camera:
             cy: Row of the principal point, from the top, in pixels.
             width: Columns of the image.
             height: Rows of the image.
-            pose: Matrix (4, 4) or (3, 4) from camera to world, with the axes of OpenCV: its columns are right, down,
-                forward and the eye. The default is the identity.
-            pixel_center: The centre of the top left pixel in the coordinates of ``cx`` and ``cy``: 0.5 as in COLMAP and in
-                the command's lists of cameras, 0 as in OpenCV's own functions.
+            pose: Matrix (4, 4) or (3, 4) from camera to world, with the axes of OpenCV: its
+                columns are right, down, forward and the eye. The default is the identity.
+            pixel_center: The centre of the top left pixel in the coordinates of ``cx`` and ``cy``:
+                0.5 as in COLMAP and in the command's lists of cameras, 0 as in OpenCV's own
+                functions.
 
         >>> import halfline as hl
         >>> hl.Camera.from_intrinsics(525, 525, 320, 240, 640, 480).size
@@ -112,16 +122,27 @@ class Camera:
         """
         matrix = np.eye(4) if pose is None else np.asarray(pose)
         if matrix.shape not in ((4, 4), (3, 4)) or matrix.dtype.kind not in "fiu":
-            raise ValueError(f"pose has the shape {matrix.shape}; give a matrix of shape (4, 4) or (3, 4)")
+            raise ValueError(
+                f"pose has the shape {matrix.shape}; give a matrix of shape (4, 4) or (3, 4)"
+            )
         if matrix.shape == (4, 4) and not np.array_equal(matrix[3], (0, 0, 0, 1)):
             raise ValueError(f"the last row of pose is {matrix[3]}; give 0, 0, 0, 1")
         matrix = matrix.astype(np.float64)
         shift = 0.5 - number("pixel_center", pixel_center)
-        lens = [number("fx", fx), number("fy", fy), number("cx", cx) + shift, number("cy", cy) + shift]
+        lens = [
+            number("fx", fx),
+            number("fy", fy),
+            number("cx", cx) + shift,
+            number("cy", cy) + shift,
+        ]
         image = checked_size("(width, height)", (width, height))
-        eye, view, up = (vector("pose", column) for column in (matrix[:3, 3], matrix[:3, 2], -matrix[:3, 1]))
+        eye, view, up = (
+            vector("pose", column) for column in (matrix[:3, 3], matrix[:3, 2], -matrix[:3, 1])
+        )
         native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image)
-        return cls._of(native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}")
+        return cls._of(
+            native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"
+        )
 
     @classmethod
     def fit(
@@ -148,10 +169,20 @@ class Camera:
         """
         if orthographic and vfov is not None:
             raise ValueError("vfov and orthographic exclude each other; give one of them")
-        image = scene.size if size is None else checked_size("size", size)
-        lens = ("height", [1.0]) if orthographic else ("vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0])
+        native_scene = _native_scene(scene)
+        image = native_scene.size if size is None else checked_size("size", size)
+        lens = (
+            ("height", [1.0])
+            if orthographic
+            else ("vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0])
+        )
         native = _halfline.Camera.fit(
-            scene._native, vector("view", view), vector("up", up), lens, image, number("margin", margin)
+            native_scene,
+            vector("view", view),
+            vector("up", up),
+            lens,
+            image,
+            number("margin", margin),
         )
         return cls._of(native, None)
 
@@ -164,13 +195,17 @@ class Camera:
 
     @property
     def size(self) -> tuple[int, int] | None:
-        """Columns and rows of the image that its intrinsics belong to; ``None`` for other cameras."""
+        """Columns and rows of the image that its intrinsics belong to; ``None`` for other
+        cameras.
+        """
         return self._native.size
 
     def record(self, size: tuple[int, int] | None = None) -> dict[str, Any]:
-        """The camera in numbers for an image of this size: eye, view, up, viewport, distance, intrinsics.
+        """The camera in numbers for an image of this size: eye, view, up, viewport, distance,
+        intrinsics.
 
-        It is the object ``camera`` of a report, and gives the same rays in ``halfline render --camera-from``.
+        It is the object ``camera`` of a report, and gives the same rays in ``halfline render
+        --camera-from``.
 
         >>> import halfline as hl
         >>> hl.Camera((0, 0, 5), viewport=(4, 3)).record((640, 480))["intrinsics"]
@@ -184,7 +219,8 @@ class Camera:
         if self._words is not None:
             return f"Camera({self._words})"
         record = self.record()
-        return f"Camera(eye={tuple(record['eye'])}, view={tuple(record['view'])}, up={tuple(record['up'])})"
+        words = (f"{name}={tuple(record[name])}" for name in ("eye", "view", "up"))
+        return f"Camera({', '.join(words)})"
 
 
 def read_cameras(
@@ -194,7 +230,8 @@ def read_cameras(
     vfov: float | None = None,
     size: tuple[int, int] | None = None,
 ) -> list[Camera]:
-    """The cameras of a list: JSON of halfline, transforms.json of NeRF, poses with intrinsics, or CSV.
+    """The cameras of a list: JSON of halfline, transforms.json of NeRF, poses with intrinsics, or
+    CSV.
 
     Args:
         path: The file; see docs/film.md for the forms.
@@ -210,7 +247,16 @@ def read_cameras(
         given = (fx, fy, cx, cy)
     image = None if size is None else checked_size("size", size)
     angle = None if vfov is None else number("vfov", vfov)
-    return [Camera._of(native, None) for native in _halfline.read_cameras(path, given, angle, image)]
+    return [
+        Camera._of(native, None) for native in _halfline.read_cameras(path, given, angle, image)
+    ]
+
+
+def _native_scene(scene: Any) -> _halfline.Scene:
+    native = getattr(scene, "_native", None)
+    if not isinstance(native, _halfline.Scene):
+        raise TypeError(f"scene is a {type(scene).__name__}; give a Scene")
+    return native
 
 
 def _two(name: str, values: Any) -> tuple[float, float]:

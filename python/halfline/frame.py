@@ -21,8 +21,9 @@ from ._colors import picture
 class Frame:
     """A rendered frame. Row 0 is the top row.
 
-    ``frame["depth"]`` is a buffer as an array. Arrays are read-only, since they are the memory that `save` writes; an array
-    keeps the memory as long as it lives, and ``.copy()`` gives one to write to.
+    ``frame["depth"]`` is a buffer as an array. Arrays are read-only, since they are the memory
+    that `save` writes; an array keeps the memory as long as it lives, and ``.copy()`` gives one to
+    write to.
 
     | buffer | shape | dtype | meaning | on a miss |
     |---|---|---|---|---|
@@ -33,7 +34,7 @@ class Frame:
     | position | (H, W, 3) | float64 | hit point in world space, scene units | NaN |
     | id | (H, W) | int32 | index of the sphere; always there | -1 |
     | mask | (H, W) | uint8 | 1 hit, 0 miss | 0 |
-    | certainty | (H, W) | uint8 | 0 certified in float32, 1 settled, 255 not certified | as its pixel |
+    | certainty | (H, W) | uint8 | 0 certified in float32, 1 settled, 255 neither | as its pixel |
     | bound | (H, W) | float64 | proven bound of the distance's error, scene units | 0 |
     | alpha | (H, W) | float32 | share of the pixel's samples that hit | 0 |
     | shadow | (H, W, L) | float32 | share of each of L lights that is hidden | 0 |
@@ -84,10 +85,13 @@ class Frame:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Adapter, method, times, counts, camera, warnings: the object of ``halfline render --json``."""
-        if self._report is None:
-            self._report = json.loads(self._native.report())
-        return self._report
+        """Adapter, method, times, counts, camera, warnings: the object of ``halfline render
+        --json``.
+        """
+        report = self._report
+        if report is None:
+            report = self._report = dict[str, Any](json.loads(self._native.report()))
+        return report
 
     @property
     def warnings(self) -> list[str]:
@@ -97,22 +101,30 @@ class Frame:
 
     @property
     def image(self) -> NDArray[np.uint8]:
-        """The picture in 8-bit sRGB, shape (H, W, 3), uint8, in an array of its own; needs the buffer color."""
+        """The picture in 8-bit sRGB, shape (H, W, 3), uint8, in an array of its own; needs the
+        buffer color.
+        """
         return self._native.image()
 
     def picture(self, name: str | None = None) -> NDArray[np.uint8]:
-        """A buffer as a picture, shape (H, W, 3), uint8: color as it is, lengths near to far from light to dark, a colour
-        for each id, normals as (n + 1) / 2; misses of lengths and ids are black. By default color, else the first buffer
-        besides id.
+        """A buffer as a picture, shape (H, W, 3), uint8: color as it is, lengths near to far from
+        light to dark, a colour
+        for each id, normals as (n + 1) / 2; misses of lengths and ids are black. By default color,
+        else the first buffer besides id.
 
         >>> import halfline as hl
-        >>> frame = hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), size=(4, 4), aovs="depth")
+        >>> frame = hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), size=(4, 4),
+        ...     aovs="depth")
         >>> frame.picture("depth").shape
         (4, 4, 3)
         """
         if name is None:
             names = self.keys()
-            name = "color" if "color" in names else next((other for other in names if other != "id"), "id")
+            name = (
+                "color"
+                if "color" in names
+                else next((other for other in names if other != "id"), "id")
+            )
         return self.image if name == "color" else picture(name, self[name])
 
     def save(
@@ -127,8 +139,10 @@ class Frame:
         """Writes a file, completely or not at all, with the provenance of the frame.
 
         Args:
-            path: The file; its extension is the format: .png, .exr, .npy, .npz, .pfm (see docs/formats.md).
-            aovs: The buffers; by default color for .png and .npy, or the only other buffer, and all for .exr and .npz.
+            path: The file; its extension is the format: .png, .exr, .npy, .npz, .pfm (see
+                docs/formats.md).
+            aovs: The buffers; by default color for .png and .npy, or the only other buffer, and
+                all for .exr and .npz.
             bits: Bits of colour in .png.
             unit: Scene units per level of lengths in .png.
             no_return: Value of lengths on a miss.
@@ -146,7 +160,9 @@ class Frame:
         self._native.save(path, names, bits, length, no_return)
 
     def show(self, name: str | None = None) -> None:
-        """Shows a buffer in a notebook, or with matplotlib or Pillow in a window; see `picture`."""
+        """Shows a buffer in a notebook, or with matplotlib or Pillow in a window; see
+        `picture`.
+        """
         pixels = self.picture(name)
         try:
             display: Any = import_module("IPython.display")
@@ -159,21 +175,27 @@ class Frame:
         try:
             image: Any = import_module("PIL.Image")
         except ImportError:
-            raise ImportError("show needs a notebook or Pillow; install pillow, or use save") from None
+            raise ImportError(
+                "show needs a notebook or Pillow; install pillow, or use save"
+            ) from None
         image.fromarray(pixels).show()
 
     def _repr_png_(self) -> bytes:
         return png(self.picture())
 
     def to_xarray(self) -> Any:
-        """The buffers as an xarray.Dataset with the dimensions y, x, and channel for vectors; needs xarray.
+        """The buffers as an xarray.Dataset with the dimensions y, x, and channel for vectors;
+        needs xarray.
 
-        Coordinates are rows and columns of the full frame. The report is the attribute ``report``, as JSON.
+        Coordinates are rows and columns of the full frame. The report is the attribute ``report``,
+        as JSON.
         """
         try:
             xarray: Any = import_module("xarray")
         except ImportError:
-            raise ImportError("to_xarray needs xarray; install it with pip install xarray") from None
+            raise ImportError(
+                "to_xarray needs xarray; install it with pip install xarray"
+            ) from None
         rows, columns = self["id"].shape
         channels = {"color": "rgb", "normal": "xyz", "position": "xyz"}
         variables: dict[str, Any] = {}
@@ -182,7 +204,11 @@ class Frame:
             dimensions = ["y", "x"]
             if values.ndim == 3:
                 dimensions.append(channels.get(name, "light"))
-            variables[name] = (dimensions, values, {"units": "scene units"} if name in _LENGTHS else {})
+            variables[name] = (
+                dimensions,
+                values,
+                {"units": "scene units"} if name in _LENGTHS else {},
+            )
         coordinates: dict[str, Any] = {"y": np.arange(rows), "x": np.arange(columns)}
         used = {dimension for dimensions, *_ in variables.values() for dimension in dimensions}
         coordinates |= {name: list(name) for name in ("rgb", "xyz") if name in used}
@@ -199,8 +225,15 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
     rows[:, 1:] = pixels.reshape(height, -1)
 
     def chunk(kind: bytes, content: bytes) -> bytes:
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        return (
+            struct.pack(">I", len(content))
+            + kind
+            + content
+            + struct.pack(">I", zlib.crc32(kind + content))
+        )
 
     header = struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)
     body = zlib.compress(rows.tobytes(), 6)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
+    )

@@ -14,17 +14,30 @@ from . import _halfline
 from ._arrays import array, color, number, vector, whole, wholes, word, words
 from ._arrays import size as checked_size
 from ._progress import Callback, reporter
-from .camera import Camera
+from .camera import Camera, _native_scene
 from .frame import Frame
 from .scene import Color, Scene
 
 Aov = Literal[
-    "color", "distance", "depth", "normal", "position", "id", "mask", "certainty", "bound", "alpha", "shadow", "occlusion"
+    "color",
+    "distance",
+    "depth",
+    "normal",
+    "position",
+    "id",
+    "mask",
+    "certainty",
+    "bound",
+    "alpha",
+    "shadow",
+    "occlusion",
 ]
 
 
 class Options(TypedDict, total=False):
-    """Keywords of `Renderer.render`, `Renderer.render_many` and `Renderer.plan`: the options of ``halfline render``."""
+    """Keywords of `Renderer.render`, `Renderer.render_many` and `Renderer.plan`: the options of
+    ``halfline render``.
+    """
 
     size: tuple[int, int] | None
     """Columns and rows; by default those of the camera's intrinsics, else of the scene."""
@@ -33,7 +46,9 @@ class Options(TypedDict, total=False):
     accuracy: Literal["auto", "fast", "certified", "exact"]
     """The accuracy of the answers; by default what the buffers require."""
     method: str | None
-    """One intersection method, uncertified: textbook, unit, geometric, stable, f64, double-float."""
+    """One intersection method, uncertified: textbook, unit, geometric, stable, f64,
+    double-float.
+    """
     search: Literal["auto", "all", "tiles"]
     """How candidates are found; the answers do not depend on it."""
     tolerance: float | None
@@ -45,8 +60,9 @@ class Options(TypedDict, total=False):
     shade: Literal["headlight", "flat", "normal"] | None
     """How a hit is shaded."""
     look: Literal["plain", "soft", "figure"]
-    """Several options in one: soft is occlusion, silhouette and a light from above left; figure is flat colours,
-    silhouette and depth_cue."""
+    """Several options in one: soft is occlusion, silhouette and a light from above left; figure is
+    flat colours, silhouette and depth_cue.
+    """
     silhouette: bool
     """Whether dark lines are drawn where the depth jumps."""
     depth_cue: bool
@@ -60,7 +76,9 @@ class Options(TypedDict, total=False):
     shadows: bool
     """Whether lights cast shadows; without a light, one from above left is added."""
     occlusion: bool | int
-    """Ambient occlusion: a white sky, with so many rays for each point; ``True`` for those of the scene, else 16."""
+    """Ambient occlusion: a white sky, with so many rays for each point; ``True`` for those of the
+    scene, else 16.
+    """
     reach: float | None
     """Spheres farther than this from a point hide nothing of the sky; scene units."""
     bounces: int | None
@@ -101,11 +119,13 @@ class Occlusion:
 class Renderer:
     """A GPU, a software adapter, or the CPU path, kept for many frames.
 
-    Any number of threads may use one renderer, one at a time; several renderers work at the same time. The interpreter's
-    lock is free while they work. Ctrl-C ends a frame within a second, and the renderer stays usable.
+    Any number of threads may use one renderer, one at a time; several renderers work at the same
+    time. The interpreter's lock is free while they work. Ctrl-C ends a frame within a second, and
+    the renderer stays usable.
 
     Args:
-        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else a software adapter, else the CPU path.
+        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else a software
+            adapter, else the CPU path.
         adapter: The adapter, by index or part of its name; see `adapters`.
 
     Raises:
@@ -114,7 +134,7 @@ class Renderer:
     >>> import halfline as hl
     >>> renderer = hl.Renderer("cpu")
     >>> scene = hl.Scene([[0, 0, -3]], 1.0)
-    >>> frame = renderer.render(scene, hl.Camera((0, 0, 0), vfov=60), size=(5, 3), aovs=["color", "depth"])
+    >>> frame = renderer.render(scene, hl.Camera((0, 0, 0), vfov=60), size=(5, 3), aovs="depth")
     >>> frame["id"]
     array([[-1, -1, -1, -1, -1],
            [-1, -1,  0, -1, -1],
@@ -125,10 +145,14 @@ class Renderer:
 
     __slots__ = ("_native",)
 
-    def __init__(self, backend: Literal["auto", "gpu", "cpu"] = "auto", *, adapter: str | int | None = None) -> None:
+    def __init__(
+        self, backend: Literal["auto", "gpu", "cpu"] = "auto", *, adapter: str | int | None = None
+    ) -> None:
         name = None if adapter is None else str(adapter)
         if word("backend", backend) == "cpu" and name is not None:
-            raise ValueError("backend 'cpu' does not use an adapter; remove adapter or use backend='gpu'")
+            raise ValueError(
+                "backend 'cpu' does not use an adapter; remove adapter or use backend='gpu'"
+            )
         self._native = _halfline.Renderer(backend, name)
 
     @property
@@ -166,9 +190,11 @@ class Renderer:
 
         Args:
             scene: The scene.
-            camera: The camera; by default that of the scene's file, else one that shows all spheres.
-            progress: ``True`` for a bar (by tqdm, if it is installed), or a function that is called with ``step, done,
-                total, unit`` some 20 times a second from the calling thread; an exception that it raises ends the frame.
+            camera: The camera; by default that of the scene's file, else one that shows all
+                spheres.
+            progress: ``True`` for a bar (by tqdm, if it is installed), or a function that is
+                called with ``step, done, total, unit`` some 20 times a second from the calling
+                thread; an exception that it raises ends the frame.
             **options: See `Options`.
 
         Returns:
@@ -183,7 +209,9 @@ class Renderer:
         """
         picture, accurate = _checked(options)
         with reporter(progress) as report:
-            native = self._native.render(_scene(scene), _camera(camera), picture, accurate, report)
+            native = self._native.render(
+                _native_scene(scene), _camera(camera), picture, accurate, report
+            )
         return Frame._of(native)
 
     def render_many(
@@ -196,8 +224,9 @@ class Renderer:
     ) -> Iterator[Frame]:
         """Renders a frame for each camera.
 
-        Another thread renders the next frame while Python handles the current one, so at most two are in memory. What the
-        cameras share is kept between frames. The work ends when the iterator is closed or forgotten.
+        Another thread renders the next frame while Python handles the current one, so at most two
+        are in memory. What the cameras share is kept between frames. The work ends when the
+        iterator is closed or forgotten.
 
         Args:
             scene: The scene.
@@ -217,7 +246,7 @@ class Renderer:
         """
         picture, accurate = _checked(options)
         natives = [_native_camera(camera) for camera in cameras]
-        frames = self._native.render_many(_scene(scene), natives, picture, accurate)
+        frames = self._native.render_many(_native_scene(scene), natives, picture, accurate)
         return _frames(frames, progress)
 
     @overload
@@ -268,13 +297,17 @@ class Renderer:
     ) -> Hits | Occlusion:
         """Traces given rays origin + t direction with 0 < t < tmax.
 
-        Beside the arrays of the rays and of the answers it takes a few megabytes, however many rays there are.
+        Beside the arrays of the rays and of the answers it takes a few megabytes, however many
+        rays there are.
 
         Args:
             scene: The scene.
-            origins: Origins, shape (..., 3) as the directions, or (3,) for one that all rays have; scene units.
-            directions: Directions of any length but zero, shape (..., 3). Contiguous float64 is not copied.
-            tmax: Limits in units of the direction, shape (...), or one number for all; by default none.
+            origins: Origins, shape (..., 3) as the directions, or (3,) for one that all rays have;
+                scene units.
+            directions: Directions of any length but zero, shape (..., 3). Contiguous float64 is
+                not copied.
+            tmax: Limits in units of the direction, shape (...), or one number for all; by default
+                none.
             any: Whether to find out only if a ray hits anything, which is faster.
             accuracy: The accuracy of the answers; ``"auto"`` certifies them.
             method: One intersection method, uncertified.
@@ -286,7 +319,8 @@ class Renderer:
             `Hits`, or with ``any`` an `Occlusion`.
 
         >>> import halfline as hl
-        >>> hits = hl.Renderer("cpu").trace(hl.Scene([[0, 0, -3]], 1.0), (0, 0, 0), [[0, 0, -1], [0, 0, 2]])
+        >>> scene = hl.Scene([[0, 0, -3]], 1.0)
+        >>> hits = hl.Renderer("cpu").trace(scene, (0, 0, 0), [[0, 0, -1], [0, 0, 2]])
         >>> hits.id, hits.t
         (array([ 0, -1], dtype=int32), array([ 2., inf]))
         """
@@ -294,7 +328,10 @@ class Renderer:
         shape = rays.shape[:-1]
         starts = array("origins", origins, np.float64, "(..., 3)")
         if starts.shape not in ((3,), (1, 3), rays.shape):
-            raise ValueError(f"origins has the shape {starts.shape}; give {rays.shape} as directions, or one of shape (3,)")
+            raise ValueError(
+                f"origins has the shape {starts.shape}; give {rays.shape} "
+                "as directions, or one of shape (3,)"
+            )
         limits = None
         if tmax is not None:
             given = np.asarray(tmax)
@@ -302,10 +339,17 @@ class Renderer:
                 raise ValueError(f"tmax has the shape {given.shape}; give {shape}, or one number")
             limits = array("tmax", np.broadcast_to(given, shape).reshape(-1), np.float64, "(n,)")
         accurate = _accurate(accuracy, method, search, tolerance)
-        native = _scene(scene)
+        native = _native_scene(scene)
         with reporter(progress) as report:
             answers = _halfline.trace(
-                self._native, native, starts.reshape(-1, 3), rays.reshape(-1, 3), limits, bool(any), accurate, report
+                self._native,
+                native,
+                starts.reshape(-1, 3),
+                rays.reshape(-1, 3),
+                limits,
+                bool(any),
+                accurate,
+                report,
             )
         if any:
             hit, certainty = (answer.reshape(shape) for answer in answers)
@@ -319,19 +363,29 @@ class Renderer:
             certainty.reshape(shape),
         )
 
-    def plan(self, scene: Scene, camera: Camera | None = None, **options: Unpack[Options]) -> dict[str, Any]:
-        """What a frame requires and why: accuracy, method, search, buffers, memory; as ``halfline plan --json``."""
+    def plan(
+        self, scene: Scene, camera: Camera | None = None, **options: Unpack[Options]
+    ) -> dict[str, Any]:
+        """What a frame requires and why: accuracy, method, search, buffers, memory; as ``halfline
+        plan --json``.
+        """
         picture, accurate = _checked(options)
-        plan: dict[str, Any] = json.loads(self._native.plan(_scene(scene), _camera(camera), picture, accurate))
+        plan: dict[str, Any] = json.loads(
+            self._native.plan(_native_scene(scene), _camera(camera), picture, accurate)
+        )
         return plan
 
 
 def render(scene: Scene, camera: Camera | None = None, **options: Unpack[Options]) -> Frame:
-    """Renders one frame on a new `Renderer`; for several keep one, since opening a device takes time."""
+    """Renders one frame on a new `Renderer`; for several keep one, since opening a device takes
+    time.
+    """
     return Renderer().render(scene, camera, **options)
 
 
-def trace(scene: Scene, origins: ArrayLike, directions: ArrayLike, tmax: ArrayLike | None = None) -> Hits:
+def trace(
+    scene: Scene, origins: ArrayLike, directions: ArrayLike, tmax: ArrayLike | None = None
+) -> Hits:
     """The nearest hits of given rays on a new `Renderer`; see `Renderer.trace`."""
     return Renderer().trace(scene, origins, directions, tmax)
 
@@ -350,12 +404,6 @@ def _frames(frames: _halfline.Frames, progress: bool | Callback) -> Iterator[Fra
                 yield Frame._of(frame)
     finally:
         frames.close()
-
-
-def _scene(scene: Scene) -> _halfline.Scene:
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene is a {type(scene).__name__}; give a Scene")
-    return scene._native
 
 
 def _native_camera(camera: Camera) -> _halfline.Camera:
@@ -378,7 +426,9 @@ def _accurate(accuracy: Any, method: Any, search: Any, tolerance: Any) -> dict[s
 
 
 def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The options in the types of the native module: those of the picture, and those of the accuracy."""
+    """The options in the types of the native module: those of the picture, and those of the
+    accuracy.
+    """
     unknown = set(options) - set(Options.__annotations__)
     if unknown:
         names = ", ".join(Options.__annotations__)
@@ -395,7 +445,13 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     if reach is not None and number("reach", reach) <= 0:
         raise ValueError(f"reach is {reach}; give a positive length")
     # 0 takes the number of the scene.
-    rays = None if occlusion is False else 0 if occlusion is True else whole("occlusion", occlusion, 1)
+    rays = (
+        None
+        if occlusion is False
+        else 0
+        if occlusion is True
+        else whole("occlusion", occlusion, 1)
+    )
     picture = {
         "aovs": words("aovs", given.get("aovs", "color")),
         "size": None if size is None else checked_size("size", size),
@@ -414,6 +470,9 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         "bounces": None if bounces is None else whole("bounces", bounces),
     }
     accurate = _accurate(
-        given.get("accuracy", "auto"), given.get("method"), given.get("search", "auto"), given.get("tolerance")
+        given.get("accuracy", "auto"),
+        given.get("method"),
+        given.get("search", "auto"),
+        given.get("tolerance"),
     )
     return picture, accurate

@@ -12,7 +12,8 @@ from ._arrays import whole, word
 
 
 def adapters() -> list[dict[str, Any]]:
-    """Every adapter (GPU or software Vulkan): name, driver, limits, and what its arithmetic was measured to be.
+    """Every adapter (GPU or software Vulkan): name, driver, limits, and what its arithmetic was
+    measured to be.
 
     As ``halfline adapters --json``; an empty list means that frames are rendered on the CPU path.
     """
@@ -28,7 +29,8 @@ def info(
     skip_invalid: bool = False,
     model: int | None = None,
 ) -> dict[str, Any]:
-    """What a file contains: format, frames, spheres, columns, elements, chains, cell, extent, warnings.
+    """What a file contains: format, frames, spheres, columns, elements, chains, cell, extent,
+    warnings.
 
     As ``halfline info --json``; the keywords are those of `read`.
     """
@@ -36,5 +38,7 @@ def info(
         columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())
     number = None if model is None else whole("model", model, -(2**63), 2**63 - 1)
     kind = None if format is None else word("format", format)
-    found: dict[str, Any] = json.loads(_halfline.info(path, kind, columns, bool(skip_invalid), number))
+    found: dict[str, Any] = json.loads(
+        _halfline.info(path, kind, columns, bool(skip_invalid), number)
+    )
     return found

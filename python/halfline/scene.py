@@ -22,15 +22,15 @@ Path = str | PathLike[str]
 class Scene:
     """Spheres, and the colour of the background.
 
-    Contiguous float64 centers and radii, and contiguous float32 colors, are not copied: the scene keeps the arrays, and
-    what is written to them later changes the scene. Do not write to them while the scene is rendered. Arrays of other
-    types or in another order are copied once.
+    Contiguous float64 centers and radii, and contiguous float32 colors, are not copied: the scene
+    keeps the arrays, and what is written to them later changes the scene. Do not write to them
+    while the scene is rendered. Arrays of other types or in another order are copied once.
 
     Args:
         centers: Centres, shape (n, 3), in any unit of length; finite.
         radii: Radii in the same unit, shape (n,), or one number for all; positive and finite.
-        colors: Linear RGB, shape (n, 3), 0 or more; or one colour for all: three numbers, a CSS name such as ``"red"``, or
-            ``"#rrggbb"``. The default is a light grey.
+        colors: Linear RGB, shape (n, 3), 0 or more; or one colour for all: three numbers, a CSS
+            name such as ``"red"``, or ``"#rrggbb"``. The default is a light grey.
         background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
 
     Raises:
@@ -45,7 +45,8 @@ class Scene:
     True
     >>> hl.Scene(centers, [1.0, -1.0])
     Traceback (most recent call last):
-    ValueError: radii[1] is -1: radii are positive and finite; remove the sphere or give it a radius
+    ValueError: radii[1] is -1: radii are positive and finite; remove the sphere or give it a
+    radius
     """
 
     __slots__ = ("_native",)
@@ -74,8 +75,12 @@ class Scene:
             )
         for name, others in (("radii", sizes), ("colors", rows)):
             if others is not None and len(others) != count:
-                raise ValueError(f"{name} has {len(others)} rows, and centers has {count}; give one for each sphere")
-        self._native = _halfline.Scene(points, sizes, rows, checked_color("background", background))
+                raise ValueError(
+                    f"{name} has {len(others)} rows, and centers has {count}; give one per sphere"
+                )
+        self._native = _halfline.Scene(
+            points, sizes, rows, checked_color("background", background)
+        )
 
     @classmethod
     def _of(cls, native: _halfline.Scene) -> Scene:
@@ -132,7 +137,9 @@ class Scene:
 
     @property
     def time(self) -> float | None:
-        """The time of the frame: picoseconds for GRO, XTC, TRR and DCD; ``None`` where the file has none."""
+        """The time of the frame: picoseconds for GRO, XTC, TRR and DCD; ``None`` where the file
+        has none.
+        """
         return self._native.time
 
     @property
@@ -142,7 +149,9 @@ class Scene:
 
     @property
     def cell(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-        """Origin (3,) and edges (3, 3) of the periodic cell, scene units; ``None`` where the file has none."""
+        """Origin (3,) and edges (3, 3) of the periodic cell, scene units; ``None`` where the file
+        has none.
+        """
         found = self._native.cell
         return None if found is None else (np.array(found[0]), np.array(found[1]))
 
@@ -185,17 +194,20 @@ def read(
     """Reads one scene. The keywords are the options of ``halfline render``, with underscores.
 
     Args:
-        path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy, XTC, LAS ...), also
-            compressed with gzip or bzip2; see docs/reading.md.
+        path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy,
+            XTC, LAS ...), also compressed with gzip or bzip2; see docs/reading.md.
         frame: The frame of a sequence, from 1.
-        size: Columns and rows of the image for which the camera is framed; by default those of the file, else 512 x 512.
+        size: Columns and rows of the image for which the camera is framed; by default those of the
+            file, else 512 x 512.
         format: The format, if neither content nor name show it.
-        columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or ``"x=pos_x,radius=r"``.
+        columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or
+            ``"x=pos_x,radius=r"``.
         topology: The file with the atoms of a trajectory.
         model: Model number of a PDB or mmCIF file.
         altloc: Alternate locations: ``"all"``, ``"highest"``, or an identifier.
         assembly: The biological assembly to build.
-        as_listed: Whether the atoms of a small-molecule CIF are taken as listed, without its symmetry.
+        as_listed: Whether the atoms of a small-molecule CIF are taken as listed, without its
+            symmetry.
         strict: Whether anything but spheres is an error.
         skip_invalid: Whether rows that are not spheres are left out and counted.
         select: Expressions of the particles to take, such as ``"protein and not name H*"``.
@@ -203,8 +215,10 @@ def read(
         radii: Radii of elements.
         radius: One radius for all, or ``{expression: radius}``; scene units.
         radius_scale: Multiplies every radius.
-        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or linear RGB.
-        color_by: The column, or the columns of a vector, that gives the colours: ``"element"``, ``"chain"``, ``"vx,vy,vz"``.
+        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or
+            linear RGB.
+        color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
+            ``"chain"``, ``"vx,vy,vz"``.
         map: Colour map of ``color_by``.
         range: Values at the ends of the colour map.
         log: Whether the colour scale is logarithmic.
@@ -213,11 +227,13 @@ def read(
         copies: Periodic copies along the three edges of the cell, the original included.
         clip: Planes ``(x, y, z, d)``; spheres whose centre c has (x, y, z) . c > d are removed.
         cell: Whether the edges of the cell are drawn, or the radius of the beads that draw them.
-        hold: Where default radii and the range of colours come from: the first frame of the file, or each frame itself.
+        hold: Where default radii and the range of colours come from: the first frame of the file,
+            or each frame itself.
 
     Raises:
         OSError: if the file cannot be read.
-        ValueError: with the file, the line or byte, the problem and the mend; and for wrong options.
+        ValueError: with the file, the line or byte, the problem and the mend; and for wrong
+            options.
         MemoryError: if the scene does not fit into memory.
         KeyboardInterrupt: ctrl-C, within a second.
     """
@@ -228,22 +244,27 @@ def read(
     return Scene._of(next(native))
 
 
-def read_frames(path: Path, frames: str = "1-", *, size: tuple[int, int] | None = None, **options: Any) -> Iterator[Scene]:
+def read_frames(
+    path: Path, frames: str = "1-", *, size: tuple[int, int] | None = None, **options: Any
+) -> Iterator[Scene]:
     """The frames of a sequence, one after the other; at most one is in memory.
 
-    All of them have the camera, the default radii and the range of colours of the first frame of the file, so that a film
-    does not jitter; ``hold="none"`` takes those of each frame.
+    All of them have the camera, the default radii and the range of colours of the first frame of
+    the file, so that a film does not jitter; ``hold="none"`` takes those of each frame.
 
     Args:
         path: The file.
-        frames: The frames, counted from 1: ``"2"``, ``"1-10"``, ``"1-3,5,7-20:2"``, ``"5-"`` to the last.
+        frames: The frames, counted from 1: ``"2"``, ``"1-10"``, ``"1-3,5,7-20:2"``, ``"5-"`` to
+            the last.
         size: Columns and rows of the images for which the camera is framed.
         **options: The keywords of `read`, except ``frame``.
 
     Raises:
         As `read`.
     """
-    return (Scene._of(scene) for scene in _sequence(path, word("frames", frames), size, True, options))
+    return (
+        Scene._of(scene) for scene in _sequence(path, word("frames", frames), size, True, options)
+    )
 
 
 def _sequence(
@@ -251,7 +272,9 @@ def _sequence(
 ) -> _halfline.Sequence:
     unknown = set(options) - set(_DEFAULTS)
     if unknown:
-        raise TypeError(f"there is no option {sorted(unknown)[0]!r}; choose from {', '.join(_DEFAULTS)}")
+        raise TypeError(
+            f"there is no option {sorted(unknown)[0]!r}; choose from {', '.join(_DEFAULTS)}"
+        )
     given = {**_DEFAULTS, **options}
     fspath(path)
     image = None if size is None else checked_size("size", size)
@@ -259,7 +282,9 @@ def _sequence(
 
 
 _DEFAULTS: dict[str, Any] = {
-    name: value for name, value in (read.__kwdefaults__ or {}).items() if name not in ("frame", "size")
+    name: value
+    for name, value in (read.__kwdefaults__ or {}).items()
+    if name not in ("frame", "size")
 }
 
 
@@ -273,7 +298,9 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     if color_by is not None:
         color_by = ",".join(words("color_by", color_by))
     if limits is not None:
-        low, high = (number(f"range[{k}]", value) for k, value in enumerate(_several("range", limits, 2)))
+        low, high = (
+            number(f"range[{k}]", value) for k, value in enumerate(_several("range", limits, 2))
+        )
         if low == high:
             raise ValueError(f"range is {shown(limits)}; give two different numbers")
         limits = [low, high]
@@ -283,30 +310,53 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     radius, color, cell = given["radius"], given["color"], given["cell"]
     sizes = dict(radius) if isinstance(radius, Mapping) else {}
     paints = dict(color) if isinstance(color, Mapping) else {}
-    planes = [[number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)] for k, plane in enumerate(given["clip"])]
+    planes = [
+        [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
+        for k, plane in enumerate(given["clip"])
+    ]
     if any(plane[:3] == [0, 0, 0] for plane in planes):
-        raise ValueError("a plane of clip has no direction; give (x, y, z, d) with x, y, z not all 0")
+        raise ValueError(
+            "a plane of clip has no direction; give (x, y, z, d) with x, y, z not all 0"
+        )
     return {
-        **{name: given[name] for name in ("as_listed", "strict", "skip_invalid", "log", "wrap", "unwrap")},
+        **{
+            name: given[name]
+            for name in ("as_listed", "strict", "skip_invalid", "log", "wrap", "unwrap")
+        },
         **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
-        **{name: None if given[name] is None else word(name, given[name]) for name in ("format", "map")},
+        **{
+            name: None if given[name] is None else word(name, given[name])
+            for name in ("format", "map")
+        },
         "columns": None if columns is None else word("columns", columns),
         "topology": given["topology"],
         "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
         "select": words("select", given["select"]),
         "hide": words("hide", given["hide"]),
-        "radius": None if radius is None or isinstance(radius, Mapping) else number("radius", radius),
-        "radius_of": [(word("radius", key), _positive(f"radius[{key!r}]", value)) for key, value in sizes.items()],
+        "radius": None
+        if radius is None or isinstance(radius, Mapping)
+        else number("radius", radius),
+        "radius_of": [
+            (word("radius", key), _positive(f"radius[{key!r}]", value))
+            for key, value in sizes.items()
+        ],
         "radius_scale": number("radius_scale", given["radius_scale"]),
-        "color": None if color is None or isinstance(color, Mapping) else checked_color("color", color),
-        "color_of": [(word("color", key), checked_color(f"color[{key!r}]", value)) for key, value in paints.items()],
+        "color": None
+        if color is None or isinstance(color, Mapping)
+        else checked_color("color", color),
+        "color_of": [
+            (word("color", key), checked_color(f"color[{key!r}]", value))
+            for key, value in paints.items()
+        ],
         "color_by": color_by,
         "range": limits,
         "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
         "clip": planes,
         # An infinite radius stands for the default one.
-        "cell": (float("inf") if cell else None) if isinstance(cell, bool) else _positive("cell", cell),
+        "cell": (float("inf") if cell else None)
+        if isinstance(cell, bool)
+        else _positive("cell", cell),
     }
 
 

@@ -33,7 +33,9 @@ def renderer(request: pytest.FixtureRequest) -> hl.Renderer:
 def cloud() -> hl.Scene:
     """Coloured spheres that overlap."""
     random = np.random.default_rng(1)
-    return hl.Scene(random.normal(size=(500, 3)), random.uniform(0.02, 0.3, 500), random.uniform(size=(500, 3)))
+    return hl.Scene(
+        random.normal(size=(500, 3)), random.uniform(0.02, 0.3, 500), random.uniform(size=(500, 3))
+    )
 
 
 def commands() -> list[str]:
@@ -45,14 +47,19 @@ def commands() -> list[str]:
 
 def run(command: str, *arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
     """Runs the command, which ends with this exit code."""
-    done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [command, *map(str, arguments)], capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == code, done.stderr
     return done
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Prints the counts as the tests of the library do, for tests/run."""
-    counts = {name: len(terminalreporter.getreports(name)) for name in ("passed", "failed", "error", "skipped")}
+    counts = {
+        name: len(terminalreporter.getreports(name))
+        for name in ("passed", "failed", "error", "skipped")
+    }
     for report in terminalreporter.getreports("skipped"):
         reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
         terminalreporter.write_line(f"SKIPPED: {report.nodeid.rpartition('/')[2]}: {reason}")

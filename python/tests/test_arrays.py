@@ -1,4 +1,4 @@
-"""Arrays go in without a copy where they can, and come out without one; errors name argument and row."""
+"""Arrays go in without a copy where they can, and come out without one."""
 
 import gc
 import sys
@@ -37,7 +37,9 @@ def test_contiguous_arrays_are_not_copied() -> None:
         np.arange(30, dtype=">f8").reshape(10, 3),
         np.asfortranarray(np.arange(30.0).reshape(10, 3)),
         np.arange(60.0).reshape(10, 6)[:, ::2] / 2,
-        np.frombuffer(b"x" + np.arange(30.0).tobytes(), np.uint8)[1:].view(np.float64).reshape(10, 3),
+        np.frombuffer(b"x" + np.arange(30.0).tobytes(), np.uint8)[1:]
+        .view(np.float64)
+        .reshape(10, 3),
         np.arange(30.0).reshape(10, 3).tolist(),
     ],
     ids=["float32", "int16", "uint64", "big-endian", "fortran", "strided", "misaligned", "list"],
@@ -92,7 +94,7 @@ def test_memory_of_frames_is_used_again(cpu: hl.Renderer, cloud: hl.Scene) -> No
     seen = set()
     for _ in range(8):
         seen.add(address(cpu.render(cloud, size=(256, 256), aovs="depth")["depth"]))
-    # Without reuse the allocator may also give the same address; with it there are never more than a few.
+    # The allocator may give an address again too, but not always.
     assert len(seen) <= 3
 
 
@@ -109,10 +111,16 @@ CENTERS = np.zeros((5, 3))
         ((np.full((5, 3), "a"), 1), ["centers", "<U1"]),
         (([[1, 2, 3], [1, 2]], 1), ["centers", "(n, 3)"]),
         ((np.ma.masked_equal(CENTERS, 0), 1), ["centers", "masked"]),
-        ((np.where(np.arange(15).reshape(5, 3) == 10, np.nan, 0), 1), ["centers[3]", "NaN", "finite"]),
+        (
+            (np.where(np.arange(15).reshape(5, 3) == 10, np.nan, 0), 1),
+            ["centers[3]", "NaN", "finite"],
+        ),
         ((CENTERS, np.ones(4)), ["radii has 4 rows", "centers has 5"]),
         ((CENTERS, np.ones((5, 1))), ["radii", "(5, 1)", "(n,)"]),
-        ((CENTERS, [1, 1, -1, 1, 1]), ["radii[2] is -1: radii are positive and finite; remove the sphere"]),
+        (
+            (CENTERS, [1, 1, -1, 1, 1]),
+            ["radii[2] is -1: radii are positive and finite; remove the sphere"],
+        ),
         ((CENTERS, [1, 1, 1, 0, 1]), ["radii[3] is 0"]),
         ((CENTERS, [1, np.inf, 1, 0, 1]), ["radii[1] is inf"]),
         ((CENTERS, "1"), ["radii", "<U1"]),
@@ -124,7 +132,9 @@ CENTERS = np.zeros((5, 3))
         ((CENTERS, 1, [1, 2, np.nan]), ["colors", "finite"]),
     ],
 )
-def test_wrong_spheres_are_refused_with_argument_and_row(arguments: tuple[Any, ...], words: list[str]) -> None:
+def test_wrong_spheres_are_refused_with_argument_and_row(
+    arguments: tuple[Any, ...], words: list[str]
+) -> None:
     with pytest.raises(ValueError) as caught:
         hl.Scene(*arguments)
     assert all(word in str(caught.value) for word in words), caught.value

@@ -22,7 +22,16 @@ def test_exit_codes_and_words(command: str, tmp_path: Path) -> None:
     assert '"kind":"io"' in run(command, "render", tmp_path / "none.toml", "--json", code=8).stdout
     a, b = tmp_path / "a.npy", tmp_path / "b.npy"
     for file, size in ((a, "8x8"), (b, "8x9")):
-        run(command, "render", SCENES / "inside.toml", f"--aov=depth={file}", "--backend", "cpu", "--size", size)
+        run(
+            command,
+            "render",
+            SCENES / "inside.toml",
+            f"--aov=depth={file}",
+            "--backend",
+            "cpu",
+            "--size",
+            size,
+        )
     run(command, "compare", a, a)
     run(command, "compare", a, b, code=2 if "shape" in run_any(command, a, b) else 1)
 
@@ -44,8 +53,17 @@ def test_a_name_that_is_not_text_arrives_unchanged(tmp_path: Path) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 @pytest.mark.parametrize("command", commands())
 def test_ctrl_c_ends_the_command(command: str, tmp_path: Path) -> None:
-    arguments = ["render", str(SCENES / "weekend.toml"), "-o", str(tmp_path / "x.png"), "--backend", "cpu"]
-    child = subprocess.Popen([command, *arguments, "--size", "9000x9000", "--accuracy", "exact"], stderr=subprocess.PIPE)
+    arguments = [
+        "render",
+        str(SCENES / "weekend.toml"),
+        "-o",
+        str(tmp_path / "x.png"),
+        "--backend",
+        "cpu",
+    ]
+    child = subprocess.Popen(
+        [command, *arguments, "--size", "9000x9000", "--accuracy", "exact"], stderr=subprocess.PIPE
+    )
     time.sleep(1.5)
     child.send_signal(signal.SIGINT)
     start = time.monotonic()
@@ -58,6 +76,11 @@ def test_ctrl_c_ends_the_command(command: str, tmp_path: Path) -> None:
 def test_a_closed_pipe_is_an_error_of_output(command: str) -> None:
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([command, "info", str(SCENES / "weekend.toml")], stdout=write, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(
+        [command, "info", str(SCENES / "weekend.toml")],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
     os.close(write)
     assert done.returncode == 8, done.stderr

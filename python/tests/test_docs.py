@@ -13,13 +13,18 @@ import pytest
 
 import halfline as hl
 
-MODULES = ["halfline", *(f"halfline.{module.name}" for module in pkgutil.iter_modules(hl.__path__))]
+MODULES = [
+    "halfline",
+    *(f"halfline.{module.name}" for module in pkgutil.iter_modules(hl.__path__)),
+]
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if name != "halfline._halfline"])
 def test_examples_in_docstrings(name: str) -> None:
     module = importlib.import_module(name)
-    result = doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE | doctest.IGNORE_EXCEPTION_DETAIL * 0)
+    result = doctest.testmod(
+        module, optionflags=doctest.NORMALIZE_WHITESPACE | doctest.IGNORE_EXCEPTION_DETAIL * 0
+    )
     assert result.failed == 0
 
 
@@ -30,7 +35,9 @@ def test_everything_public_is_documented() -> None:
             continue
         assert found.__doc__, name
         for member, value in vars(found).items() if isinstance(found, type) else ():
-            if not member.startswith("_") and (callable(value) or isinstance(value, property | classmethod)):
+            if not member.startswith("_") and (
+                callable(value) or isinstance(value, property | classmethod)
+            ):
                 text = value.__func__.__doc__ if isinstance(value, classmethod) else value.__doc__
                 assert text, f"{name}.{member}"
 
@@ -43,7 +50,7 @@ def test_the_stub_names_what_the_module_has() -> None:
             assert f"class {name}" in stub or f"def {name}(" in stub, name
 
 
-EXAMPLE = '''
+EXAMPLE = """
 import numpy as np
 from numpy.typing import NDArray
 import halfline as hl
@@ -58,14 +65,14 @@ for other in renderer.render_many(scene, [camera], aovs="depth"):
 hits = renderer.trace(scene, (0, 0, 5), np.zeros((4, 3)) - 1)
 t: NDArray[np.float64] = hits.t
 nearest: bool = bool(renderer.trace(scene, (0, 0, 5), [[0, 0, 1]], any=True).hit[0])
-'''
+"""
 
-WRONG = '''
+WRONG = """
 import halfline as hl
 hl.Renderer("abacus")
 hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), sise=(3, 3))
 hl.Renderer("cpu").render(hl.Scene([[0, 0, 0]], 1.0), aovs=["depht"])
-'''
+"""
 
 
 @pytest.mark.parametrize("checker", ["mypy", "pyright"])
@@ -78,7 +85,14 @@ def test_types_are_right_for_checkers(checker: str, tmp_path: Path) -> None:
     good.write_text(EXAMPLE)
     wrong.write_text(WRONG)
     if checker == "mypy":
-        strict = [program, "--strict", "--cache-dir", str(tmp_path / "cache"), "--python-executable", sys.executable]
+        strict = [
+            program,
+            "--strict",
+            "--cache-dir",
+            str(tmp_path / "cache"),
+            "--python-executable",
+            sys.executable,
+        ]
         package = [*strict, str(Path(hl.__file__).parent)]
     else:
         strict = [program, "--pythonpath", sys.executable]

@@ -11,7 +11,19 @@ from conftest import SCENES, commands, run
 
 import halfline as hl
 
-BUFFERS = ["color", "distance", "depth", "normal", "position", "id", "mask", "certainty", "bound", "alpha", "occlusion"]
+BUFFERS = [
+    "color",
+    "distance",
+    "depth",
+    "normal",
+    "position",
+    "id",
+    "mask",
+    "certainty",
+    "bound",
+    "alpha",
+    "occlusion",
+]
 
 
 @pytest.mark.parametrize("command", commands())
@@ -22,11 +34,16 @@ def test_the_command_and_the_package_give_equal_bits(
     backend = "gpu" if renderer.is_gpu else "cpu"
     file = tmp_path / "all.npz"
     asked = "--aov=" + ",".join(BUFFERS) + f"={file}"
-    said = run(command, "render", SCENES / name, asked, "--backend", backend, "--size", "120x90", "--json")
+    said = run(
+        command, "render", SCENES / name, asked, "--backend", backend, "--size", "120x90", "--json"
+    )
     frame = renderer.render(hl.read(SCENES / name), size=(120, 90), aovs=BUFFERS)
     with np.load(file) as found:
         for buffer in BUFFERS:
-            assert frame[buffer].dtype == found[buffer].dtype and frame[buffer].shape == found[buffer].shape
+            assert (
+                frame[buffer].dtype == found[buffer].dtype
+                and frame[buffer].shape == found[buffer].shape
+            )
             assert frame[buffer].tobytes() == found[buffer].tobytes(), buffer
     expected = json.loads(said.stdout)
     times = {"frame_ms", "kernel_ms", "stages_ms", "setup_ms"}
@@ -37,29 +54,46 @@ def test_the_command_and_the_package_give_equal_bits(
 
 
 def test_files_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
-    frame = cpu.render(hl.read(SCENES / "weekend.toml"), size=(60, 40), aovs=["color", "depth", "normal"])
+    frame = cpu.render(
+        hl.read(SCENES / "weekend.toml"), size=(60, 40), aovs=["color", "depth", "normal"]
+    )
     for name in ("c.png", "a.exr", "a.npz"):
         mine, theirs = tmp_path / name, tmp_path / f"their-{name}"
         frame.save(mine)
         both = name.startswith("a")
         aov = f"--aov=color,depth,normal,id={theirs}" if both else f"--aov=color={theirs}"
         # Without samples, lights and lines, which a picture of particles would have.
-        run(commands()[0], "render", SCENES / "weekend.toml", aov, "--backend", "cpu", "--size", "60x40")
+        run(
+            commands()[0],
+            "render",
+            SCENES / "weekend.toml",
+            aov,
+            "--backend",
+            "cpu",
+            "--size",
+            "60x40",
+        )
         assert mine.read_bytes() == theirs.read_bytes(), name
     frame.save(tmp_path / "d.npy", aovs="depth")
     assert np.array_equal(np.load(tmp_path / "d.npy"), frame["depth"])
     with pytest.raises(ValueError, match="aovs"):
-        cpu.render(hl.Scene([[0, 0, 0]], 1), size=(4, 4), aovs=["depth", "normal"]).save(tmp_path / "x.npy")
+        cpu.render(hl.Scene([[0, 0, 0]], 1), size=(4, 4), aovs=["depth", "normal"]).save(
+            tmp_path / "x.npy"
+        )
     with pytest.raises(ValueError, match="extension"):
         frame.save(tmp_path / "x.bmp")
     with pytest.raises(FileNotFoundError) as caught:
         frame.save(tmp_path / "none" / "x.png")
-    assert caught.value.filename == str(tmp_path / "none" / "x.png") and not list(tmp_path.glob("*.part"))
+    assert caught.value.filename == str(tmp_path / "none" / "x.png") and not list(
+        tmp_path.glob("*.part")
+    )
 
 
 def test_buffers_have_the_documented_shape_type_and_miss(cpu: hl.Renderer) -> None:
     scene = hl.Scene([[0, 0, 0]], 0.5, background=(0.25, 0.5, 0.75))
-    frame = cpu.render(scene, hl.Camera((0, 0, 5)), size=(30, 20), aovs=[*BUFFERS, "shadow"], sun=(1, 1, 1))
+    frame = cpu.render(
+        scene, hl.Camera((0, 0, 5)), size=(30, 20), aovs=[*BUFFERS, "shadow"], sun=(1, 1, 1)
+    )
     expected: dict[str, tuple[tuple[int, ...], str, Any]] = {
         "color": ((20, 30, 3), "float32", [0.25, 0.5, 0.75]),
         "distance": ((20, 30), "float64", math.inf),
@@ -78,7 +112,11 @@ def test_buffers_have_the_documented_shape_type_and_miss(cpu: hl.Renderer) -> No
     for name, (shape, dtype, miss) in expected.items():
         assert (frame[name].shape, str(frame[name].dtype)) == (shape, dtype), name
         corner = frame[name][0, 0]
-        assert np.array_equal(corner, np.broadcast_to(np.asarray(miss, dtype), corner.shape), equal_nan=dtype[0] == "f")
+        assert np.array_equal(
+            corner,
+            np.broadcast_to(np.asarray(miss, dtype), corner.shape),
+            equal_nan=dtype[0] == "f",
+        )
     assert frame["id"][10, 15] == 0 and repr(frame).startswith("Frame(30 x 20: color")
     with pytest.raises(KeyError, match="aovs"):
         cpu.render(scene, size=(2, 2))["depth"]
@@ -96,7 +134,10 @@ def test_cameras_see_what_they_should(cpu: hl.Renderer) -> None:
     # A viewport of 5 x 5 at distance 4 has pixels 1 apart at the spheres.
     expected = [[-1] * 5, [-1, -1, 2, -1, -1], [-1, -1, 0, -1, 1], [-1] * 5, [-1] * 5]
     assert ids(hl.Camera((0, 0, 0), viewport=(5, 5), distance=4)) == expected
-    assert ids(hl.Camera((0, 0, 0), at=(0, 0, -1), vfov=2 * math.degrees(math.atan(2.5 / 4)))) == expected
+    assert (
+        ids(hl.Camera((0, 0, 0), at=(0, 0, -1), vfov=2 * math.degrees(math.atan(2.5 / 4))))
+        == expected
+    )
     assert ids(hl.Camera((0, 0, 0), view=(0, 0, -3), height=5)) == expected
     # Focal length 4 in pixels; right, down, forward are x, -y, -z.
     pose = np.diag([1.0, -1, -1, 1])
@@ -107,7 +148,9 @@ def test_cameras_see_what_they_should(cpu: hl.Renderer) -> None:
     assert [row[1:] for row in moved] == [row[:-1] for row in expected]
     fitted = hl.Camera.fit(scene, view=(0, 0, -1), size=(5, 5))
     assert set(np.unique(cpu.render(scene, fitted, size=(200, 200))["id"])) == {-1, 0, 1, 2}
-    parallel = cpu.render(scene, hl.Camera.fit(scene, orthographic=True), size=(64, 64), aovs=["depth", "distance"])
+    parallel = cpu.render(
+        scene, hl.Camera.fit(scene, orthographic=True), size=(64, 64), aovs=["depth", "distance"]
+    )
     assert np.array_equal(parallel["depth"], parallel["distance"])
 
 
@@ -166,11 +209,17 @@ def test_wrong_cameras_are_refused(arguments: dict[str, Any], words: list[str]) 
     ],
 )
 def test_wrong_options_are_refused_in_words_of_python(
-    cpu: hl.Renderer, cloud: hl.Scene, options: dict[str, Any], error: type[Exception], words: list[str]
+    cpu: hl.Renderer,
+    cloud: hl.Scene,
+    options: dict[str, Any],
+    error: type[Exception],
+    words: list[str],
 ) -> None:
     with pytest.raises(error) as caught:
         cpu.render(cloud, **{"size": (32, 32), **options})
-    assert all(word in str(caught.value) for word in words) and "--" not in str(caught.value), caught.value
+    assert all(word in str(caught.value) for word in words) and "--" not in str(caught.value), (
+        caught.value
+    )
 
 
 def test_a_memory_that_does_not_exist_is_refused(cpu: hl.Renderer, cloud: hl.Scene) -> None:
@@ -186,7 +235,10 @@ def test_an_adapter_that_does_not_exist_is_refused_with_those_that_do() -> None:
 
 
 def test_many_cameras_give_the_frames_of_one(renderer: hl.Renderer, cloud: hl.Scene) -> None:
-    cameras = [hl.Camera((math.sin(a) * 6, 0, math.cos(a) * 6), at=(0, 0, 0)) for a in np.linspace(0, 3, 7)]
+    cameras = [
+        hl.Camera((math.sin(a) * 6, 0, math.cos(a) * 6), at=(0, 0, 0))
+        for a in np.linspace(0, 3, 7)
+    ]
     frames = list(renderer.render_many(cloud, cameras, size=(48, 32), aovs=["depth", "color"]))
     assert len(frames) == 7
     for camera, frame in zip(cameras, frames, strict=True):
@@ -204,16 +256,30 @@ def test_many_cameras_give_the_frames_of_one(renderer: hl.Renderer, cloud: hl.Sc
         renderer.render_many(cloud, [3])  # type: ignore[list-item]
 
 
-def test_traced_rays_are_those_of_the_command(renderer: hl.Renderer, cloud: hl.Scene, tmp_path: Path) -> None:
+def test_traced_rays_are_those_of_the_command(
+    renderer: hl.Renderer, cloud: hl.Scene, tmp_path: Path
+) -> None:
     random = np.random.default_rng(2)
     # More than a block, so that the parts meet where they should.
     count = 600_000
-    rays = np.column_stack([random.normal(size=(count, 3)) * 3, random.normal(size=(count, 3)), np.full(count, 5.0)])
+    rays = np.column_stack(
+        [random.normal(size=(count, 3)) * 3, random.normal(size=(count, 3)), np.full(count, 5.0)]
+    )
     np.save(tmp_path / "rays.npy", rays)
     np.save(tmp_path / "spheres.npy", np.column_stack([cloud.centers, cloud.radii]))
     backend = "gpu" if renderer.is_gpu else "cpu"
     out = tmp_path / "hits.npz"
-    run(commands()[0], "trace", tmp_path / "spheres.npy", "--rays", tmp_path / "rays.npy", "-o", out, "--backend", backend)
+    run(
+        commands()[0],
+        "trace",
+        tmp_path / "spheres.npy",
+        "--rays",
+        tmp_path / "rays.npy",
+        "-o",
+        out,
+        "--backend",
+        backend,
+    )
     hits = renderer.trace(cloud, rays[:, :3], rays[:, 3:6], rays[:, 6])
     with np.load(out) as found:
         for name in ("id", "t", "distance", "normal", "certainty"):
@@ -266,14 +332,24 @@ def test_a_frame_is_a_dataset(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     pytest.importorskip("xarray")
     dataset = cpu.render(cloud, size=(40, 30), aovs=["color", "depth"]).to_xarray()
     assert dataset["depth"].dims == ("y", "x") and dataset["color"].dims == ("y", "x", "rgb")
-    assert list(dataset["rgb"].values) == ["r", "g", "b"] and json.loads(dataset.attrs["report"])["spheres"] == 500
+    assert (
+        list(dataset["rgb"].values) == ["r", "g", "b"]
+        and json.loads(dataset.attrs["report"])["spheres"] == 500
+    )
 
 
 def test_progress_is_reported_to_the_end(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     heard: list[tuple[str, int, int, str]] = []
     cpu.render(cloud, size=(64, 64), progress=lambda *words: heard.append(words))
     assert heard and heard[-1][1] == heard[-1][2] > 0
-    list(cpu.render_many(cloud, [hl.Camera((0, 0, 9))] * 3, size=(9, 9), progress=lambda *words: heard.append(words)))
+    list(
+        cpu.render_many(
+            cloud,
+            [hl.Camera((0, 0, 9))] * 3,
+            size=(9, 9),
+            progress=lambda *words: heard.append(words),
+        )
+    )
     assert heard[-1] == ("render", 3, 3, "frames")
 
 
@@ -282,5 +358,7 @@ def test_an_exception_of_the_callback_ends_the_frame(cpu: hl.Renderer, cloud: hl
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        cpu.render(cloud, size=(2000, 2000), aovs=["position"], accuracy="exact", progress=callback)
+        cpu.render(
+            cloud, size=(2000, 2000), aovs=["position"], accuracy="exact", progress=callback
+        )
     assert cpu.render(cloud, size=(4, 4)).size == (4, 4)
