@@ -4,9 +4,12 @@ use crate::read::color;
 use halfline::read::style::elements::{atomic_number, element};
 use pyo3::prelude::*;
 
-/// Atomic numbers of symbols, with the radii and colours of all elements.
+/// Radii and linear RGB, where there are any.
+type Tables = (Vec<Option<f64>>, Vec<Option<[f32; 3]>>);
+
+/// The radii and colours of the elements with these symbols.
 #[pyfunction]
-pub(crate) fn elements(symbols: Vec<String>, radii: &str) -> PyResult<(Vec<Option<f64>>, Vec<Option<[f32; 3]>>)> {
+pub(crate) fn elements(symbols: Vec<String>, radii: &str) -> PyResult<Tables> {
     let is_covalent = radii == "covalent";
     let of = |symbol: &String| {
         let found = element(atomic_number(symbol));

@@ -80,7 +80,8 @@ impl Options {
 
     fn options(&self, job: &Job) -> Result<ReadOptions> {
         let selections = |given: &[String]| given.iter().map(|text| text.parse()).collect::<Result<Vec<Selection>>>();
-        if let Some(radius) = self.radius.iter().chain(&self.cell).chain([&self.radius_scale]).find(|x| !(**x > 0.0)) {
+        // The package has checked that they are numbers.
+        if let Some(radius) = self.radius.iter().chain([&self.radius_scale]).find(|x| **x <= 0.0) {
             return Err(Error::settings(format!("the radius is {radius}"), "give a positive number"));
         }
         Ok(ReadOptions {

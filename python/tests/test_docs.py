@@ -93,7 +93,7 @@ def test_types_are_right_for_checkers(checker: str, tmp_path: Path) -> None:
             "--python-executable",
             sys.executable,
         ]
-        package = [*strict, str(Path(hl.__file__).parent)]
+        package = [*strict, "-p", "halfline"]
     else:
         strict = [program, "--pythonpath", sys.executable]
         (tmp_path / "pyrightconfig.json").write_text('{"typeCheckingMode": "strict"}')
