@@ -5,5 +5,5 @@ mod cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::arguments().and_then(|arguments| cli::run(&arguments)).unwrap_or_else(|error| cli::fail(&error))
+    cli::command(std::env::args_os()).into()
 }

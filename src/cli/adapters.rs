@@ -1,10 +1,10 @@
 //! `halfline adapters`.
 
 use super::print;
+use super::process::ExitCode;
 use halfline::error::{Error, Result};
 use halfline::{adapters, verdicts};
 use std::fmt::Write as _;
-use std::process::ExitCode;
 
 /// Lists every adapter: driver, limits, subgroups, f64, and the measured properties of its arithmetic.
 ///

@@ -5,6 +5,7 @@ mod report;
 use super::clash::check_inputs;
 use super::messages::{QuietArgs, is_quiet};
 use super::print;
+use super::process::ExitCode;
 use halfline::error::{Error, Result};
 use halfline::measure::frames::FrameFile;
 use halfline::measure::picture;
@@ -12,7 +13,6 @@ use halfline::write::file::{is_standard, is_standard_output};
 use report::FrameComparison;
 use std::io::{self, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Compares two frames (.png, .npy, .npz, .exr or .pfm); exits with 1 if they differ by more than the tolerance.
 ///

@@ -1,11 +1,12 @@
 //! Failures: the exit codes, the message on standard error, and with `--json` an object on standard output.
 
+use super::process::{ExitCode, arguments};
 use super::say;
 use halfline::error::Error;
 use serde_json::json;
 use std::ffi::OsStr;
 use std::io::{self, Write};
-use std::process::ExitCode;
+
 use std::sync::{Mutex, PoisonError};
 
 /// Whether the object is printed: the thread that ends a process after a signal may be as fast as the work.
@@ -30,12 +31,12 @@ fn class(error: &Error) -> (&'static str, u8) {
 const SETTINGS: (&str, u8) = ("settings", 2);
 
 /// Reports a failure; the exit code of the process.
-pub(crate) fn fail(error: &Error) -> ExitCode {
+pub(super) fn fail(error: &Error) -> ExitCode {
     let message = error.to_string();
     say(format_args!("{message}"));
     let class = class(error);
     print_object(class, &message);
-    ExitCode::from(class.1)
+    ExitCode(class.1)
 }
 
 /// Prints the object of an error of clap, which prints its own message; help and version are no errors.
@@ -55,7 +56,7 @@ pub(super) fn print_usage(told: &clap::Error) {
 /// Prints `{"error": {..}}` on a line of standard output if `--json` is among the arguments. The arguments may be invalid
 /// otherwise, so they are not parsed. A standard output that cannot be written changes nothing.
 fn print_object((kind, exit): (&str, u8), message: &str) {
-    let is_json = std::env::args_os().skip(1).take_while(|text| text != "--").any(|text| text == OsStr::new("--json"));
+    let is_json = arguments().take_while(|text| *text != "--").any(|text| text == OsStr::new("--json"));
     let mut printed = PRINTED.lock().unwrap_or_else(PoisonError::into_inner);
     if is_json && !std::mem::replace(&mut printed, true) {
         let object = json!({ "error": { "kind": kind, "message": message, "exit": exit } });

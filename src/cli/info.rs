@@ -1,5 +1,6 @@
 //! `halfline info FILE`.
 
+use super::process::ExitCode;
 use super::{print, watch};
 use halfline::error::{Error, Result};
 use halfline::quote::{count, list, number, printable};
@@ -7,7 +8,6 @@ use halfline::read::info::{ColumnInfo, FileInfo, info};
 use halfline::read::{ColumnNames, Format, ReadOptions};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Describes a file: format, frames, columns with their ranges, elements, chains, cell and extent, and what a plain
 /// rendering would assume. The memory does not grow with the file.

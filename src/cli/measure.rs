@@ -5,6 +5,7 @@ mod table;
 use super::bar::Bar;
 use super::clash::check_inputs;
 use super::messages::QuietArgs;
+use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
 use super::{go_on, note, print, say, watch};
 use clap::{Args, ValueEnum};
@@ -20,7 +21,6 @@ use halfline::write::file::check_writable;
 use std::io::ErrorKind;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Measures speed and error of every method on a scene or a suite of scenes, on the GPU and on the CPU.
 ///
@@ -194,7 +194,7 @@ fn command() -> String {
         true => text,
         false => format!("'{}'", text.replace('\'', r"'\''")),
     };
-    let arguments = std::env::args_os().skip(1).map(|text| quoted(text.to_string_lossy().into_owned()));
+    let arguments = arguments().map(|text| quoted(text.to_string_lossy().into_owned()));
     std::iter::once("halfline".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 

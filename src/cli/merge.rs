@@ -2,6 +2,7 @@
 
 use super::clash::check_inputs;
 use super::messages::QuietArgs;
+use super::process::ExitCode;
 use super::{go_on, note, say};
 use halfline::error::{Error, Result};
 use halfline::quote::count;
@@ -9,7 +10,6 @@ use halfline::write::file::{check_writable, is_special, is_standard_output};
 use halfline::write::format::FileFormat;
 use halfline::write::merge::{Mosaic, Tile};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Merges tiles into the full frame: byte for byte the file that rendering the whole frame would have written.
 ///

@@ -1,6 +1,7 @@
 //! `halfline plan SCENE`.
 
 use super::messages::QuietArgs;
+use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use super::{note, print, say};
@@ -9,7 +10,6 @@ use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Ro
 use halfline::quote::{count, number};
 use halfline::scene::Sky;
 use std::fmt::{self, Display};
-use std::process::ExitCode;
 
 /// Explains what rendering a scene would compile, upload and compute, and why, without tracing a ray.
 #[derive(Debug, clap::Args)]

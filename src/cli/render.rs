@@ -8,6 +8,7 @@ use super::clash::check_inputs;
 use super::lines::ProgressOutput;
 use super::messages::QuietArgs;
 use super::preview::Preview;
+use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, SceneFrames};
 use super::{go_on, legend, note, print, threads, watch};
@@ -22,7 +23,6 @@ use halfline::write::file::{Target, is_special};
 use picture::{Messages, Picture};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Renders a picture of a scene or of particles, and the buffers behind it.
 #[derive(Debug, Args)]

@@ -3,12 +3,12 @@
 
 use super::Arguments;
 use super::config::Config;
+use super::process::ExitCode;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use halfline::error::{Error, Result};
 use halfline::write::file::{check_writable, write_atomically};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Prints the shell completions of halfline's commands and options.
 ///

@@ -7,6 +7,7 @@ use super::bar::Bar;
 use super::clash::{check_inputs, place};
 use super::lines::ProgressOutput;
 use super::messages::QuietArgs;
+use super::process::ExitCode;
 use super::read_args::ReadArgs;
 use super::scene_args::{ComputeArgs, PoseArgs};
 use super::scene_frames::arrange;
@@ -24,7 +25,7 @@ use halfline::write::hits::{HitFile, HitWriter, Query};
 use report::{Tally, TraceReport};
 use source::{RaySource, SourceArgs};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+
 use std::time::Instant;
 
 /// Traces given rays, or the beams of a spinning scanner, and writes the nearest hit of each.

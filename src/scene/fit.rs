@@ -33,7 +33,7 @@ const VIEW: DVec3 = DVec3::NEG_Z;
 
 impl Scene {
     /// Gives the scene the default camera: it looks along -z with y up, and shows all spheres.
-    pub(crate) fn frame_all(&mut self, framing: &Framing) -> Result<()> {
+    pub fn frame_all(&mut self, framing: &Framing) -> Result<()> {
         self.camera.look = Look::View(VIEW);
         self.camera.up = DVec3::Y;
         self.camera.lens = Lens::Vfov { degrees: VFOV, distance: 1.0 };

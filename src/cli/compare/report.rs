@@ -1,5 +1,6 @@
 //! The result of a comparison, as text and as JSON.
 
+use crate::cli::process::ExitCode;
 use crate::cli::say;
 use halfline::error::{Error, Result};
 use halfline::measure::compare::{Difference, compare, sides};
@@ -7,7 +8,6 @@ use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
 use halfline::measure::{ArrayValue, picture};
 use serde::{Serialize, Serializer};
 use std::path::Path;
-use std::process::ExitCode;
 
 /// The common buffers of two files, their differences, and the buffers that only one file has.
 pub(super) struct FrameComparison<'a> {
@@ -38,7 +38,7 @@ impl<'a> FrameComparison<'a> {
 
     /// 0 if they are equal, 1 if they differ.
     pub(super) fn exit_code(&self) -> ExitCode {
-        if self.is_equal() { ExitCode::SUCCESS } else { ExitCode::from(1) }
+        if self.is_equal() { ExitCode::SUCCESS } else { ExitCode(1) }
     }
 
     /// Writes the difference picture of the only pair of buffers.

@@ -4,6 +4,7 @@ use super::{Hits, Occlusion, Rays, Tracer};
 use crate::cpu::given_certified::{AnyHit, Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
+use crate::progress::Watch;
 use crate::render::renderer::Executor;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
@@ -60,7 +61,9 @@ impl Tracer<'_> {
             };
             let is_unsure = |(answer, n): (&Q, &u32)| answer.is_unsure().then_some(*n);
             let unsure: Vec<u32> = answers.par_iter().zip(numbers).filter_map(is_unsure).collect();
-            let mut settled = settle(spheres, &given, &unsure).into_iter();
+            let mut settled = settle(spheres, &given, &unsure, &renderer.watch).into_iter();
+            // Rays that were left out have no truth.
+            renderer.watch.check()?;
             for (answer, &n) in answers.into_iter().zip(numbers) {
                 let truth = if answer.is_unsure() { settled.next().flatten() } else { None };
                 write(n, answer, truth);
@@ -70,9 +73,12 @@ impl Tracer<'_> {
     }
 }
 
-/// Decides rays in exact arithmetic, among the spheres that may be hit first.
-fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32]) -> Vec<Option<Truth>> {
+/// Decides rays in exact arithmetic, among the spheres that may be hit first, until the work is cancelled.
+fn settle(spheres: &Spheres, given: &Given<'_>, numbers: &[u32], watch: &Watch) -> Vec<Option<Truth>> {
     let decide = |&n: &u32| {
+        if !watch.goes_on() {
+            return None;
+        }
         let ray = given.rays.ray(n as usize);
         let judge =
             |ids: &mut dyn Iterator<Item = u32>| judge_ray_among(ray.origin, ray.direction, ray.limit, spheres, ids);

@@ -20,6 +20,7 @@ mod merge;
 mod messages;
 mod plan;
 mod preview;
+mod process;
 mod read_args;
 mod render;
 mod scene_args;
@@ -31,21 +32,21 @@ mod trace;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
+use failure::fail;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use messages::{note, say};
+use process::ExitCode;
 use signals::go_on;
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
-use std::process::ExitCode;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
-
-pub(crate) use failure::fail;
 
 /// Renders spheres, from atoms to planets, and bounds the error of every pixel.
 #[derive(Debug, Parser)]
 #[command(name = "halfline", version, about)]
-pub(crate) struct Arguments {
+struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
@@ -64,16 +65,22 @@ enum Command {
     Man(shell::Man),
 }
 
-/// The arguments of this process: flags, else environment variables, else the configuration file, else the defaults.
+/// Runs the command with these arguments, the first of which is its name, and prints at most one error; the exit code.
+pub(crate) fn command(given: impl Iterator<Item = OsString>) -> u8 {
+    process::start(given);
+    arguments().and_then(|arguments| run(&arguments)).unwrap_or_else(|error| fail(&error)).0
+}
+
+/// The parsed arguments: flags, else environment variables, else the configuration file, else the defaults.
 /// Clap prints usage errors itself and exits with 2.
-pub(crate) fn arguments() -> Result<Arguments> {
+fn arguments() -> Result<Arguments> {
     exhaustion::listen();
     let configured = Config::load().and_then(|config| config.apply(Arguments::command()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
         Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
     };
-    let words = inset_args::joined(std::env::args_os());
+    let words = inset_args::joined(process::all_arguments().iter().cloned());
     let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));
     // A configuration file that cannot be read is an error only for commands that use it; help does not.
     if let Some(fault) = fault.filter(|_| matches.subcommand_name().is_some_and(config::is_configured)) {
@@ -85,7 +92,7 @@ pub(crate) fn arguments() -> Result<Arguments> {
 /// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
 fn end(told: &clap::Error) -> ! {
     // Without any argument the commands that most people need say more than a list of options.
-    if told.use_stderr() && std::env::args_os().skip(1).eq(["render"]) {
+    if told.use_stderr() && process::arguments().eq(["render"]) {
         let _ = io::stderr().write_all(render::START.as_bytes());
         std::process::exit(2);
     }
@@ -95,7 +102,7 @@ fn end(told: &clap::Error) -> ! {
 }
 
 /// Runs the chosen subcommand.
-pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode> {
+fn run(arguments: &Arguments) -> Result<ExitCode> {
     // RUST_LOG: a level, or TARGET=LEVEL between commas. Without it, or where it cannot be read, nothing is logged.
     let levels = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok()).unwrap_or_default();
     let colored = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();

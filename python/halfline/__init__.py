@@ -1,0 +1,50 @@
+"""halfline renders spheres, from atoms to planets: headless, on any GPU, on software Vulkan or on
+the CPU.
+
+It says how far from exact every answer can be.
+
+>>> import halfline as hl
+>>> scene = hl.Scene([[0, 0, 0], [1.5, 0, 0]], [1.0, 0.7], [[0.9, 0.4, 0.2], [0.2, 0.4, 0.9]])
+>>> renderer = hl.Renderer("cpu")
+>>> frame = renderer.render(scene, size=(64, 48), aovs=["color", "depth"])
+>>> frame["depth"].shape, frame["depth"].dtype
+((48, 64), dtype('float64'))
+>>> frame.report["hits"] == (frame["id"] >= 0).sum()
+np.True_
+
+Scenes: `Scene`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras: `Camera`,
+`read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. This machine and files: `adapters`, `info`.
+Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
+"""
+
+from ._halfline import AccuracyError, AdapterError, __version__
+from .atoms import from_ase, from_mdanalysis
+from .camera import Camera, read_cameras
+from .frame import Frame
+from .renderer import Aov, Hits, Occlusion, Options, Renderer, plan, render, trace
+from .reports import adapters, info
+from .scene import Scene, read, read_frames
+
+__all__ = [
+    "AccuracyError",
+    "AdapterError",
+    "Aov",
+    "Camera",
+    "Frame",
+    "Hits",
+    "Occlusion",
+    "Options",
+    "Renderer",
+    "Scene",
+    "__version__",
+    "adapters",
+    "from_ase",
+    "from_mdanalysis",
+    "info",
+    "plan",
+    "read",
+    "read_cameras",
+    "read_frames",
+    "render",
+    "trace",
+]

@@ -1,0 +1,167 @@
+"""The native module, without arithmetic. Its documented interface is the package."""
+
+from collections.abc import Callable, Iterator
+from collections.abc import Sequence as Seq
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+Vector = tuple[float, float, float]
+Size = tuple[int, int]
+Lens = tuple[str, list[float]]
+Report = Callable[[str, int, int, str], object]
+
+class AccuracyError(ValueError): ...
+class AdapterError(RuntimeError): ...
+
+@final
+class Camera:
+    def __new__(
+        cls,
+        eye: Vector,
+        at: Vector | None,
+        view: Vector | None,
+        up: Vector,
+        lens: Lens,
+        size: Size | None,
+    ) -> Camera: ...
+    @property
+    def size(self) -> Size | None: ...
+    @staticmethod
+    def fit(
+        scene: Scene, view: Vector, up: Vector, lens: Lens, size: Size, margin: float
+    ) -> Camera: ...
+    def record(self, size: Size) -> str: ...
+
+@final
+class Scene:
+    def __new__(
+        cls,
+        centers: NDArray[np.float64],
+        radii: NDArray[np.float64],
+        colors: NDArray[np.float32] | None,
+        background: Vector,
+    ) -> Scene: ...
+    def __len__(self) -> int: ...
+    @property
+    def number(self) -> int: ...
+    @property
+    def time(self) -> float | None: ...
+    @property
+    def step(self) -> int | None: ...
+    @property
+    def cell(self) -> tuple[Vector, tuple[Vector, Vector, Vector]] | None: ...
+    @property
+    def centers(self) -> NDArray[np.float64]: ...
+    @property
+    def radii(self) -> NDArray[np.float64]: ...
+    @property
+    def colors(self) -> NDArray[np.float32] | None: ...
+    @property
+    def size(self) -> Size: ...
+    @property
+    def background(self) -> Vector: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def camera(self, size: Size | None) -> Camera: ...
+    def fingerprint(self) -> str: ...
+
+@final
+class Sequence:
+    def __new__(
+        cls, path: str | PathLike[str], options: dict[str, Any], size: Size | None, holds: bool
+    ) -> Sequence: ...
+    def __iter__(self) -> Iterator[Scene]: ...
+    def __next__(self) -> Scene: ...
+
+@final
+class Renderer:
+    def __new__(cls, backend: str, adapter: str | None) -> Renderer: ...
+    @property
+    def adapter(self) -> str: ...
+    @property
+    def driver(self) -> str: ...
+    @property
+    def is_gpu(self) -> bool: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def render(
+        self,
+        scene: Scene,
+        camera: Camera | None,
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
+        progress: Report | None,
+    ) -> Frame: ...
+    def render_many(
+        self,
+        scene: Scene,
+        cameras: list[Camera],
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
+    ) -> Frames: ...
+    def plan(
+        self,
+        scene: Scene,
+        camera: Camera | None,
+        picture: dict[str, Any],
+        accurate: dict[str, Any],
+    ) -> str: ...
+
+@final
+class Frame:
+    @property
+    def size(self) -> Size: ...
+    @property
+    def names(self) -> list[str]: ...
+    def array(self, name: str) -> NDArray[Any]: ...
+    def image(self) -> NDArray[np.uint8]: ...
+    def report(self) -> str: ...
+    def save(
+        self,
+        path: str | PathLike[str],
+        aovs: list[str] | None,
+        bits: int,
+        unit: float,
+        no_return: str,
+    ) -> None: ...
+
+@final
+class Frames:
+    @property
+    def count(self) -> int: ...
+    def __iter__(self) -> Iterator[Frame]: ...
+    def __next__(self) -> Frame: ...
+    def close(self) -> None: ...
+
+def adapters() -> str: ...
+def color(text: str) -> Vector: ...
+def command(arguments: Seq[str]) -> int: ...
+def elements(symbols: list[str], radii: str) -> tuple[list[float | None], list[Vector | None]]: ...
+def info(
+    path: str | PathLike[str],
+    format: str | None,
+    columns: str | None,
+    skip_invalid: bool,
+    model: int | None,
+) -> str: ...
+def read_cameras(
+    path: str | PathLike[str],
+    intrinsics: tuple[float, float, float, float] | None,
+    vfov: float | None,
+    size: Size | None,
+) -> list[Camera]: ...
+def trace(
+    renderer: Renderer,
+    scene: Scene,
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    limits: NDArray[np.float64] | None,
+    any: bool,
+    accurate: dict[str, Any],
+    progress: Report | None,
+) -> tuple[NDArray[Any], ...]: ...

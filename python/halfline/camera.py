@@ -1,0 +1,267 @@
+"""Cameras: perspective, orthographic, and those of computer vision."""
+
+from __future__ import annotations
+
+import json
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _halfline
+from ._arrays import number, vector
+from ._arrays import size as checked_size
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+class Camera:
+    """A camera: where the eye is, where it looks, and its lens.
+
+    Args:
+        eye: Position of the eye, in scene units.
+        at: Point to look at.
+        view: Direction to look in, of any length; instead of ``at``. The default is -z.
+        up: Up direction of the scene, not necessarily of the image.
+        vfov: Full vertical field of view in degrees, between 0 and 180; 30 without another lens.
+        viewport: Width and height of the viewport at ``distance``, in any unit; instead of
+            ``vfov``.
+        distance: Distance of the viewport from the eye, in the unit of ``viewport``.
+        height: Height of the view in scene units: parallel rays (orthographic), which start at the
+            plane of the eye.
+
+    Raises:
+        ValueError: for numbers that give no direction or no viewport, with the name of the
+            argument.
+
+    >>> import halfline as hl
+    >>> hl.Camera((0, 0, 5), at=(0, 0, 0), vfov=45)
+    Camera(eye=(0.0, 0.0, 5.0), at=(0.0, 0.0, 0.0), up=(0.0, 1.0, 0.0), vfov=45.0)
+    >>> hl.Camera((0, 0, 5), view=(0, 0, -1), height=3)
+    Camera(eye=(0.0, 0.0, 5.0), view=(0.0, 0.0, -1.0), up=(0.0, 1.0, 0.0), height=3.0)
+    """
+
+    __slots__ = ("_native", "_words")
+
+    _native: _halfline.Camera
+    _words: str | None
+
+    def __init__(
+        self,
+        eye: ArrayLike,
+        *,
+        at: ArrayLike | None = None,
+        view: ArrayLike | None = None,
+        up: ArrayLike = (0.0, 1.0, 0.0),
+        vfov: float | None = None,
+        viewport: tuple[float, float] | None = None,
+        distance: float = 1.0,
+        height: float | None = None,
+    ) -> None:
+        if at is not None and view is not None:
+            raise ValueError("at and view exclude each other; give one of them")
+        given = {"vfov": vfov, "viewport": viewport, "height": height}
+        kinds = [name for name, value in given.items() if value is not None]
+        if len(kinds) > 1:
+            raise ValueError(f"{' and '.join(kinds)} exclude each other; give one of them")
+        kind = kinds[0] if kinds else "vfov"
+        if kind == "vfov":
+            lens = [number("vfov", 30.0 if vfov is None else vfov), number("distance", distance)]
+        elif kind == "height":
+            lens = [number("height", height)]
+        else:
+            lens = [*_two("viewport", viewport), number("distance", distance)]
+        look = (
+            {"at": vector("at", at)}
+            if at is not None
+            else {"view": vector("view", (0, 0, -1) if view is None else view)}
+        )
+        eye, up = vector("eye", eye), vector("up", up)
+        self._native = _halfline.Camera(
+            eye, look.get("at"), look.get("view"), up, (kind, lens), None
+        )
+        values: dict[str, Any] = {"eye": eye, **look, "up": up}
+        values[kind] = tuple(lens[:2]) if kind == "viewport" else lens[0]
+        if kind != "height" and distance != 1.0:
+            values["distance"] = lens[-1]
+        self._words = ", ".join(f"{name}={value}" for name, value in values.items())
+
+    @classmethod
+    def from_intrinsics(
+        cls,
+        fx: float,
+        fy: float,
+        cx: float,
+        cy: float,
+        width: int,
+        height: int,
+        pose: ArrayLike | None = None,
+        *,
+        pixel_center: float = 0.5,
+    ) -> Camera:
+        """A camera of computer vision, for images of ``width`` x ``height`` pixels.
+
+        Args:
+            fx: Focal length across, in pixels.
+            fy: Focal length down, in pixels.
+            cx: Column of the principal point, which may lie anywhere, in pixels.
+            cy: Row of the principal point, from the top, in pixels.
+            width: Columns of the image.
+            height: Rows of the image.
+            pose: Matrix (4, 4) or (3, 4) from camera to world, with the axes of OpenCV: its
+                columns are right, down, forward and the eye. The default is the identity.
+            pixel_center: The centre of the top left pixel in the coordinates of ``cx`` and ``cy``:
+                0.5 as in COLMAP and in the command's lists of cameras, 0 as in OpenCV's own
+                functions.
+
+        >>> import halfline as hl
+        >>> hl.Camera.from_intrinsics(525, 525, 320, 240, 640, 480).size
+        (640, 480)
+        """
+        matrix = np.eye(4) if pose is None else np.asarray(pose)
+        if matrix.shape not in ((4, 4), (3, 4)) or matrix.dtype.kind not in "fiu":
+            raise ValueError(
+                f"pose has the shape {matrix.shape}; give a matrix of shape (4, 4) or (3, 4)"
+            )
+        if matrix.shape == (4, 4) and not np.array_equal(matrix[3], (0, 0, 0, 1)):
+            raise ValueError(f"the last row of pose is {matrix[3]}; give 0, 0, 0, 1")
+        matrix = matrix.astype(np.float64)
+        shift = 0.5 - number("pixel_center", pixel_center)
+        lens = [
+            number("fx", fx),
+            number("fy", fy),
+            number("cx", cx) + shift,
+            number("cy", cy) + shift,
+        ]
+        image = checked_size("(width, height)", (width, height))
+        eye, view, up = (
+            vector("pose", column) for column in (matrix[:3, 3], matrix[:3, 2], -matrix[:3, 1])
+        )
+        native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image)
+        return cls._of(
+            native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"
+        )
+
+    @classmethod
+    def fit(
+        cls,
+        scene: Scene,
+        *,
+        view: ArrayLike = (0.0, 0.0, -1.0),
+        up: ArrayLike = (0.0, 1.0, 0.0),
+        vfov: float | None = None,
+        orthographic: bool = False,
+        size: tuple[int, int] | None = None,
+        margin: float = 0.04,
+    ) -> Camera:
+        """The nearest camera in this direction that shows all spheres of ``scene``.
+
+        Args:
+            scene: The scene.
+            view: Direction to look in.
+            up: Up direction of the scene.
+            vfov: Full vertical field of view, degrees; 30 by default.
+            orthographic: Whether the rays are parallel; the height of the view is fitted.
+            size: Columns and rows of the image; by default those of the scene.
+            margin: Share of the image that stays free around the spheres.
+        """
+        if orthographic and vfov is not None:
+            raise ValueError("vfov and orthographic exclude each other; give one of them")
+        native_scene = _native_scene(scene)
+        image = native_scene.size if size is None else checked_size("size", size)
+        lens = (
+            ("height", [1.0])
+            if orthographic
+            else ("vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0])
+        )
+        native = _halfline.Camera.fit(
+            native_scene,
+            vector("view", view),
+            vector("up", up),
+            lens,
+            image,
+            number("margin", margin),
+        )
+        return cls._of(native, None)
+
+    @classmethod
+    def _of(cls, native: _halfline.Camera, words: str | None) -> Camera:
+        camera = cls.__new__(cls)
+        camera._native = native
+        camera._words = words
+        return camera
+
+    @property
+    def size(self) -> tuple[int, int] | None:
+        """Columns and rows of the image that its intrinsics belong to; ``None`` for other
+        cameras.
+        """
+        return self._native.size
+
+    def record(self, size: tuple[int, int] | None = None) -> dict[str, Any]:
+        """The camera in numbers for an image of this size: eye, view, up, viewport, distance,
+        intrinsics.
+
+        It is the object ``camera`` of a report, and gives the same rays in ``halfline render
+        --camera-from``.
+
+        >>> import halfline as hl
+        >>> hl.Camera((0, 0, 5), viewport=(4, 3)).record((640, 480))["intrinsics"]
+        {'fx': 160.0, 'fy': 160.0, 'cx': 320.0, 'cy': 240.0}
+        """
+        image = self.size or (512, 512) if size is None else checked_size("size", size)
+        record: dict[str, Any] = json.loads(self._native.record(image))
+        return record
+
+    def __repr__(self) -> str:
+        if self._words is not None:
+            return f"Camera({self._words})"
+        record = self.record()
+        words = (f"{name}={tuple(record[name])}" for name in ("eye", "view", "up"))
+        return f"Camera({', '.join(words)})"
+
+
+def read_cameras(
+    path: str | PathLike[str],
+    *,
+    intrinsics: tuple[float, float, float, float] | None = None,
+    vfov: float | None = None,
+    size: tuple[int, int] | None = None,
+) -> list[Camera]:
+    """The cameras of a list: JSON of halfline, transforms.json of NeRF, poses with intrinsics, or
+    CSV.
+
+    Args:
+        path: The file; see docs/film.md for the forms.
+        intrinsics: ``(fx, fy, cx, cy)`` in pixels for cameras without a lens of their own.
+        vfov: Vertical field of view in degrees for cameras without a lens and without intrinsics.
+        size: Columns and rows of the images, if the list does not say them.
+    """
+    given = None
+    if intrinsics is not None:
+        if len(intrinsics) != 4:
+            raise ValueError(f"intrinsics has {len(intrinsics)} numbers; give fx, fy, cx, cy")
+        fx, fy, cx, cy = (number("intrinsics", value) for value in intrinsics)
+        given = (fx, fy, cx, cy)
+    image = None if size is None else checked_size("size", size)
+    angle = None if vfov is None else number("vfov", vfov)
+    return [
+        Camera._of(native, None) for native in _halfline.read_cameras(path, given, angle, image)
+    ]
+
+
+def _native_scene(scene: Any) -> _halfline.Scene:
+    native = getattr(scene, "_native", None)
+    if not isinstance(native, _halfline.Scene):
+        raise TypeError(f"scene is a {type(scene).__name__}; give a Scene")
+    return native
+
+
+def _two(name: str, values: Any) -> tuple[float, float]:
+    try:
+        first, second = values
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {values!r}; give two numbers") from None
+    return number(name, first), number(name, second)

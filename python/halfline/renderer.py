@@ -1,0 +1,478 @@
+"""The renderer: a device, or the CPU path, kept for many frames."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, TypedDict, Unpack, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _halfline
+from ._arrays import array, color, number, vector, whole, wholes, word, words
+from ._arrays import size as checked_size
+from ._progress import Callback, reporter
+from .camera import Camera, _native_scene
+from .frame import Frame
+from .scene import Color, Scene
+
+Aov = Literal[
+    "color",
+    "distance",
+    "depth",
+    "normal",
+    "position",
+    "id",
+    "mask",
+    "certainty",
+    "bound",
+    "alpha",
+    "shadow",
+    "occlusion",
+]
+
+
+class Options(TypedDict, total=False):
+    """Keywords of `Renderer.render`, `Renderer.render_many` and `Renderer.plan`: the options of
+    ``halfline render``.
+    """
+
+    size: tuple[int, int] | None
+    """Columns and rows; by default those of the camera's intrinsics, else of the scene."""
+    aovs: Aov | Iterable[Aov]
+    """The buffers; ``id`` is always there. By default ``color``."""
+    accuracy: Literal["auto", "fast", "certified", "exact"]
+    """The accuracy of the answers; by default what the buffers require."""
+    method: str | None
+    """One intersection method, uncertified: textbook, unit, geometric, stable, f64,
+    double-float.
+    """
+    search: Literal["auto", "all", "tiles"]
+    """How candidates are found; the answers do not depend on it."""
+    tolerance: float | None
+    """The allowed relative error of distances; 1e-5 where it is not given."""
+    samples: int
+    """Samples per pixel of color and alpha; all other buffers are those of the pixel's centre."""
+    seed: int
+    """Seed of the sample positions."""
+    shade: Literal["headlight", "flat", "normal"] | None
+    """How a hit is shaded."""
+    look: Literal["plain", "soft", "figure"]
+    """Several options in one: soft is occlusion, silhouette and a light from above left; figure is
+    flat colours, silhouette and depth_cue.
+    """
+    silhouette: bool
+    """Whether dark lines are drawn where the depth jumps."""
+    depth_cue: bool
+    """Whether colours fade to the background with depth."""
+    crop: tuple[int, int, int, int] | None
+    """Columns x0 to x1 and rows y0 to y1 of the frame, ends excluded: ``(x0, y0, x1, y1)``."""
+    background: Color | None
+    """Colour of rays that hit nothing; by default the scene's."""
+    sun: ArrayLike
+    """White lights infinitely far in these directions, shape (3,) or (n, 3)."""
+    shadows: bool
+    """Whether lights cast shadows; without a light, one from above left is added."""
+    occlusion: bool | int
+    """Ambient occlusion: a white sky, with so many rays for each point; ``True`` for those of the
+    scene, else 16.
+    """
+    reach: float | None
+    """Spheres farther than this from a point hide nothing of the sky; scene units."""
+    bounces: int | None
+    """The most bounces of a ray at mirrors and in glass."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hits:
+    """The nearest hits of given rays, in the shape of the rays."""
+
+    id: NDArray[np.int32]
+    """Index of the sphere, int32; -1 on a miss."""
+    t: NDArray[np.float64]
+    """The hit is at origin + t direction, float64, in units of the direction; +inf on a miss."""
+    distance: NDArray[np.float64]
+    """t times the length of the direction, float64, scene units; +inf on a miss."""
+    normal: NDArray[np.float32]
+    """Unit normal against the ray, float32, shape (..., 3); 0, 0, 0 on a miss."""
+    certainty: NDArray[np.uint8]
+    """0 proved, 1 settled in exact arithmetic, 255 not certified; for misses too."""
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Whether a sphere is hit."""
+        return self.id >= 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Occlusion:
+    """Whether given rays hit anything, in the shape of the rays."""
+
+    hit: NDArray[np.bool_]
+    """Whether some sphere is hit at 0 < t < tmax."""
+    certainty: NDArray[np.uint8]
+    """As that of `Hits`."""
+
+
+class Renderer:
+    """A GPU, a software adapter, or the CPU path, kept for many frames.
+
+    Any number of threads may use one renderer, one at a time; several renderers work at the same
+    time. The interpreter's lock is free while they work. Ctrl-C ends a frame within a second, and
+    the renderer stays usable.
+
+    Args:
+        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else a software
+            adapter, else the CPU path.
+        adapter: The adapter, by index or part of its name; see `adapters`.
+
+    Raises:
+        AdapterError: if no adapter fits.
+
+    >>> import halfline as hl
+    >>> renderer = hl.Renderer("cpu")
+    >>> scene = hl.Scene([[0, 0, -3]], 1.0)
+    >>> frame = renderer.render(scene, hl.Camera((0, 0, 0), vfov=60), size=(5, 3), aovs="depth")
+    >>> frame["id"]
+    array([[-1, -1, -1, -1, -1],
+           [-1, -1,  0, -1, -1],
+           [-1, -1, -1, -1, -1]], dtype=int32)
+    >>> float(frame["depth"][1, 2])
+    2.0
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(
+        self, backend: Literal["auto", "gpu", "cpu"] = "auto", *, adapter: str | int | None = None
+    ) -> None:
+        name = None if adapter is None else str(adapter)
+        if word("backend", backend) == "cpu" and name is not None:
+            raise ValueError(
+                "backend 'cpu' does not use an adapter; remove adapter or use backend='gpu'"
+            )
+        self._native = _halfline.Renderer(backend, name)
+
+    @property
+    def adapter(self) -> str:
+        """The adapter's name; ``cpu`` for the CPU path."""
+        return self._native.adapter
+
+    @property
+    def driver(self) -> str:
+        """Driver and its version; threads for the CPU path."""
+        return self._native.driver
+
+    @property
+    def is_gpu(self) -> bool:
+        """Whether an adapter (a GPU, or software Vulkan) computes the frames."""
+        return self._native.is_gpu
+
+    @property
+    def warnings(self) -> list[str]:
+        """Why adapters that were found are not used although ``backend="auto"`` allows them."""
+        return self._native.warnings
+
+    def __repr__(self) -> str:
+        return f"Renderer({self.adapter!r}, {self.driver!r})"
+
+    def render(
+        self,
+        scene: Scene,
+        camera: Camera | None = None,
+        *,
+        progress: bool | Callback = False,
+        **options: Unpack[Options],
+    ) -> Frame:
+        """Renders one frame.
+
+        Args:
+            scene: The scene.
+            camera: The camera; by default that of the scene's file, else one that shows all
+                spheres.
+            progress: ``True`` for a bar (by tqdm, if it is installed), or a function that is
+                called with ``step, done, total, unit`` some 20 times a second from the calling
+                thread; an exception that it raises ends the frame.
+            **options: See `Options`.
+
+        Returns:
+            The frame: its buffers as arrays, a report, files.
+
+        Raises:
+            ValueError: for a scene or options that cannot be rendered, with the mend.
+            AccuracyError: where the accuracy cannot be reached on this adapter.
+            MemoryError: where the frame does not fit.
+            AdapterError: if the device was lost.
+            KeyboardInterrupt: ctrl-C.
+        """
+        picture, accurate = _checked(options)
+        with reporter(progress) as report:
+            native = self._native.render(
+                _native_scene(scene), _camera(camera), picture, accurate, report
+            )
+        return Frame._of(native)
+
+    def render_many(
+        self,
+        scene: Scene,
+        cameras: Iterable[Camera],
+        *,
+        progress: bool | Callback = False,
+        **options: Unpack[Options],
+    ) -> Iterator[Frame]:
+        """Renders a frame for each camera.
+
+        Another thread renders the next frame while Python handles the current one, so at most two
+        are in memory. What the cameras share is kept between frames. The work ends when the
+        iterator is closed or forgotten.
+
+        Args:
+            scene: The scene.
+            cameras: The cameras.
+            progress: As for `render`; it counts frames.
+            **options: See `Options`.
+
+        Yields:
+            Frames, in the order of the cameras, equal to those of `render`.
+
+        >>> import halfline as hl
+        >>> scene = hl.Scene([[0, 0, 0]], 1.0)
+        >>> cameras = [hl.Camera((0, 0, z), vfov=60) for z in (2, 3)]
+        >>> frames = hl.Renderer("cpu").render_many(scene, cameras, size=(3, 3), aovs="depth")
+        >>> [float(frame["depth"][1, 1]) for frame in frames]
+        [1.0, 2.0]
+        """
+        picture, accurate = _checked(options)
+        natives = [_native_camera(camera) for camera in cameras]
+        frames = self._native.render_many(_native_scene(scene), natives, picture, accurate)
+        return _frames(frames, progress)
+
+    @overload
+    def trace(
+        self,
+        scene: Scene,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        tmax: ArrayLike | None = None,
+        *,
+        any: Literal[False] = False,
+        accuracy: Literal["auto", "fast", "certified", "exact"] = "auto",
+        method: str | None = None,
+        search: Literal["auto", "all", "tree"] = "auto",
+        tolerance: float | None = None,
+        progress: bool | Callback = False,
+    ) -> Hits: ...
+
+    @overload
+    def trace(
+        self,
+        scene: Scene,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        tmax: ArrayLike | None = None,
+        *,
+        any: Literal[True],
+        accuracy: Literal["auto", "fast", "certified", "exact"] = "auto",
+        method: str | None = None,
+        search: Literal["auto", "all", "tree"] = "auto",
+        tolerance: float | None = None,
+        progress: bool | Callback = False,
+    ) -> Occlusion: ...
+
+    def trace(
+        self,
+        scene: Scene,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        tmax: ArrayLike | None = None,
+        *,
+        any: bool = False,
+        accuracy: Literal["auto", "fast", "certified", "exact"] = "auto",
+        method: str | None = None,
+        search: Literal["auto", "all", "tree"] = "auto",
+        tolerance: float | None = None,
+        progress: bool | Callback = False,
+    ) -> Hits | Occlusion:
+        """Traces given rays origin + t direction with 0 < t < tmax.
+
+        Beside the arrays of the rays and of the answers it takes a few megabytes, however many
+        rays there are.
+
+        Args:
+            scene: The scene.
+            origins: Origins, shape (..., 3) as the directions, or (3,) for one that all rays have;
+                scene units.
+            directions: Directions of any length but zero, shape (..., 3). Contiguous float64 is
+                not copied.
+            tmax: Limits in units of the direction, shape (...), or one number for all; by default
+                none.
+            any: Whether to find out only if a ray hits anything, which is faster.
+            accuracy: The accuracy of the answers; ``"auto"`` certifies them.
+            method: One intersection method, uncertified.
+            search: How candidates are found; the answers do not depend on it.
+            tolerance: The allowed relative error of t.
+            progress: As for `render`.
+
+        Returns:
+            `Hits`, or with ``any`` an `Occlusion`.
+
+        >>> import halfline as hl
+        >>> scene = hl.Scene([[0, 0, -3]], 1.0)
+        >>> hits = hl.Renderer("cpu").trace(scene, (0, 0, 0), [[0, 0, -1], [0, 0, 2]])
+        >>> hits.id, hits.t
+        (array([ 0, -1], dtype=int32), array([ 2., inf]))
+        """
+        rays = array("directions", directions, np.float64, "(..., 3)")
+        shape = rays.shape[:-1]
+        starts = array("origins", origins, np.float64, "(..., 3)")
+        if starts.shape not in ((3,), (1, 3), rays.shape):
+            raise ValueError(
+                f"origins has the shape {starts.shape}; give {rays.shape} "
+                "as directions, or one of shape (3,)"
+            )
+        limits = None
+        if tmax is not None:
+            given = np.asarray(tmax)
+            if given.ndim and given.shape != shape:
+                raise ValueError(f"tmax has the shape {given.shape}; give {shape}, or one number")
+            limits = array("tmax", np.broadcast_to(given, shape).reshape(-1), np.float64, "(n,)")
+        accurate = _accurate(accuracy, method, search, tolerance)
+        native = _native_scene(scene)
+        with reporter(progress) as report:
+            answers = _halfline.trace(
+                self._native,
+                native,
+                starts.reshape(-1, 3),
+                rays.reshape(-1, 3),
+                limits,
+                bool(any),
+                accurate,
+                report,
+            )
+        if any:
+            hit, certainty = (answer.reshape(shape) for answer in answers)
+            return Occlusion(hit.view(np.bool_), certainty)
+        ids, t, distance, normal, certainty = answers
+        return Hits(
+            ids.reshape(shape),
+            t.reshape(shape),
+            distance.reshape(shape),
+            normal.reshape(*shape, 3),
+            certainty.reshape(shape),
+        )
+
+    def plan(
+        self, scene: Scene, camera: Camera | None = None, **options: Unpack[Options]
+    ) -> dict[str, Any]:
+        """What a frame requires and why: accuracy, method, search, buffers, memory; as ``halfline
+        plan --json``.
+        """
+        picture, accurate = _checked(options)
+        plan: dict[str, Any] = json.loads(
+            self._native.plan(_native_scene(scene), _camera(camera), picture, accurate)
+        )
+        return plan
+
+
+def render(scene: Scene, camera: Camera | None = None, **options: Unpack[Options]) -> Frame:
+    """Renders one frame on a new `Renderer`; for several keep one, since opening a device takes
+    time.
+    """
+    return Renderer().render(scene, camera, **options)
+
+
+def trace(
+    scene: Scene, origins: ArrayLike, directions: ArrayLike, tmax: ArrayLike | None = None
+) -> Hits:
+    """The nearest hits of given rays on a new `Renderer`; see `Renderer.trace`."""
+    return Renderer().trace(scene, origins, directions, tmax)
+
+
+def plan(scene: Scene, camera: Camera | None = None, **options: Unpack[Options]) -> dict[str, Any]:
+    """What a frame requires and why, on a new `Renderer`."""
+    return Renderer().plan(scene, camera, **options)
+
+
+def _frames(frames: _halfline.Frames, progress: bool | Callback) -> Iterator[Frame]:
+    try:
+        with reporter(progress) as report:
+            for done, frame in enumerate(frames, 1):
+                if report is not None:
+                    report("render", done, frames.count, "frames")
+                yield Frame._of(frame)
+    finally:
+        frames.close()
+
+
+def _native_camera(camera: Camera) -> _halfline.Camera:
+    if not isinstance(camera, Camera):
+        raise TypeError(f"camera is a {type(camera).__name__}; give a Camera")
+    return camera._native
+
+
+def _camera(camera: Camera | None) -> _halfline.Camera | None:
+    return None if camera is None else _native_camera(camera)
+
+
+def _accurate(accuracy: Any, method: Any, search: Any, tolerance: Any) -> dict[str, Any]:
+    return {
+        "accuracy": word("accuracy", accuracy),
+        "method": None if method is None else word("method", method),
+        "search": word("search", search),
+        "tolerance": None if tolerance is None else number("tolerance", tolerance),
+    }
+
+
+def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The options in the types of the native module: those of the picture, and those of the
+    accuracy.
+    """
+    unknown = set(options) - set(Options.__annotations__)
+    if unknown:
+        names = ", ".join(Options.__annotations__)
+        raise TypeError(f"there is no option {sorted(unknown)[0]!r}; choose from {names}")
+    given: dict[str, Any] = dict(options)
+    size, crop, background, shade, reach, bounces = (
+        given.get(name) for name in ("size", "crop", "background", "shade", "reach", "bounces")
+    )
+    occlusion = given.get("occlusion", False)
+    suns = array("sun", given.get("sun", np.empty((0, 3))), np.float64, "(..., 3)").reshape(-1, 3)
+    directions = [vector(f"sun[{k}]", row) for k, row in enumerate(suns)]
+    if (0.0, 0.0, 0.0) in directions:
+        raise ValueError("a direction of sun is zero; give one that points toward the light")
+    if reach is not None and number("reach", reach) <= 0:
+        raise ValueError(f"reach is {reach}; give a positive length")
+    # 0 takes the number of the scene.
+    rays = (
+        None
+        if occlusion is False
+        else 0
+        if occlusion is True
+        else whole("occlusion", occlusion, 1)
+    )
+    picture = {
+        "aovs": words("aovs", given.get("aovs", "color")),
+        "size": None if size is None else checked_size("size", size),
+        "samples": whole("samples", given.get("samples", 1), 1),
+        "seed": whole("seed", given.get("seed", 0)),
+        "shade": None if shade is None else word("shade", shade),
+        "look": word("look", given.get("look", "plain")),
+        "silhouette": bool(given.get("silhouette", False)),
+        "depth_cue": bool(given.get("depth_cue", False)),
+        "crop": None if crop is None else list(wholes("crop", crop, 4)),
+        "background": None if background is None else color("background", background),
+        "sun": directions,
+        "shadows": bool(given.get("shadows", False)),
+        "occlusion": rays,
+        "reach": None if reach is None else number("reach", reach),
+        "bounces": None if bounces is None else whole("bounces", bounces),
+    }
+    accurate = _accurate(
+        given.get("accuracy", "auto"),
+        given.get("method"),
+        given.get("search", "auto"),
+        given.get("tolerance"),
+    )
+    return picture, accurate

@@ -1,0 +1,377 @@
+"""Scenes: spheres from arrays and from files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from os import PathLike, fspath
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _halfline
+from ._arrays import array, number, shown, whole, wholes, word, words
+from ._arrays import color as checked_color
+from ._arrays import size as checked_size
+from .camera import Camera
+
+Color = str | ArrayLike
+Path = str | PathLike[str]
+
+
+class Scene:
+    """Spheres, and the colour of the background.
+
+    Contiguous float64 centers and radii, and contiguous float32 colors, are not copied: the scene
+    keeps the arrays, and what is written to them later changes the scene. Do not write to them
+    while the scene is rendered. Arrays of other types or in another order are copied once.
+
+    Args:
+        centers: Centres, shape (n, 3), in any unit of length; finite.
+        radii: Radii in the same unit, shape (n,), or one number for all; positive and finite.
+        colors: Linear RGB, shape (n, 3), 0 or more; or one colour for all: three numbers, a CSS
+            name such as ``"red"``, or ``"#rrggbb"``. The default is a light grey.
+        background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
+
+    Raises:
+        ValueError: with the argument, the row and what to give instead.
+
+    >>> import halfline as hl, numpy as np
+    >>> centers = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    >>> scene = hl.Scene(centers, 1.0, "tomato")
+    >>> scene
+    Scene(2 spheres)
+    >>> scene.centers is centers or np.shares_memory(scene.centers, centers)
+    True
+    >>> hl.Scene(centers, [1.0, -1.0])
+    Traceback (most recent call last):
+    ValueError: radii[1] is -1: radii are positive and finite; remove the sphere or give it a
+    radius
+    """
+
+    __slots__ = ("_native",)
+
+    def __init__(
+        self,
+        centers: ArrayLike,
+        radii: ArrayLike,
+        colors: Color | None = None,
+        *,
+        background: Color = (0.0, 0.0, 0.0),
+    ) -> None:
+        points = array("centers", centers, np.float64, "(n, 3)")
+        count = len(points)
+        sizes = np.asarray(radii)
+        if sizes.ndim == 0 and sizes.dtype.kind in "fiu":
+            sizes = np.full(count, sizes, dtype=np.float64)
+        sizes = array("radii", sizes, np.float64, "(n,)")
+        rows = None
+        if colors is not None:
+            one = isinstance(colors, str) or np.shape(colors) == (3,)
+            rows = (
+                np.tile(np.array(checked_color("colors", colors), np.float32), (count, 1))
+                if one
+                else array("colors", colors, np.float32, "(n, 3)")
+            )
+        for name, others in (("radii", sizes), ("colors", rows)):
+            if others is not None and len(others) != count:
+                raise ValueError(
+                    f"{name} has {len(others)} rows, and centers has {count}; give one per sphere"
+                )
+        self._native = _halfline.Scene(
+            points, sizes, rows, checked_color("background", background)
+        )
+
+    @classmethod
+    def _of(cls, native: _halfline.Scene) -> Scene:
+        scene = cls.__new__(cls)
+        scene._native = native
+        return scene
+
+    def __len__(self) -> int:
+        return len(self._native)
+
+    def __repr__(self) -> str:
+        count = len(self)
+        return f"Scene({count} sphere{'' if count == 1 else 's'})"
+
+    @property
+    def centers(self) -> NDArray[np.float64]:
+        """Centres, shape (n, 3), float64, scene units; read-only, without a copy."""
+        return self._native.centers
+
+    @property
+    def radii(self) -> NDArray[np.float64]:
+        """Radii, shape (n,), float64, scene units; read-only, without a copy."""
+        return self._native.radii
+
+    @property
+    def colors(self) -> NDArray[np.float32] | None:
+        """Linear RGB, shape (n, 3), float32, read-only; ``None`` where no sphere has a colour."""
+        return self._native.colors
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of the file, or one that looks along -z and shows all spheres."""
+        return Camera._of(self._native.camera(None), None)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Columns and rows of the image: those of the file, else 512 x 512."""
+        return self._native.size
+
+    @property
+    def background(self) -> tuple[float, float, float]:
+        """Linear RGB of rays that hit nothing."""
+        return self._native.background
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the reader left out or assumed, in whole sentences."""
+        return self._native.warnings
+
+    @property
+    def number(self) -> int:
+        """The frame's number in its file, from 1."""
+        return self._native.number
+
+    @property
+    def time(self) -> float | None:
+        """The time of the frame: picoseconds for GRO, XTC, TRR and DCD; ``None`` where the file
+        has none.
+        """
+        return self._native.time
+
+    @property
+    def step(self) -> int | None:
+        """The step of the simulation; ``None`` where the file has none."""
+        return self._native.step
+
+    @property
+    def cell(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """Origin (3,) and edges (3, 3) of the periodic cell, scene units; ``None`` where the file
+        has none.
+        """
+        found = self._native.cell
+        return None if found is None else (np.array(found[0]), np.array(found[1]))
+
+    def fingerprint(self) -> str:
+        """32 hexadecimal digits, equal for equal numbers; files of frames hold it."""
+        return self._native.fingerprint()
+
+
+def read(
+    path: Path,
+    *,
+    frame: int = 1,
+    size: tuple[int, int] | None = None,
+    format: str | None = None,
+    columns: str | Mapping[str, str | int] | None = None,
+    topology: Path | None = None,
+    model: int | None = None,
+    altloc: str = "all",
+    assembly: str | int | None = None,
+    as_listed: bool = False,
+    strict: bool = False,
+    skip_invalid: bool = False,
+    select: str | Iterable[str] = (),
+    hide: str | Iterable[str] = (),
+    radii: Literal["vdw", "covalent"] = "vdw",
+    radius: float | Mapping[str, float] | None = None,
+    radius_scale: float = 1.0,
+    color: Color | Mapping[str, Color] | None = None,
+    color_by: str | Iterable[str] | None = None,
+    map: str | None = None,
+    range: tuple[float, float] | None = None,
+    log: bool = False,
+    wrap: bool = False,
+    unwrap: bool = False,
+    copies: tuple[int, int, int] | None = None,
+    clip: Iterable[tuple[float, float, float, float]] = (),
+    cell: bool | float = False,
+    hold: Literal["first", "none"] = "first",
+) -> Scene:
+    """Reads one scene. The keywords are the options of ``halfline render``, with underscores.
+
+    Args:
+        path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy,
+            XTC, LAS ...), also compressed with gzip or bzip2; see docs/reading.md.
+        frame: The frame of a sequence, from 1.
+        size: Columns and rows of the image for which the camera is framed; by default those of the
+            file, else 512 x 512.
+        format: The format, if neither content nor name show it.
+        columns: Columns of a table by meaning: ``{"x": "pos_x", "radius": "r"}`` or
+            ``"x=pos_x,radius=r"``.
+        topology: The file with the atoms of a trajectory.
+        model: Model number of a PDB or mmCIF file.
+        altloc: Alternate locations: ``"all"``, ``"highest"``, or an identifier.
+        assembly: The biological assembly to build.
+        as_listed: Whether the atoms of a small-molecule CIF are taken as listed, without its
+            symmetry.
+        strict: Whether anything but spheres is an error.
+        skip_invalid: Whether rows that are not spheres are left out and counted.
+        select: Expressions of the particles to take, such as ``"protein and not name H*"``.
+        hide: Expressions of the particles to leave out.
+        radii: Radii of elements.
+        radius: One radius for all, or ``{expression: radius}``; scene units.
+        radius_scale: Multiplies every radius.
+        color: One colour for all, or ``{expression: colour}``; a CSS name, ``"#rrggbb"``, or
+            linear RGB.
+        color_by: The column, or the columns of a vector, that gives the colours: ``"element"``,
+            ``"chain"``, ``"vx,vy,vz"``.
+        map: Colour map of ``color_by``.
+        range: Values at the ends of the colour map.
+        log: Whether the colour scale is logarithmic.
+        wrap: Whether particles are moved into the periodic cell.
+        unwrap: Whether molecules that the cell cuts are made whole.
+        copies: Periodic copies along the three edges of the cell, the original included.
+        clip: Planes ``(x, y, z, d)``; spheres whose centre c has (x, y, z) . c > d are removed.
+        cell: Whether the edges of the cell are drawn, or the radius of the beads that draw them.
+        hold: Where default radii and the range of colours come from: the first frame of the file,
+            or each frame itself.
+
+    Raises:
+        OSError: if the file cannot be read.
+        ValueError: with the file, the line or byte, the problem and the mend; and for wrong
+            options.
+        MemoryError: if the scene does not fit into memory.
+        KeyboardInterrupt: ctrl-C, within a second.
+    """
+    options = dict(locals())
+    for name in ("path", "frame", "size"):
+        del options[name]
+    native = _sequence(path, str(whole("frame", frame, 1)), size, False, options)
+    return Scene._of(next(native))
+
+
+def read_frames(
+    path: Path, frames: str = "1-", *, size: tuple[int, int] | None = None, **options: Any
+) -> Iterator[Scene]:
+    """The frames of a sequence, one after the other; at most one is in memory.
+
+    All of them have the camera, the default radii and the range of colours of the first frame of
+    the file, so that a film does not jitter; ``hold="none"`` takes those of each frame.
+
+    Args:
+        path: The file.
+        frames: The frames, counted from 1: ``"2"``, ``"1-10"``, ``"1-3,5,7-20:2"``, ``"5-"`` to
+            the last.
+        size: Columns and rows of the images for which the camera is framed.
+        **options: The keywords of `read`, except ``frame``.
+
+    Raises:
+        As `read`.
+    """
+    return (
+        Scene._of(scene) for scene in _sequence(path, word("frames", frames), size, True, options)
+    )
+
+
+def _sequence(
+    path: Path, frames: str, size: tuple[int, int] | None, holds: bool, options: Mapping[str, Any]
+) -> _halfline.Sequence:
+    unknown = set(options) - set(_DEFAULTS)
+    if unknown:
+        raise TypeError(
+            f"there is no option {sorted(unknown)[0]!r}; choose from {', '.join(_DEFAULTS)}"
+        )
+    given = {**_DEFAULTS, **options}
+    fspath(path)
+    image = None if size is None else checked_size("size", size)
+    return _halfline.Sequence(path, {"frames": frames, **_checked(given)}, image, holds)
+
+
+_DEFAULTS: dict[str, Any] = {
+    name: value
+    for name, value in (read.__kwdefaults__ or {}).items()
+    if name not in ("frame", "size")
+}
+
+
+def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The options in the types of the native module."""
+    columns, color_by, copies, model, limits = (
+        given[name] for name in ("columns", "color_by", "copies", "model", "range")
+    )
+    if isinstance(columns, Mapping):
+        columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())
+    if color_by is not None:
+        color_by = ",".join(words("color_by", color_by))
+    if limits is not None:
+        low, high = (
+            number(f"range[{k}]", value) for k, value in enumerate(_several("range", limits, 2))
+        )
+        if low == high:
+            raise ValueError(f"range is {shown(limits)}; give two different numbers")
+        limits = [low, high]
+    if limits is not None or given["log"] or given["map"] is not None:
+        if color_by is None:
+            raise ValueError("map, range and log belong to color_by; give a column with color_by=")
+    radius, color, cell = given["radius"], given["color"], given["cell"]
+    sizes = dict(radius) if isinstance(radius, Mapping) else {}
+    paints = dict(color) if isinstance(color, Mapping) else {}
+    planes = [
+        [number(f"clip[{k}]", x) for x in _several(f"clip[{k}]", plane, 4)]
+        for k, plane in enumerate(given["clip"])
+    ]
+    if any(plane[:3] == [0, 0, 0] for plane in planes):
+        raise ValueError(
+            "a plane of clip has no direction; give (x, y, z, d) with x, y, z not all 0"
+        )
+    return {
+        **{
+            name: given[name]
+            for name in ("as_listed", "strict", "skip_invalid", "log", "wrap", "unwrap")
+        },
+        **{name: word(name, given[name]) for name in ("hold", "altloc", "radii")},
+        **{
+            name: None if given[name] is None else word(name, given[name])
+            for name in ("format", "map")
+        },
+        "columns": None if columns is None else word("columns", columns),
+        "topology": given["topology"],
+        "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
+        "assembly": None if given["assembly"] is None else str(given["assembly"]),
+        "select": words("select", given["select"]),
+        "hide": words("hide", given["hide"]),
+        "radius": None
+        if radius is None or isinstance(radius, Mapping)
+        else number("radius", radius),
+        "radius_of": [
+            (word("radius", key), _positive(f"radius[{key!r}]", value))
+            for key, value in sizes.items()
+        ],
+        "radius_scale": number("radius_scale", given["radius_scale"]),
+        "color": None
+        if color is None or isinstance(color, Mapping)
+        else checked_color("color", color),
+        "color_of": [
+            (word("color", key), checked_color(f"color[{key!r}]", value))
+            for key, value in paints.items()
+        ],
+        "color_by": color_by,
+        "range": limits,
+        "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
+        "clip": planes,
+        # An infinite radius stands for the default one.
+        "cell": (float("inf") if cell else None)
+        if isinstance(cell, bool)
+        else _positive("cell", cell),
+    }
+
+
+def _positive(name: str, value: Any) -> float:
+    found = number(name, value)
+    if found <= 0:
+        raise ValueError(f"{name} is {found}; give a positive number")
+    return found
+
+
+def _several(name: str, values: Any, count: int) -> list[Any]:
+    try:
+        found = list(values)
+    except TypeError:
+        found = []
+    if len(found) != count:
+        raise ValueError(f"{name} is {shown(values)}; give {count} numbers")
+    return found

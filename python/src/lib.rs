@@ -1,0 +1,54 @@
+//! The native module `halfline._halfline`. It converts arrays, options and errors, and calls the library; it computes
+//! nothing. The package around it, `python/halfline/`, has the documented and typed interface.
+
+mod arrays;
+mod atoms;
+mod camera;
+#[path = "../../src/cli/mod.rs"]
+mod cli;
+mod command;
+mod errors;
+mod frame;
+mod many;
+mod options;
+mod read;
+mod renderer;
+mod reports;
+mod scene;
+mod trace;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The native module.
+#[pymodule]
+mod _halfline {
+    #[pymodule_export]
+    use super::atoms::elements;
+    #[pymodule_export]
+    use super::camera::{Camera, read_cameras};
+    #[pymodule_export]
+    use super::command::command;
+    #[pymodule_export]
+    use super::errors::{AccuracyError, AdapterError};
+    #[pymodule_export]
+    use super::frame::Frame;
+    #[pymodule_export]
+    use super::many::Frames;
+    #[pymodule_export]
+    use super::read::{Sequence, color};
+    #[pymodule_export]
+    use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::reports::{adapters, info};
+    #[pymodule_export]
+    use super::scene::Scene;
+    #[pymodule_export]
+    use super::trace::trace;
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

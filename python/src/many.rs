@@ -1,0 +1,126 @@
+//! Frames of many cameras: another thread renders the next one while Python handles the current one.
+
+use crate::camera::Camera;
+use crate::errors::{OrRaise, exception};
+use crate::frame::Frame;
+use crate::options::Picture;
+use crate::renderer::{Shared, with};
+use crate::scene::Scene;
+use crate::work::{Job, SLICE, no_thread};
+use halfline::settings::Settings;
+use pyo3::prelude::*;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{Builder, JoinHandle};
+
+type Rendered = halfline::Result<(halfline::Scene, halfline::Frame)>;
+
+/// The frames of many cameras, one ahead of the caller.
+#[pyclass(frozen)]
+pub(crate) struct Frames {
+    frames: Mutex<Option<Receiver<Rendered>>>,
+    worker: Mutex<Option<JoinHandle<()>>>,
+    job: Job,
+    settings: Settings,
+    renderer: Shared,
+    #[pyo3(get)]
+    count: usize,
+}
+
+impl Frames {
+    pub(crate) fn start(
+        py: Python<'_>,
+        renderer: Shared,
+        scene: Py<Scene>,
+        cameras: Vec<Camera>,
+        picture: Picture,
+        settings: Settings,
+    ) -> PyResult<Self> {
+        // The first one is checked at once, so that an error has the caller's line.
+        if let Some(first) = cameras.first() {
+            picture.scene(scene.get(), Some(first)).and_then(|scene| py.detach(|| scene.check())).or_raise()?;
+        }
+        // A frame is handed over when the one before it is done, so there are at most two.
+        let (sender, frames) = sync_channel(0);
+        let (job, count) = (Job::default(), cameras.len());
+        let (own, shared, same) = (job.clone(), Arc::clone(&renderer), settings.clone());
+        let work = move || {
+            for (number, camera) in (1..).zip(&cameras) {
+                let render = || {
+                    let scene = picture.scene(scene.get(), Some(camera))?;
+                    let mut frame = with(&shared, &own, |renderer| renderer.render(&scene, &same))?;
+                    frame.report.number = number;
+                    Ok((scene, frame))
+                };
+                let rendered = render();
+                let is_last = rendered.is_err();
+                if sender.send(rendered).is_err() || is_last {
+                    return;
+                }
+            }
+        };
+        let worker = Builder::new().name("halfline".into()).spawn(work).map_err(|e| exception(no_thread(&e)))?;
+        let (frames, worker) = (Mutex::new(Some(frames)), Mutex::new(Some(worker)));
+        Ok(Self { frames, worker, job, settings, renderer, count })
+    }
+
+    /// Cancels the work and waits for its end; a panic of the work goes on here.
+    fn stop(&self, py: Python<'_>) {
+        self.job.cancel.cancel();
+        py.detach(|| {
+            drop(self.frames.lock().unwrap_or_else(PoisonError::into_inner).take());
+            let worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(Err(panic)) = worker.map(JoinHandle::join) {
+                std::panic::resume_unwind(panic);
+            }
+        });
+    }
+}
+
+#[pymethods]
+impl Frames {
+    fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Frame>> {
+        loop {
+            let next = py.detach(|| {
+                let frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+                frames.as_ref().map(|frames| frames.recv_timeout(SLICE))
+            });
+            match next {
+                Some(Ok(Ok((scene, frame)))) => {
+                    let (settings, renderer) = (self.settings.clone(), Arc::clone(&self.renderer));
+                    return Ok(Some(Frame::new(frame, scene, settings, renderer)));
+                }
+                Some(Ok(Err(error))) => {
+                    self.stop(py);
+                    return Err(exception(error));
+                }
+                Some(Err(RecvTimeoutError::Timeout)) => {
+                    if let Err(exception) = self.job.look(py, None) {
+                        self.stop(py);
+                        return Err(exception);
+                    }
+                }
+                Some(Err(RecvTimeoutError::Disconnected)) | None => {
+                    self.stop(py);
+                    return Ok(None);
+                }
+            }
+        }
+    }
+
+    /// Ends the work.
+    fn close(&self, py: Python<'_>) {
+        self.stop(py);
+    }
+}
+
+impl Drop for Frames {
+    fn drop(&mut self) {
+        // Without an interpreter there is nobody to wait for it.
+        let _ = Python::try_attach(|py| self.stop(py));
+    }
+}

@@ -1,0 +1,206 @@
+//! Reading of scene and particle files, with the options of the command.
+
+use crate::errors::OrRaise;
+use crate::scene::Scene;
+use crate::work::Job;
+use halfline::camera::Camera;
+use halfline::error::{Error, Result};
+use halfline::read::style::{self, Coloring, Scale};
+use halfline::read::{
+    Altloc, ColumnNames, Format, FrameRange, Hold, Periodic, ReadOptions, SceneFrame, Selection, Style,
+};
+use halfline::scene::arrange::{Arrangement, Bead};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::{Mutex, PoisonError};
+
+/// The options of the command that decide about the spheres.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    format: Option<String>,
+    columns: Option<String>,
+    frames: Option<String>,
+    hold: String,
+    topology: Option<PathBuf>,
+    model: Option<i64>,
+    altloc: String,
+    assembly: Option<String>,
+    as_listed: bool,
+    strict: bool,
+    skip_invalid: bool,
+    select: Vec<String>,
+    hide: Vec<String>,
+    radii: String,
+    radius: Option<f64>,
+    radius_of: Vec<(String, f64)>,
+    radius_scale: f64,
+    color: Option<[f32; 3]>,
+    color_of: Vec<(String, [f32; 3])>,
+    color_by: Option<String>,
+    map: Option<String>,
+    range: Option<[f64; 2]>,
+    log: bool,
+    wrap: bool,
+    unwrap: bool,
+    copies: Option<[u32; 3]>,
+    clip: Vec<[f64; 4]>,
+    cell: Option<f64>,
+}
+
+/// The value of a text, if there is one.
+fn parsed<T: FromStr<Err = Error>>(text: Option<&String>) -> Result<Option<T>> {
+    text.map(|text| text.parse()).transpose()
+}
+
+/// Rules for selected particles.
+fn rules<T: Copy>(given: &[(String, T)]) -> Result<Vec<(Selection, T)>> {
+    given.iter().map(|(expression, value)| Ok((expression.parse()?, *value))).collect()
+}
+
+impl Options {
+    fn coloring(&self) -> Result<Coloring> {
+        Ok(match (self.color, self.color_by.as_deref()) {
+            (Some(_), Some(_)) => {
+                let mend = "remove one of them, or colour selected spheres with color={'EXPR': COLOR}";
+                return Err(Error::settings("one color for all spheres and color_by exclude each other", mend));
+            }
+            (Some(color), None) => Coloring::One(color),
+            (None, Some("element")) => Coloring::Element,
+            (None, Some(names)) => Coloring::Column(Scale {
+                map: parsed(self.map.as_ref())?,
+                range: self.range,
+                log: self.log,
+                ..Scale::of(names.split(',').map(|name| name.trim().to_owned()).collect())
+            }),
+            (None, None) => Coloring::File,
+        })
+    }
+
+    fn options(&self, job: &Job) -> Result<ReadOptions> {
+        let selections = |given: &[String]| given.iter().map(|text| text.parse()).collect::<Result<Vec<Selection>>>();
+        // The package has checked that they are numbers.
+        if let Some(radius) = self.radius.iter().chain([&self.radius_scale]).find(|x| **x <= 0.0) {
+            return Err(Error::settings(format!("the radius is {radius}"), "give a positive number"));
+        }
+        Ok(ReadOptions {
+            strict: self.strict,
+            format: parsed::<Format>(self.format.as_ref())?,
+            columns_named: parsed::<ColumnNames>(self.columns.as_ref())?.unwrap_or_default(),
+            skip_invalid: self.skip_invalid,
+            frames: parsed::<FrameRange>(self.frames.as_ref())?.unwrap_or_default(),
+            hold: self.hold.parse::<Hold>()?,
+            topology: self.topology.clone(),
+            model: self.model,
+            altloc: self.altloc.parse::<Altloc>()?,
+            assembly: self.assembly.clone(),
+            as_listed: self.as_listed,
+            periodic: match (self.wrap, self.unwrap) {
+                (true, true) => {
+                    return Err(Error::settings("wrap and unwrap exclude each other", "remove one of them"));
+                }
+                (true, _) => Periodic::Wrap,
+                (_, true) => Periodic::Unwrap,
+                _ => Periodic::AsListed,
+            },
+            select: selections(&self.select)?,
+            hide: selections(&self.hide)?,
+            style: Style {
+                radii: self.radii.parse()?,
+                radius: self.radius,
+                radius_scale: self.radius_scale,
+                coloring: self.coloring()?,
+                paints: rules(&self.color_of)?,
+                sizes: rules(&self.radius_of)?,
+                ..Style::default()
+            },
+            survey: None,
+            watch: job.watch(),
+        })
+    }
+
+    fn arrangement(&self) -> Arrangement {
+        let bead = |radius: f64| if radius.is_finite() { Bead::Radius(radius) } else { Bead::Thin };
+        Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.cell.map(bead) }
+    }
+}
+
+/// An opened file, whose scenes are read one after the other.
+#[pyclass(frozen)]
+pub(crate) struct Sequence(Mutex<Opened>);
+
+struct Opened {
+    sequence: halfline::read::Sequence,
+    arrangement: Arrangement,
+    job: Job,
+    size: Option<(u32, u32)>,
+    /// Whether the frames have the camera of the first one.
+    holds: bool,
+    camera: Option<Camera>,
+    any: bool,
+}
+
+impl Opened {
+    fn prepare(&self, frame: &mut SceneFrame) -> Result<()> {
+        let scene = &mut frame.scene;
+        self.arrangement.apply(&mut scene.spheres, frame.cell.as_ref(), &self.job.watch())?;
+        if let Some(size) = self.size {
+            (scene.image.width, scene.image.height) = size;
+        }
+        if !frame.has_camera && !scene.spheres.is_empty() {
+            scene.frame_all(&Default::default())?;
+        }
+        Ok(())
+    }
+
+    fn next(&mut self) -> Result<Option<Scene>> {
+        if let Some(mut first) = self.sequence.unselected_first()? {
+            self.prepare(&mut first)?;
+            self.camera = self.camera.or(self.holds.then_some(first.scene.camera));
+        }
+        let Some(mut frame) = self.sequence.next_scene()? else {
+            return if self.any { Ok(None) } else { Err(self.sequence.nothing()) };
+        };
+        self.any = true;
+        self.prepare(&mut frame)?;
+        if self.holds && !frame.scene.spheres.is_empty() {
+            frame.scene.camera = *self.camera.get_or_insert(frame.scene.camera);
+        }
+        let held = frame.has_camera || self.camera.is_some();
+        Ok(Some(Scene::of_file(frame, held)))
+    }
+}
+
+#[pymethods]
+impl Sequence {
+    /// `holds`: whether the frames have the camera of the first one, for an image of this size.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf, options: Options, size: Option<(u32, u32)>, holds: bool) -> PyResult<Self> {
+        let job = Job::default();
+        let read = options.options(&job).or_raise()?;
+        if holds && read.hold == Hold::All {
+            let mend = "use hold='first', or give the camera, the radius and the range yourself";
+            return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
+        }
+        let holds = holds && read.hold != Hold::None;
+        let sequence = job.run(py, None, || halfline::read::Sequence::open(&path, &read))?;
+        let arrangement = options.arrangement();
+        Ok(Self(Mutex::new(Opened { sequence, arrangement, job, size, holds, camera: None, any: false })))
+    }
+
+    fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {
+        this
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Scene>> {
+        let job = self.0.lock().unwrap_or_else(PoisonError::into_inner).job.clone();
+        job.run(py, None, || job.lock(&self.0)?.next())
+    }
+}
+
+/// Linear RGB of a colour in the words of the command: a CSS name, `#rrggbb`, or `r,g,b`.
+#[pyfunction]
+pub(crate) fn color(text: &str) -> PyResult<[f32; 3]> {
+    style::color(text).or_raise()
+}

@@ -1,0 +1,120 @@
+//! The renderer: a device, or the CPU path, kept for many frames.
+
+use crate::camera::Camera;
+use crate::errors::OrRaise;
+use crate::frame::Frame;
+use crate::many::Frames;
+use crate::options::{Accurate, Picture};
+use crate::scene::Scene;
+use crate::work::Job;
+use halfline::settings::{Backend, Settings};
+use halfline::{Error, Renderer as Exact};
+use pyo3::prelude::*;
+use std::sync::{Arc, Mutex};
+
+/// The renderer, which one thread uses at a time; the others wait.
+pub(crate) type Shared = Arc<Mutex<Option<Exact>>>;
+
+/// Runs `work` with the renderer, which reports to the job.
+pub(crate) fn with<T>(
+    shared: &Shared,
+    job: &Job,
+    work: impl FnOnce(&mut Exact) -> halfline::Result<T>,
+) -> halfline::Result<T> {
+    let mut place = job.lock(shared)?;
+    let renderer = place.take().ok_or_else(|| Error::Adapter {
+        problem: "an earlier failure of the program ended this renderer".into(),
+        mend: "make another one".into(),
+    })?;
+    let mut renderer = renderer.watched_by(job.watch());
+    let result = work(&mut renderer);
+    *place = Some(renderer);
+    result
+}
+
+/// A renderer.
+#[pyclass(frozen)]
+pub(crate) struct Renderer {
+    pub(crate) shared: Shared,
+    pub(crate) backend: Backend,
+    #[pyo3(get)]
+    adapter: String,
+    #[pyo3(get)]
+    driver: String,
+    #[pyo3(get)]
+    is_gpu: bool,
+    /// Why adapters that were found are not used.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl Renderer {
+    #[new]
+    fn new(py: Python<'_>, backend: &str, adapter: Option<String>) -> PyResult<Self> {
+        let backend = backend.parse::<Backend>().or_raise()?;
+        let settings = Settings { backend, adapter, ..Settings::default() };
+        let exact = Job::default().run(py, None, || Exact::new(&settings))?;
+        Ok(Self {
+            backend,
+            adapter: exact.adapter().to_owned(),
+            driver: exact.driver(),
+            is_gpu: exact.is_gpu(),
+            warnings: exact.passed_over().to_vec(),
+            shared: Arc::new(Mutex::new(Some(exact))),
+        })
+    }
+
+    fn render(
+        &self,
+        py: Python<'_>,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        picture: Picture,
+        accurate: Accurate,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Frame> {
+        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        let job = Job::default();
+        let number = scene.number;
+        let (scene, frame) = job.run(py, progress.as_ref(), || {
+            let scene = picture.scene(scene, camera)?;
+            scene.check()?;
+            let mut frame = with(&self.shared, &job, |renderer| renderer.render(&scene, &settings))?;
+            frame.report.number = number;
+            Ok((scene, frame))
+        })?;
+        Ok(Frame::new(frame, scene, settings, Arc::clone(&self.shared)))
+    }
+
+    /// Renders a picture for each camera, one ahead of the caller.
+    fn render_many(
+        &self,
+        py: Python<'_>,
+        scene: Py<Scene>,
+        cameras: Vec<Camera>,
+        picture: Picture,
+        accurate: Accurate,
+    ) -> PyResult<Frames> {
+        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        Frames::start(py, Arc::clone(&self.shared), scene, cameras, picture, settings)
+    }
+
+    /// What a picture of the scene requires, as JSON.
+    fn plan(
+        &self,
+        py: Python<'_>,
+        scene: &Scene,
+        camera: Option<&Camera>,
+        picture: Picture,
+        accurate: Accurate,
+    ) -> PyResult<String> {
+        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        let job = Job::default();
+        let plan = job.run(py, None, || {
+            let scene = picture.scene(scene, camera)?;
+            with(&self.shared, &job, |renderer| renderer.explain(&scene, &settings))
+        })?;
+        crate::reports::json(&plan)
+    }
+}

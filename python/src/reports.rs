@@ -1,0 +1,44 @@
+//! Reports as JSON: adapters and files.
+
+use crate::errors::{OrRaise, exception};
+use crate::work::Job;
+use halfline::read::ReadOptions;
+use pyo3::prelude::*;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A report as JSON.
+pub(crate) fn json(report: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(report).map_err(|error| exception(halfline::Error::write("-", error.into())))
+}
+
+/// Every adapter with the measured properties of its arithmetic.
+#[pyfunction]
+pub(crate) fn adapters(py: Python<'_>) -> PyResult<String> {
+    let (found, measured) = Job::default().run(py, None, || Ok((halfline::adapters()?, halfline::verdicts(false)?)))?;
+    let both = found.iter().zip(&measured).map(|(adapter, verdict)| {
+        let mut object = serde_json::json!(adapter);
+        object["verdict"] = serde_json::json!(verdict.as_ref().ok());
+        object["verdict_error"] = serde_json::json!(verdict.as_ref().err().map(ToString::to_string));
+        object
+    });
+    json(&both.collect::<Vec<_>>())
+}
+
+/// What a file contains.
+#[pyfunction]
+pub(crate) fn info(
+    py: Python<'_>,
+    path: PathBuf,
+    format: Option<String>,
+    columns: Option<String>,
+    skip_invalid: bool,
+    model: Option<i64>,
+) -> PyResult<String> {
+    let format = format.map(|text| text.parse()).transpose().or_raise()?;
+    let columns_named = columns.map(|text| text.parse()).transpose().or_raise()?.unwrap_or_default();
+    let job = Job::default();
+    let options =
+        ReadOptions { format, columns_named, skip_invalid, model, watch: job.watch(), ..ReadOptions::default() };
+    json(&job.run(py, None, || halfline::read::info(&path, &options))?)
+}

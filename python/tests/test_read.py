@@ -1,0 +1,205 @@
+"""Files: the options of the command as keywords, sequences, errors."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import SCENES, commands, run
+
+import halfline as hl
+
+PDB = """\
+ATOM      1  N   ALA A   1      11.104   6.134  -6.504  1.00  0.00           N
+ATOM      2  CA  ALA A   1      11.639   6.071  -5.147  1.00  0.00           C
+ATOM      3  O   ALA B   2      12.639   7.071  -4.147  1.00  0.00           O
+HETATM    4  O   HOH B   3      15.639   7.071  -4.147  1.00  0.00           O
+END
+"""
+
+XYZ = "".join(f"2\nframe {n}\nC {n} 0 0\nO {3 - n} {n} 0\n" for n in range(4))
+
+
+@pytest.fixture
+def pdb(tmp_path: Path) -> Path:
+    path = tmp_path / "some.pdb"
+    path.write_text(PDB)
+    return path
+
+
+@pytest.fixture
+def film(tmp_path: Path) -> Path:
+    path = tmp_path / "film.xyz"
+    path.write_text(XYZ)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("options", "arguments"),
+    [
+        ({}, []),
+        ({"select": "not water"}, ["--select", "not water"]),
+        ({"hide": ["name CA", "chain B"]}, ["--hide", "name CA", "--hide", "chain B"]),
+        (
+            {"radii": "covalent", "radius_scale": 0.5},
+            ["--radii", "covalent", "--radius-scale", "0.5"],
+        ),
+        ({"radius": 0.7, "color": "tomato"}, ["--radius", "0.7", "--color", "tomato"]),
+        (
+            {"radius": {"name CA": 2.5}, "color": {"chain B": "#00f"}},
+            ["--radius", "name CA=2.5", "--color", "chain B=#00f"],
+        ),
+        (
+            {"color_by": "x", "map": "magma", "range": (10, 13)},
+            ["--color-by", "x", "--map", "magma", "--range", "10,13"],
+        ),
+        ({"color_by": ["x", "y"]}, ["--color-by", "x,y"]),
+        ({"clip": [(1, 0, 0, 12)]}, ["--clip", "1,0,0,12"]),
+    ],
+)
+def test_keywords_are_the_options_of_the_command(
+    cpu: hl.Renderer, pdb: Path, tmp_path: Path, options: dict[str, Any], arguments: list[str]
+) -> None:
+    out = tmp_path / "out.npz"
+    run(
+        commands()[0],
+        "render",
+        pdb,
+        f"--aov=color,depth,id={out}",
+        "--backend",
+        "cpu",
+        "--size",
+        "50x40",
+        *arguments,
+    )
+    frame = cpu.render(hl.read(pdb, **options), size=(50, 40), aovs=["color", "depth"])
+    with np.load(out) as found:
+        for name in ("color", "depth", "id"):
+            assert frame[name].tobytes() == found[name].tobytes(), name
+
+
+def test_frames_are_held_to_the_first_as_in_the_command(
+    cpu: hl.Renderer, film: Path, tmp_path: Path
+) -> None:
+    for frames, hold in (("1-", "first"), ("2-3", "first"), ("1-4:2", "none")):
+        command = [
+            commands()[0],
+            "render",
+            film,
+            f"--aov=color,depth={tmp_path}/%d.npz",
+            "--backend",
+            "cpu",
+        ]
+        run(*map(str, command), "--size", "40x30", "--frames", frames, "--hold", hold)
+        scenes = list(hl.read_frames(film, frames, size=(40, 30), hold=hold))
+        assert len(scenes) == {"1-": 4, "2-3": 2, "1-4:2": 2}[frames]
+        for scene in scenes:
+            frame = cpu.render(scene, aovs=["color", "depth"])
+            with np.load(tmp_path / f"{scene.number}.npz") as found:
+                assert frame["depth"].tobytes() == found["depth"].tobytes(), (frames, scene.number)
+
+
+def test_a_frame_is_chosen_by_its_number(film: Path) -> None:
+    assert hl.read(film, frame=3).centers[0, 0] == 2
+    with pytest.raises(ValueError, match="frame"):
+        hl.read(film, frame=9)
+
+
+def test_a_scene_file_has_its_camera_and_size(cpu: hl.Renderer) -> None:
+    scene = hl.read(SCENES / "weekend.toml")
+    frame = cpu.render(scene)
+    assert frame.size == scene.size and frame.report["camera"]["eye"] == list(
+        scene.camera.record()["eye"]
+    )
+    assert scene.warnings == [] and len(scene.fingerprint()) == 32
+
+
+def test_what_a_file_lacks_is_said(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        hl.read(tmp_path / "none.pdb")
+    assert caught.value.filename == str(tmp_path / "none.pdb") and caught.value.errno == 2
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[camera]\neye = [0, 0]\n")
+    with pytest.raises(ValueError, match=r"wrong\.toml:1:1: camera\.at") as error:
+        hl.read(wrong)
+    said = run(commands()[0], "render", wrong, "-o", tmp_path / "x.png", code=3)
+    assert str(error.value) in said.stderr
+    csv = tmp_path / "radii.csv"
+    csv.write_text("x,y,z,radius\n0,0,0,1\n1,1,1,-1\n")
+    with pytest.raises(ValueError, match="radius"):
+        hl.read(csv)
+    assert len(hl.read(csv, skip_invalid=True)) == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"color": "red", "color_by": "x"}, ["color", "color_by"]),
+        ({"color_by": "temperature"}, ["temperature"]),
+        ({"select": "chian A"}, ["chian"]),
+        ({"radius": -1}, ["-1", "positive"]),
+        ({"range": (1, 1), "color_by": "x"}, ["range"]),
+        ({"map": "magma"}, ["color_by"]),
+        ({"copies": (1, 2)}, ["copies"]),
+        ({"copies": (2, 2, 2)}, ["cell"]),
+        ({"wrap": True, "unwrap": True}, ["wrap"]),
+        ({"clip": [(0, 0, 0, 1)]}, ["clip"]),
+        ({"format": "docx"}, ["docx"]),
+        ({"frame": 0}, ["frame"]),
+    ],
+)
+def test_wrong_options_are_refused(pdb: Path, options: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ValueError) as caught:
+        hl.read(pdb, **options)
+    assert all(word in str(caught.value) for word in words) and "--" not in str(caught.value), (
+        caught.value
+    )
+    with pytest.raises(TypeError):
+        hl.read(pdb, selct="x")  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="selct"):
+        hl.read_frames(pdb, selct="x")
+
+
+def test_info_and_adapters_are_those_of_the_command(pdb: Path) -> None:
+    assert hl.info(pdb) == json.loads(run(commands()[0], "info", pdb, "--json").stdout)
+    assert hl.adapters() == json.loads(run(commands()[0], "adapters", "--json").stdout)["adapters"]
+
+
+def test_cameras_of_a_list(cpu: hl.Renderer, tmp_path: Path) -> None:
+    path = tmp_path / "cameras.csv"
+    path.write_text(
+        "eye_x,eye_y,eye_z,view_x,view_y,view_z,up_x,up_y,up_z\n0,0,5,0,0,-1,0,1,0\n5,0,0,-1,0,0,0,1,0\n"
+    )
+    try:
+        cameras = hl.read_cameras(path, vfov=30)
+    except ValueError:
+        # The columns of docs/film.md.
+        path.write_text("ex,ey,ez,vx,vy,vz,ux,uy,uz\n0,0,5,0,0,-1,0,1,0\n5,0,0,-1,0,0,0,1,0\n")
+        cameras = hl.read_cameras(path, vfov=30)
+    frames = list(cpu.render_many(hl.Scene([[0, 0, 0]], 1), cameras, size=(5, 5), aovs="depth"))
+    assert [frame["depth"][2, 2] for frame in frames] == [4, 4]
+
+
+def test_atoms_of_ase(cpu: hl.Renderer, pdb: Path) -> None:
+    ase = pytest.importorskip("ase")
+    water = ase.Atoms("OHHX", [[0, 0, 0], [0.76, 0.59, 0], [-0.76, 0.59, 0], [3, 0, 0]])
+    scene = hl.from_ase(water)
+    # Bondi's radii; 1.6 for an unknown element.
+    assert np.array_equal(scene.radii, [1.52, 1.2, 1.2, 1.6]) and np.array_equal(
+        scene.centers, water.get_positions()
+    )
+    assert scene.colors is not None and np.array_equal(
+        scene.colors[0], np.array([1, 0.004024717, 0.004024717], "f4")
+    )
+
+
+def test_atoms_of_mdanalysis(pdb: Path) -> None:
+    mda = pytest.importorskip("MDAnalysis")
+    scene = hl.from_mdanalysis(mda.Universe(str(pdb)).select_atoms("not resname HOH"))
+    expected = hl.read(pdb, select="not water")
+    assert np.array_equal(scene.radii, expected.radii) and np.array_equal(
+        scene.colors, expected.colors
+    )
+    # MDAnalysis has single precision.
+    assert np.allclose(scene.centers, expected.centers, atol=1e-5)

@@ -1,0 +1,364 @@
+"""Frames: the numbers of the command, bit for bit; cameras; reports; files."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import SCENES, commands, run
+
+import halfline as hl
+
+BUFFERS = [
+    "color",
+    "distance",
+    "depth",
+    "normal",
+    "position",
+    "id",
+    "mask",
+    "certainty",
+    "bound",
+    "alpha",
+    "occlusion",
+]
+
+
+@pytest.mark.parametrize("command", commands())
+@pytest.mark.parametrize("name", ["weekend.toml", "inside.toml"])
+def test_the_command_and_the_package_give_equal_bits(
+    renderer: hl.Renderer, command: str, name: str, tmp_path: Path
+) -> None:
+    backend = "gpu" if renderer.is_gpu else "cpu"
+    file = tmp_path / "all.npz"
+    asked = "--aov=" + ",".join(BUFFERS) + f"={file}"
+    said = run(
+        command, "render", SCENES / name, asked, "--backend", backend, "--size", "120x90", "--json"
+    )
+    frame = renderer.render(hl.read(SCENES / name), size=(120, 90), aovs=BUFFERS)
+    with np.load(file) as found:
+        for buffer in BUFFERS:
+            assert (
+                frame[buffer].dtype == found[buffer].dtype
+                and frame[buffer].shape == found[buffer].shape
+            )
+            assert frame[buffer].tobytes() == found[buffer].tobytes(), buffer
+    expected = json.loads(said.stdout)
+    times = {"frame_ms", "kernel_ms", "stages_ms", "setup_ms"}
+    assert frame.report.keys() == expected.keys()
+    assert {key: value for key, value in frame.report.items() if key not in times} == {
+        key: value for key, value in expected.items() if key not in times
+    }
+
+
+def test_files_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
+    frame = cpu.render(
+        hl.read(SCENES / "weekend.toml"), size=(60, 40), aovs=["color", "depth", "normal"]
+    )
+    for name in ("c.png", "a.exr", "a.npz"):
+        mine, theirs = tmp_path / name, tmp_path / f"their-{name}"
+        frame.save(mine)
+        both = name.startswith("a")
+        aov = f"--aov=color,depth,normal,id={theirs}" if both else f"--aov=color={theirs}"
+        # Without samples, lights and lines, which a picture of particles would have.
+        run(
+            commands()[0],
+            "render",
+            SCENES / "weekend.toml",
+            aov,
+            "--backend",
+            "cpu",
+            "--size",
+            "60x40",
+        )
+        assert mine.read_bytes() == theirs.read_bytes(), name
+    frame.save(tmp_path / "d.npy", aovs="depth")
+    assert np.array_equal(np.load(tmp_path / "d.npy"), frame["depth"])
+    with pytest.raises(ValueError, match="aovs"):
+        cpu.render(hl.Scene([[0, 0, 0]], 1), size=(4, 4), aovs=["depth", "normal"]).save(
+            tmp_path / "x.npy"
+        )
+    with pytest.raises(ValueError, match="extension"):
+        frame.save(tmp_path / "x.bmp")
+    with pytest.raises(FileNotFoundError) as caught:
+        frame.save(tmp_path / "none" / "x.png")
+    assert caught.value.filename == str(tmp_path / "none" / "x.png") and not list(
+        tmp_path.glob("*.part")
+    )
+
+
+def test_buffers_have_the_documented_shape_type_and_miss(cpu: hl.Renderer) -> None:
+    scene = hl.Scene([[0, 0, 0]], 0.5, background=(0.25, 0.5, 0.75))
+    frame = cpu.render(
+        scene, hl.Camera((0, 0, 5)), size=(30, 20), aovs=[*BUFFERS, "shadow"], sun=(1, 1, 1)
+    )
+    expected: dict[str, tuple[tuple[int, ...], str, Any]] = {
+        "color": ((20, 30, 3), "float32", [0.25, 0.5, 0.75]),
+        "distance": ((20, 30), "float64", math.inf),
+        "depth": ((20, 30), "float64", math.inf),
+        "normal": ((20, 30, 3), "float32", 0),
+        "position": ((20, 30, 3), "float64", math.nan),
+        "id": ((20, 30), "int32", -1),
+        "mask": ((20, 30), "uint8", 0),
+        "certainty": ((20, 30), "uint8", 0),
+        "bound": ((20, 30), "float64", 0),
+        "alpha": ((20, 30), "float32", 0),
+        "shadow": ((20, 30, 1), "float32", 0),
+        "occlusion": ((20, 30), "float32", 1),
+    }
+    assert set(frame) == set(expected) and len(frame) == 12 and "depth" in frame
+    for name, (shape, dtype, miss) in expected.items():
+        assert (frame[name].shape, str(frame[name].dtype)) == (shape, dtype), name
+        corner = frame[name][0, 0]
+        assert np.array_equal(
+            corner,
+            np.broadcast_to(np.asarray(miss, dtype), corner.shape),
+            equal_nan=dtype[0] == "f",
+        )
+    assert frame["id"][10, 15] == 0 and repr(frame).startswith("Frame(30 x 20: color")
+    with pytest.raises(KeyError, match="aovs"):
+        cpu.render(scene, size=(2, 2))["depth"]
+    with pytest.raises(ValueError, match="choose from"):
+        frame["dpeth"]
+
+
+def test_cameras_see_what_they_should(cpu: hl.Renderer) -> None:
+    scene = hl.Scene([[0, 0, -4], [2, 0, -4], [0, 1, -4]], 0.25)
+
+    def ids(camera: hl.Camera) -> list[list[int]]:
+        found: list[list[int]] = cpu.render(scene, camera, size=(5, 5))["id"].tolist()
+        return found
+
+    # A viewport of 5 x 5 at distance 4 has pixels 1 apart at the spheres.
+    expected = [[-1] * 5, [-1, -1, 2, -1, -1], [-1, -1, 0, -1, 1], [-1] * 5, [-1] * 5]
+    assert ids(hl.Camera((0, 0, 0), viewport=(5, 5), distance=4)) == expected
+    assert (
+        ids(hl.Camera((0, 0, 0), at=(0, 0, -1), vfov=2 * math.degrees(math.atan(2.5 / 4))))
+        == expected
+    )
+    assert ids(hl.Camera((0, 0, 0), view=(0, 0, -3), height=5)) == expected
+    # Focal length 4 in pixels; right, down, forward are x, -y, -z.
+    pose = np.diag([1.0, -1, -1, 1])
+    assert ids(hl.Camera.from_intrinsics(4, 4, 2.5, 2.5, 5, 5, pose)) == expected
+    assert ids(hl.Camera.from_intrinsics(4, 4, 2, 2, 5, 5, pose[:3], pixel_center=0)) == expected
+    # The principal point one pixel to the right moves everything to the right.
+    moved = ids(hl.Camera.from_intrinsics(4, 4, 3.5, 2.5, 5, 5, pose))
+    assert [row[1:] for row in moved] == [row[:-1] for row in expected]
+    fitted = hl.Camera.fit(scene, view=(0, 0, -1), size=(5, 5))
+    assert set(np.unique(cpu.render(scene, fitted, size=(200, 200))["id"])) == {-1, 0, 1, 2}
+    parallel = cpu.render(
+        scene, hl.Camera.fit(scene, orthographic=True), size=(64, 64), aovs=["depth", "distance"]
+    )
+    assert np.array_equal(parallel["depth"], parallel["distance"])
+
+
+def test_intrinsics_bring_their_size(cpu: hl.Renderer) -> None:
+    camera = hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30)
+    scene = hl.Scene([[0, 0, 5]], 1)
+    assert cpu.render(scene, camera)["id"].shape == (30, 40) and camera.size == (40, 30)
+    assert cpu.render(scene, camera)["id"][15, 20] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"eye": (0, 0)}, ["eye", "three numbers"]),
+        ({"eye": (0, 0, math.nan)}, ["eye", "finite"]),
+        ({"eye": (0, 0, 0), "at": (0, 0, 0)}, ["camera.at"]),
+        ({"eye": (0, 0, 0), "view": (0, 0, 0)}, ["camera.view"]),
+        ({"eye": (0, 0, 0), "view": (0, 1, 0)}, ["camera.up"]),
+        ({"eye": (0, 0, 0), "at": (0, 0, 1), "view": (0, 0, 1)}, ["at and view"]),
+        ({"eye": (0, 0, 0), "vfov": 180}, ["vfov", "180"]),
+        ({"eye": (0, 0, 0), "vfov": 20, "height": 3}, ["vfov and height"]),
+        ({"eye": (0, 0, 0), "height": -3}, ["height"]),
+        ({"eye": (0, 0, 0), "viewport": (1, 2, 3)}, ["viewport", "two numbers"]),
+        ({"eye": (0, 0, 0), "vfov": "wide"}, ["vfov", "number"]),
+    ],
+)
+def test_wrong_cameras_are_refused(arguments: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ValueError) as caught:
+        hl.Camera(**arguments)
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"size": (0, 5)}, ValueError, ["size[0]", "0"]),
+        ({"size": (5, 2**20 + 1)}, ValueError, ["1048577"]),
+        ({"size": 5}, ValueError, ["size"]),
+        ({"size": (2.5, 2)}, ValueError, ["size[0]", "whole"]),
+        ({"aovs": "depht"}, ValueError, ["depht", "choose from"]),
+        ({"aovs": [1]}, ValueError, ["aovs[0]"]),
+        ({"accuracy": "good"}, ValueError, ["good", "certified"]),
+        ({"accuracy": "certified", "method": "stable"}, ValueError, ["method"]),
+        ({"tolerance": 0}, ValueError, ["tolerance"]),
+        ({"samples": 0}, ValueError, ["samples"]),
+        ({"seed": -1}, ValueError, ["seed"]),
+        ({"crop": (0, 0, 50, 50)}, ValueError, []),
+        ({"sun": (0, 0, 0)}, ValueError, ["sun", "zero"]),
+        ({"reach": 3}, ValueError, ["reach", "occlusion"]),
+        ({"occlusion": 2**30}, ValueError, ["occlusion"]),
+        ({"bounces": 100}, ValueError, ["bounces"]),
+        ({"look": "nice"}, ValueError, ["nice", "soft"]),
+        ({"colour": 3}, TypeError, ["colour", "choose from"]),
+        ({"progress": 3}, TypeError, ["progress"]),
+        ({"background": "blak"}, ValueError, ["blak", "black"]),
+    ],
+)
+def test_wrong_options_are_refused_in_words_of_python(
+    cpu: hl.Renderer,
+    cloud: hl.Scene,
+    options: dict[str, Any],
+    error: type[Exception],
+    words: list[str],
+) -> None:
+    with pytest.raises(error) as caught:
+        cpu.render(cloud, **{"size": (32, 32), **options})
+    assert all(word in str(caught.value) for word in words) and "--" not in str(caught.value), (
+        caught.value
+    )
+
+
+def test_a_memory_that_does_not_exist_is_refused(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    with pytest.raises(MemoryError):
+        cpu.render(cloud, size=(2**20, 2**20), aovs=["position"])
+
+
+def test_an_adapter_that_does_not_exist_is_refused_with_those_that_do() -> None:
+    with pytest.raises(hl.AdapterError, match="quantum"):
+        hl.Renderer("gpu", adapter="quantum")
+    with pytest.raises(ValueError, match="backend"):
+        hl.Renderer("abacus")  # type: ignore[arg-type]
+
+
+def test_many_cameras_give_the_frames_of_one(renderer: hl.Renderer, cloud: hl.Scene) -> None:
+    cameras = [
+        hl.Camera((math.sin(a) * 6, 0, math.cos(a) * 6), at=(0, 0, 0))
+        for a in np.linspace(0, 3, 7)
+    ]
+    frames = list(renderer.render_many(cloud, cameras, size=(48, 32), aovs=["depth", "color"]))
+    assert len(frames) == 7
+    for camera, frame in zip(cameras, frames, strict=True):
+        alone = renderer.render(cloud, camera, size=(48, 32), aovs=["depth", "color"])
+        assert frame["depth"].tobytes() == alone["depth"].tobytes()
+        assert frame["color"].tobytes() == alone["color"].tobytes()
+    # An iterator that is forgotten ends its work; the renderer is free between frames.
+    some = renderer.render_many(cloud, cameras, size=(48, 32))
+    next(some)
+    assert renderer.render(cloud, size=(8, 8)).size == (8, 8)
+    del some
+    with pytest.raises(ValueError, match="size"):
+        renderer.render_many(cloud, cameras, size=(0, 3))
+    with pytest.raises(TypeError, match="Camera"):
+        renderer.render_many(cloud, [3])  # type: ignore[list-item]
+
+
+def test_traced_rays_are_those_of_the_command(
+    renderer: hl.Renderer, cloud: hl.Scene, tmp_path: Path
+) -> None:
+    random = np.random.default_rng(2)
+    # More than a block, so that the parts meet where they should.
+    count = 600_000
+    rays = np.column_stack(
+        [random.normal(size=(count, 3)) * 3, random.normal(size=(count, 3)), np.full(count, 5.0)]
+    )
+    np.save(tmp_path / "rays.npy", rays)
+    np.save(tmp_path / "spheres.npy", np.column_stack([cloud.centers, cloud.radii]))
+    backend = "gpu" if renderer.is_gpu else "cpu"
+    out = tmp_path / "hits.npz"
+    run(
+        commands()[0],
+        "trace",
+        tmp_path / "spheres.npy",
+        "--rays",
+        tmp_path / "rays.npy",
+        "-o",
+        out,
+        "--backend",
+        backend,
+    )
+    hits = renderer.trace(cloud, rays[:, :3], rays[:, 3:6], rays[:, 6])
+    with np.load(out) as found:
+        for name in ("id", "t", "distance", "normal", "certainty"):
+            assert getattr(hits, name).tobytes() == found[name].tobytes(), name
+    any_hit = renderer.trace(cloud, rays[:, :3], rays[:, 3:6], 5.0, any=True)
+    assert np.array_equal(any_hit.hit, hits.hit)
+
+
+def test_rays_keep_their_shape_and_are_checked(cpu: hl.Renderer) -> None:
+    scene = hl.Scene([[0, 0, -3]], 1)
+    directions = np.zeros((4, 5, 3))
+    directions[..., 2] = -1
+    hits = cpu.trace(scene, (0, 0, 0), directions)
+    assert hits.t.shape == (4, 5) and hits.normal.shape == (4, 5, 3) and (hits.t == 2).all()
+    assert not cpu.trace(scene, (0, 0, 0), directions, 1.5).hit.any()
+    assert cpu.trace(scene, (0, 0, 0), np.zeros((0, 3))).id.shape == (0,)
+    directions[2, 3] = 0
+    with pytest.raises(ValueError, match=r"directions\[13\] is \[0, 0, 0\]"):
+        cpu.trace(scene, (0, 0, 0), directions)
+    with pytest.raises(ValueError, match="origins has the shape"):
+        cpu.trace(scene, np.zeros((3, 3)), np.ones((4, 3)))
+    with pytest.raises(ValueError, match=r"origins\[1\]"):
+        cpu.trace(scene, [[0, 0, 0], [np.inf, 0, 0]], np.ones((2, 3)))
+    with pytest.raises(ValueError, match="tmax"):
+        cpu.trace(scene, (0, 0, 0), np.ones((4, 3)), np.ones(3))
+    with pytest.raises(ValueError, match=r"tmax\[2\] is NaN"):
+        cpu.trace(scene, (0, 0, 0), np.ones((3, 3)), [1, 2, np.nan])
+
+
+def test_a_plan_says_what_a_frame_requires(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    plan = cpu.plan(cloud, aovs=["depth"], accuracy="certified")
+    assert plan["accuracy"] == "certified" and plan["spheres"] == 500
+
+
+def test_pictures_and_datasets(cpu: hl.Renderer, cloud: hl.Scene, tmp_path: Path) -> None:
+    frame = cpu.render(cloud, size=(40, 30), aovs=BUFFERS)
+    assert frame.image.shape == (30, 40, 3) and frame.image.dtype == np.uint8
+    for name in frame:
+        assert frame.picture(name).shape == (30, 40, 3), name
+    miss = frame["id"] < 0
+    assert (frame.picture("depth")[miss] == 0).all() and (frame.picture("id")[miss] == 0).all()
+    image = pytest.importorskip("PIL.Image")
+    (tmp_path / "n.png").write_bytes(frame._repr_png_())
+    frame.save(tmp_path / "f.png")
+    for file in ("n.png", "f.png"):
+        assert np.array_equal(np.asarray(image.open(tmp_path / file).convert("RGB")), frame.image)
+
+
+def test_a_frame_is_a_dataset(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    pytest.importorskip("xarray")
+    dataset = cpu.render(cloud, size=(40, 30), aovs=["color", "depth"]).to_xarray()
+    assert dataset["depth"].dims == ("y", "x") and dataset["color"].dims == ("y", "x", "rgb")
+    assert (
+        list(dataset["rgb"].values) == ["r", "g", "b"]
+        and json.loads(dataset.attrs["report"])["spheres"] == 500
+    )
+
+
+def test_progress_is_reported_to_the_end(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    heard: list[tuple[str, int, int, str]] = []
+    cpu.render(cloud, size=(64, 64), progress=lambda *words: heard.append(words))
+    assert heard and heard[-1][1] == heard[-1][2] > 0
+    list(
+        cpu.render_many(
+            cloud,
+            [hl.Camera((0, 0, 9))] * 3,
+            size=(9, 9),
+            progress=lambda *words: heard.append(words),
+        )
+    )
+    assert heard[-1] == ("render", 3, 3, "frames")
+
+
+def test_an_exception_of_the_callback_ends_the_frame(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    def callback(*_: object) -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        cpu.render(
+            cloud, size=(2000, 2000), aovs=["position"], accuracy="exact", progress=callback
+        )
+    assert cpu.render(cloud, size=(4, 4)).size == (4, 4)
