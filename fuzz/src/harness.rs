@@ -123,6 +123,15 @@ fn allowed(bytes: usize, per_byte: usize) -> Allowed {
     Allowed { bytes: FREE + per_byte * bytes, seconds: SECONDS + PER_BYTE_SECONDS * bytes as f64 }
 }
 
+/// The limits of a file of so many bytes that may be LAZ.
+fn allowed_points(bytes: usize) -> Allowed {
+    let points = POINTS_OF_LAZ * bytes;
+    Allowed {
+        bytes: FREE + PER_BYTE_OF_TOML * bytes + PER_POINT * points,
+        seconds: SECONDS + PER_BYTE_SECONDS * bytes as f64 + PER_POINT_SECONDS * points as f64,
+    }
+}
+
 /// Reads all frames of a scene.
 fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     let Some((choice, content)) = data.split_first() else { return allowed(0, 0) };
@@ -137,11 +146,7 @@ fn scene(format: Option<Format>, data: &[u8]) -> Allowed {
     }
     match format {
         Some(Format::Native | Format::Pcd) => allowed(length, PER_BYTE_OF_TOML),
-        Some(Format::Las) | None => {
-            let points = POINTS_OF_LAZ * length;
-            let Allowed { bytes, seconds } = allowed(length, PER_BYTE_OF_TOML);
-            Allowed { bytes: bytes + PER_POINT * points, seconds: seconds + PER_POINT_SECONDS * points as f64 }
-        }
+        Some(Format::Las) | None => allowed_points(length),
         _ => allowed(length, PER_BYTE),
     }
 }

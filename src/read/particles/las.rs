@@ -1,6 +1,7 @@
 //! LAS: points of laser scans in records of ten formats (ASPRS, LAS Specification 1.4 R15), also compressed (LAZ).
 //! Coordinates are whole numbers times a scale plus an offset, in f64.
 
+mod format;
 mod laz;
 
 use super::bytes::BinaryFile;
@@ -10,6 +11,7 @@ use crate::error::Result;
 use crate::memory::check_ids;
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
+use format::{DAMAGED, FORMATS, PointFormat, u16_at, u32_at};
 use laz::{Laz, LazScheme};
 use rayon::prelude::*;
 
@@ -32,32 +34,6 @@ struct LasHeader {
     scheme: Option<LazScheme>,
 }
 
-/// The fields of a record: the byte of each that only some formats have.
-#[derive(Debug, Clone, Copy)]
-struct PointFormat {
-    size: usize,
-    /// Whether it is one of the formats from 6 on, which have more bits for returns and classes.
-    long: bool,
-    gps_time: Option<usize>,
-    color: Option<usize>,
-    infrared: Option<usize>,
-}
-
-/// The formats 0 to 10; 4, 5, 9 and 10 end in 29 bytes of a wave packet.
-const FORMATS: [PointFormat; 11] = [
-    PointFormat { size: 20, long: false, gps_time: None, color: None, infrared: None },
-    PointFormat { size: 28, long: false, gps_time: Some(20), color: None, infrared: None },
-    PointFormat { size: 26, long: false, gps_time: None, color: Some(20), infrared: None },
-    PointFormat { size: 34, long: false, gps_time: Some(20), color: Some(28), infrared: None },
-    PointFormat { size: 57, long: false, gps_time: Some(20), color: None, infrared: None },
-    PointFormat { size: 63, long: false, gps_time: Some(20), color: Some(28), infrared: None },
-    PointFormat { size: 30, long: true, gps_time: Some(22), color: None, infrared: None },
-    PointFormat { size: 36, long: true, gps_time: Some(22), color: Some(30), infrared: None },
-    PointFormat { size: 38, long: true, gps_time: Some(22), color: Some(30), infrared: Some(36) },
-    PointFormat { size: 59, long: true, gps_time: Some(22), color: None, infrared: None },
-    PointFormat { size: 67, long: true, gps_time: Some(22), color: Some(30), infrared: Some(36) },
-];
-
 /// Columns of all formats, after the coordinates.
 const COMMON: [&str; 7] =
     ["intensity", "return_number", "number_of_returns", "classification", "scan_angle", "user_data", "point_source"];
@@ -68,16 +44,6 @@ const HEADER_14: u64 = 375;
 
 /// Points per block.
 const BLOCK: u64 = 4096;
-
-const DAMAGED: &str = "the file is damaged; copy or write it again";
-
-fn u16_at(bytes: &[u8], at: usize) -> u16 {
-    bytes[at..].first_chunk().map_or(0, |bytes| u16::from_le_bytes(*bytes))
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    bytes[at..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes))
-}
 
 fn u64_at(bytes: &[u8], at: usize) -> u64 {
     bytes[at..].first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes))

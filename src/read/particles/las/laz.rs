@@ -8,14 +8,16 @@
 mod arithmetic;
 mod color;
 mod integer;
+mod layer;
 mod layered;
 mod sequential;
 mod time;
 
-use super::{DAMAGED, PointFormat, u16_at, u32_at};
-use crate::error::{Error, Place, Result};
+use super::format::{DAMAGED, PointFormat, u16_at, u32_at};
+use crate::error::{Error, Result};
 use crate::read::particles::bytes::BinaryFile;
-use arithmetic::{Decoder, Source};
+use arithmetic::{Decoder, INVALID, Source};
+use layer::Layer;
 use layered::{LAYERS, Layered};
 use sequential::Sequential;
 
@@ -59,13 +61,6 @@ pub(super) struct Laz {
 enum State {
     Sequential(Box<Sequential>),
     Layered(Box<Layered>),
-}
-
-/// The bytes of a layer.
-struct Layer {
-    bytes: Vec<u8>,
-    at: usize,
-    place: Place,
 }
 
 impl LazScheme {
@@ -235,7 +230,7 @@ impl Laz {
             let place = file.file().named(format!("byte {}: layer", file.at()));
             let mut bytes = Vec::new();
             file.block(size, &mut bytes, "layer")?;
-            let mut layer = Decoder::new(Layer { bytes, at: 0, place });
+            let mut layer = Decoder::new(Layer::new(bytes, place));
             if size > 0 {
                 layer.begin()?;
             }
@@ -254,20 +249,6 @@ impl Source for BinaryFile {
         self.fail(self.at(), "points", INVALID, DAMAGED)
     }
 }
-
-impl Source for Layer {
-    fn byte(&mut self) -> Result<u8> {
-        let byte = self.bytes.get(self.at).copied();
-        self.at += 1;
-        byte.ok_or_else(|| Error::scene(self.place.clone(), "the layer ends within the points of its chunk", DAMAGED))
-    }
-
-    fn invalid(&self) -> Error {
-        Error::scene(self.place.clone(), INVALID, DAMAGED)
-    }
-}
-
-const INVALID: &str = "the compressed points are not valid";
 
 #[cfg(test)]
 mod tests;

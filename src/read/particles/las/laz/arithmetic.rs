@@ -18,6 +18,9 @@ pub(super) trait Source {
     fn invalid(&self) -> Error;
 }
 
+/// What is wrong with a code that no encoder writes.
+pub(super) const INVALID: &str = "the compressed points are not valid";
+
 /// A decoder of symbols and bits.
 pub(super) struct Decoder<S> {
     source: S,

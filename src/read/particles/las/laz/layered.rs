@@ -1,13 +1,13 @@
 //! Points of formats 6 to 10 in LAZ: every chunk has a coded sequence (layer) for each field, empty where the field is the
 //! same in the whole chunk. Waveforms and bytes that the format does not have are skipped.
 
-use super::Layer;
 use super::arithmetic::{Decoder, Models, Symbols};
 use super::color::{Colors, Infrared};
 use super::integer::{Integers, Median, axis_context};
+use super::layer::Layer;
 use super::time::Times;
 use crate::error::Result;
-use crate::read::particles::las::PointFormat;
+use crate::read::particles::las::format::PointFormat;
 
 /// The layers of the first 30 bytes, in the order of the file.
 pub(super) const LAYERS: usize = 9;

@@ -5,7 +5,7 @@ use super::color::Colors;
 use super::integer::{Integers, Median, axis_context};
 use super::time::Times;
 use crate::error::Result;
-use crate::read::particles::las::PointFormat;
+use crate::read::particles::las::format::PointFormat;
 
 /// The decoder of a chunk's points behind the first.
 pub(super) struct Sequential {
