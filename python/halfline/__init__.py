@@ -21,7 +21,7 @@ from ._halfline import AccuracyError, AdapterError, __version__
 from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
 from .frame import Frame
-from .renderer import Aov, Hits, Occlusion, Options, Renderer, plan, render, trace
+from .renderer import Aov, Hits, Occlusion, Options, Renderer, measure, plan, render, trace
 from .reports import adapters, info
 from .scene import Scene, read, read_frames
 
@@ -41,6 +41,7 @@ __all__ = [
     "from_ase",
     "from_mdanalysis",
     "info",
+    "measure",
     "plan",
     "read",
     "read_cameras",

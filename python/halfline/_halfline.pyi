@@ -149,6 +149,17 @@ def info(
     skip_invalid: bool,
     model: int | None,
 ) -> str: ...
+def measure(
+    scene: Scene,
+    camera: Camera | None,
+    size: Size | None,
+    methods: list[str] | None,
+    backend: str,
+    adapter: str | None,
+    repeat: int | None,
+    tolerance: float | None,
+    patience: float,
+) -> str: ...
 def read_cameras(
     path: str | PathLike[str],
     intrinsics: tuple[float, float, float, float] | None,

@@ -395,6 +395,48 @@ def plan(scene: Scene, camera: Camera | None = None, **options: Unpack[Options])
     return Renderer().plan(scene, camera, **options)
 
 
+def measure(
+    scene: Scene,
+    camera: Camera | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    methods: Iterable[str] | None = None,
+    backend: Literal["auto", "gpu", "cpu"] = "auto",
+    adapter: str | int | None = None,
+    repeat: int | None = None,
+    tolerance: float | None = None,
+    patience: float = 30.0,
+) -> dict[str, Any]:
+    """Speed and error of every method in a scene, as ``halfline measure --json``.
+
+    Args:
+        scene: The scene.
+        camera: A perspective camera; by default that of the scene.
+        size: Columns and rows; by default those of the scene.
+        methods: The methods, with ``certified`` and ``exact``; by default all.
+        backend: Where to compute.
+        adapter: The adapter, by index or part of its name.
+        repeat: Frames of each method; by default as many as the times need.
+        tolerance: The allowed relative error of distances of certified answers.
+        patience: Methods that would take longer for a frame on the CPU path are skipped, seconds.
+    """
+    image = None if size is None else checked_size("size", size)
+    record: dict[str, Any] = json.loads(
+        _halfline.measure(
+            _native_scene(scene),
+            _camera(camera),
+            image,
+            None if methods is None else words("methods", methods),
+            word("backend", backend),
+            None if adapter is None else str(adapter),
+            None if repeat is None else whole("repeat", repeat, 1),
+            None if tolerance is None else number("tolerance", tolerance),
+            number("patience", patience),
+        )
+    )
+    return record
+
+
 def _frames(frames: _halfline.Frames, progress: bool | Callback) -> Iterator[Frame]:
     try:
         with reporter(progress) as report:

@@ -15,6 +15,8 @@ pub(crate) struct Camera {
     pub(crate) camera: Exact,
     #[pyo3(get)]
     pub(crate) size: Option<(u32, u32)>,
+    /// Whether its lens is given in pixels of an image of this size.
+    pub(crate) in_pixels: bool,
 }
 
 /// The lens of a camera: its kind and its numbers.
@@ -53,7 +55,7 @@ impl Camera {
         let camera = Exact { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
         let (width, height) = size.unwrap_or((1, 1));
         camera.basis().and_then(|_| camera.viewport(width, height)).or_raise()?;
-        Ok(Self { camera, size })
+        Ok(Self { camera, size, in_pixels: lens.0 == "intrinsics" })
     }
 
     /// A camera that shows all spheres of a scene.
@@ -78,7 +80,7 @@ impl Camera {
             ..framed.camera
         };
         framed.fit(&Framing { margin, ..Framing::default() }).or_raise()?;
-        Ok(Self { camera: framed.camera, size: None })
+        Ok(Self { camera: framed.camera, size: None, in_pixels: false })
     }
 
     /// The camera in numbers for an image of this size, as JSON.
@@ -114,7 +116,8 @@ pub(crate) fn read_cameras(
                 return Err(Error::settings(problem, "give vfov= or intrinsics="));
             }
         };
-        Ok(Camera { camera: Exact { lens, ..found.camera }, size })
+        let in_pixels = !found.has_lens && found.intrinsics.or(given).is_some();
+        Ok(Camera { camera: Exact { lens, ..found.camera }, size, in_pixels })
     };
     cameras::read(&path).and_then(|found| found.iter().enumerate().map(camera).collect()).or_raise()
 }

@@ -10,6 +10,7 @@ mod command;
 mod errors;
 mod frame;
 mod many;
+mod measure;
 mod options;
 mod read;
 mod renderer;
@@ -35,6 +36,8 @@ mod _halfline {
     use super::frame::Frame;
     #[pymodule_export]
     use super::many::Frames;
+    #[pymodule_export]
+    use super::measure::measure;
     #[pymodule_export]
     use super::read::{Sequence, color};
     #[pymodule_export]

@@ -55,6 +55,13 @@ impl Scene {
         background: Option<[f32; 3]>,
     ) -> halfline::Result<ExactScene> {
         let mut scene = (*self.scene).clone();
+        let own = camera.filter(|camera| camera.in_pixels).and_then(|camera| camera.size);
+        if let (Some(size), Some(own)) = (size, own)
+            && size != own
+        {
+            let problem = format!("size is {size:?}, and the camera's intrinsics belong to {own:?}");
+            return Err(Error::settings(problem, "remove size, or give the intrinsics of the other size"));
+        }
         if let Some(size) = size.or(camera.and_then(|camera| camera.size)) {
             (scene.image.width, scene.image.height) = size;
         }
@@ -157,7 +164,7 @@ impl Scene {
     /// The camera for an image of this size.
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         let scene = self.exact(None, size, None).or_raise()?;
-        Ok(Camera { camera: scene.camera, size: None })
+        Ok(Camera { camera: scene.camera, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.
