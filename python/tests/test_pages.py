@@ -1,4 +1,4 @@
-"""The code of docs/python.md and README.md runs, page by page.
+"""The code of docs/python.md, docs/coming-from.md and README.md runs, page by page.
 
 Blocks that begin with `>>>` are doctests; all others are executed. Blocks of a page share their
 names, and files are written to a folder of the test.
@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-PAGES = ["docs/python.md", "README.md"]
+PAGES = ["docs/python.md", "docs/coming-from.md", "README.md"]
 
 
 def blocks(page: Path) -> Iterator[tuple[int, str]]:
@@ -42,7 +42,7 @@ def test_the_code_of_a_page_runs(
             exec(compile("\n" * line + text, str(page), "exec"), names)
 
 
-@pytest.mark.parametrize("name", PAGES[:1])
+@pytest.mark.parametrize("name", PAGES[:2])
 def test_the_links_of_a_page_exist(name: str) -> None:
     page = ROOT / name
     for target in re.findall(r"\]\(([^)#]+)?(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
