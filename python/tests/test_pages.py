@@ -1,0 +1,50 @@
+"""The code of docs/python.md, docs/coming-from.md and README.md runs, page by page.
+
+Blocks that begin with `>>>` are doctests; all others are executed. Blocks of a page share their
+names, and files are written to a folder of the test.
+"""
+
+import doctest
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+PAGES = ["docs/python.md", "docs/coming-from.md", "README.md"]
+
+
+def blocks(page: Path) -> Iterator[tuple[int, str]]:
+    """Line number and text of each block of Python."""
+    text = page.read_text(encoding="utf-8")
+    for found in re.finditer(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        yield text.count("\n", 0, found.start(1)), found[1]
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_code_of_a_page_runs(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = ROOT / name
+    found = list(blocks(page))
+    assert found, f"{name} has code"
+    names: dict[str, object] = {"__name__": "page"}
+    for line, text in found:
+        if text.startswith(">>>"):
+            test = doctest.DocTestParser().get_doctest(text, names, name, str(page), line)
+            failed = doctest.DocTestRunner().run(test, clear_globs=False).failed
+            names.update(test.globs)
+            assert failed == 0, f"{name}:{line + 1}"
+        else:
+            # The empty lines let a traceback have the line of the page.
+            exec(compile("\n" * line + text, str(page), "exec"), names)
+
+
+@pytest.mark.parametrize("name", PAGES[:2])
+def test_the_links_of_a_page_exist(name: str) -> None:
+    page = ROOT / name
+    for target in re.findall(r"\]\(([^)#]+)?(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        if target and not target.startswith("http"):
+            assert (page.parent / target).exists(), target
