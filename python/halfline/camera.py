@@ -111,10 +111,14 @@ class Camera:
             width: Columns of the image.
             height: Rows of the image.
             pose: Matrix (4, 4) or (3, 4) from camera to world, with the axes of OpenCV: its
-                columns are right, down, forward and the eye. The default is the identity.
+                columns are right, down, forward and the eye. The first three are perpendicular,
+                of length 1 and not mirrored, to 1 in 1000. The default is the identity.
             pixel_center: The centre of the top left pixel in the coordinates of ``cx`` and ``cy``:
                 0.5 as in COLMAP and in the command's lists of cameras, 0 as in OpenCV's own
                 functions.
+
+        Raises:
+            ValueError: for a matrix whose columns are no axes, with what was found.
 
         >>> import halfline as hl
         >>> hl.Camera.from_intrinsics(525, 525, 320, 240, 640, 480).size
@@ -136,9 +140,9 @@ class Camera:
             number("cy", cy) + shift,
         ]
         image = checked_size("(width, height)", (width, height))
-        eye, view, up = (
-            vector("pose", column) for column in (matrix[:3, 3], matrix[:3, 2], -matrix[:3, 1])
-        )
+        right, down, view, eye = (vector("pose", column) for column in matrix[:3].T)
+        _halfline.check_pose([right, down, view])
+        up = vector("pose", -matrix[:3, 1])
         native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image)
         return cls._of(
             native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"

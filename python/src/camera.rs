@@ -90,6 +90,13 @@ impl Camera {
     }
 }
 
+/// Checks that the columns of `pose` are axes of length 1.
+#[pyfunction]
+pub(crate) fn check_pose(columns: [[f64; 3]; 3]) -> PyResult<()> {
+    let wrong = |(problem, mend)| Error::settings(format!("pose: {problem}"), mend);
+    cameras::check_axes(columns, true).map_err(wrong).or_raise()
+}
+
 /// The cameras of a list.
 #[pyfunction]
 pub(crate) fn read_cameras(

@@ -27,7 +27,7 @@ mod _halfline {
     #[pymodule_export]
     use super::atoms::elements;
     #[pymodule_export]
-    use super::camera::{Camera, read_cameras};
+    use super::camera::{Camera, check_pose, read_cameras};
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]

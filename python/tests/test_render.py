@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import SCENES, commands, run
+from numpy.typing import NDArray
 
 import halfline as hl
 
@@ -163,6 +164,38 @@ def test_intrinsics_bring_their_size(cpu: hl.Renderer) -> None:
     assert cpu.render(scene, camera)["id"][15, 20] == 0
     with pytest.raises(ValueError, match="intrinsics belong to"):
         cpu.render(scene, camera, size=(80, 60))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (np.diag([-1.0, 1, 1]), "pose: its rotation is mirrored"),
+        (np.diag([1.0, 1, 1.01]), "lengths 1, 1, 1.01"),
+        (np.diag([2.0, 2, 2]), "lengths 2, 2, 2"),
+        (np.array([[1, 0.01, 0], [0, 1, 0], [0, 0, 1]]), "columns 0 and 1 .* 89.4"),
+        (np.zeros((3, 3)), "is 0"),
+    ],
+)
+def test_poses_that_are_no_rotations_are_refused(
+    change: NDArray[np.float64], words: str, tmp_path: Path
+) -> None:
+    pose = np.eye(4)
+    angle = 0.4
+    pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    # Rounding to float32 or to four digits leaves a rotation.
+    for rounded in (pose.astype("f4"), pose.round(4)):
+        hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30, rounded)
+    pose[:3, :3] = pose[:3, :3] @ change
+    with pytest.raises(ValueError, match=words):
+        hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30, pose)
+    path = tmp_path / "poses.json"
+    path.write_text(json.dumps([{"pose": np.eye(4).tolist()}, {"pose": pose.tolist()}]))
+    if "2, 2, 2" in words:
+        # The axes of lists need not be normalised.
+        assert len(hl.read_cameras(path, vfov=30)) == 2
+    else:
+        with pytest.raises(ValueError, match=f"camera 1 pose.*{words.removeprefix('pose: ')}"):
+            hl.read_cameras(path, vfov=30)
 
 
 @pytest.mark.parametrize(
