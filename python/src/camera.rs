@@ -1,6 +1,7 @@
 //! Cameras.
 
 use crate::errors::OrRaise;
+use crate::work::begin;
 use halfline::camera::{CameraRecord, Intrinsics, Lens, Look};
 use halfline::read::cameras;
 use halfline::scene::Framing;
@@ -68,6 +69,7 @@ impl Camera {
         size: (u32, u32),
         margin: f64,
     ) -> PyResult<Self> {
+        begin()?;
         if !(0.0..1.0).contains(&margin) {
             let problem = format!("margin is {margin}");
             return Err(Error::settings(problem, "give a share of the image from 0 to less than 1")).or_raise();

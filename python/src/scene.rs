@@ -3,6 +3,7 @@
 use crate::arrays::{list, shown};
 use crate::camera::Camera;
 use crate::errors::OrRaise;
+use crate::work::begin;
 use halfline::scene::{ImagePlane, check_color};
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
@@ -163,13 +164,15 @@ impl Scene {
 
     /// The camera for an image of this size.
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
+        begin()?;
         let scene = self.exact(None, size, None).or_raise()?;
         Ok(Camera { camera: scene.camera, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.
-    fn fingerprint(&self, py: Python<'_>) -> String {
-        py.detach(|| self.scene.fingerprint())
+    fn fingerprint(&self, py: Python<'_>) -> PyResult<String> {
+        begin()?;
+        Ok(py.detach(|| self.scene.fingerprint()))
     }
 }
 
