@@ -110,6 +110,20 @@ impl Scene {
         Ok(Self { scene: Arc::new(scene), held: false, number: 1, time: None, step: None, cell: None })
     }
 
+    /// The same spheres with what another program says of them.
+    fn told(
+        &self,
+        warnings: Vec<String>,
+        number: u64,
+        time: Option<f64>,
+        step: Option<i64>,
+        cell: Option<([f64; 3], [[f64; 3]; 3])>,
+    ) -> Self {
+        let mut scene = (*self.scene).clone();
+        scene.skipped.assumed.extend(warnings);
+        Self { scene: Arc::new(scene), held: self.held, number, time, step, cell }
+    }
+
     fn __len__(&self) -> usize {
         self.scene.spheres.len()
     }
