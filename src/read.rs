@@ -27,7 +27,7 @@ use std::path::Path;
 pub use format::Format;
 pub use info::info;
 pub use options::{Altloc, ColumnNames, FrameRange, Hold, ReadOptions};
-pub use particles::{FrameTime, Periodic, Survey};
+pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};
 pub use select::selection::Selection;
 pub use sequence::{SceneFrame, Sequence};
 pub use style::Style;

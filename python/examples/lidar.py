@@ -42,7 +42,7 @@ def main() -> None:
     seen = hits.hit
     names = ["x", "y", "z", "range"]
     points = np.empty(seen.sum(), [*((name, "<f8") for name in names), ("id", "<i4")])
-    points["x"], points["y"], points["z"] = (beams[seen] * hits.t[seen, np.newaxis] + EYE).T
+    points["x"], points["y"], points["z"] = hits.position[seen].T
     points["range"], points["id"] = hits.distance[seen], hits.id[seen]
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {points.size}"]
     head += [*(f"property double {name}" for name in names), "property int id", "end_header\n"]

@@ -36,8 +36,6 @@ def main() -> None:
     given = parser.parse_args()
 
     universe: Any = MDAnalysis.Universe(*given.files) if given.files else ring_that_opens()
-    if not hasattr(universe.atoms, "elements"):
-        universe.guess_TopologyAttrs(to_guess=["elements"])
     group, frames = universe.select_atoms(given.select), universe.trajectory[:: given.step]
 
     # One camera that shows all atoms of all frames, so that the film does not jitter.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _halfline
+from ._arrays import shown
 from .scene import Color, Scene
 
 # As the command does for an unknown element: between carbon and nitrogen, angstrom.
@@ -26,15 +27,35 @@ def from_ase(
 ) -> Scene:
     """The atoms of ``ase.Atoms`` as spheres, with the radii and colours of their elements.
 
+    Atoms of the element ``X`` (number 0) are not drawn and are counted in ``scene.warnings``.
+    ``scene.cell`` is the cell of the atoms, if it has a volume.
+
     Args:
         atoms: An ``ase.Atoms``; its positions are angstrom.
         radii: Radii of elements.
         radius_scale: Multiplies every radius.
         background: Colour of rays that hit nothing.
+
+    Raises:
+        TypeError: if ``atoms`` is something else.
     """
-    return _scene(
-        atoms.get_positions(), atoms.get_chemical_symbols(), radii, radius_scale, background
+    for needed in ("get_positions", "get_chemical_symbols"):
+        if not hasattr(atoms, needed):
+            raise TypeError(f"atoms is {shown(atoms)}; give an ase.Atoms")
+    symbols = np.asarray(atoms.get_chemical_symbols(), dtype=str)
+    stays = symbols != "X"
+    left_out = int(np.count_nonzero(~stays))
+    warnings = [
+        f"{left_out} atom{'' if left_out == 1 else 's'} of the element X (number 0) left out"
+    ][: min(left_out, 1)]
+    scene = _scene(
+        np.asarray(atoms.get_positions(), np.float64)[stays],
+        symbols[stays],
+        radii,
+        radius_scale,
+        background,
     )
+    return _told(scene, warnings, 1, None, None, getattr(atoms, "cell", None))
 
 
 def from_mdanalysis(
@@ -46,29 +67,85 @@ def from_mdanalysis(
 ) -> Scene:
     """The atoms of an MDAnalysis group or universe in its current frame as spheres.
 
+    Elements that the topology does not give are inferred as `read` does: from the names of atoms
+    and residues, else from masses. Virtual sites, such as ``MW`` of TIP4P, are not drawn.
+    ``scene.warnings`` has the counts of both; ``scene.cell``, ``scene.number``, ``scene.time`` and
+    ``scene.step`` are those of the frame, as far as the trajectory has them.
+
     Args:
-        group: An ``AtomGroup`` or a ``Universe``; its positions are angstrom. Elements are those
-            of the topology; without them, the letters of the atoms' types, as far as they are
-            elements.
+        group: An ``AtomGroup`` or a ``Universe``; its positions are angstrom.
         radii: Radii of elements.
         radius_scale: Multiplies every radius.
         background: Colour of rays that hit nothing.
+
+    Raises:
+        TypeError: if ``group`` is something else.
     """
-    atoms = group.atoms
-    symbols = getattr(atoms, "elements", None)
-    if symbols is None:
-        symbols = [str(kind).strip("0123456789+-") for kind in atoms.types]
-    return _scene(atoms.positions, symbols, radii, radius_scale, background)
+    atoms: Any = getattr(group, "atoms", None)
+    universe = getattr(atoms, "universe", None)
+    if universe is None:
+        raise TypeError(f"group is {shown(group)}; give an AtomGroup or a Universe of MDAnalysis")
+
+    def texts(*attributes: str) -> list[str]:
+        for attribute in attributes:
+            found = getattr(atoms, attribute, None)
+            if found is not None:
+                return [str(value) for value in found]
+        return []
+
+    masses = getattr(atoms, "masses", None)
+    symbols, is_site, warnings = _halfline.infer(
+        texts("names", "types") or [""] * len(atoms),
+        texts("elements"),
+        texts("resnames"),
+        np.asarray(atoms.resindices).tolist(),
+        [] if masses is None else np.asarray(masses, np.float64).tolist(),
+    )
+    stays = ~np.asarray(is_site, dtype=bool)
+    positions = np.asarray(atoms.positions, np.float64)[stays]
+    scene = _scene(
+        positions, np.asarray(symbols, dtype=str)[stays], radii, radius_scale, background
+    )
+    frame = universe.trajectory.ts
+    # Without a time of its own or a step that the user gave, a frame has its number as its time.
+    time = frame.time if {"time", "dt"} & frame.data.keys() else None
+    step = frame.data.get("step")
+    return _told(
+        scene,
+        warnings,
+        max(int(frame.frame), 0) + 1,
+        None if time is None else float(time),
+        None if step is None else int(step),
+        frame.triclinic_dimensions,
+    )
+
+
+def _told(
+    scene: Scene, warnings: list[str], number: int, time: float | None, step: int | None, cell: Any
+) -> Scene:
+    """The scene with what the other package says of its frame."""
+    edges = None if cell is None else np.asarray(cell, np.float64)
+    if edges is None or edges.shape != (3, 3) or not np.isfinite(edges).all():
+        edges = None
+    elif np.linalg.matrix_rank(edges) < 3:
+        edges = None
+    periodic = None
+    if edges is not None:
+        a, b, c = ((float(x), float(y), float(z)) for x, y, z in edges)
+        periodic = ((0.0, 0.0, 0.0), (a, b, c))
+    return Scene._of(scene._native.told(warnings, number, time, step, periodic))
 
 
 def _scene(
-    positions: Any, symbols: Sequence[Any], radii: str, radius_scale: float, background: Color
+    positions: NDArray[np.float64],
+    symbols: NDArray[np.str_],
+    radii: str,
+    radius_scale: float,
+    background: Color,
 ) -> Scene:
     if radii not in ("vdw", "covalent"):
         raise ValueError(f"radii is {radii!r}; give 'vdw' or 'covalent'")
-    kinds, of = np.unique(
-        np.asarray([str(symbol) for symbol in symbols], dtype=str), return_inverse=True
-    )
+    kinds, of = np.unique(symbols, return_inverse=True)
     sizes, colors = _halfline.elements(kinds.tolist(), radii)
     unknown = _halfline.color(_UNKNOWN_COLOR)
     all_sizes = (
@@ -78,4 +155,4 @@ def _scene(
     all_colors = np.array(
         [unknown if color is None else color for color in colors], np.float32
     ).reshape(-1, 3)[of]
-    return Scene(np.asarray(positions, np.float64), all_sizes, all_colors, background=background)
+    return Scene(positions, all_sizes, all_colors, background=background)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -100,6 +100,7 @@ class Camera:
         pose: ArrayLike | None = None,
         *,
         pixel_center: float = 0.5,
+        convention: Literal["opencv", "opengl"] = "opencv",
     ) -> Camera:
         """A camera of computer vision, for images of ``width`` x ``height`` pixels.
 
@@ -110,11 +111,17 @@ class Camera:
             cy: Row of the principal point, from the top, in pixels.
             width: Columns of the image.
             height: Rows of the image.
-            pose: Matrix (4, 4) or (3, 4) from camera to world, with the axes of OpenCV: its
-                columns are right, down, forward and the eye. The default is the identity.
+            pose: Matrix (4, 4) or (3, 4) from camera to world: its columns are the axes of
+                ``convention`` and the eye. The axes are perpendicular, of length 1 and not
+                mirrored, to 1 in 1000. The default is the identity.
             pixel_center: The centre of the top left pixel in the coordinates of ``cx`` and ``cy``:
                 0.5 as in COLMAP and in the command's lists of cameras, 0 as in OpenCV's own
                 functions.
+            convention: The axes of ``pose``: ``"opencv"`` is right, down, forward, ``"opengl"`` is
+                right, up, backward, as in pyrender, Blender and NeRF.
+
+        Raises:
+            ValueError: for a matrix whose columns are no axes, with what was found.
 
         >>> import halfline as hl
         >>> hl.Camera.from_intrinsics(525, 525, 320, 240, 640, 480).size
@@ -136,9 +143,14 @@ class Camera:
             number("cy", cy) + shift,
         ]
         image = checked_size("(width, height)", (width, height))
-        eye, view, up = (
-            vector("pose", column) for column in (matrix[:3, 3], matrix[:3, 2], -matrix[:3, 1])
-        )
+        if convention not in ("opencv", "opengl"):
+            raise ValueError(f"convention is {convention!r}; give 'opencv' or 'opengl'")
+        right, second, third, eye = (vector("pose", column) for column in matrix[:3].T)
+        _halfline.check_pose([right, second, third])
+        if convention == "opencv":
+            up, view = vector("pose", -matrix[:3, 1]), third
+        else:
+            up, view = second, vector("pose", -matrix[:3, 2])
         native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image)
         return cls._of(
             native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"

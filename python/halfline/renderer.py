@@ -99,6 +99,8 @@ class Hits:
     """Unit normal against the ray, float32, shape (..., 3); 0, 0, 0 on a miss."""
     certainty: NDArray[np.uint8]
     """0 proved, 1 settled in exact arithmetic, 255 not certified; for misses too."""
+    position: NDArray[np.float64]
+    """origin + t direction, float64, shape (..., 3), scene units; NaN on a miss."""
 
     @property
     def hit(self) -> NDArray[np.bool_]:
@@ -355,12 +357,19 @@ class Renderer:
             hit, certainty = (answer.reshape(shape) for answer in answers)
             return Occlusion(hit.view(np.bool_), certainty)
         ids, t, distance, normal, certainty = answers
+        ids, t = ids.reshape(shape), t.reshape(shape)
+        # In place, because there may be many rays. The infinite t of a miss has no product.
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            position = rays * t[..., np.newaxis]
+            position += starts if starts.shape == rays.shape else starts.reshape(3)
+        position[ids < 0] = np.nan
         return Hits(
-            ids.reshape(shape),
-            t.reshape(shape),
+            ids,
+            t,
             distance.reshape(shape),
             normal.reshape(*shape, 3),
             certainty.reshape(shape),
+            position,
         )
 
     def plan(

@@ -1,6 +1,7 @@
 //! Cameras.
 
 use crate::errors::OrRaise;
+use crate::work::begin;
 use halfline::camera::{CameraRecord, Intrinsics, Lens, Look};
 use halfline::read::cameras;
 use halfline::scene::Framing;
@@ -68,6 +69,7 @@ impl Camera {
         size: (u32, u32),
         margin: f64,
     ) -> PyResult<Self> {
+        begin()?;
         if !(0.0..1.0).contains(&margin) {
             let problem = format!("margin is {margin}");
             return Err(Error::settings(problem, "give a share of the image from 0 to less than 1")).or_raise();
@@ -88,6 +90,13 @@ impl Camera {
         let record = CameraRecord::new(&self.camera, size.0, size.1).or_raise()?;
         Ok(serde_json::to_string(&record).unwrap_or_default())
     }
+}
+
+/// Checks that the columns of `pose` are axes of length 1.
+#[pyfunction]
+pub(crate) fn check_pose(columns: [[f64; 3]; 3]) -> PyResult<()> {
+    let wrong = |(problem, mend)| Error::settings(format!("pose: {problem}"), mend);
+    cameras::check_axes(columns, true).map_err(wrong).or_raise()
 }
 
 /// The cameras of a list.

@@ -2,8 +2,8 @@
 
 use crate::arrays::shown;
 use crate::errors::OrRaise;
-use crate::renderer::Shared;
-use crate::work::Job;
+use crate::renderer::{Shared, keep_if_forked};
+use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
 use halfline::render::origin;
@@ -62,6 +62,7 @@ impl Frame {
 
 impl Drop for Frame {
     fn drop(&mut self) {
+        keep_if_forked(&self.renderer);
         // A renderer that is at work does not wait for memory.
         if let (Some(frame), Ok(mut place)) = (self.frame.take(), self.renderer.try_lock())
             && let Some(renderer) = place.as_mut()
@@ -109,6 +110,7 @@ impl Frame {
 
     /// The picture in 8-bit sRGB, (H, W, 3), in an array of its own.
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
+        begin()?;
         let frame = self.exact().or_raise()?;
         let Some(image) = frame.image() else {
             return Err(Error::settings("the frame has no colour", "add color to aovs")).or_raise();

@@ -25,9 +25,9 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _halfline {
     #[pymodule_export]
-    use super::atoms::elements;
+    use super::atoms::{elements, infer};
     #[pymodule_export]
-    use super::camera::{Camera, read_cameras};
+    use super::camera::{Camera, check_pose, read_cameras};
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]

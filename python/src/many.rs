@@ -4,9 +4,9 @@ use crate::camera::Camera;
 use crate::errors::{OrRaise, exception};
 use crate::frame::Frame;
 use crate::options::Picture;
-use crate::renderer::{Shared, with};
+use crate::renderer::{Shared, keep_if_forked, with};
 use crate::scene::Scene;
-use crate::work::{Job, SLICE, no_thread};
+use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline::settings::Settings;
 use pyo3::prelude::*;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -36,6 +36,7 @@ impl Frames {
         picture: Picture,
         settings: Settings,
     ) -> PyResult<Self> {
+        begin()?;
         // The first one is checked at once, so that an error has the caller's line.
         if let Some(first) = cameras.first() {
             picture.scene(scene.get(), Some(first)).and_then(|scene| py.detach(|| scene.check())).or_raise()?;
@@ -66,6 +67,9 @@ impl Frames {
 
     /// Cancels the work and waits for its end; a panic of the work goes on here.
     fn stop(&self, py: Python<'_>) {
+        if is_forked() {
+            return;
+        }
         self.job.cancel.cancel();
         py.detach(|| {
             drop(self.frames.lock().unwrap_or_else(PoisonError::into_inner).take());
@@ -84,6 +88,7 @@ impl Frames {
     }
 
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Frame>> {
+        begin()?;
         loop {
             let next = py.detach(|| {
                 let frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
@@ -120,6 +125,13 @@ impl Frames {
 
 impl Drop for Frames {
     fn drop(&mut self) {
+        if is_forked() {
+            // Neither end of the channel nor the thread can be waited for.
+            std::mem::forget(self.frames.get_mut().map(|frames| frames.take()).ok());
+            std::mem::forget(self.worker.get_mut().map(|worker| worker.take()).ok());
+            keep_if_forked(&self.renderer);
+            return;
+        }
         // Without an interpreter there is nobody to wait for it.
         let _ = Python::try_attach(|py| self.stop(py));
     }

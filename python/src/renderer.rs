@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::many::Frames;
 use crate::options::{Accurate, Picture};
 use crate::scene::Scene;
-use crate::work::Job;
+use crate::work::{Job, is_forked};
 use halfline::settings::{Backend, Settings};
 use halfline::{Error, Renderer as Exact};
 use pyo3::prelude::*;
@@ -32,6 +32,13 @@ pub(crate) fn with<T>(
     result
 }
 
+/// Keeps a renderer of a process that this one was forked from: its device would wait for threads that are not here.
+pub(crate) fn keep_if_forked(shared: &Shared) {
+    if is_forked() {
+        std::mem::forget(Arc::clone(shared));
+    }
+}
+
 /// A renderer.
 #[pyclass(frozen)]
 pub(crate) struct Renderer {
@@ -46,6 +53,12 @@ pub(crate) struct Renderer {
     /// Why adapters that were found are not used.
     #[pyo3(get)]
     warnings: Vec<String>,
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        keep_if_forked(&self.shared);
+    }
 }
 
 #[pymethods]

@@ -3,6 +3,7 @@
 use crate::arrays::{list, shown};
 use crate::camera::Camera;
 use crate::errors::OrRaise;
+use crate::work::begin;
 use halfline::scene::{ImagePlane, check_color};
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
@@ -109,6 +110,20 @@ impl Scene {
         Ok(Self { scene: Arc::new(scene), held: false, number: 1, time: None, step: None, cell: None })
     }
 
+    /// The same spheres with what another program says of them.
+    fn told(
+        &self,
+        warnings: Vec<String>,
+        number: u64,
+        time: Option<f64>,
+        step: Option<i64>,
+        cell: Option<([f64; 3], [[f64; 3]; 3])>,
+    ) -> Self {
+        let mut scene = (*self.scene).clone();
+        scene.skipped.assumed.extend(warnings);
+        Self { scene: Arc::new(scene), held: self.held, number, time, step, cell }
+    }
+
     fn __len__(&self) -> usize {
         self.scene.spheres.len()
     }
@@ -163,13 +178,15 @@ impl Scene {
 
     /// The camera for an image of this size.
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
+        begin()?;
         let scene = self.exact(None, size, None).or_raise()?;
         Ok(Camera { camera: scene.camera, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.
-    fn fingerprint(&self, py: Python<'_>) -> String {
-        py.detach(|| self.scene.fingerprint())
+    fn fingerprint(&self, py: Python<'_>) -> PyResult<String> {
+        begin()?;
+        Ok(py.detach(|| self.scene.fingerprint()))
     }
 }
 

@@ -1,9 +1,11 @@
 //! Work on another thread, while the calling one waits without the interpreter's lock, handles signals and reports
-//! progress.
+//! progress. It belongs to one process: after a fork neither the threads nor the device are in the child.
 
 use crate::errors::OrRaise;
 use halfline::{Cancel, Error, Progress, Watch};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
@@ -11,6 +13,30 @@ use std::time::Duration;
 
 /// The time between two looks at signals and progress.
 pub(crate) const SLICE: Duration = Duration::from_millis(50);
+
+/// The process that started the threads, 0 before.
+static PROCESS: AtomicU32 = AtomicU32::new(0);
+
+/// Whether the threads were started in a process that this one was forked from; there is nothing to wait for here.
+pub(crate) fn is_forked() -> bool {
+    ![0, std::process::id()].contains(&PROCESS.load(Ordering::Relaxed))
+}
+
+/// Says that threads are started in this process, unless they were in one that it was forked from.
+///
+/// # Errors
+/// RuntimeError with the mend, instead of waiting for ever.
+pub(crate) fn begin() -> PyResult<()> {
+    let here = std::process::id();
+    match PROCESS.compare_exchange(0, here, Ordering::Relaxed, Ordering::Relaxed) {
+        Err(first) if first != here => Err(PyRuntimeError::new_err(format!(
+            "halfline was used in process {first}, and process {here} was forked from it: neither its threads nor its \
+             device are here; start processes with multiprocessing.get_context(\"spawn\"), or use halfline in the \
+             forked processes only"
+        ))),
+        _ => Ok(()),
+    }
+}
 
 /// Work that can be cancelled and watched.
 #[derive(Clone, Default)]
@@ -51,6 +77,7 @@ impl Job {
         callback: Option<&Py<PyAny>>,
         work: impl FnOnce() -> halfline::Result<T> + Send,
     ) -> PyResult<T> {
+        begin()?;
         let (result, stop) = py.detach(|| {
             thread::scope(|scope| {
                 let (done, wait) = channel::<()>();

@@ -89,7 +89,7 @@ def test_intrinsics_of_pyrender(page: dict[str, Any]) -> None:
     pose = opengl_pose()
     camera = page["pyrender_intrinsics"](fx, fy, cx, cy, SIZE, pose)
     compare(camera, *by_matrix(projection, pose))
-    # Without the conversion the camera looks away.
+    # With the axes of OpenCV the camera looks away.
     wrong = hl.Camera.from_intrinsics(fx, fy, cx, cy, *SIZE, pose)
     frame = hl.Renderer("cpu").render(hl.Scene(points(), RADIUS), wrong)
     assert frame["id"].max() == -1

@@ -185,10 +185,17 @@ def test_atoms_of_ase(cpu: hl.Renderer, pdb: Path) -> None:
     ase = pytest.importorskip("ase")
     water = ase.Atoms("OHHX", [[0, 0, 0], [0.76, 0.59, 0], [-0.76, 0.59, 0], [3, 0, 0]])
     scene = hl.from_ase(water)
-    # Bondi's radii; 1.6 for an unknown element.
-    assert np.array_equal(scene.radii, [1.52, 1.2, 1.2, 1.6]) and np.array_equal(
-        scene.centers, water.get_positions()
+    # Bondi's radii; X is no element.
+    assert np.array_equal(scene.radii, [1.52, 1.2, 1.2]) and np.array_equal(
+        scene.centers, water.get_positions()[:3]
     )
+    assert scene.warnings == ["1 atom of the element X (number 0) left out"]
+    assert scene.cell is None and scene.time is None
+    del water[3]
+    water.set_cell([[5, 0, 0], [1, 6, 0], [0, 0, 7]])
+    whole = hl.from_ase(water)
+    assert whole.warnings == [] and whole.cell is not None
+    assert np.array_equal(whole.cell[1], [[5, 0, 0], [1, 6, 0], [0, 0, 7]])
     assert scene.colors is not None and np.array_equal(
         scene.colors[0], np.array([1, 0.004024717, 0.004024717], "f4")
     )
@@ -203,3 +210,61 @@ def test_atoms_of_mdanalysis(pdb: Path) -> None:
     )
     # MDAnalysis has single precision.
     assert np.allclose(scene.centers, expected.centers, atol=1e-5)
+
+
+TIP4P = """water and a peptide, t= 0.5
+   12
+    1SOL     OW    1   1.000   1.000   1.000
+    1SOL    HW1    2   1.095   1.000   1.000
+    1SOL    HW2    3   0.976   1.093   1.000
+    1SOL     MW    4   1.010   1.010   1.000
+    2SOL     OW    5   2.000   1.000   1.000
+    2SOL    HW1    6   2.095   1.000   1.000
+    2SOL    HW2    7   1.976   1.093   1.000
+    2SOL     MW    8   2.010   1.010   1.000
+    3ALA      N    9   0.300   0.300   0.300
+    3ALA     CA   10   0.440   0.300   0.300
+    3ALA      C   11   0.500   0.440   0.300
+    4CAL    CAL   12   2.500   2.500   2.500
+   3.00000   3.00000   3.00000
+"""
+
+
+def test_virtual_sites_and_elements_of_mdanalysis_are_those_of_files(tmp_path: Path) -> None:
+    mda = pytest.importorskip("MDAnalysis")
+    path = tmp_path / "tip4p.gro"
+    path.write_text(TIP4P)
+    scene, expected = hl.from_mdanalysis(mda.Universe(str(path))), hl.read(path)
+    assert len(scene) == len(expected) == 10
+    assert np.array_equal(scene.radii, expected.radii)
+    assert np.array_equal(scene.colors, expected.colors)
+    # MDAnalysis has single precision.
+    assert np.allclose(scene.centers, expected.centers, atol=1e-5)
+    assert scene.warnings[-1] == expected.warnings[-1] == "2 virtual sites left out (2 `MW`)"
+    assert scene.cell is not None and expected.cell is not None
+    assert np.allclose(scene.cell[1], expected.cell[1], atol=1e-5)
+
+
+def test_frames_of_mdanalysis_have_their_times() -> None:
+    mda = pytest.importorskip("MDAnalysis")
+    files = pytest.importorskip("MDAnalysisTests.datafiles")
+    # Elements of a PSF are the letters of its names; XTC has times and steps.
+    universe = mda.Universe(files.PSF, files.DCD)
+    scene = hl.from_mdanalysis(universe)
+    known = set(np.unique(scene.radii))
+    # H, C, N, O, S of Bondi, none of the 1.6 of unknown elements.
+    assert known == {1.2, 1.7, 1.55, 1.52, 1.8} and len(scene) == universe.atoms.n_atoms
+    universe = mda.Universe(files.GRO, files.XTC)
+    universe.trajectory[2]
+    expected = hl.read(files.XTC, topology=files.GRO, frame=3)
+    scene = hl.from_mdanalysis(universe)
+    assert len(scene) == len(expected) < universe.atoms.n_atoms
+    assert np.array_equal(scene.radii, expected.radii)
+    assert (scene.number, scene.time, scene.step) == (3, expected.time, expected.step)
+
+
+@pytest.mark.parametrize("adapter", [hl.from_ase, hl.from_mdanalysis])
+@pytest.mark.parametrize("wrong", [None, 3, "OHH"])
+def test_other_objects_are_no_atoms(adapter: Any, wrong: Any) -> None:
+    with pytest.raises(TypeError, match=r"is (None|3|'OHH'); give an"):
+        adapter(wrong)

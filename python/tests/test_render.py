@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import SCENES, commands, run
+from numpy.typing import NDArray
 
 import halfline as hl
 
@@ -156,6 +157,21 @@ def test_cameras_see_what_they_should(cpu: hl.Renderer) -> None:
     assert np.array_equal(parallel["depth"], parallel["distance"])
 
 
+def test_poses_of_opengl_are_those_of_opencv_with_two_axes_turned() -> None:
+    q, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
+    opencv = np.eye(4)
+    opencv[:3, :3], opencv[:3, 3] = q * np.sign(np.linalg.det(q)), (1, 2, 3)
+    opengl = opencv @ np.diag([1.0, -1, -1, 1])
+    lens = (50, 60, 21, 15, 40, 30)
+    camera = hl.Camera.from_intrinsics(*lens, opengl, convention="opengl")
+    same = hl.Camera.from_intrinsics(*lens, opencv)
+    named = hl.Camera.from_intrinsics(*lens, opencv, convention="opencv")
+    assert camera.record() == same.record() == named.record()
+    assert np.allclose(camera.record()["view"], -opengl[:3, 2])
+    with pytest.raises(ValueError, match="convention is 'blender'; give 'opencv' or 'opengl'"):
+        hl.Camera.from_intrinsics(*lens, opengl, convention="blender")  # type: ignore[arg-type]
+
+
 def test_intrinsics_bring_their_size(cpu: hl.Renderer) -> None:
     camera = hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30)
     scene = hl.Scene([[0, 0, 5]], 1)
@@ -163,6 +179,38 @@ def test_intrinsics_bring_their_size(cpu: hl.Renderer) -> None:
     assert cpu.render(scene, camera)["id"][15, 20] == 0
     with pytest.raises(ValueError, match="intrinsics belong to"):
         cpu.render(scene, camera, size=(80, 60))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (np.diag([-1.0, 1, 1]), "pose: its rotation is mirrored"),
+        (np.diag([1.0, 1, 1.01]), "lengths 1, 1, 1.01"),
+        (np.diag([2.0, 2, 2]), "lengths 2, 2, 2"),
+        (np.array([[1, 0.01, 0], [0, 1, 0], [0, 0, 1]]), "columns 0 and 1 .* 89.4"),
+        (np.zeros((3, 3)), "is 0"),
+    ],
+)
+def test_poses_that_are_no_rotations_are_refused(
+    change: NDArray[np.float64], words: str, tmp_path: Path
+) -> None:
+    pose = np.eye(4)
+    angle = 0.4
+    pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    # Rounding to float32 or to four digits leaves a rotation.
+    for rounded in (pose.astype("f4"), pose.round(4)):
+        hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30, rounded)
+    pose[:3, :3] = pose[:3, :3] @ change
+    with pytest.raises(ValueError, match=words):
+        hl.Camera.from_intrinsics(50, 50, 20, 15, 40, 30, pose)
+    path = tmp_path / "poses.json"
+    path.write_text(json.dumps([{"pose": np.eye(4).tolist()}, {"pose": pose.tolist()}]))
+    if "2, 2, 2" in words:
+        # The axes of lists need not be normalised.
+        assert len(hl.read_cameras(path, vfov=30)) == 2
+    else:
+        with pytest.raises(ValueError, match=f"camera 1 pose.*{words.removeprefix('pose: ')}"):
+            hl.read_cameras(path, vfov=30)
 
 
 @pytest.mark.parametrize(
@@ -313,6 +361,26 @@ def test_rays_keep_their_shape_and_are_checked(cpu: hl.Renderer) -> None:
         cpu.trace(scene, (0, 0, 0), np.ones((4, 3)), np.ones(3))
     with pytest.raises(ValueError, match=r"tmax\[2\] is NaN"):
         cpu.trace(scene, (0, 0, 0), np.ones((3, 3)), [1, 2, np.nan])
+
+
+@pytest.mark.filterwarnings("error")
+def test_positions_of_rays_are_on_the_spheres(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    random = np.random.default_rng(7)
+    origins, directions = random.normal(size=(2, 20, 30, 3))
+    # Misses with zeros: infinity times 0.
+    directions[0, :3] = np.eye(3)
+    origins[0, :3] = (50, 60, 70)
+    for starts in (origins, (0, 0, 9.0), [[0, 0, 9.0]]):
+        hits = cpu.trace(cloud, starts, directions)
+        assert hits.position.shape == (20, 30, 3) and hits.position.dtype == np.float64
+        assert np.isnan(hits.position[~hits.hit]).all() and hits.hit.any() and not hits.hit.all()
+        spheres = hits.id[hits.hit]
+        away = np.linalg.norm(hits.position[hits.hit] - cloud.centers[spheres], axis=1)
+        # Certified distances are within 1e-5, and no ray is 20 long.
+        assert np.abs(away - cloud.radii[spheres]).max() < 2e-4
+    one = hl.Scene([[0, 0, -3]], 1)
+    assert cpu.trace(one, [[0, 0, 0.5]], (0, 0, -1)).position.tolist() == [0, 0, -2]
+    assert np.isnan(cpu.trace(one, (0, 0, 0), (0, 0, 1)).position).all()
 
 
 def test_a_plan_says_what_a_frame_requires(cpu: hl.Renderer, cloud: hl.Scene) -> None:

@@ -29,6 +29,66 @@ needs_proc = pytest.mark.skipif(
 )
 
 
+FORK = """
+import multiprocessing, sys
+import halfline as hl
+
+scene = hl.Scene([[0, 0, -5]], 1.0)
+
+
+def child(kind):
+    # The parent's objects are dropped here too.
+    global renderer, frames
+    calls = {
+        "render": lambda: renderer.render(scene, size=(9, 9)),
+        "next": lambda: next(frames),
+        "new": lambda: hl.Renderer("cpu"),
+        "camera": lambda: scene.camera,
+    }
+    try:
+        calls[kind]()
+    except RuntimeError as error:
+        assert 'multiprocessing.get_context("spawn")' in str(error), error
+        renderer = frames = None
+        sys.exit(7)
+
+
+fork = multiprocessing.get_context("fork")
+# Before anything was computed a child may work.
+early = fork.Process(target=lambda: hl.Renderer("cpu").render(scene, size=(9, 9)))
+early.start()
+early.join(30)
+assert early.exitcode == 0, early.exitcode
+renderer = hl.Renderer(sys.argv[1])
+renderer.render(scene, size=(64, 64), aovs="depth")
+frames = renderer.render_many(scene, [hl.Camera((0, 0, 0))] * 3, size=(64, 64))
+next(frames)
+for kind in ("render", "next", "new", "camera"):
+    process = fork.Process(target=child, args=(kind,))
+    process.start()
+    process.join(30)
+    code = process.exitcode
+    process.kill()
+    assert code == 7, (kind, code)
+# The parent goes on.
+assert len(list(frames)) == 2
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_forked_processes_get_an_error_instead_of_waiting(backend: str) -> None:
+    if backend == "gpu" and os.environ.get("HALFLINE_NO_GPU"):
+        pytest.skip("HALFLINE_NO_GPU is set")
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore::DeprecationWarning", "-c", FORK, backend],
+        capture_output=True,
+        text=True,
+        timeout=170,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 @needs_proc
 def test_memory_is_flat_over_a_thousand_frames(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     def frames(count: int) -> int:

@@ -4,10 +4,12 @@
 //! Sources: github.com/bmild/nerf and docs.nerf.studio/quickstart/data_conventions.html (transforms.json: columns right,
 //! up, back, eye of a 4 x 4 matrix from camera to world); docs.opencv.org, calib3d (x right, y down, z forward).
 
+mod axes;
 mod json;
 mod listed;
 mod table;
 
+pub use axes::{AxesProblem, check_axes};
 pub use listed::ListedCamera;
 
 use crate::error::{Error, Place, Result};

@@ -34,6 +34,7 @@ mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};
 pub use frame_time::FrameTime;
+pub use infer::{NamedAtoms, NamedElements, elements_of_names};
 pub(super) use infer::{ResidueClass, class, is_ion};
 pub(super) use layout::{EVERY, Layout, Role, component, wanted};
 pub use periodic::Periodic;

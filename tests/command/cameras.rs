@@ -20,6 +20,16 @@ fn alone(dir: &TestDir, camera: &str) -> [Vec<f64>; 2] {
     ["t.npy", "i.npy"].map(|name| dir.array(name).0)
 }
 
+/// Right, up and view, perpendicular and as long as the view.
+fn axes(view: [f64; 3], up: [f64; 3]) -> [[f64; 3]; 3] {
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+    let length = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let scaled = |a: [f64; 3]| a.map(|x| x / length(a) * length(view));
+    let right = scaled(cross(view, up));
+    [right, scaled(cross(right, view)), view]
+}
+
 #[test]
 fn every_form_of_a_list_gives_the_pictures_of_its_cameras() {
     let dir = dir();
@@ -41,9 +51,10 @@ fn every_form_of_a_list_gives_the_pictures_of_its_cameras() {
         "eye_x,eye_y,eye_z,view_x,view_y,view_z,up_x,up_y,up_z,fx,fy,cx,cy\n\
         9,1,2,-9,-1,-2,0,1,0,50,50,20,15\n# a comment\n1,9,1,-1,-9,-0.5,0,0,1,50,50,20,15\n",
     );
-    // Columns right, up, back, eye; the lengths of the axes do not matter.
+    // Columns right, up, back, eye; the common length of the axes does not matter.
     let nerf = |view: [f64; 3], up: [f64; 3], eye: [f64; 3]| {
-        let row = |k: usize| json!([0.0, up[k], -view[k], eye[k]]);
+        let [right, up, view] = axes(view, up);
+        let row = |k: usize| json!([right[k], up[k], -view[k], eye[k]]);
         json!({"file_path": "x.png", "transform_matrix": [row(0), row(1), row(2), [0, 0, 0, 1]]})
     };
     let frames = [
@@ -58,7 +69,8 @@ fn every_form_of_a_list_gives_the_pictures_of_its_cameras() {
     dir.put("angle.json", json!({"camera_angle_x": angle, "w": 40, "h": 30, "frames": frames}).to_string());
     // Columns right, down, forward, eye.
     let pose = |view: [f64; 3], up: [f64; 3], eye: [f64; 3]| {
-        let row = |k: usize| json!([0.0, -up[k], view[k], eye[k]]);
+        let [right, up, view] = axes(view, up);
+        let row = |k: usize| json!([right[k], -up[k], view[k], eye[k]]);
         json!({"pose": [row(0), row(1), row(2), [0, 0, 0, 1]], "K": [[50, 0, 20], [0, 50, 15], [0, 0, 1]]})
     };
     dir.put(
@@ -199,4 +211,21 @@ fn invalid_lists_are_refused_with_the_camera_and_the_field() {
     dir.refused_render(8, "a.xyz --cameras none.json -o a%d.png", &["none.json"]);
     dir.put("cameras.json", dir.get("list.json"));
     dir.refused_render(2, "a.xyz --cameras cameras.json -o a%d.png --vfov 30", &["cameras.json"]);
+}
+
+#[test]
+fn matrices_that_are_no_rotations_are_refused() {
+    let dir = dir();
+    let good = json!([[1, 0, 0, 0.5], [0, -1, 0, 0.2], [0, 0, -1, 9], [0, 0, 0, 1]]);
+    for (key, row, words) in [
+        ("pose", json!([-1, 0, 0, 0.5]), "mirrored"),
+        ("transform_matrix", json!([2, 0, 0, 0.5]), "lengths 2, 1, 1"),
+        ("camera_to_world", json!([1, 0.01, 0, 0.5]), "columns 0 and 1"),
+    ] {
+        let mut bad = good.clone();
+        bad[0] = row;
+        dir.put("bad.json", json!({"poses": [{"pose": good}, {key: bad}]}).to_string());
+        let words = ["bad.json", &format!("camera 1 {key}"), words];
+        dir.refused_render(3, "a.xyz --size 40x30 --vfov 30 --cameras bad.json -o b%d.png", &words);
+    }
 }

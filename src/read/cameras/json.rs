@@ -82,11 +82,16 @@ impl Focus {
 
 impl Object<'_> {
     fn fail(&self, key: &str, problem: &str) -> Error {
+        Error::scene(self.field(key), problem, MEND)
+    }
+
+    /// The place of a field.
+    fn field(&self, key: &str) -> Place {
         let field = match &self.place.field {
             Some(camera) => format!("{camera} {key}"),
             None => key.to_owned(),
         };
-        Error::scene(self.place.clone().named(field), problem, MEND)
+        self.place.clone().named(field)
     }
 
     fn number(&self, key: &str) -> Result<Option<f64>> {
@@ -139,7 +144,8 @@ impl Object<'_> {
             let Some(value) = self.map.get(key) else { continue };
             let rows: Option<Vec<[f64; 4]>> = value.as_array().and_then(|rows| rows.iter().map(numbers).collect());
             return match rows.as_deref() {
-                Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => Ok(ListedCamera::of_matrix([*a, *b, *c], opencv)),
+                Some([a, b, c] | [a, b, c, [0.0, 0.0, 0.0, 1.0]]) => ListedCamera::of_matrix([*a, *b, *c], opencv)
+                    .map_err(|(problem, mend)| Error::scene(self.field(key), problem, mend)),
                 _ => Err(self.fail(key, "expected a 4 x 4 matrix whose last row is 0, 0, 0, 1")),
             };
         }

@@ -1,5 +1,6 @@
 //! A camera of a list.
 
+use super::axes::{AxesProblem, check_axes};
 use crate::scene::camera::{Camera, Intrinsics, Lens, Look};
 use glam::DVec3;
 
@@ -24,11 +25,12 @@ impl ListedCamera {
     }
 
     /// The camera of a matrix from camera to world, by rows, whose columns are right, up, back and the eye; for OpenCV's
-    /// axes right, down, forward and the eye.
-    pub(super) fn of_matrix(matrix: [[f64; 4]; 3], opencv: bool) -> Self {
+    /// axes right, down, forward and the eye. The axes may have any length, which all three have.
+    pub(super) fn of_matrix(matrix: [[f64; 4]; 3], opencv: bool) -> Result<Self, AxesProblem> {
         let column = |k: usize| DVec3::new(matrix[0][k], matrix[1][k], matrix[2][k]);
+        check_axes([0, 1, 2].map(|k| column(k).to_array()), false)?;
         let (view, up) = if opencv { (column(2), -column(1)) } else { (-column(2), column(1)) };
-        Self::new(column(3).to_array(), Look::View(view), up.to_array())
+        Ok(Self::new(column(3).to_array(), Look::View(view), up.to_array()))
     }
 
     /// The same with a lens.

@@ -4,8 +4,10 @@
 
 mod residues;
 pub(super) mod rules;
+mod slices;
 mod species;
 
+pub use slices::{NamedAtoms, NamedElements, elements_of_names};
 pub(in crate::read) use species::Species;
 
 use crate::quote::{count, quote};
@@ -117,8 +119,13 @@ pub(super) struct Inferred {
 }
 
 impl Inferred {
-    /// The messages about a model with `met` atoms.
+    /// The messages about a model of a file with `met` atoms.
     pub(super) fn sentences(&self, met: u64) -> Vec<String> {
+        self.sentences_of("the file", met)
+    }
+
+    /// The messages about a model with `met` atoms of this origin.
+    fn sentences_of(&self, origin: &str, met: u64) -> Vec<String> {
         let mut said = Vec::new();
         let named: u64 = self.counts.iter().sum::<u64>() + self.unknown;
         if named > 0 {
@@ -131,7 +138,7 @@ impl Inferred {
             }
             let astray = if self.astray { "; names are not in the columns of the PDB format" } else { "" };
             said.push(format!(
-                "the file gives no element for {named} of {met} atoms; inferred: {}{astray}",
+                "{origin} gives no element for {named} of {met} atoms; inferred: {}{astray}",
                 ways.join(", ")
             ));
         }

@@ -29,7 +29,8 @@ pub(super) fn elements(masses: &[f64]) -> Option<Vec<u8>> {
     masses.iter().map(|mass| nearest(*mass)).collect()
 }
 
-fn nearest(mass: f64) -> Option<u8> {
+/// The atomic number of this mass, if it looks like an atomic mass.
+pub(super) fn nearest(mass: f64) -> Option<u8> {
     let away = |weight: &f64| (weight - mass).abs();
     let (place, weight) = WEIGHTS.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)))?;
     (away(weight) <= TOLERANCE && *weight > 0.0).then_some(place as u8 + 1)
