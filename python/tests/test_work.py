@@ -184,7 +184,9 @@ def test_python_runs_while_a_frame_is_rendered(cpu: hl.Renderer) -> None:
 
 
 INTERRUPTED = """
-import sys, threading, time
+import signal, sys, threading, time
+# A shell starts jobs in the background with an ignored SIGINT, and children inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 import numpy as np
 import halfline as hl
 renderer = hl.Renderer("cpu")
