@@ -11,12 +11,6 @@ from . import _halfline
 from ._arrays import shown
 from .scene import Color, Scene
 
-# As the command does for an unknown element: between carbon and nitrogen, angstrom.
-_UNKNOWN = 1.6
-
-# Jmol's colour of unknown elements.
-_UNKNOWN_COLOR = "#ff1493"
-
 
 def from_ase(
     atoms: Any,
@@ -147,12 +141,6 @@ def _scene(
         raise ValueError(f"radii is {radii!r}; give 'vdw' or 'covalent'")
     kinds, of = np.unique(symbols, return_inverse=True)
     sizes, colors = _halfline.elements(kinds.tolist(), radii)
-    unknown = _halfline.color(_UNKNOWN_COLOR)
-    all_sizes = (
-        np.array([_UNKNOWN if size is None else size for size in sizes], np.float64)[of]
-        * radius_scale
-    )
-    all_colors = np.array(
-        [unknown if color is None else color for color in colors], np.float32
-    ).reshape(-1, 3)[of]
+    all_sizes = np.array(sizes, np.float64)[of] * radius_scale
+    all_colors = np.array(colors, np.float32).reshape(-1, 3)[of]
     return Scene(positions, all_sizes, all_colors, background=background)

@@ -1,25 +1,20 @@
 //! The library's tables of the elements, and what it infers from names.
 
 use crate::errors::OrRaise;
-use crate::read::color;
 use halfline::read::style::elements::{atomic_number, element};
+use halfline::read::style::{Radii, color_of_element};
 use halfline::read::{NamedAtoms, elements_of_names};
 use pyo3::prelude::*;
 
-/// Radii and linear RGB, where there are any.
-type Tables = (Vec<Option<f64>>, Vec<Option<[f32; 3]>>);
+/// Radii and linear RGB.
+type Tables = (Vec<f64>, Vec<[f32; 3]>);
 
-/// The radii and colours of the elements with these symbols.
+/// The radii and colours of the elements with these symbols; for unknown ones those that the readers take.
 #[pyfunction]
 pub(crate) fn elements(symbols: Vec<String>, radii: &str) -> PyResult<Tables> {
-    let is_covalent = radii == "covalent";
-    let of = |symbol: &String| {
-        let found = element(atomic_number(symbol));
-        let radius = found.and_then(|element| if is_covalent { element.covalent } else { element.vdw });
-        let color = found.map(|element| color(&format!("#{:06x}", element.color))).transpose()?;
-        Ok((radius, color))
-    };
-    symbols.iter().map(of).collect::<PyResult<Vec<_>>>().map(|found| found.into_iter().unzip())
+    let radii = radii.parse::<Radii>().or_raise()?;
+    let of = |number| (radii.radius(number), color_of_element(number));
+    Ok(symbols.iter().map(|symbol| of(atomic_number(symbol))).unzip())
 }
 
 /// The elements of atoms by their symbols, names, residues, residue numbers and masses: the symbols, empty where unknown;

@@ -48,7 +48,7 @@ impl Frame {
         match (&fits[..], format) {
             (_, Some(format)) if format.holds_many() && !fits.is_empty() => Target::new(&fits, &path, style),
             _ if fits.contains(&Aov::Color) => Target::new(&[Aov::Color], &path, style),
-            // Ids are in every frame, so another buffer is what was asked for.
+            // Ids are in every frame, so the other buffer is the requested one.
             ([Aov::Id, other] | [other, Aov::Id] | [other], _) => Target::new(&[*other], &path, style),
             ([], _) => Target::new(&all, &path, style),
             _ => {

@@ -12,6 +12,7 @@ mod frame;
 mod many;
 mod measure;
 mod options;
+mod png;
 mod read;
 mod renderer;
 mod reports;
@@ -38,6 +39,8 @@ mod _halfline {
     use super::many::Frames;
     #[pymodule_export]
     use super::measure::measure;
+    #[pymodule_export]
+    use super::png::png;
     #[pymodule_export]
     use super::read::{Sequence, color};
     #[pymodule_export]

@@ -61,6 +61,13 @@ impl Drop for Renderer {
     }
 }
 
+impl Renderer {
+    /// The settings of a picture on this renderer.
+    fn settings(&self, picture: &Picture, accurate: &Accurate) -> PyResult<Settings> {
+        accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()
+    }
+}
+
 #[pymethods]
 impl Renderer {
     #[new]
@@ -87,7 +94,7 @@ impl Renderer {
         accurate: Accurate,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        let settings = self.settings(&picture, &accurate)?;
         let job = Job::default();
         let number = scene.number;
         let (scene, frame) = job.run(py, progress.as_ref(), || {
@@ -109,7 +116,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<Frames> {
-        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        let settings = self.settings(&picture, &accurate)?;
         Frames::start(py, Arc::clone(&self.shared), scene, cameras, picture, settings)
     }
 
@@ -122,7 +129,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<String> {
-        let settings = accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()?;
+        let settings = self.settings(&picture, &accurate)?;
         let job = Job::default();
         let plan = job.run(py, None, || {
             let scene = picture.scene(scene, camera)?;

@@ -6,7 +6,6 @@ use halfline::error::Error;
 use serde_json::json;
 use std::ffi::OsStr;
 use std::io::{self, Write};
-
 use std::sync::{Mutex, PoisonError};
 
 /// Whether the object is printed: the thread that ends a process after a signal may be as fast as the work.

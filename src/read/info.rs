@@ -6,7 +6,7 @@ use super::particles::{self, ColumnCounts, Counts, Survey};
 use super::sequence::Sequence;
 use super::source::SceneSource;
 use super::style::elements::element;
-use super::style::{Style, UNKNOWN_RADIUS, spacing_of};
+use super::style::{Radii, Style, spacing_of};
 use crate::error::{Error, Place, Result};
 use crate::scene::{Cell, Scene};
 use serde::Serialize;
@@ -252,7 +252,7 @@ impl RadiiInfo {
         } else if counts.sized > 0 {
             ("file", counts.radii)
         } else if known > 0 {
-            let radius = |number: usize| element(number as u8).and_then(|found| found.vdw).unwrap_or(UNKNOWN_RADIUS);
+            let radius = |number: usize| Radii::Vdw.radius(number as u8);
             let there = (0..counts.elements.len()).filter(|number| counts.elements[*number] > 0).map(radius);
             ("element", there.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], r| [a.min(r), b.max(r)]))
         } else {

@@ -81,6 +81,12 @@ impl Radii {
         }
     }
 
+    /// The radius of an element by its atomic number, ångström; that of unknown elements where there is none.
+    #[must_use]
+    pub fn radius(self, number: u8) -> f64 {
+        element(number).and_then(|element| self.of(element)).unwrap_or(UNKNOWN_RADIUS)
+    }
+
     fn of(self, element: &Element) -> Option<f64> {
         match self {
             Self::Vdw => element.vdw,
@@ -114,7 +120,13 @@ pub enum Coloring {
 type Colors = Vec<[f32; 3]>;
 
 /// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
-pub(super) const UNKNOWN_RADIUS: f64 = 1.6;
+const UNKNOWN_RADIUS: f64 = 1.6;
+
+/// Linear RGB of an element by its atomic number; deep pink if it is unknown.
+#[must_use]
+pub fn color_of_element(number: u8) -> [f32; 3] {
+    of_hex(categories::of_element(number))
+}
 
 impl Style {
     /// The columns that the reader must keep.
@@ -225,9 +237,9 @@ impl Style {
             skipped.assumed.push(format!(
                 "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
             ));
-            let own = |n: usize| element(*particles.elements.get(n)?).and_then(|element| self.radii.of(element));
+            let own = |n: usize| particles.elements.get(n).map_or(UNKNOWN_RADIUS, |number| self.radii.radius(*number));
             let radius = |(n, radius): (usize, &f64)| {
-                if radius.is_nan() { own(n).unwrap_or(UNKNOWN_RADIUS) } else { *radius }
+                if radius.is_nan() { own(n) } else { *radius }
             };
             return Ok(particles.radii.par_iter().enumerate().map(|found| radius(found) * scale).collect());
         }
@@ -254,14 +266,14 @@ impl Style {
                 self.radii.name()
             ));
         }
-        Ok(particles.elements.par_iter().map(|number| known(number).unwrap_or(UNKNOWN_RADIUS) * scale).collect())
+        Ok(particles.elements.par_iter().map(|number| self.radii.radius(*number) * scale).collect())
     }
 
     /// Takes the file's colours where the style uses them.
     fn colors(&self, particles: &mut Particles, skipped: &mut Skipped) -> Result<(Option<Colors>, Option<Legend>)> {
         let elements = || {
             // The table is computed once, not a power for every atom.
-            let table: Vec<[f32; 3]> = (0..=118).map(|n| of_hex(categories::of_element(n))).collect();
+            let table: Vec<[f32; 3]> = (0..=118).map(color_of_element).collect();
             let of = |number: &u8| table[usize::from(*number).min(118)];
             (!particles.elements.is_empty()).then(|| particles.elements.par_iter().map(of).collect())
         };

@@ -76,9 +76,7 @@ impl Arrangement {
         }
         Ok(())
     }
-}
 
-impl Arrangement {
     /// Whether the clip planes remove every copy of every sphere, and no outline is drawn; `false` where there are no
     /// spheres.
     ///
@@ -101,7 +99,7 @@ impl Arrangement {
             let shift = i * a + j * b + k * c;
             let stays = |center: &[f64; 3]| {
                 let center = DVec3::from_array(*center) + shift;
-                self.clip.iter().all(|[x, y, z, d]| DVec3::new(*x, *y, *z).dot(center) <= *d)
+                self.clip.iter().all(|plane| is_kept(*plane, center))
             };
             if spheres.centers.par_iter().any(stays) {
                 return Ok(false);
@@ -157,10 +155,14 @@ fn repeated<T: Copy>(values: List<T>, total: usize, watch: &Watch) -> Result<Lis
     Ok(values.into())
 }
 
-fn clip(spheres: &mut Spheres, [x, y, z, d]: [f64; 4]) -> Result<()> {
+/// Whether a plane (x, y, z, d) keeps a sphere with this centre.
+fn is_kept([x, y, z, d]: [f64; 4], center: DVec3) -> bool {
+    DVec3::new(x, y, z).dot(center) <= d
+}
+
+fn clip(spheres: &mut Spheres, plane: [f64; 4]) -> Result<()> {
     check(spheres.len() as u64, || format!("a clip plane for {} spheres", spheres.len()))?;
-    let normal = DVec3::new(x, y, z);
-    let kept: Vec<bool> = spheres.centers.par_iter().map(|c| normal.dot(DVec3::from_array(*c)) <= d).collect();
+    let kept: Vec<bool> = spheres.centers.par_iter().map(|c| is_kept(plane, DVec3::from_array(*c))).collect();
     let keep = |n: &mut usize| {
         *n += 1;
         kept[*n - 1]
