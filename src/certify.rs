@@ -12,6 +12,7 @@ pub(crate) mod general;
 pub(crate) mod given;
 pub(crate) mod projected;
 mod projection;
+pub(crate) mod sieve;
 pub(crate) mod surface;
 mod terms;
 #[cfg(test)]
@@ -90,14 +91,18 @@ impl<R: Number> Certify<'_, R> {
         Projected::new(&self.lists.projected[entry], &self.lists.details[entry])
     }
 
-    /// Whether the answer is certified: hit, root and normal are certain, no other candidate can be as near (by the
-    /// second smallest lower bound), and the depth is within tolerance. A depth that may have lost bits to underflow is
-    /// never certified.
-    pub(crate) fn certain(&self, answer: &Answer<R>, second: R) -> bool {
-        let depth = R::from_f32(self.projection.depth) + answer.low;
+    /// Whether the answer is certified: hit, root and normal are certain, no other candidate can be as near (by the two
+    /// smallest lower bounds), and the depth is within tolerance. A depth that may have lost bits to underflow is never
+    /// certified, nor is one that is not in front of all that a search may skip: so the result does not depend on what is
+    /// skipped.
+    #[inline(always)]
+    pub(crate) fn certain(&self, answer: &Answer<R>, [low, second]: [R; 2]) -> bool {
+        let reference = R::from_f32(self.projection.depth);
+        let depth = reference + answer.low;
         let sharp =
             answer.depth_interval < R::from_f32(self.projection.tolerance) * depth && depth > R::from_f32(VANISH);
-        answer.sure && answer.high < second && sharp
+        let in_front = answer.high - low < R::from_f32(self.projection.cull_margin) * (reference + low);
+        answer.sure && answer.high < second && sharp && in_front
     }
 
     /// The answer of the sphere in a slot, with its bounds.

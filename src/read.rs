@@ -18,6 +18,7 @@ pub mod rays;
 mod select;
 mod sequence;
 mod source;
+mod stream;
 pub mod style;
 
 use crate::error::Result;
@@ -30,6 +31,7 @@ pub use options::{Altloc, ColumnNames, FrameRange, Hold, ReadOptions};
 pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};
 pub use select::selection::Selection;
 pub use sequence::{SceneFrame, Sequence};
+pub use stream::SphereBlocks;
 pub use style::Style;
 
 impl Scene {

@@ -9,6 +9,7 @@ pub mod plan;
 mod renderer;
 mod sample;
 mod setup;
+pub mod stream;
 pub mod trace;
 
 use crate::error::Result;

@@ -19,7 +19,7 @@ use glam::DVec3;
 
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
-pub use fit::{Framing, Reach};
+pub use fit::{Framing, Reach, middle};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
@@ -227,6 +227,17 @@ impl Skipped {
             Some((_, n)) => *n += 1,
             None => self.kinds.push((kind, 1)),
         }
+    }
+
+    /// Adds what another part left out.
+    pub(crate) fn append(&mut self, more: Self) {
+        for (kind, n) in more.kinds {
+            match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
+                Some((_, count)) => *count += n,
+                None => self.kinds.push((kind, n)),
+            }
+        }
+        self.assumed.extend(more.assumed);
     }
 
     /// One warning per kind.

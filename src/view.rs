@@ -261,8 +261,7 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
     // Branches would keep compilers from vectorizing the loop; exponents are in the order of their numbers.
     let sizes = |(centers, radii): (&[[f64; 3]], &[f64])| {
         centers.iter().zip(radii).fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (center, radius)| {
-            let away = (DVec3::from_array(*center) - eye).abs();
-            let size = away.x.max(away.y).max(away.z.max(*radius));
+            let size = size_from(eye, *center, *radius);
             [least.min(size), most.max(size)]
         })
     };
@@ -278,6 +277,13 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
     Ok((least + (most - least) / 2).max(LEAST_UNIT))
+}
+
+/// What must be in the range of a frame's unit: the radius, or the largest coordinate of the centre relative to the eye.
+#[inline(always)]
+pub(crate) fn size_from(eye: DVec3, center: [f64; 3], radius: f64) -> f64 {
+    let away = (DVec3::from_array(center) - eye).abs();
+    away.x.max(away.y).max(away.z.max(radius))
 }
 
 /// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2): in f64, in f32, and

@@ -9,9 +9,11 @@ fn certify_winner(s: Slopes, k: NearestTwo) -> Answer {
 }
 
 // Whether hit, root and normal are certain, no other sphere can be as near, and the depth is within the tolerance. A
-// depth that may have been flushed as a subnormal is never certain.
+// depth that may have been flushed as a subnormal is never certain, nor is one that is not in front of all that the
+// search may skip: so the result does not depend on what is skipped.
 fn certain(answer: Answer, k: NearestTwo) -> bool {
     let depth = projection.depth + answer.low;
     let sharp = answer.depth_interval < projection.tolerance * depth && depth > VANISH;
-    return answer.sure && answer.high < k.second && sharp;
+    let in_front = answer.high - k.low < projection.cull_margin * (projection.depth + k.low);
+    return answer.sure && answer.high < k.second && sharp && in_front;
 }

@@ -3,6 +3,7 @@
 
 pub(super) mod cover;
 pub(super) mod project;
+pub(super) mod pyramid;
 pub(super) mod stage;
 
 use super::answer::ProjectionRecord;
@@ -39,9 +40,8 @@ const STEEPEST: f64 = 0.75;
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 /// An error of p.d that makes every answer uncertain, with a square in range.
 const UNKNOWN: f32 = (1u64 << 60) as f32;
-/// The distance behind a winner's lower bound, relative to its depth, beyond which list entries are skipped: the
-/// promised tolerance, or a value that keeps the proof possible at little cost.
-const CULL_MARGIN: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
+/// The least promised tolerance that margins depend on: four units of roundoff.
+const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
 /// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Range of projected radii, and of depths in their unit, that f32 squares without underflow or overflow: 2^-60 to
@@ -241,9 +241,14 @@ impl ProjectionBounds {
             // The width and the comparison are rounded too.
             tolerance: (tolerance.min(1.0) * (1.0 - 2f64.powi(-10))) as f32,
             generals: 0,
-            cull_margin: tolerance.clamp(CULL_MARGIN[0], CULL_MARGIN[1]) as f32,
+            cull_margin: cull_margin(tolerance) as f32,
             size: (f64::from(reference) * unit + alone) as f32,
         }
+    }
+
+    /// Exponent of the frame's unit.
+    pub(super) fn unit_exponent(&self) -> i32 {
+        self.frame
     }
 
     /// Whether f32 can represent the rays and the squares in a general sphere's bound.
@@ -253,6 +258,14 @@ impl ProjectionBounds {
             false => self.slope.iter().all(|slope| *slope >= NARROWEST) && self.widest <= UNBOUNDED,
         }
     }
+}
+
+/// The distance behind a hit, relative to its depth, beyond which spheres are left out: of lists and of blocks, and for a
+/// ray the rest of its list. No answer that reaches farther back is certified, so whether one is does not depend on what
+/// is left out. Eight times the promised tolerance: answers within the tolerance lie in front of it, as far as the lower
+/// bound of the search is not much coarser than theirs.
+fn cull_margin(tolerance: f64) -> f64 {
+    8.0 * tolerance.clamp(LEAST_TOLERANCE, 0.125)
 }
 
 /// The smallest f32 that is at least x.

@@ -1,6 +1,7 @@
 //! `halfline render SCENE`.
 
 mod picture;
+mod stream;
 
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
@@ -18,7 +19,7 @@ use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::report::Report;
-use halfline::settings::Backend;
+use halfline::settings::{Backend, Settings};
 use halfline::write::file::{Target, is_special};
 use picture::{Messages, Picture};
 use std::num::NonZeroU32;
@@ -33,6 +34,10 @@ pub(crate) struct Render {
     /// Skips files that exist, are complete and come from the same rendering.
     #[arg(long, help_heading = "Output")]
     resume: bool,
+    /// Reads the scene in blocks and keeps only spheres that some ray may hit, so that a file of rows (npy, csv, xyz, dump,
+    /// ply, las) may be larger than memory; by itself where it is. Buffers of camera rays, with the same bytes.
+    #[arg(long)]
+    stream: bool,
     /// Prints one JSON object about the rendering on standard output.
     #[arg(long, help_heading = REPORTING)]
     json: bool,
@@ -55,6 +60,9 @@ pub(crate) struct Render {
 /// The most spheres of all scenes that are in memory together, and the most pixels of their frames: some hundred bytes
 /// each.
 const TOGETHER: usize = 1 << 22;
+
+/// The opened file, unless it was a stream, and its first scene.
+type First<'a> = (Option<SceneFrames<'a>>, Option<Numbered>);
 
 /// The heading of the options that report on the rendering.
 const REPORTING: &str = "Reporting";
@@ -113,7 +121,8 @@ impl Render {
         }
         // Opening a device takes time, so it runs beside the reading of the scene.
         let cancel = Cancel::default();
-        let (opened, renderer) = threads::both(|| self.first(&cancel), || Renderer::new(&settings));
+        let first = || self.first(&settings, &targets, &cancel);
+        let (opened, renderer) = threads::both(first, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
@@ -133,7 +142,7 @@ impl Render {
         let (messages, mut cameras) = (Messages::new(&bar), WrittenCameras::default());
         let mut next = || match picture.take() {
             Some(first) => Ok(Some(first)),
-            None => self.ready(&mut scene_frames),
+            None => scene_frames.as_mut().map_or(Ok(None), |frames| self.ready(frames)),
         };
         let each = |renderer: &mut Renderer, numbered: Numbered| {
             if !go_on() {
@@ -185,11 +194,30 @@ impl Render {
         print(&format!("{text}\n"))
     }
 
-    /// The opened file and its first scene.
-    fn first(&self, cancel: &Cancel) -> Result<(SceneFrames<'_>, Option<Numbered>)> {
-        let mut scene_frames = SceneFrames::open(&self.args, cancel)?;
-        let first = self.ready(&mut scene_frames)?;
-        Ok((scene_frames, first))
+    /// The opened file and its first scene; a stream has no other.
+    fn first(&self, settings: &Settings, targets: &[Target], cancel: &Cancel) -> Result<First<'_>> {
+        let streamed = || Ok((None, Some(stream::Source::new(&self.args, cancel)?.visible(settings, targets)?)));
+        if self.stream {
+            return streamed();
+        }
+        let in_memory = || {
+            let mut scene_frames = SceneFrames::open(&self.args, cancel)?;
+            let first = self.ready(&mut scene_frames)?;
+            Ok((Some(scene_frames), first))
+        };
+        match in_memory() {
+            Err(Error::Limits { problem, .. })
+                if stream::Source::new(&self.args, cancel).is_ok() && !self.reads_standard() =>
+            {
+                note(format_args!("{problem}: the file is read as a stream (see --stream)"));
+                streamed()
+            }
+            opened => opened,
+        }
+    }
+
+    fn reads_standard(&self) -> bool {
+        self.args.scene == Path::new("-")
     }
 
     /// The next scene, once its files are known to be writable.

@@ -13,6 +13,7 @@ use halfline::progress::Cancel;
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, Hold, ReadOptions, SceneFrame, Sequence};
+use halfline::render::stream::StreamIds;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Reach, Scene};
 use std::collections::HashSet;
@@ -42,14 +43,25 @@ pub(super) struct Numbered {
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
     pub(super) when: FrameTime,
+    /// The ids of the spheres, where the scene is what is left of a stream.
+    pub(super) ids: Option<StreamIds>,
+}
+
+/// The options for reading.
+///
+/// # Errors
+/// Those of the colours.
+pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> {
+    let mut options = args.color.of(args.read.options())?;
+    options.watch = options.watch.cancelled_by(cancel);
+    options.skip_invalid = args.skip_invalid;
+    Ok(options)
 }
 
 impl<'a> SceneFrames<'a> {
     /// Opens the scene file; `cancel` ends the reading of frames.
     pub(super) fn open(args: &'a SceneArgs, cancel: &Cancel) -> Result<Self> {
-        let mut options = args.color.of(args.read.options())?;
-        options.watch = options.watch.cancelled_by(cancel);
-        options.skip_invalid = args.skip_invalid;
+        let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
         let (mut camera, mut middle) = (taken.map(|record| camera_file::resized(&record, args.image.size)), None);
@@ -108,7 +120,7 @@ impl<'a> SceneFrames<'a> {
         let request = self.args.look_request(!frame.has_camera);
         let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
-        Ok(Some(Numbered { number, scene, legend, look, when }))
+        Ok(Some(Numbered { number, scene, legend, look, when, ids: None }))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
@@ -202,7 +214,7 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
 }
 
 /// Applies the size of the image and its background.
-fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
+pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
     let scene = &mut frame.scene;
     if let Some((width, height)) = size {
         (scene.image.width, scene.image.height) = (width, height);
@@ -211,7 +223,7 @@ fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut SceneFrame) {
 }
 
 /// Applies the options of the camera; a given eye without a direction looks at the middle of the spheres.
-fn aim(args: &SceneArgs, frame: &mut SceneFrame) {
+pub(super) fn aim(args: &SceneArgs, frame: &mut SceneFrame) {
     let (camera, scene) = (&args.camera, &mut frame.scene);
     camera.apply(&mut scene.camera, frame.has_camera);
     if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {

@@ -321,7 +321,7 @@ fn write(
         }
         let j = (column - window.start) as usize;
         let hit = two.slot[l] != NONE;
-        let proved = !hit || certify.certain(answer, two.second[l]);
+        let proved = !hit || certify.certain(answer, [two.low[l], two.second[l]]);
         row.id[j] = if proved { answer.id } else { UNSURE };
         if let Some(t) = row.t.get_mut(j) {
             *t = answer.offset;

@@ -52,7 +52,7 @@ impl Npy<Input> {
 
 impl<R: BufRead> Npy<R> {
     /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
-    /// For a survey the spheres of an array in C order are counted and dropped, block by block.
+    /// For a survey the spheres of an array in C order are counted or passed on, block by block.
     fn read(
         &mut self,
         header: &Header,
@@ -189,7 +189,7 @@ fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) 
             }
         }
         if let Some(survey) = survey {
-            survey.count_spheres(spheres, width > 3);
+            survey.take_spheres(spheres, width > 3).map_err(|e| Fault::Row(done, e))?;
         }
         done += found;
         if (bytes.len() as u64) < wanted {

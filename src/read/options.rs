@@ -48,7 +48,8 @@ pub struct ReadOptions {
     pub hide: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
-    /// Counts the particles instead of keeping them, with all columns; see [`info`](fn@crate::read::info).
+    /// Counts the particles with all columns, or passes them on in parts, instead of keeping them; see
+    /// [`info`](fn@crate::read::info) and [`SphereBlocks`](crate::read::SphereBlocks).
     pub survey: Option<Survey>,
     /// Cancellation of the reading.
     pub watch: Watch,
@@ -58,7 +59,7 @@ impl ReadOptions {
     /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
-        if self.survey.is_some() {
+        if self.survey.as_ref().is_some_and(Survey::is_counting) {
             return vec![EVERY.to_owned()];
         }
         let mut columns: Vec<String> = self.style.columns().to_vec();

@@ -312,7 +312,7 @@ pub(super) fn no_selections() -> Error {
 }
 
 /// Whether colours are 8-bit levels, not linear RGB: whole numbers up to 255, some above 1.
-fn is_8_bit(colors: &[[f32; 3]]) -> bool {
+pub(super) fn is_8_bit(colors: &[[f32; 3]]) -> bool {
     let level = |x: &f32| x.fract() == 0.0 && (0.0..=255.0).contains(x);
     colors.par_iter().flatten().all(level) && colors.par_iter().flatten().any(|x| *x > 1.0)
 }

@@ -1,6 +1,6 @@
 //! Decides what a scene requires: accuracy, method, search, kernel and buffers.
 
-mod choose;
+pub(super) mod choose;
 pub(super) mod lights;
 mod search;
 

@@ -152,6 +152,12 @@ pub struct Reach {
 }
 
 impl Reach {
+    /// The reach of no spheres, relative to a point.
+    #[must_use]
+    pub fn about(middle: DVec3) -> Self {
+        Self { middle, sides: [f64::INFINITY; 6] }
+    }
+
     /// The reach of both; `other` was taken like this one.
     #[must_use]
     pub fn with(self, other: &Self) -> Self {
@@ -177,10 +183,15 @@ impl Spheres {
     /// The middle of the box around all spheres; the origin for no spheres.
     #[must_use]
     pub fn middle(&self) -> DVec3 {
-        let [low, high] = self.bounds();
-        let middle = low + (high - low) / 2.0;
-        if middle.is_finite() { middle } else { DVec3::ZERO }
+        middle(self.bounds())
     }
+}
+
+/// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
+#[must_use]
+pub fn middle([low, high]: [DVec3; 2]) -> DVec3 {
+    let middle = low + (high - low) / 2.0;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
 }
 
 /// The ball about the middle of the box that contains all spheres.

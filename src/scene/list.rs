@@ -33,6 +33,11 @@ impl<T> List<T> {
         Self(Store::Foreign(values))
     }
 
+    /// A list that stands for a longer one, of which it has a part: its digest is that of the longer one.
+    pub(crate) fn part_of(values: Vec<T>, whole: Hash) -> Self {
+        Self(Store::Kept(Arc::new(Kept { values, digest: OnceLock::from(whole), sound: OnceLock::new() })))
+    }
+
     /// The number of values for which there is memory without allocating more.
     pub(crate) fn capacity(&self) -> usize {
         match &self.0 {

@@ -40,6 +40,7 @@ mod progress;
 mod samples;
 mod score;
 mod selftest;
+mod stream;
 mod tiles;
 mod trace;
 mod tree;

@@ -12,6 +12,7 @@ mod skip;
 #[path = "../common/test_dir.rs"]
 mod test_dir;
 
+mod blocks;
 mod cameras;
 mod clash;
 mod compare;

@@ -1,7 +1,7 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
-use super::ProjectionBounds;
 use super::project::floor;
+use super::{ProjectionBounds, cull_margin};
 use crate::certify::tiles::Placed;
 use crate::tile::TILE;
 
@@ -11,6 +11,9 @@ const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 
 /// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
+
+/// How much farther that is than what the kernel leaves out: the rounding of f32, 2^-23, many times over.
+const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
 
 /// What all tiles of a frame share.
 #[derive(Debug, Clone, Copy)]
@@ -29,11 +32,18 @@ pub(in crate::certify) struct Coverage {
     margin: f64,
     /// Half of the length of the unit of rho, per unit of depth.
     rise: f64,
+    /// How far behind a hit a sphere must lie to be left out, relative to the hit's depth.
+    behind: f64,
 }
 
 impl Coverage {
-    /// The coverage of an image of `size` pixels, with depths relative to `reference`.
-    pub(in crate::certify) fn new(projection: &ProjectionBounds, size: [u32; 2], reference: f64) -> Self {
+    /// The coverage of an image of `size` pixels, with depths relative to `reference`, for answers within `tolerance`.
+    pub(in crate::certify) fn new(
+        projection: &ProjectionBounds,
+        size: [u32; 2],
+        reference: f64,
+        tolerance: f64,
+    ) -> Self {
         let ProjectionBounds { step, fixed, per_pixel, corner, scale, .. } = *projection;
         let widest = step[0].max(step[1]);
         // The disc has to cover every sample of a pixel: none is farther from the centre than this.
@@ -49,7 +59,63 @@ impl Coverage {
             middle: corner.map(|corner| corner + 0.5 * (per_pixel - 1.0)),
             margin: widest * (SHRINK[0] + 1.0 / fixed) + aside,
             rise: 0.5 * scale[0],
+            behind: cull_margin(tolerance) * WIDER,
         }
+    }
+}
+
+impl Coverage {
+    /// The pixels that a projected sphere certainly covers; `None` where it covers none: |o| < rho suffices for a hit,
+    /// since then a rho^2 - |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
+    #[inline(always)]
+    pub(super) fn outline(&self, sphere: &Placed) -> Option<Outline> {
+        let (record, detail) = (&sphere.record, &sphere.detail);
+        let Self { reference, per_fixed, step, per_step, per_fine, middle, margin, rise, .. } = *self;
+        let rho = f64::from(record.rho);
+        let inner = rho - (rho * SHRINK[1] + margin);
+        // Under parallel projection, a sphere that may intersect the eye plane has no depth and occludes nothing.
+        let center = f64::from(detail.center);
+        let depth = center + reference;
+        if inner <= 0.0 || depth <= 0.0 {
+            return None;
+        }
+        let [x, y] = [(record.x, 0), (record.y, 1)].map(|(n, k)| (f64::from(n) * per_fixed - middle[k]) * per_fine);
+        // z = z_c - z_c unit (m + sqrt D) / a, and -m / a <= rho |slopes| / (1 + |slopes|^2) <= rho / 2. Depths are relative
+        // to the reference, like the minima of chunks.
+        let high = center + depth * (rise * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
+        let limit = high + self.behind * (high + reference).abs();
+        Some(Outline { center: [x, y], inner, step: step[1], per_step, limit })
+    }
+}
+
+/// The pixels that a sphere certainly covers: an ellipse in the image.
+pub(super) struct Outline {
+    /// Column and row of the middle, in pixels of the image.
+    center: [f64; 2],
+    /// The radius in the unit of rho, that unit per row, and its inverse per column and row.
+    inner: f64,
+    step: f64,
+    per_step: [f64; 2],
+    /// Upper bound of the hit's depth, relative to the reference like the minima of chunks.
+
+    /// The least depth from which on a sphere cannot change the pixels.
+    pub(super) limit: f64,
+}
+
+impl Outline {
+    /// The first and last row.
+    #[inline(always)]
+    pub(super) fn rows(&self) -> (f64, f64) {
+        let up = self.inner * self.per_step[1];
+        (-floor(up - self.center[1]), floor(self.center[1] + up))
+    }
+
+    /// The first and last column of a row; the first is greater where there are none.
+    #[inline(always)]
+    pub(super) fn columns(&self, row: f64) -> (f64, f64) {
+        let down = (row - self.center[1]) * self.step;
+        let half = (self.inner * self.inner - down * down).max(0.0).sqrt() * self.per_step[0];
+        (-floor(half - self.center[0]), floor(self.center[0] + half))
     }
 }
 
@@ -60,8 +126,8 @@ pub(in crate::certify) struct Cover {
     corner: [f64; 2],
     /// A bit per pixel that no sphere certainly covers yet, row by row.
     pub(in crate::certify) open: u64,
-    /// Upper bound of the nearest hit's depth over the covered pixels, relative to the reference like the minima of
-    /// chunks.
+    /// The least depth from which on a sphere cannot change the covered pixels, relative to the reference like the minima
+    /// of chunks.
     pub(in crate::certify) deepest: f64,
 }
 
@@ -75,35 +141,22 @@ impl Cover {
         Self { coverage, corner: corner.map(f64::from), open, deepest: f64::NEG_INFINITY }
     }
 
-    /// An upper bound of the nearest hit's depth for all pixels, once every pixel is covered.
+    /// The least depth from which on a sphere cannot change any pixel, once every pixel is covered.
     pub(in crate::certify) fn limit(&self) -> Option<f64> {
         (self.open == 0).then_some(self.deepest)
     }
 
-    /// Marks the pixels that a projected sphere certainly covers: |o| < rho suffices for a hit, since then a rho^2 -
-    /// |o|^2 - (slopes x o)^2 >= a (rho^2 - |o|^2) > 0.
+    /// Marks the pixels that a projected sphere certainly covers.
     pub(in crate::certify) fn add(&mut self, sphere: &Placed) {
-        let (record, detail) = (&sphere.record, &sphere.detail);
-        let Coverage { reference, per_fixed, step, per_step, per_fine, middle, margin, rise, .. } = self.coverage;
-        let rho = f64::from(record.rho);
-        let inner = rho - (rho * SHRINK[1] + margin);
-        // Under parallel projection, a sphere that may intersect the eye plane has no depth and occludes nothing.
-        let center = f64::from(detail.center);
-        let depth = center + reference;
-        if inner <= 0.0 || depth <= 0.0 || self.open == 0 {
-            return;
-        }
-        let [x, y] = [(record.x, 0), (record.y, 1)]
-            .map(|(n, k)| (f64::from(n) * per_fixed - middle[k]) * per_fine - self.corner[k]);
+        let Some(outline) = self.coverage.outline(sphere).filter(|_| self.open != 0) else { return };
         let most = f64::from(TILE - 1);
-        let up = inner * per_step[1];
-        let (top, bottom) = ((-floor(up - y)).max(0.0), floor(y + up).min(most));
+        let [x, y] = self.corner;
+        let (top, bottom) = outline.rows();
+        let (mut row, bottom) = ((top - y).max(0.0), (bottom - y).min(most));
         let mut bits = 0u64;
-        let mut row = top;
         while row <= bottom {
-            let down = (row - y) * step[1];
-            let half = (inner * inner - down * down).max(0.0).sqrt() * per_step[0];
-            let (left, right) = ((-floor(half - x)).max(0.0), floor(x + half).min(most));
+            let (left, right) = outline.columns(row + y);
+            let (left, right) = ((left - x).max(0.0), (right - x).min(most));
             if left <= right {
                 bits |= ((2u64 << right as u32) - (1u64 << left as u32)) << (TILE * row as u32);
             }
@@ -111,9 +164,7 @@ impl Cover {
         }
         if bits & self.open != 0 {
             self.open &= !bits;
-            // z = z_c - z_c unit (m + sqrt D) / a, and -m / a <= rho |slopes| / (1 + |slopes|^2) <= rho / 2.
-            let high = center + depth * (rise * rho) + center.abs() * DEEPER[0] + depth * DEEPER[1];
-            self.deepest = self.deepest.max(high);
+            self.deepest = self.deepest.max(outline.limit);
         }
     }
 }

@@ -195,9 +195,7 @@ impl ProjectionBounds {
         let mut outside = false;
         let (mut fixed, mut subpixel_offset, mut tiles) = ([0; 2], [0.0; 2], [[0; 2]; 2]);
         for k in 0..2 {
-            // A ray that hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x)
-            // <= 1 + x / 2.
-            let half = aim.rho * (1.0 + 0.5 * aim.steepest[k] * aim.steepest[k]) * self.per_step[k] + WIDEN[0];
+            let half = self.extent(aim.rho, aim.steepest[k], k);
             let first = -floor(-larger(place[k] - half, self.corner[k]));
             let last = floor(smaller(place[k] + half, self.end[k] - 1.0));
             seen &= first <= last;
@@ -226,6 +224,13 @@ impl ProjectionBounds {
             },
             bin: Bin { chunk_min_depth: below(chunk_min_depth), tiles },
         }
+    }
+
+    /// Half the extent in the image of a sphere whose rays are no steeper than this along an axis, in pixels: a ray that
+    /// hits has |o|^2 + (slopes x o)^2 <= a rho^2, so o_k^2 <= (1 + slope_k^2) rho^2; and sqrt(1 + x) <= 1 + x / 2.
+    #[inline(always)]
+    pub(super) fn extent(&self, rho: f64, steepest: f64, axis: usize) -> f64 {
+        rho * (1.0 + 0.5 * steepest * steepest) * self.per_step[axis] + WIDEN[0]
     }
 
     /// The unit of rho as a length at that depth.

@@ -142,7 +142,7 @@ pub(super) fn check<R: Value>(
     }
     let lens = twin.projection;
     let certain = if checks == Checks::ALL {
-        twin.certain(&answer, kept.second)
+        twin.certain(&answer, [kept.low, kept.second])
     } else {
         let sharp = answer.depth_interval < R::from_f32(lens.tolerance) * (R::from_f32(lens.depth) + answer.low);
         let hit = if checks.normal { answer.sure } else { answer.hits };

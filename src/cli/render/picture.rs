@@ -90,6 +90,9 @@ impl Render {
         }
         messages.note(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
+        if let Some(ids) = &numbered.ids {
+            ids.restore(&mut frame);
+        }
         frame.report.number = numbered.number;
         frame.report.hold = self.args.read.hold();
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));

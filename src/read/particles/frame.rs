@@ -6,7 +6,7 @@ use super::left_out::LeftOut;
 use super::mixed::Mixed;
 use super::names::Names;
 use super::survey::{Counted, Counts, Survey};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
 use crate::scene::{Cell, Skipped};
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ pub(crate) struct Particles {
     pub(crate) skipped: Skipped,
     /// Invalid rows that are left out, while they are read.
     pub(in crate::read) left_out: LeftOut,
-    /// Where the particles are counted and dropped instead of being kept.
+    /// Where the particles are counted or passed on instead of being kept.
     pub(in crate::read) survey: Option<Survey>,
     /// The number of particles for which all lists have capacity.
     pub(in crate::read) room: usize,
@@ -112,7 +112,7 @@ impl Particles {
     /// Finishes columns of text and of symbols: finds the elements of names, and removes virtual sites.
     pub(super) fn settle_texts(&mut self) {
         self.tell_left_out();
-        if let Some(survey) = self.survey.clone() {
+        if let Some(survey) = self.survey.clone().filter(Survey::is_counting) {
             let mut counts = survey.counts();
             self.count(&mut counts);
             let said = std::mem::take(&mut self.species).settle_counts(&mut counts.elements);
@@ -206,6 +206,34 @@ impl Particles {
         self.places.clear();
     }
 
+    /// Takes the particles so far away, as a part of the frame.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where what they are is only known when all are read.
+    pub(super) fn split_off(&mut self) -> Result<Self> {
+        if self.species != Species::default() {
+            let problem = "the column of elements has atom names, which are understood only from the whole file";
+            return Err(Error::settings(problem, "remove --stream"));
+        }
+        if !self.texts.is_empty() {
+            let problem = "the colours of a column of names depend on all names of the file";
+            return Err(Error::settings(problem, "use a column of numbers, or remove --stream"));
+        }
+        let columns = self.columns.iter_mut();
+        self.room = 0;
+        Ok(Self {
+            positions: std::mem::take(&mut self.positions),
+            radii: std::mem::take(&mut self.radii),
+            elements: std::mem::take(&mut self.elements),
+            colors: std::mem::take(&mut self.colors),
+            columns: columns
+                .map(|column| Column { name: column.name.clone(), values: std::mem::take(&mut column.values) })
+                .collect(),
+            has: self.has.clone(),
+            ..Self::default()
+        })
+    }
+
     /// Whether a column has names.
     pub(super) fn is_text(&self, name: &str) -> bool {
         let reading = self.texts.iter().any(|(column, _)| self.columns[*column].name == name);
@@ -243,8 +271,7 @@ impl Particles {
         if let Some(survey) = self.survey.clone()
             && survey.is_full(n)
         {
-            self.count(&mut survey.counts());
-            return Ok(());
+            return survey.take(self);
         }
         if n + more <= self.room {
             return Ok(());

@@ -1,9 +1,12 @@
-//! What a file contains, counted part by part: the particles of a part are dropped when they have been counted, so that
-//! the memory does not grow with the file.
+//! A file read part by part, so that the memory does not grow with it: the particles of a part are counted and dropped,
+//! or passed on.
 
+use super::Particles;
 use super::infer::{Inference, code_of_unknown};
+use crate::error::{Error, Result};
 use crate::scene::{Cell, Spheres};
 use std::collections::BTreeMap;
+use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The most particles in a part, unless another number is given.
@@ -12,11 +15,13 @@ const PART: usize = 1 << 19;
 /// The most different numbers of a column that are counted.
 const VALUES: usize = 64;
 
-/// The counts so far; clones share them.
+/// What becomes of the particles of each part. Clones share it.
 #[derive(Debug, Clone)]
 pub struct Survey {
     counts: Arc<Mutex<Counts>>,
-    /// The number of particles after which a part is counted and dropped.
+    /// Where the particles are passed on; without it they are counted and dropped.
+    parts: Option<SyncSender<Particles>>,
+    /// The number of particles of a part.
     part: usize,
 }
 
@@ -88,7 +93,7 @@ pub(super) struct Counted<'a> {
 
 impl Default for Survey {
     fn default() -> Self {
-        Self { counts: Arc::default(), part: PART }
+        Self { counts: Arc::default(), parts: None, part: PART }
     }
 }
 
@@ -97,6 +102,46 @@ impl Survey {
     #[cfg(test)]
     pub(in crate::read) fn with_part(part: usize) -> Self {
         Self { part, ..Self::default() }
+    }
+
+    /// Passes the particles on instead of counting them, in parts of at least `part`.
+    pub(in crate::read) fn passing(parts: SyncSender<Particles>, part: usize) -> Self {
+        Self { parts: Some(parts), part, ..Self::default() }
+    }
+
+    /// Whether the particles are counted.
+    pub(in crate::read) fn is_counting(&self) -> bool {
+        self.parts.is_none()
+    }
+
+    /// Counts the particles, or passes them on.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where the elements of the particles are not known before the last one is read;
+    /// [`Error::Interrupted`] if nothing receives them.
+    pub(super) fn take(&self, particles: &mut Particles) -> Result<()> {
+        match &self.parts {
+            None => particles.count(&mut self.counts()),
+            Some(parts) => parts.send(particles.split_off()?).map_err(|_| Error::Interrupted)?,
+        }
+        Ok(())
+    }
+
+    /// The same for spheres; without radii in the file their radii do not count.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub(in crate::read) fn take_spheres(&self, spheres: &mut Spheres, sized: bool) -> Result<()> {
+        let Some(parts) = &self.parts else {
+            self.count_spheres(spheres, sized);
+            return Ok(());
+        };
+        let Spheres { centers, radii, colors, .. } = std::mem::take(spheres);
+        let radii = if sized { radii.into_vec() } else { Vec::new() };
+        let colors = colors.unwrap_or_default().into_vec();
+        parts
+            .send(Particles { positions: centers.into_vec(), radii, colors, ..Particles::default() })
+            .map_err(|_| Error::Interrupted)
     }
 
     /// Whether `particles` are a part.

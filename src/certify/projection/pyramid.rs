@@ -1,0 +1,190 @@
+//! Occlusion culling: the depth pyramid of a frame, as in hierarchical z-buffering (Greene, Kass, Miller 1993), with proven
+//! bounds. docs/certificate.md, section 11, derives that a frame without the culled spheres has the same bits.
+
+use super::ProjectionBounds;
+use super::cover::Coverage;
+use super::project::floor;
+use crate::certify::tiles::{Bin, Placed};
+use crate::tile::TILE;
+use crate::window::Window;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// How much a footprint is widened, relative to the radius: the rounding of the record to f32, 2^-24, many times over.
+const WIDEN: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// The largest footprint, in pixels, whose pixels are compared one by one.
+const COMPARED: f64 = (1 << 12) as f64;
+
+/// Depths behind which a sphere cannot change a pixel, per pixel and per square of tiles.
+pub(in crate::certify) struct DepthPyramid {
+    coverage: Coverage,
+    window: Window,
+    /// Per pixel of the window, row by row: spheres that lie behind cannot change it. Bits of f32 as ordered integers.
+    limits: Vec<AtomicU32>,
+    /// The largest limits in squares of 2^k tiles, as of the last refresh.
+    levels: Vec<Level>,
+}
+
+/// A level of the pyramid: squares of tiles of the full image, as far as they overlap the window.
+struct Level {
+    /// The first column and row.
+    first: [u32; 2],
+    columns: u32,
+    farthest: Vec<f32>,
+}
+
+impl Level {
+    fn at(&self, column: u32, row: u32) -> f32 {
+        self.farthest[((row - self.first[1]) * self.columns + column - self.first[0]) as usize]
+    }
+}
+
+impl DepthPyramid {
+    /// The pyramid for a window of an image of `size` pixels, without a sphere. Depths are relative to `reference`.
+    pub(in crate::certify) fn new(
+        projection: &ProjectionBounds,
+        (size, window): ([u32; 2], Window),
+        reference: f64,
+        tolerance: f64,
+    ) -> Self {
+        let coverage = Coverage::new(projection, size, reference, tolerance);
+        let pixels = window.width() as usize * window.height() as usize;
+        let limits = (0..pixels).map(|_| AtomicU32::new(ordered(f32::INFINITY))).collect();
+        let mut pyramid = Self { coverage, window, limits, levels: Vec::new() };
+        pyramid.refresh();
+        pyramid
+    }
+
+    /// Takes over what the spheres since the last refresh cover.
+    pub(in crate::certify) fn refresh(&mut self) {
+        let this = &*self;
+        let Window { x0, y0, x1, y1 } = self.window;
+        let (first, last) = ([x0 / TILE, y0 / TILE], [(x1 - 1) / TILE, (y1 - 1) / TILE]);
+        let columns = last[0] - first[0] + 1;
+        let row = |row: u32| {
+            let rows = (row * TILE).max(y0)..((row + 1) * TILE).min(y1);
+            (first[0]..=last[0]).map(move |column| {
+                let columns = (column * TILE).max(x0)..((column + 1) * TILE).min(x1);
+                let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| this.place(x, y)));
+                pixels.fold(0, |most, place| most.max(this.limits[place].load(Ordering::Relaxed)))
+            })
+        };
+        let rows: Vec<u32> = (first[1]..=last[1]).collect();
+        let farthest = rows.into_par_iter().flat_map_iter(row).map(number).collect();
+        let mut levels = vec![Level { first, columns, farthest }];
+        while let Some(fine) = levels.last().filter(|level| level.farthest.len() > 1) {
+            let rows = fine.farthest.len() as u32 / fine.columns;
+            let first = fine.first.map(|n| n / 2);
+            let [columns, lines] =
+                [(0, fine.columns), (1, rows)].map(|(k, n)| (fine.first[k] + n - 1) / 2 - first[k] + 1);
+            let mut farthest = vec![f32::NEG_INFINITY; (columns * lines) as usize];
+            for (n, limit) in fine.farthest.iter().enumerate() {
+                let (column, row) = (fine.first[0] + n as u32 % fine.columns, fine.first[1] + n as u32 / fine.columns);
+                let place = ((row / 2 - first[1]) * columns + column / 2 - first[0]) as usize;
+                farthest[place] = farthest[place].max(*limit);
+            }
+            levels.push(Level { first, columns, farthest });
+        }
+        self.levels = levels;
+    }
+
+    /// Whether no ray of the window can hit a projected sphere first, by what was covered at the last refresh.
+    pub(in crate::certify) fn hides(&self, bin: &Bin) -> bool {
+        let Window { x0, y0, x1, y1 } = self.window;
+        let window = [[x0 / TILE, (x1 - 1) / TILE], [y0 / TILE, (y1 - 1) / TILE]];
+        let tiles = [0, 1].map(|k| [bin.tiles[k][0].max(window[k][0]), bin.tiles[k][1].min(window[k][1])]);
+        if tiles.iter().any(|[first, last]| first > last) {
+            return true;
+        }
+        // A level at which at most two squares side by side contain the tiles.
+        let [across, down] = tiles.map(|[first, last]| last - first);
+        let level = (across.max(down).max(1) - 1).checked_ilog2().map_or(0, |n| n as usize + 1);
+        let level = level.min(self.levels.len() - 1);
+        let [[left, right], [top, bottom]] = tiles.map(|range| range.map(|tile| tile >> level));
+        let level = &self.levels[level];
+        (top..=bottom).all(|row| (left..=right).all(|column| level.at(column, row) < bin.chunk_min_depth))
+    }
+
+    /// The same by the pixels of its footprint, and by what is covered by now. A large sphere is not compared.
+    pub(in crate::certify) fn hides_in_pixels(&self, lens: &ProjectionBounds, bin: &Bin, placed: &Placed) -> bool {
+        let Some([[left, right], [top, bottom]]) = self.footprint(lens, placed) else { return true };
+        if f64::from(right - left + 1) * f64::from(bottom - top + 1) > COMPARED {
+            return false;
+        }
+        let least = ordered(bin.chunk_min_depth);
+        (top..=bottom).all(|y| {
+            let row = self.place(left, y)..=self.place(right, y);
+            self.limits[row].iter().all(|limit| limit.load(Ordering::Relaxed) < least)
+        })
+    }
+
+    /// The first and last column and row of the pixels of the window whose rays may hit a projected sphere; `None` without any.
+    fn footprint(&self, lens: &ProjectionBounds, placed: &Placed) -> Option<[[u32; 2]; 2]> {
+        let record = &placed.record;
+        let window = [[self.window.x0, self.window.x1], [self.window.y0, self.window.y1]];
+        let mut found = [[0; 2]; 2];
+        for (k, fixed) in [record.x, record.y].into_iter().enumerate() {
+            let place = f64::from(fixed) / lens.fixed;
+            // As for tiles, with the largest slope of the image; the record adds one unit of the fixed point and the rounding of rho.
+            let rho = f64::from(record.rho) * (1.0 + WIDEN);
+            let half = lens.extent(rho, lens.edge[k], k) + 1.0 / lens.fixed;
+            let (first, last) = (-floor(half - place), floor(place + half));
+            if first > last {
+                return None;
+            }
+            let pixel = |fine: f64| floor((fine - lens.corner[k] + 0.5) / lens.per_pixel);
+            let [low, end] = window[k].map(f64::from);
+            let (first, last) = (pixel(first).max(low), pixel(last).min(end - 1.0));
+            if first > last {
+                return None;
+            }
+            found[k] = [first as u32, last as u32];
+        }
+        Some(found)
+    }
+
+    /// Lowers the limits of the pixels that a projected sphere certainly covers.
+    pub(in crate::certify) fn cover(&self, placed: &Placed) {
+        let Some(outline) = self.coverage.outline(placed) else { return };
+        let limit = ordered(above(outline.limit));
+        let Window { x0, y0, x1, y1 } = self.window;
+        let (top, bottom) = outline.rows();
+        let (mut row, bottom) = (top.max(f64::from(y0)), bottom.min(f64::from(y1) - 1.0));
+        while row <= bottom {
+            let (left, right) = outline.columns(row);
+            let (left, right) = (left.max(f64::from(x0)), right.min(f64::from(x1) - 1.0));
+            if left <= right {
+                let places = self.place(left as u32, row as u32)..=self.place(right as u32, row as u32);
+                for known in &self.limits[places] {
+                    // A read is cheaper than the locked minimum, and most pixels are covered already.
+                    if known.load(Ordering::Relaxed) > limit {
+                        known.fetch_min(limit, Ordering::Relaxed);
+                    }
+                }
+            }
+            row += 1.0;
+        }
+    }
+
+    fn place(&self, x: u32, y: u32) -> usize {
+        (y - self.window.y0) as usize * self.window.width() as usize + (x - self.window.x0) as usize
+    }
+}
+
+/// An f32 that is at least x.
+fn above(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}
+
+/// The bits of x as an integer with the same order.
+fn ordered(x: f32) -> u32 {
+    let bits = x.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// The inverse.
+fn number(ordered: u32) -> f32 {
+    f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
+}

@@ -1,0 +1,164 @@
+//! The spheres of a file in blocks, for files larger than memory: while a block is used, the next one is read.
+
+use super::format::Format;
+use super::options::ReadOptions;
+use super::particles::{self, ParticleFrames, Particles, Periodic, Survey};
+use super::source::SceneSource;
+use super::style::{Coloring, Legend, is_8_bit};
+use crate::error::{Error, Place, Result};
+use crate::quote::count;
+use crate::scene::{Skipped, Spheres};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread::{self, JoinHandle};
+
+/// The formats that list particles row by row.
+const ROWS: [Format; 6] = [Format::Npy, Format::Csv, Format::Xyz, Format::Dump, Format::Ply, Format::Las];
+
+/// Spheres of a block.
+const BLOCK: usize = 1 << 18;
+
+/// Blocks that are read ahead.
+const AHEAD: usize = 2;
+
+/// The spheres of one frame of a file, block by block, in the order of the file. They are those that
+/// [`Sequence`](super::Sequence) gives in memory.
+pub struct SphereBlocks {
+    parts: Receiver<Particles>,
+    /// The thread that reads; it returns what remains after the last whole part.
+    reader: Option<JoinHandle<Result<Option<Particles>>>>,
+    options: ReadOptions,
+    file: Place,
+    /// Whether the colours so far are 8-bit sRGB.
+    levels: Option<bool>,
+    skipped: Skipped,
+    /// What was said of parts, without numbers.
+    said: BTreeSet<String>,
+    legend: Option<Legend>,
+}
+
+impl SphereBlocks {
+    /// Opens `path`.
+    ///
+    /// # Errors
+    /// Those of [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and for
+    /// options that need all particles at once: selections, a periodic cell, a range of colours that is not given.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
+        check(options)?;
+        let source = SceneSource::open(path, options)?;
+        if !ROWS.contains(&source.format) {
+            let problem = format!("{} files are not read as a stream", source.format.name());
+            let mend = "remove --stream, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las";
+            return Err(Error::settings(problem, mend));
+        }
+        let (sender, parts) = sync_channel(AHEAD);
+        let passing = ReadOptions { survey: Some(Survey::passing(sender, BLOCK)), ..options.clone() };
+        let Ok(frames) = particles::open(source, &passing)? else {
+            return Err(Error::settings("scenes are not read as a stream", "remove --stream"));
+        };
+        let number = options.frames.numbers().next().unwrap_or(1);
+        // The thread must hold the only sender, so that the receiver sees the end.
+        drop(passing);
+        let reader = thread::Builder::new().name("halfline blocks".into()).spawn(move || frame(frames, number));
+        let reader = reader.map_err(|e| Error::Limits {
+            problem: format!("no thread could be started to read the file: {e}"),
+            mend: "allow the process more threads, or remove --stream".into(),
+        })?;
+        let file = Place::file(path.display().to_string());
+        let (options, reader, skipped) = (options.clone(), Some(reader), Skipped::default());
+        Ok(Self { parts, reader, options, file, levels: None, skipped, said: BTreeSet::new(), legend: None })
+    }
+
+    /// The next spheres; `None` after the last.
+    ///
+    /// # Errors
+    /// Those of [`Scene::read`](crate::Scene::read); [`Error::Settings`] where radii or colours depend on all particles.
+    pub fn next_block(&mut self) -> Result<Option<Spheres>> {
+        self.options.watch.check()?;
+        if let Ok(part) = self.parts.recv() {
+            return self.dress(part).map(Some);
+        }
+        let Some(reader) = self.reader.take() else { return Ok(None) };
+        let rest = reader.join().unwrap_or(Err(Error::Interrupted))?;
+        let Some(rest) = rest else {
+            return Err(Error::scene(self.file.clone(), "the file has no such frame", "use another --frames"));
+        };
+        self.dress(rest).map(Some)
+    }
+
+    /// What was left out or assumed so far; complete after the last block.
+    #[must_use]
+    pub fn skipped(&self) -> &Skipped {
+        &self.skipped
+    }
+
+    /// The legend of the colours, once a block was read.
+    #[must_use]
+    pub fn legend(&self) -> Option<&Legend> {
+        self.legend.as_ref()
+    }
+
+    fn dress(&mut self, mut part: Particles) -> Result<Spheres> {
+        if part.positions.is_empty() {
+            self.skipped.append(part.skipped);
+            return Ok(Spheres::default());
+        }
+        if self.options.style.default_radius.is_none() && self.options.style.spacing_of(&part).is_some() {
+            let problem = "the file has no radii, and half the mean spacing needs all particles";
+            return Err(Error::settings(problem, "add --radius, or remove --stream"));
+        }
+        if self.options.style.coloring == Coloring::File && !part.colors.is_empty() {
+            let levels = is_8_bit(&part.colors);
+            if *self.levels.get_or_insert(levels) != levels {
+                let problem = "the colours of one part are whole numbers up to 255, and those of another are not";
+                return Err(Error::settings(problem, "add --color, or remove --stream"));
+            }
+        }
+        // The reader speaks of the whole file, the style of a part.
+        self.skipped.append(std::mem::take(&mut part.skipped));
+        let size = part.positions.len();
+        let (spheres, skipped, legend) = self.options.style.dress(part, &self.file)?;
+        for said in skipped.assumed {
+            let what: String = said.chars().filter(|c| !c.is_ascii_digit()).collect();
+            if self.said.insert(what) {
+                self.skipped.assumed.push(format!("in a part of {}: {said}", count(size as u64, "particle")));
+            }
+        }
+        self.legend = self.legend.take().or(legend);
+        Ok(spheres)
+    }
+}
+
+/// Reads one frame, whose parts are passed on; returns the rest of it.
+fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Particles>> {
+    for _ in 1..number {
+        if !frames.skip()? {
+            return Ok(None);
+        }
+    }
+    frames.next()
+}
+
+/// Refuses what needs all particles at once.
+fn check(options: &ReadOptions) -> Result<()> {
+    let style = &options.style;
+    let selects = !options.select.is_empty() || !options.hide.is_empty() || style.selections().next().is_some();
+    let (problem, mend) = if selects {
+        ("selections need all particles in memory", "remove --select, --hide and selected colours and radii")
+    } else if options.periodic != Periodic::AsListed {
+        ("--wrap and --unwrap need all particles in memory", "remove them")
+    } else if options.topology.is_some() {
+        ("a trajectory with a topology is not read as a stream", "remove --stream")
+    } else if options.frames.count() > 1 {
+        ("a stream is one frame", "select one with --frames N")
+    } else {
+        match &style.coloring {
+            Coloring::Column(scale) if scale.range.is_none() => {
+                ("the range of colours is that of all particles", "add --range LOW,HIGH")
+            }
+            _ => return Ok(()),
+        }
+    };
+    Err(Error::settings(format!("--stream: {problem}"), mend))
+}

@@ -1,0 +1,288 @@
+//! Frames of more spheres than fit in memory. The spheres arrive in blocks. Each block is projected and compared with the
+//! depths that earlier blocks certainly cover, and what no ray of the frame can hit first is forgotten. The frame of what
+//! remains has the same bits as that of all spheres: docs/certificate.md, section 11.
+
+mod witness;
+
+use super::plan::choose::FEW;
+use crate::answers::silhouette;
+use crate::certify::sieve::{Sieve, Sifted};
+use crate::error::{Error, Place, Result};
+use crate::frame::{Aov, Data, Frame};
+use crate::memory::check_ids;
+use crate::scene::{List, Scene, Spheres};
+use crate::settings::{Accuracy, Settings};
+use crate::view::raster::Raster;
+use blake3::Hasher;
+use rayon::prelude::*;
+use witness::{Witness, Witnesses};
+
+/// Spheres that one job sifts.
+const TOGETHER: usize = 1 << 13;
+
+/// Spheres after which the sieves take over what they cover: as many as make that cost little.
+const REFRESH: usize = 1 << 18;
+
+/// Spheres that are kept before they are compared again with all that is covered by now.
+const KEPT: usize = 1 << 22;
+
+/// The spheres of a frame, block by block.
+pub struct Stream {
+    settings: Settings,
+    /// The scene without spheres.
+    scene: Scene,
+    rasters: Vec<Raster>,
+    /// One for the rays of each raster, from the first block on; none where the field of view has no bounds, so that all
+    /// spheres are kept.
+    sieves: Vec<Sieve>,
+    /// Spheres so far, and those since the last refresh.
+    count: u64,
+    fresh: usize,
+    kept: Kept,
+    /// The number of kept spheres at which they are compared again.
+    limit: usize,
+    witnesses: Witnesses,
+    digests: Digests,
+}
+
+/// What is left of a stream: every sphere that some ray of the frame hits first.
+#[derive(Debug)]
+pub struct Visible {
+    /// The scene with these spheres alone. Its fingerprint is that of all spheres.
+    pub scene: Scene,
+    /// Their ids in the stream.
+    pub ids: StreamIds,
+}
+
+/// The ids in a stream of the spheres that are left of it.
+#[derive(Debug)]
+pub struct StreamIds {
+    /// By the index of the sphere, in increasing order.
+    pub ids: Vec<u32>,
+    /// The number of all spheres of the stream.
+    pub count: u64,
+}
+
+/// Spheres with their ids.
+#[derive(Default)]
+struct Kept {
+    ids: Vec<u32>,
+    spheres: Spheres,
+}
+
+/// BLAKE3 of the numbers so far.
+#[derive(Default)]
+struct Digests {
+    centers: Hasher,
+    radii: Hasher,
+    colors: Hasher,
+}
+
+impl Stream {
+    /// A frame of `scene`, whose own spheres are not used.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for what needs all spheres at once: lights, a sky, a depth cue, and answers without a
+    /// certificate; those of the camera and the image.
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
+        let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
+        scene.check()?;
+        check(&scene, settings)?;
+        let window = settings.window_of(&scene)?;
+        let (width, height) = (scene.image.width, scene.image.height);
+        // Lines along edges are drawn from the pixels around.
+        let around = window.grown(if settings.silhouette { silhouette::MARGIN } else { 0 }, width, height);
+        let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let rasters = [Raster::centres(around)].into_iter().chain(samples).collect();
+        let witnesses = Witnesses::new(scene.camera.basis()?.e);
+        let (settings, kept, digests) = (settings.clone(), Kept::default(), Digests::default());
+        let sieves = Vec::new();
+        Ok(Self { settings, scene, rasters, sieves, count: 0, fresh: 0, kept, limit: KEPT, witnesses, digests })
+    }
+
+    /// Adds the next spheres. Blocks of some 10^5 are fast.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for spheres that cannot be rendered, and for colours or materials that only some have;
+    /// [`Error::Limits`] for more spheres than ids can number, and where memory is short.
+    pub fn add(&mut self, block: &Spheres) -> Result<()> {
+        if block.is_empty() {
+            return Ok(());
+        }
+        block.check()?;
+        check_ids(self.count + block.len() as u64)?;
+        if block.materials.is_some() || self.count > 0 && block.colors.is_some() != self.kept.spheres.colors.is_some() {
+            let problem = "some spheres have colours or materials and others do not";
+            return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
+        }
+        if self.count == 0 {
+            self.open(block)?;
+        }
+        let first = self.count as u32;
+        let Self { digests, sieves, .. } = self;
+        let (sifted, ()) = rayon::join(|| sift(sieves, block, true), || digests.add(block));
+        let always = 0..(block.len() as u32).min(ALWAYS.saturating_sub(first));
+        let more: Vec<u32> =
+            always.clone().chain(sifted.kept.iter().copied().filter(|n| !always.contains(n))).collect();
+        self.kept.add(block, first, &more)?;
+        let unit = self.sieves.first().map_or(0, Sieve::unit);
+        self.witnesses.see(block, first, sifted.depths, unit);
+        self.count += block.len() as u64;
+        self.fresh += block.len();
+        if self.fresh >= REFRESH {
+            self.fresh = 0;
+            self.sieves.iter_mut().for_each(Sieve::refresh);
+        }
+        if self.kept.ids.len() > self.limit {
+            self.forget();
+        }
+        Ok(())
+    }
+
+    /// The spheres that the frame needs.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub fn finish(mut self) -> Result<Visible> {
+        self.sieves.iter_mut().for_each(Sieve::refresh);
+        self.forget();
+        drop(std::mem::take(&mut self.sieves));
+        let Kept { ids, spheres } = self.kept.with(self.witnesses.all())?;
+        let digests = self.digests;
+        let colors = spheres.colors.map(|colors| List::part_of(colors.into_vec(), digests.colors.finalize()));
+        let spheres = Spheres {
+            centers: List::part_of(spheres.centers.into_vec(), digests.centers.finalize()),
+            radii: List::part_of(spheres.radii.into_vec(), digests.radii.finalize()),
+            colors,
+            materials: None,
+        };
+        Ok(Visible { scene: Scene { spheres, ..self.scene }, ids: StreamIds { ids, count: self.count } })
+    }
+
+    /// Makes the sieves in the unit of the first block.
+    fn open(&mut self, block: &Spheres) -> Result<()> {
+        let scene = Scene { spheres: block.clone(), ..self.scene.clone() };
+        let tolerance = self.settings.promise().relative();
+        let made = self.rasters.iter().map(|raster| Sieve::new(&scene, *raster, tolerance));
+        self.sieves = made.collect::<Result<Option<Vec<_>>>>()?.unwrap_or_default();
+        Ok(())
+    }
+
+    /// Forgets spheres that are hidden by now.
+    fn forget(&mut self) {
+        let mut stays = sift(&self.sieves, &self.kept.spheres, false).kept.into_iter().peekable();
+        let flags: Vec<bool> =
+            (0..).zip(&self.kept.ids).map(|(n, id)| stays.next_if_eq(&n).is_some() || *id < ALWAYS).collect();
+        self.kept.keep(&flags);
+        self.limit = KEPT.max(2 * self.kept.ids.len());
+    }
+}
+
+/// The first spheres are kept in any case: plans depend on whether there are more than so many.
+const ALWAYS: u32 = FEW as u32 + 1;
+
+/// What needs all spheres at once, or is not certified.
+fn check(scene: &Scene, settings: &Settings) -> Result<()> {
+    let lit = !scene.lighting.lights.is_empty() || scene.lighting.sky.is_some();
+    let (problem, mend) = if settings.method.is_some() || settings.accuracy == Accuracy::Fast {
+        ("answers of a stream are certified or exact", "remove --method, and use --accuracy certified or exact")
+    } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || lit && settings.asks(&[Aov::Color]) {
+        ("lights and a sky need all spheres in memory", "use --look plain, without lights, shadow and occlusion")
+    } else if settings.depth_cue {
+        ("a depth cue needs the depths of all spheres", "remove --depth-cue")
+    } else {
+        return Ok(());
+    };
+    Err(Error::settings(problem, mend))
+}
+
+/// The spheres of a block that some ray of a sieve may hit first. All of them without sieves.
+fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
+    let Some((first, others)) = sieves.split_first() else {
+        return Sifted { kept: (0..block.len() as u32).collect(), depths: None };
+    };
+    let job = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
+        let mut sifted = first.sift(centers, radii, covers);
+        for sieve in others {
+            sifted.kept.extend(sieve.sift(centers, radii, covers).kept);
+        }
+        if !others.is_empty() {
+            sifted.kept.sort_unstable();
+            sifted.kept.dedup();
+        }
+        sifted.moved((n * TOGETHER) as u32)
+    };
+    let jobs = block.centers.par_chunks(TOGETHER).zip(block.radii.par_chunks(TOGETHER)).enumerate();
+    let sifted: Vec<Sifted> = jobs.map(job).collect();
+    sifted.into_iter().reduce(Sifted::with).unwrap_or_default()
+}
+
+impl Digests {
+    fn add(&mut self, block: &Spheres) {
+        self.centers.update_rayon(bytemuck::cast_slice(&block.centers));
+        self.radii.update_rayon(bytemuck::cast_slice(&block.radii));
+        if let Some(colors) = &block.colors {
+            self.colors.update_rayon(bytemuck::cast_slice(colors));
+        }
+    }
+}
+
+impl Kept {
+    /// Adds the spheres of a block with these indices, whose first has the id `first`.
+    fn add(&mut self, block: &Spheres, first: u32, indices: &[u32]) -> Result<()> {
+        crate::memory::reserve(&mut self.ids, indices.len())?;
+        self.spheres.grow(indices.len(), block.colors.is_some())?;
+        self.ids.extend(indices.iter().map(|n| first + n));
+        self.spheres.centers.to_mut().extend(indices.iter().map(|n| block.centers[*n as usize]));
+        self.spheres.radii.to_mut().extend(indices.iter().map(|n| block.radii[*n as usize]));
+        if let Some(colors) = &block.colors {
+            let kept = self.spheres.colors.get_or_insert_default().to_mut();
+            kept.extend(indices.iter().map(|n| colors[*n as usize]));
+        }
+        Ok(())
+    }
+
+    /// Keeps the spheres whose flag is set.
+    fn keep(&mut self, flags: &[bool]) {
+        fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
+            let mut flags = flags.iter();
+            values.retain(|_| flags.next().copied().unwrap_or(true));
+        }
+        keep(&mut self.ids, flags);
+        keep(self.spheres.centers.to_mut(), flags);
+        keep(self.spheres.radii.to_mut(), flags);
+        if let Some(colors) = &mut self.spheres.colors {
+            keep(colors.to_mut(), flags);
+        }
+    }
+
+    /// The same with a few more spheres, in the order of their ids.
+    fn with(mut self, more: impl Iterator<Item = Witness>) -> Result<Self> {
+        for Witness { id, center, radius, color } in more {
+            let Err(place) = self.ids.binary_search(&id) else { continue };
+            self.spheres.grow(1, color.is_some())?;
+            self.ids.insert(place, id);
+            self.spheres.centers.to_mut().insert(place, center);
+            self.spheres.radii.to_mut().insert(place, radius);
+            if let (Some(colors), Some(color)) = (&mut self.spheres.colors, color) {
+                colors.to_mut().insert(place, color);
+            }
+        }
+        Ok(self)
+    }
+}
+
+impl StreamIds {
+    /// Puts the ids of the stream into a frame of [`Visible::scene`], and the number of its spheres into the report.
+    pub fn restore(&self, frame: &mut Frame) {
+        frame.report.spheres = self.count;
+        let buffers = frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id);
+        for ids in buffers.filter_map(|buffer| if let Data::I32(ids) = &mut buffer.data { Some(ids) } else { None }) {
+            ids.par_iter_mut().for_each(|id| {
+                if let Some(of_stream) = usize::try_from(*id).ok().and_then(|n| self.ids.get(n)) {
+                    *id = *of_stream as i32;
+                }
+            });
+        }
+    }
+}

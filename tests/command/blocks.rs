@@ -1,0 +1,127 @@
+//! The promise of `--stream`: the files have the bytes of those without it, whatever format the spheres come from.
+
+use crate::rng::Rng;
+use crate::test_dir::TestDir;
+use std::fmt::Write as _;
+
+/// More than two parts of a reader.
+const COUNT: usize = 600_000;
+
+/// A camera that does not depend on the spheres.
+const CAMERA: &str = "--eye 3,2,4 --at 0,0,0 --vfov 40";
+
+/// Every buffer of camera rays, as options; the files' names begin with `name`.
+fn outputs(name: &str) -> String {
+    let aovs = ["id", "distance", "normal", "position", "certainty"];
+    let mut options = format!("-o {name}.png --look plain");
+    for aov in aovs {
+        write!(options, " --aov {aov}={name}-{aov}.npy").expect("text");
+    }
+    options
+}
+
+/// Renders with and without `--stream` and compares all files; returns what the stream said.
+fn same(dir: &TestDir, file: &str, options: &str) -> String {
+    let size = "--size 64x48";
+    dir.render(&format!("{file} {size} {options} {}", outputs("memory")));
+    let streamed = dir.render(&format!("{file} {size} --stream {options} {}", outputs("stream")));
+    let files = dir.files();
+    let mut compared = 0;
+    for (name, bytes) in files.iter().filter(|(name, _)| name.starts_with("memory")) {
+        let other = name.replacen("memory", "stream", 1);
+        assert!(files[&other] == *bytes, "{file} {options}: {other} differs from {name}");
+        compared += 1;
+    }
+    assert_eq!(compared, 6, "{file} {options}");
+    streamed.err
+}
+
+/// Rows of x, y, z in a cube, with radius, colour and a value.
+fn rows() -> Vec<([f64; 3], f64, [f64; 3], f64)> {
+    let mut rng = Rng::new(12);
+    let row = |_| (rng.cube(), 0.01 * (1.0 + rng.unit()), rng.cube().map(|c| 0.5 + 0.5 * c), rng.unit());
+    (0..COUNT).map(row).collect()
+}
+
+/// A NumPy array of float32 x, y, z, radius.
+fn array(rows: &[([f64; 3], f64, [f64; 3], f64)]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 4), }}", rows.len());
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16 + 1).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.push(b'\n');
+    for ([x, y, z], radius, ..) in rows {
+        [x, y, z, radius].into_iter().for_each(|number| bytes.extend((*number as f32).to_le_bytes()));
+    }
+    bytes
+}
+
+#[test]
+fn streamed_files_have_the_bytes_of_files_in_memory() {
+    let rows = rows();
+    let (mut csv, mut xyz, mut ply) = (String::from("x,y,z,radius,r,g,b,v\n"), format!("{COUNT}\n\n"), String::new());
+    let mut dump =
+        format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{COUNT}\nITEM: BOX BOUNDS pp pp pp\n-1 1\n-1 1\n-1 1\n");
+    dump += "ITEM: ATOMS id type x y z v\n";
+    write!(ply, "ply\nformat ascii 1.0\nelement vertex {COUNT}\n").expect("text");
+    ["x", "y", "z", "radius"].iter().for_each(|name| writeln!(ply, "property float {name}").expect("text"));
+    ply += "end_header\n";
+    for (n, ([x, y, z], radius, [r, g, b], v)) in rows.iter().enumerate() {
+        writeln!(csv, "{x:.5},{y:.5},{z:.5},{radius:.4},{r:.3},{g:.3},{b:.3},{v:.4}").expect("text");
+        writeln!(xyz, "{} {x:.5} {y:.5} {z:.5}", ["C", "O", "Fe"][n % 3]).expect("text");
+        writeln!(dump, "{} 1 {x:.5} {y:.5} {z:.5} {v:.4}", n + 1).expect("text");
+        writeln!(ply, "{x:.5} {y:.5} {z:.5} {radius:.4}").expect("text");
+    }
+    let dir = TestDir::new(&[("c.csv", &csv), ("c.xyz", &xyz), ("c.ply", &ply), ("c.dump", &dump)]);
+    dir.put("c.npy", array(&rows));
+    for (file, options) in [
+        ("c.npy", CAMERA.to_owned()),
+        ("c.npy", "--vfov 30".to_owned()),
+        ("c.npy", "--ortho --crop 10,5,50,33".to_owned()),
+        ("c.npy", format!("{CAMERA} --samples 4 --tile 2/4")),
+        ("c.npy", "--eye 0.1,0.2,0.3 --radius-scale 0.5 --color teal".to_owned()),
+        ("c.csv", CAMERA.to_owned()),
+        ("c.csv", format!("{CAMERA} --color-by v --range 0,1")),
+        ("c.xyz", format!("{CAMERA} --radius-scale 0.01")),
+        ("c.dump", format!("{CAMERA} --radius 0.012 --color-by v --range 0.2,0.8")),
+        ("c.ply", CAMERA.to_owned()),
+    ] {
+        let said = same(&dir, file, &options);
+        let (kept, all) = said
+            .lines()
+            .find_map(|line| line.split_once(" may be hit first"))
+            .and_then(|(said, _)| said.rsplit_once(" of "))
+            .unwrap_or_else(|| panic!("{said}"));
+        let kept: usize =
+            kept.split_whitespace().rev().nth(1).and_then(|n| n.replace(',', "").parse().ok()).expect("a count");
+        assert!(all.replace(',', "") == COUNT.to_string() && kept < COUNT / 4, "{file} {options}: {said}");
+    }
+}
+
+#[test]
+fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
+    let dir = TestDir::new(&[
+        ("c.csv", "x,y,z,radius,kind\n0,0,0,1,a\n1,2,3,1,b\n"),
+        ("bare.csv", "x,y,z\n0,0,0\n1,2,3\n"),
+        ("s.toml", "[[sphere]]\ncenter = [0, 0, -3]\nradius = 1\n"),
+        ("m.pdb", "ATOM      1  CA  GLY A   1      11.104   6.134  -6.504  1.00  0.00           C\n"),
+    ]);
+    for (scene, told) in [
+        ("c.csv --look soft", "--look plain"),
+        ("c.csv --occlusion", "--look plain"),
+        ("c.csv --depth-cue", "--depth-cue"),
+        ("c.csv --accuracy fast", "--accuracy certified"),
+        ("c.csv --select all", "--select"),
+        ("c.csv --color-by x", "--range"),
+        ("c.csv --copies 2,2,2", "--copies"),
+        ("c.csv --clip 0,0,1,5", "--clip"),
+        ("c.csv --spin 4", "one by one"),
+        ("bare.csv", "--radius"),
+        ("s.toml", "remove --stream"),
+        ("m.pdb", "remove --stream"),
+    ] {
+        let name = if scene.contains("--spin") { "p.%d.png" } else { "p.png" };
+        dir.refused_render(2, &format!("{scene} --stream --size 8x8 -o {name}"), &[told]);
+    }
+    assert!(!dir.files().keys().any(|name| name.ends_with(".png")), "no file is written");
+}
