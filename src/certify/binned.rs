@@ -8,7 +8,7 @@ use super::projection::project::{Eight, LANES};
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, Rotation};
 use super::terms::Terms;
-use super::tiles::{Bin, Filling, Lists, Placed, Placing};
+use super::tiles::{Bin, Filling, Lists, Placed, Placing, sized};
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
@@ -131,8 +131,8 @@ impl ProjectionBounds {
     /// Bins all spheres, with depths of projected spheres relative to `reference`.
     fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
         let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
-        let mut bins = pool.take(scene.spheres.len());
-        bins.resize(scene.spheres.len(), Bin::NOWHERE);
+        // New memory is zeros that the system provides when a job first writes it, on that job's core.
+        let mut bins = sized(scene.spheres.len(), pool);
         let arch = pulp::Arch::new();
         let jobs = spheres.zip(bins.par_chunks_mut(TOGETHER)).enumerate();
         let done: Vec<_> = jobs
