@@ -5,6 +5,7 @@ pub mod explain;
 mod frame;
 mod light;
 mod missed;
+mod place;
 pub mod plan;
 mod renderer;
 mod sample;

@@ -13,7 +13,7 @@ use std::str::FromStr;
 /// Where to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// A GPU if there is one, else a software adapter, else the CPU path.
+    /// A GPU if there is one, else the faster of a software adapter and the CPU path.
     #[default]
     Auto,
     /// An adapter; an error if there is none.
@@ -87,6 +87,9 @@ impl FromStr for Accuracy {
 pub struct Settings {
     /// Where to render.
     pub backend: Backend,
+    /// Whether other processes render other parts of the same frame. With [`Backend::Auto`] no measurement decides then
+    /// between a software adapter and the CPU path: it is the latter, for all parts.
+    pub part: bool,
     /// Which adapter, by index or part of its name; `None` takes WGPU_ADAPTER_NAME or the first.
     pub adapter: Option<String>,
     /// A single intersection method, uncertified; `None` leaves the choice to the plan.

@@ -126,8 +126,8 @@ class Renderer:
     the renderer stays usable.
 
     Args:
-        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else a software
-            adapter, else the CPU path.
+        backend: ``"gpu"``, ``"cpu"``, or ``"auto"``: a GPU if there is one, else the faster
+            of a software adapter and the CPU path, by a short measurement that is remembered.
         adapter: The adapter, by index or part of its name; see `adapters`.
 
     Raises:

@@ -9,7 +9,7 @@ use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, Rotation};
 use super::terms::Terms;
-use super::tiles::{Bin, Filling, Lists, Placed, Placing};
+use super::tiles::{Bin, Filling, Lists, Placed, Placing, sized};
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
@@ -146,8 +146,8 @@ impl ProjectionBounds {
     /// bin. A round of spheres is compared with what the rounds before it cover, so that the bins depend on no timing.
     fn bin_spheres(&self, scene: &Scene, reference: f64, mut pyramid: Option<DepthPyramid>, pool: &Pool) -> SphereBins {
         let (centers, radii) = (&scene.spheres.centers[..], &scene.spheres.radii[..]);
-        let mut bins = pool.take(radii.len());
-        bins.resize(radii.len(), Bin::NOWHERE);
+        // New memory is zeros that the system provides when a job first writes it, on that job's core.
+        let mut bins: Vec<Bin> = sized(radii.len(), pool);
         let arch = pulp::Arch::new();
         let (mut done, mut start) = (Vec::new(), 0);
         while start < radii.len() {

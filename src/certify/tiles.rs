@@ -34,7 +34,7 @@ pub(crate) struct Placed {
 }
 
 /// The bin of a sphere.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
 pub(crate) struct Bin {
     /// Lower bound of the depth for every ray.
     pub(crate) chunk_min_depth: f32,
@@ -248,14 +248,14 @@ fn empty<T: Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
 }
 
 /// `n` values, all of which the caller writes.
-fn sized<T: bytemuck::Zeroable + Clone + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
+pub(super) fn sized<T: bytemuck::Zeroable + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
     let mut vector = pool.take(n);
     if vector.is_empty() {
         // Reports a failed allocation as any vector here does; `zeroed_vec` would panic.
         let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
         return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
     }
-    vector.resize(n, T::zeroed());
+    vector.resize_with(n, T::zeroed);
     vector
 }
 
@@ -325,8 +325,7 @@ impl Grid {
             }
         }
         starts.push(total);
-        let mut keys: Vec<AtomicU64> = pool.take(total as usize);
-        keys.resize_with(total as usize, AtomicU64::default);
+        let keys: Vec<AtomicU64> = sized(total as usize, pool);
         bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
             for (id, bin) in (n * group..).zip(bins) {
                 let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;

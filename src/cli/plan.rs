@@ -91,6 +91,7 @@ impl Display for PlanText<'_> {
         }
         self.write_light(f)?;
         writeln!(f, "place      {}: {}", e.backend, e.adapter)?;
+        writeln!(f, "           {}", e.backend_reason)?;
         writeln!(f, "accuracy   {}, tolerance {}", e.accuracy, number(e.tolerance, 2))?;
         writeln!(f, "method     {}", e.method)?;
         writeln!(f, "why        {}", e.reason)?;

@@ -19,7 +19,7 @@ use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::report::Report;
-use halfline::settings::{Backend, Settings};
+use halfline::settings::Settings;
 use halfline::write::file::{Target, is_special};
 use picture::{Messages, Picture};
 use std::num::NonZeroU32;
@@ -126,10 +126,7 @@ impl Render {
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
-        if self.args.accuracy.compute.backend == Backend::Auto
-            && !renderer.is_gpu()
-            && renderer.passed_over().is_empty()
-        {
+        if renderer.has_no_adapter() {
             note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));

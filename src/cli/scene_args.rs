@@ -268,6 +268,7 @@ impl SceneArgs {
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             seed: self.image.seed,
+            part: self.image.is_part(),
             ..self.accuracy.compute.settings()
         }
     }

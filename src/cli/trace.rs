@@ -19,7 +19,7 @@ use halfline::progress::{Cancel, Progress, Step};
 use halfline::read::{SceneFrame, Sequence};
 use halfline::render::Renderer;
 use halfline::render::trace::Tracer;
-use halfline::settings::{Backend, Search, Settings};
+use halfline::settings::{Search, Settings};
 use halfline::write::file::{check_writable, is_standard};
 use halfline::write::hits::{HitFile, HitWriter, Query};
 use report::{Tally, TraceReport};
@@ -99,7 +99,7 @@ impl Trace {
         let (frame, inputs) = opened?;
         check_inputs(self.outputs(), &inputs)?;
         let mut renderer = renderer?.watched_by(watch());
-        if self.accuracy.compute.backend == Backend::Auto && !renderer.is_gpu() && renderer.passed_over().is_empty() {
+        if renderer.has_no_adapter() {
             note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
         }
         self.outputs().into_iter().try_for_each(check_writable)?;

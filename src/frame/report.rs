@@ -51,6 +51,8 @@ pub struct Report {
     pub driver: String,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
+    /// Why there: what was requested, found or measured.
+    pub backend_reason: String,
     /// The intersection method: the form of the quadratic.
     pub method: &'static str,
     /// `fast`, `certified` or `exact`.

@@ -145,14 +145,14 @@ pub(crate) fn choose(mut found: Vec<FoundAdapter>, asked: Option<&str>) -> Resul
     })
 }
 
-/// The first adapter that opens. The errors of those before it are added to `passed_over`.
-pub(crate) fn open_first(
-    found: Vec<FoundAdapter>,
-    open: impl Fn(&FoundAdapter) -> Result<Open>,
+/// What `open` makes of the first adapter that it opens. The errors of those before it are added to `passed_over`.
+pub(crate) fn open_first<T>(
+    found: &[FoundAdapter],
+    open: impl Fn(&FoundAdapter) -> Result<T>,
     passed_over: &mut Vec<String>,
-) -> Option<(Open, AdapterSummary)> {
-    found.into_iter().find_map(|found| match open(&found) {
-        Ok(open) => Some((open, found.summary)),
+) -> Option<T> {
+    found.iter().find_map(|found| match open(found) {
+        Ok(opened) => Some(opened),
         Err(Error::Adapter { problem, .. }) => {
             passed_over.push(problem);
             None

@@ -5,11 +5,13 @@
 mod cache;
 mod cases;
 mod judge;
+mod pace;
 #[cfg(test)]
 mod tests;
 mod twin;
 mod verdict;
 
+pub(crate) use pace::Pace;
 pub use verdict::{Check, Rounding, Usable, Verdict};
 
 use crate::error::{Error, Result};
@@ -72,7 +74,7 @@ impl Gpu {
     pub(crate) fn verdict(&mut self) -> Result<&Verdict> {
         if self.verdict.is_none() {
             let key = self.key();
-            match cache::read(cache::folder(), &self.summary, &key) {
+            match cache::read(cache::folder(), cache::VERDICT, &self.summary, &key) {
                 Some(verdict) => self.verdict = Some(verdict),
                 None => return self.retest(),
             }
@@ -104,7 +106,7 @@ impl Gpu {
     /// Measures again, ignoring the cache, and stores the verdict.
     pub(crate) fn retest(&mut self) -> Result<&Verdict> {
         let verdict = self.measure()?;
-        cache::write(cache::folder(), &self.summary, &self.key(), &verdict);
+        cache::write(cache::folder(), cache::VERDICT, &self.summary, &self.key(), &verdict);
         Ok(self.verdict.insert(verdict))
     }
 

@@ -153,16 +153,16 @@ fn an_adapter_that_does_not_open_is_skipped() {
         Err(Error::Adapter { problem, mend: String::new() })
     };
     let mut passed_over = Vec::new();
-    assert!(device::open_first(found(), shut, &mut passed_over).is_none());
+    assert!(device::open_first(&found(), shut, &mut passed_over).is_none());
     assert!(
         passed_over.len() == count && passed_over.iter().all(|why| why.contains("it is a test")),
         "{passed_over:?}"
     );
     let first = Cell::new(true);
-    let all = found().into_iter().chain(found()).collect();
+    let all: Vec<_> = found().into_iter().chain(found()).collect();
     let open = |found: &device::FoundAdapter| if first.replace(false) { shut(found) } else { device::open(found) };
     passed_over.clear();
-    assert!(device::open_first(all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
+    assert!(device::open_first(&all, open, &mut passed_over).is_some() && passed_over.len() == 1, "{passed_over:?}");
 }
 
 /// Lists that exceed a binding are split; a scene that cannot be split is refused with the number of spheres that fits.

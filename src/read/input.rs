@@ -24,6 +24,9 @@ const BARREN: u64 = 4 << 20;
 /// Bytes per read.
 const BLOCK: usize = 1 << 16;
 
+/// The most bytes that are read at once; fewer than [`BARREN`].
+const LARGE: usize = 1 << 20;
+
 /// The interval at which waiting for a silent pipe checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -135,35 +138,64 @@ impl Input {
     }
 }
 
-impl BufRead for Input {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+impl Input {
+    /// Checks the limit of bytes without a particle, from time to time.
+    fn pass_silence(&mut self) -> io::Result<()> {
         if self.since >= BLOCK as u64 {
             let since = std::mem::take(&mut self.since);
             self.gauge.pass(&self.gauge.counts.silent, since, SILENCE.max(self.length))?;
         }
-        let buffer = self.reader.fill_buf()?;
-        if buffer.is_empty() && self.delivered < self.length {
+        Ok(())
+    }
+
+    /// Notes that `bytes` bytes are there to be delivered; 0 is the end.
+    fn arrived(&self, bytes: usize) -> io::Result<()> {
+        if bytes == 0 && self.delivered < self.length {
             let problem = format!(
                 "the file ended after {} of {} bytes; it may have been changed while it was read",
                 self.delivered, self.length
             );
             return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
         }
-        if !buffer.is_empty() {
+        if bytes > 0 {
             self.gauge.counts.barren.store(0, Ordering::Relaxed);
         }
-        Ok(buffer)
+        Ok(())
+    }
+
+    /// Counts delivered bytes.
+    fn count(&mut self, bytes: usize) {
+        self.since += bytes as u64;
+        self.delivered += bytes as u64;
+    }
+}
+
+impl BufRead for Input {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.pass_silence()?;
+        let available = self.reader.fill_buf()?.len();
+        self.arrived(available)?;
+        // What was read is still there; the end is not read twice.
+        if available == 0 { Ok(&[]) } else { self.reader.fill_buf() }
     }
 
     fn consume(&mut self, bytes: usize) {
-        self.since += bytes as u64;
-        self.delivered += bytes as u64;
+        self.count(bytes);
         self.reader.consume(bytes);
     }
 }
 
 impl Read for Input {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        if bytes.len() >= BLOCK {
+            // Buffers pass large reads on, without a copy of their own.
+            self.pass_silence()?;
+            let most = bytes.len().min(LARGE);
+            let read = self.reader.read(&mut bytes[..most])?;
+            self.arrived(read)?;
+            self.count(read);
+            return Ok(read);
+        }
         let available = self.fill_buf()?;
         let read = available.len().min(bytes.len());
         bytes[..read].copy_from_slice(&available[..read]);

@@ -3,17 +3,18 @@
 //! records with named fields. Rows count from 0, as in NumPy.
 
 mod records;
+mod rows;
 
 use super::csv::COLUMNS;
 use super::input::{Counts, Input};
 use crate::error::{Error, Place, Result, relocate};
-use crate::memory::{check_spheres, reserve};
+use crate::memory::check_spheres;
 use crate::npy::{DType, Fault as HeaderFault, Header};
 use crate::progress::Watch;
 use crate::read::particles::{Scalar, Survey};
-use crate::scene::{Spheres, check_color, check_sphere};
+use crate::scene::Spheres;
 use crate::trailer;
-use rayon::prelude::*;
+use rows::{Fault, Form, fill_columns, fill_rows};
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,7 +51,7 @@ impl Npy<Input> {
     }
 }
 
-impl<R: BufRead> Npy<R> {
+impl Npy<Input> {
     /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
     /// For a survey the spheres of an array in C order are counted or passed on, block by block.
     fn read(
@@ -87,7 +88,9 @@ impl<R: BufRead> Npy<R> {
         };
         self.finish(outcome, rows).map(|()| width)
     }
+}
 
+impl<R: BufRead> Npy<R> {
     /// The header of the array.
     pub(super) fn header(&mut self) -> Result<Header> {
         Header::read(&mut self.reader).map_err(|fault| match fault {
@@ -133,103 +136,4 @@ impl<R: BufRead> Npy<R> {
     pub(super) fn fail(&self, field: &str, problem: impl Into<String>) -> Error {
         Error::scene(self.place(field), problem, self.mend)
     }
-}
-
-/// Why reading the rows stopped.
-enum Fault {
-    /// The stream ended after this number of complete rows.
-    Numbers(u64, io::Error),
-    /// The row is not a valid sphere.
-    Row(u64, Error),
-}
-
-/// Rows that are read together and then converted on all cores.
-const BLOCK: usize = 1 << 16;
-
-/// The layout of an array in its file.
-struct Form<'a> {
-    rows: u64,
-    width: usize,
-    scalar: Scalar,
-    counts: &'a Counts,
-    survey: Option<&'a Survey>,
-}
-
-/// Appends the spheres of an array that is stored row by row.
-fn fill_rows(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let &Form { rows, width, scalar, counts, survey } = form;
-    let (size, row_bytes) = (scalar.size(), width * scalar.size());
-    let values = |row: &[u8]| {
-        let mut values = [0.0; 7];
-        values.iter_mut().zip(row.chunks_exact(size)).for_each(|(value, bytes)| *value = scalar.number(bytes));
-        values
-    };
-    let mut bytes = Vec::new();
-    let mut done = 0;
-    while done < rows {
-        let wanted = row_bytes as u64 * (rows - done).min(BLOCK as u64);
-        bytes.clear();
-        reader.take(wanted).read_to_end(&mut bytes).map_err(|e| Fault::Numbers(done, e))?;
-        let block = bytes.par_chunks_exact(row_bytes);
-        let found = block.len() as u64;
-        counts.found();
-        spheres.grow(block.len(), false).map_err(|e| Fault::Row(done, e))?;
-        let sphere = |[x, y, z, radius, ..]: [f64; 7]| ([x, y, z], if width == 3 { 1.0 } else { radius });
-        let is_sphere = |row: &[u8]| {
-            let (center, radius) = sphere(values(row));
-            check_sphere(center, radius, Place::default).is_ok()
-        };
-        if width <= 4 && spheres.colors.is_none() && block.clone().all(is_sphere) {
-            let (centers, radii): (Vec<_>, Vec<_>) = block.map(|row| sphere(values(row))).unzip();
-            spheres.centers.to_mut().extend(centers);
-            spheres.radii.to_mut().extend(radii);
-        } else {
-            for (row, bytes) in (done..).zip(bytes.chunks_exact(row_bytes)) {
-                push(values(bytes), width, spheres).map_err(|e| Fault::Row(row, e))?;
-            }
-        }
-        if let Some(survey) = survey {
-            survey.take_spheres(spheres, width > 3).map_err(|e| Fault::Row(done, e))?;
-        }
-        done += found;
-        if (bytes.len() as u64) < wanted {
-            return Err(Fault::Numbers(done, io::ErrorKind::UnexpectedEof.into()));
-        }
-    }
-    Ok(())
-}
-
-/// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
-fn fill_columns(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let &Form { rows, width, scalar, counts, .. } = form;
-    let mut columns = Vec::new();
-    let mut bytes = [0; 8];
-    let bytes = &mut bytes[..scalar.size()];
-    for column in 0..width {
-        for row in 0..rows {
-            reserve(&mut columns, 1).map_err(|e| Fault::Row(row, e))?;
-            reader.read_exact(bytes).map_err(|e| Fault::Numbers(if column + 1 == width { row } else { 0 }, e))?;
-            columns.push(scalar.number(bytes));
-            counts.found();
-        }
-    }
-    let rows = columns.len() / width;
-    for row in 0..rows {
-        let mut values = [0.0; 7];
-        for (column, value) in values[..width].iter_mut().enumerate() {
-            *value = columns[column * rows + row];
-        }
-        push(values, width, spheres).map_err(|e| Fault::Row(row as u64, e))?;
-    }
-    Ok(())
-}
-
-fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
-    let radius = if width == 3 { 1.0 } else { radius };
-    check_sphere([x, y, z], radius, Place::default)?;
-    let color = (width == COLUMNS.len()).then_some([r as f32, g as f32, b as f32]);
-    if let Some(color) = color {
-        check_color(color, || Place::field("color"))?;
-    }
-    spheres.add([x, y, z], radius, color)
 }

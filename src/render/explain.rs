@@ -6,8 +6,9 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
+use super::place::Executor;
 use super::plan::{Plan, lights};
-use super::renderer::{Executor, Renderer};
+use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::error::{Error, Result};
 use crate::frame::Aov;
@@ -118,6 +119,7 @@ impl Renderer {
             silhouette: settings.silhouette && shading(plan).is_some(),
             depth_cue: settings.depth_cue && shading(plan).is_some(),
             backend: if gpu.is_some() { "gpu" } else { "cpu" },
+            backend_reason: self.backend_reason().to_owned(),
             adapter: self.adapter().to_owned(),
             accuracy: plan.accuracy.name(),
             method: plan.method,

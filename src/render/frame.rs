@@ -3,8 +3,9 @@
 use super::budget::Need;
 use super::light::LightSetup;
 use super::missed::missed;
+use super::place::Executor;
 use super::plan::Plan;
-use super::renderer::{Executor, Renderer};
+use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::assemble::Answers;
 use crate::answers::lit::Lit;
@@ -186,6 +187,7 @@ impl Renderer {
             adapter: self.adapter().to_owned(),
             driver: self.driver(),
             backend: if self.is_gpu() { "gpu" } else { "cpu" },
+            backend_reason: self.backend_reason().to_owned(),
             method: plan.method,
             accuracy: plan.accuracy.name(),
             reason: plan.reason.clone(),

@@ -1,19 +1,20 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
+use super::place::{Executor, Place};
 use super::plan::Plan;
 use super::setup::FrameSetup;
 use crate::cpu;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::report::milliseconds;
 use crate::frame::{Data, Frame};
 use crate::gpu::Gpu;
-use crate::gpu::device::{self, AdapterSummary, Open};
+use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::Pool;
 use crate::progress::Watch;
-use crate::settings::{Backend, Settings};
+use crate::settings::Settings;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -24,54 +25,28 @@ pub struct Renderer {
     pub(super) watch: Watch,
     pub(super) pool: Arc<Pool>,
     pub(super) passed_over: Vec<String>,
-}
-
-/// The device of a renderer.
-pub(super) enum Executor {
-    Gpu(Box<Gpu>),
-    Cpu,
+    /// Why it renders in this place.
+    pub(super) reason: String,
+    has_no_adapter: bool,
 }
 
 impl Renderer {
     /// Opens the backend and the adapter that `settings` select. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` apply where the
-    /// settings leave a choice.
+    /// settings leave a choice. [`Backend::Auto`](crate::settings::Backend::Auto) takes the first hardware adapter that
+    /// opens; between a software adapter and the CPU path the faster one, by a measurement of well under a second that the
+    /// user's cache keeps.
     ///
     /// # Errors
     /// [`Error::Adapter`] when no adapter fits, [`Error::Settings`] for a contradiction, such as an adapter with the
     /// CPU path, [`Error::Accuracy`] for an accuracy that cannot be reached.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
-        if settings.backend == Backend::Cpu && settings.adapter.is_some() {
-            return Err(Error::settings(
-                "--backend cpu does not use an adapter",
-                "remove --adapter or use --backend gpu",
-            ));
-        }
         // Errors that do not depend on a device are found before one is opened.
         Plan::for_method(settings)?;
-        let mut passed_over = Vec::new();
-        let place = match settings.backend {
-            Backend::Cpu => Executor::Cpu,
-            Backend::Gpu | Backend::Auto => {
-                let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
-                let opened = match (&named, settings.backend) {
-                    (None, Backend::Auto) => device::open_first(device::find()?, device::open, &mut passed_over),
-                    _ => device::choose(device::find()?, named.as_deref())?
-                        .map(|found| Ok((device::open(&found)?, found.summary)))
-                        .transpose()?,
-                };
-                match opened {
-                    Some((open, summary)) => Executor::Gpu(Box::new(Gpu::new(open, summary))),
-                    None if settings.backend == Backend::Auto => Executor::Cpu,
-                    None => return Err(device::none_found()),
-                }
-            }
-        };
-        if let (Executor::Cpu, Some(last)) = (&place, passed_over.last_mut()) {
-            last.push_str(": falling back to the CPU path");
-        }
+        let Place { executor: place, reason, passed_over, has_no_adapter } = Place::of(settings)?;
         let setup_ms = milliseconds(start);
-        Ok(Self { place, setup_ms, watch: Watch::default(), pool: Arc::default(), passed_over })
+        let (watch, pool) = (Watch::default(), Arc::default());
+        Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter })
     }
 
     /// Renders on the caller's own device. Subgroup features that the device was opened with are used.
@@ -85,6 +60,8 @@ impl Renderer {
             watch: Watch::default(),
             pool: Arc::default(),
             passed_over: Vec::new(),
+            reason: "the caller opened the device".into(),
+            has_no_adapter: false,
         }
     }
 
@@ -92,6 +69,18 @@ impl Renderer {
     #[must_use]
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
+    }
+
+    /// Why frames are rendered in this place, in words: what was requested, found or measured.
+    #[must_use]
+    pub fn backend_reason(&self) -> &str {
+        &self.reason
+    }
+
+    /// Whether the settings left the choice, and there was no adapter.
+    #[must_use]
+    pub fn has_no_adapter(&self) -> bool {
+        self.has_no_adapter
     }
 
     /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`]; the renderer stays usable.

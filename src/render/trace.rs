@@ -4,8 +4,9 @@ mod by_method;
 mod certified;
 mod on_device;
 
+use super::place::Executor;
 use super::plan::GivenPlan;
-use super::renderer::{Executor, Renderer};
+use super::renderer::Renderer;
 use crate::cpu;
 use crate::error::{Error, Result};
 use crate::frame::report::milliseconds;

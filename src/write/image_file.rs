@@ -23,7 +23,11 @@ impl Head {
         let row = self.rows() as u64;
         // A band's samples as read, as converted, and as encoded.
         let band = 4 * row * self.band_rows() as u64;
-        band + if format == FileFormat::Exr { exr::memory(row) } else { 0 }
+        band + match format {
+            FileFormat::Exr => exr::memory(row),
+            FileFormat::Png => png::memory(row),
+            _ => 0,
+        }
     }
 }
 

@@ -1,6 +1,9 @@
 //! PNG: colour as an sRGB picture of 8 or 16 bits; alpha, occlusion, mask and normals as levels; distance and depth as 16-bit
 //! multiples of a unit. Text chunks hold the provenance, and a crop has its offset.
 
+mod joined;
+mod strips;
+
 use super::format::{Dpi, FileFormat};
 use super::layer::SampleType;
 use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
@@ -13,6 +16,7 @@ use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
 use std::ops::Range;
+use strips::Strips;
 
 /// The signature of PNG files.
 pub const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -76,6 +80,11 @@ pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) 
     })
 }
 
+/// The most bytes needed for strips of rows of `row` bytes.
+pub(super) fn memory(row: u64) -> u64 {
+    strips::memory(row)
+}
+
 /// Swaps the bytes of two-byte samples: PNG is big-endian.
 fn swapped(samples: &[u8]) -> Vec<u8> {
     samples.as_chunks().0.iter().flat_map(|[a, b]| [*b, *a]).collect()
@@ -89,9 +98,6 @@ struct SampleFormat {
     /// The resolution, in a pHYs chunk.
     dpi: Option<Dpi>,
 }
-
-/// Bytes per chunk of compressed samples.
-const CHUNK: usize = 1 << 16;
 
 impl SampleFormat {
     /// Writes the file; `fill` writes the samples row by row.
@@ -114,9 +120,6 @@ impl SampleFormat {
             yppu: per_metre,
             unit: Unit::Meter,
         }));
-        encoder.set_compression(png::Compression::Fast);
-        // Smaller than the adaptive choice for shaded spheres, and a third faster.
-        encoder.set_filter(png::Filter::Paeth);
         for (keyword, text) in words {
             encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
         }
@@ -126,9 +129,11 @@ impl SampleFormat {
             let chunk: Vec<u8> = [x.to_be_bytes(), y.to_be_bytes()].concat().into_iter().chain([0]).collect();
             writer.write_chunk(png::chunk::ChunkType(*b"oFFs"), &chunk)?;
         }
-        let mut stream = writer.stream_writer_with_size(CHUNK)?;
-        fill(&mut stream)?;
-        stream.finish()?;
+        let pixel = self.color.samples() * if self.depth == BitDepth::Sixteen { 2 } else { 1 };
+        let pass = |part: &[u8]| writer.write_chunk(png::chunk::IDAT, part).map_err(io::Error::from);
+        let mut strips = Strips::new(width as usize * pixel, pixel, pass);
+        fill(&mut strips)?;
+        strips.finish(height.into())?;
         writer.finish()?;
         Ok(())
     }

@@ -143,8 +143,8 @@ fn pictures_of_particles_are_soft_unless_an_option_asks_for_something_else() {
     let dir = dir();
     let soft = json!([1, 4, 4, true, false]);
     let plain = json!([0, null, 1, false, false]);
-    for options in ["", " --size 20x20", " --color #ff0000", " --backend cpu"] {
-        let planned = dir.good(&format!("plan one.xyz -o a.png --json{options}"));
+    for options in ["", " --size 20x20", " --color #ff0000"] {
+        let planned = dir.good(&format!("plan one.xyz --backend cpu -o a.png --json{options}"));
         assert_eq!(parts(&planned.json()), soft, "{options}");
         assert!(planned.err.contains("look soft (the default for particles; see --look plain): --occlusion 4"));
     }

@@ -171,7 +171,7 @@ fn a_png_has_the_resolution_of_its_option() {
         dir.refused_render(2, &format!("s.toml {files} --dpi 300"), &["--dpi applies to PNG files", ".png"]);
     }
     dir.refused(2, "plan s.toml -o c.npy --dpi 300", &["--dpi applies to PNG files"]);
-    dir.good("plan s.toml --dpi 300");
+    dir.good("plan s.toml --backend cpu --dpi 300");
     dir.render("s.toml -o - --dpi 300");
     // Preferences may apply to other pictures.
     dir.put("config.toml", "dpi = 300\n");

@@ -27,15 +27,21 @@ const SIDE: u32 = 64;
 
 /// 97 spheres in front of the eye; not a multiple of any subgroup size.
 fn scene() -> Scene {
+    cloud(97, SIDE)
+}
+
+/// Spheres in front of the eye, which overlap about as much whatever their number.
+pub(super) fn cloud(count: u32, side: u32) -> Scene {
     let mut spheres = Spheres::default();
     // A Weyl sequence: fractions of multiples of irrationals fill the cube evenly (Roberts 2018, the plastic number).
     let weyl = |n: f64, x: f64| 2.0 * (n * x).fract() - 1.0;
-    for n in 1..=97 {
+    let size = (97.0 / f64::from(count)).cbrt();
+    for n in 1..=count {
         let n = f64::from(n);
         let [x, y, z] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|irrational| weyl(n, irrational));
-        spheres.push([x, y, -1.5 + z], 0.05 + 0.1 * z.abs(), None);
+        spheres.push([x, y, -1.5 + z], (0.05 + 0.1 * z.abs()) * size, None);
     }
-    let image = ImagePlane { width: SIDE, height: SIDE, background: [0.0; 3] };
+    let image = ImagePlane { width: side, height: side, background: [0.0; 3] };
     Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default(), skipped: Skipped::default() }
 }
 

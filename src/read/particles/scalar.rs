@@ -77,6 +77,11 @@ impl Scalar {
         self.kind != NumberKind::Float
     }
 
+    /// Whether the most significant byte comes first.
+    pub(crate) fn is_big(self) -> bool {
+        self.big
+    }
+
     /// Decodes [`Scalar::size`] bytes; whole numbers above 2^53 are rounded.
     pub(crate) fn number(self, bytes: &[u8]) -> f64 {
         let mut little = [0; 8];

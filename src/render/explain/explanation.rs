@@ -51,6 +51,8 @@ pub struct Explanation {
     pub depth_cue: bool,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
+    /// Why there: what was requested, found or measured.
+    pub backend_reason: String,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
     /// `fast`, `certified` or `exact`.

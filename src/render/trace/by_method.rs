@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::input::{self, Input, Output, TreeInput};
 use crate::kernel::{Kernel, RaySource};
-use crate::render::renderer::Executor;
+use crate::render::place::Executor;
 use crate::search::tree::device_rays::BoxRayRecord;
 use crate::search::tree::{MethodRays, order};
 use crate::settings::Search;

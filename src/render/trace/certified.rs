@@ -5,7 +5,7 @@ use crate::cpu::given_certified::{AnyHit, Given, NearestHit, Query};
 use crate::error::{Error, Result};
 use crate::exact::{Truth, judge_ray_among};
 use crate::progress::Watch;
-use crate::render::renderer::Executor;
+use crate::render::place::Executor;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
 use rayon::prelude::*;
