@@ -5,7 +5,6 @@ use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
 use super::projection::cover::{Cover, Coverage};
 use super::projection::project::{Eight, LANES};
-use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, Rotation};
 use super::terms::Terms;
@@ -14,7 +13,6 @@ use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::scene::Scene;
-use crate::tile::WHOLE;
 use crate::view::View;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
@@ -72,12 +70,6 @@ impl<'a> Depths<'a> {
 /// Spheres per binning job.
 const TOGETHER: usize = 1 << 14;
 
-/// From this number of spheres on, those that others hide are left out before lists are made.
-const CULLED: usize = 1 << 15;
-
-/// Spheres of the first round, which nothing hides.
-const ROUND: usize = 1 << 15;
-
 /// The bins of all spheres.
 struct SphereBins {
     /// The bin of every sphere, by id.
@@ -107,17 +99,11 @@ impl BinnedScene {
         if !projection.is_bounded() {
             return Ok(None);
         }
-        // A list for the whole image holds every sphere.
-        let culls = scene.spheres.len() >= CULLED && level < WHOLE;
-        let window = view.record.window();
-        let pyramid = |reference: f64| {
-            culls.then(|| DepthPyramid::new(&projection, ([width, height], window), reference, tolerance))
-        };
-        let mut sphere_bins = projection.bin_spheres(scene, 0.0, pyramid(0.0), pool);
+        let mut sphere_bins = projection.bin_spheres(scene, 0.0, pool);
         let reference = reference(&sphere_bins);
         if reference > 0.0 {
             pool.put_back(sphere_bins.bins);
-            sphere_bins = projection.bin_spheres(scene, reference.into(), pyramid(reference.into()), pool);
+            sphere_bins = projection.bin_spheres(scene, reference.into(), pool);
         }
         let mut record = projection.record(reference, tolerance);
         record.generals = sphere_bins.generals.len() as u32;
@@ -142,31 +128,19 @@ fn reference(sphere_bins: &SphereBins) -> f32 {
 }
 
 impl ProjectionBounds {
-    /// Bins all spheres, with depths of projected spheres relative to `reference`; those that `pyramid` hides are in no
-    /// bin. A round of spheres is compared with what the rounds before it cover, so that the bins depend on no timing.
-    fn bin_spheres(&self, scene: &Scene, reference: f64, mut pyramid: Option<DepthPyramid>, pool: &Pool) -> SphereBins {
-        let (centers, radii) = (&scene.spheres.centers[..], &scene.spheres.radii[..]);
+    /// Bins all spheres, with depths of projected spheres relative to `reference`.
+    fn bin_spheres(&self, scene: &Scene, reference: f64, pool: &Pool) -> SphereBins {
+        let spheres = scene.spheres.centers.par_chunks(TOGETHER).zip(scene.spheres.radii.par_chunks(TOGETHER));
         // New memory is zeros that the system provides when a job first writes it, on that job's core.
-        let mut bins: Vec<Bin> = sized(radii.len(), pool);
+        let mut bins = sized(scene.spheres.len(), pool);
         let arch = pulp::Arch::new();
-        let (mut done, mut start) = (Vec::new(), 0);
-        while start < radii.len() {
-            // Each round doubles the number of spheres.
-            let end = if pyramid.is_some() { (2 * start).max(ROUND).min(radii.len()) } else { radii.len() };
-            let spheres = centers[start..end].par_chunks(TOGETHER).zip(radii[start..end].par_chunks(TOGETHER));
-            let jobs = spheres.zip(bins[start..end].par_chunks_mut(TOGETHER)).enumerate();
-            let job = |(n, ((centers, radii), bins))| {
-                let first = start + n * TOGETHER;
-                let pyramid = pyramid.as_ref();
-                arch.dispatch(Batch { first, projection: self, reference, pyramid, centers, radii, bins })
-            };
-            let round: Vec<_> = jobs.map(job).collect();
-            done.extend(round);
-            start = end;
-            if let Some(pyramid) = pyramid.as_mut().filter(|_| start < radii.len()) {
-                pyramid.refresh();
-            }
-        }
+        let jobs = spheres.zip(bins.par_chunks_mut(TOGETHER)).enumerate();
+        let done: Vec<_> = jobs
+            .map(|(n, ((centers, radii), bins))| {
+                let first = n * TOGETHER;
+                arch.dispatch(Batch { first, projection: self, reference, centers, radii, bins })
+            })
+            .collect();
         let seen = done.iter().map(|job| job.seen).sum();
         let entries = done.iter().map(|job| job.entries).sum();
         let ranges = done.iter().filter_map(|job| job.range);
@@ -180,7 +154,6 @@ struct Batch<'a> {
     first: usize,
     projection: &'a ProjectionBounds,
     reference: f64,
-    pyramid: Option<&'a DepthPyramid>,
     centers: &'a [[f64; 3]],
     radii: &'a [f64],
     bins: &'a mut [Bin],
@@ -222,13 +195,6 @@ impl NullaryFnOnce for Batch<'_> {
                 *bin = Bin::NOWHERE;
                 if eight.projected[l] != 0 {
                     *bin = eight.bin(l);
-                    if let Some(pyramid) = self.pyramid {
-                        if pyramid.hides(bin) {
-                            *bin = Bin::NOWHERE;
-                        } else {
-                            pyramid.cover(&eight.placed(l, 0));
-                        }
-                    }
                     found.see(eight.depth[l], bin);
                 } else if eight.other[l] != 0 {
                     let id = (self.first + first + l) as u32;

@@ -2,7 +2,6 @@
 
 use crate::number::Number;
 use crate::tile::TILE;
-use crate::window::Window;
 use bytemuck::{Pod, Zeroable};
 
 /// The uniform of every kernel; declared in view.wgsl.
@@ -73,12 +72,6 @@ impl ViewRecord {
     /// Row and column in the full frame of a pixel of the window, by its index in the buffers.
     pub(crate) fn place(&self, pixel: u32) -> [u32; 2] {
         [self.first_row + pixel / self.columns, self.first_column + pixel % self.columns]
-    }
-
-    /// The window of the image that is rendered.
-    pub(crate) fn window(&self) -> Window {
-        let (x0, y0) = (self.first_column, self.first_row);
-        Window { x0, y0, x1: x0 + self.columns, y1: y0 + self.rows }
     }
 
     /// First and last column and row of the tiles that the window touches.
