@@ -29,12 +29,17 @@ pub struct AdapterSummary {
 }
 
 impl AdapterSummary {
+    /// Whether the host's processor computes the shaders.
+    pub(crate) fn is_software(&self) -> bool {
+        self.kind == "software"
+    }
+
     /// How invocations on this adapter share loaded spheres. Software adapters load a shared address once per lane, so
     /// one load per subgroup is faster there. A broadcast from a constant lane is cheaper than a shuffle but requires a
     /// known subgroup size.
     pub(crate) fn sharing(&self) -> Sharing {
         match self.subgroup {
-            _ if self.kind != "software" => Sharing::None,
+            _ if !self.is_software() => Sharing::None,
             None => Sharing::None,
             Some([4, 4]) => Sharing::Subgroup4,
             Some([8, 8]) => Sharing::Subgroup8,

@@ -251,7 +251,7 @@ fn conclude(checks: Vec<Check>, has_f64: bool) -> Verdict {
 }
 
 /// Measures every adapter, or reads the verdict from the user's cache unless `again`, in the order of
-/// [`adapters`](crate::adapters). An adapter that cannot be opened, or loses the device, has an error of its own.
+/// [`adapters`](crate::adapters); if `again`, also the times that decide between software and the CPU path. An adapter that cannot be opened, or loses the device, has an error of its own.
 ///
 /// # Errors
 /// [`Error::Adapter`] if WGPU_BACKEND names an unknown backend.
@@ -259,7 +259,13 @@ pub fn verdicts(again: bool) -> Result<Vec<Result<Verdict>>> {
     use crate::gpu::device;
     let measure = |found: device::FoundAdapter| {
         let mut gpu = Gpu::new(device::open(&found)?, found.summary);
-        if again { gpu.retest().cloned() } else { gpu.verdict().cloned() }
+        if !again {
+            return gpu.verdict().cloned();
+        }
+        if gpu.summary.is_software() {
+            Pace::measured(&mut gpu)?;
+        }
+        gpu.retest().cloned()
     };
     Ok(device::find()?.into_iter().map(measure).collect())
 }

@@ -101,7 +101,7 @@ impl Software {
     /// Those of the measurement.
     fn reason(self, found: &FoundAdapter) -> Result<(bool, String)> {
         let name = &found.summary.name;
-        if found.summary.kind != "software" {
+        if !found.summary.is_software() {
             return Ok((true, format!("{name} is the first adapter that can be used")));
         }
         if matches!(self, Self::Avoided) {
