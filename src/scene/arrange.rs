@@ -2,7 +2,7 @@
 
 use super::{Cell, List, Materials, Spheres};
 use crate::error::{Error, Result};
-use crate::memory::{check, check_spheres, extend_to};
+use crate::memory::{check, check_ids, check_spheres, extend_to};
 use crate::progress::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -48,14 +48,7 @@ impl Arrangement {
     /// [`Error::Settings`] where copies or an outline need a cell and there is none, or a bead has no radius;
     /// [`Error::Limits`] where the copies do not fit into memory; [`Error::Interrupted`].
     pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<()> {
-        let need = |what: &str| {
-            cell.ok_or_else(|| {
-                Error::settings(
-                    format!("{what} needs a periodic cell, but the file has none"),
-                    "use a file with a cell: Lattice, CRYST1, BOX BOUNDS, a box line",
-                )
-            })
-        };
+        let need = |what: &str| cell.ok_or_else(|| needs_cell(what));
         let edges = |cell: &Cell| cell.edges.map(DVec3::from_array);
         if self.copies != [1; 3] {
             let edges = edges(need("copies")?);
@@ -75,6 +68,48 @@ impl Arrangement {
             outline(spheres, DVec3::from_array(cell.origin), whole, bead)?;
         }
         Ok(())
+    }
+
+    /// The copies of `spheres` that the clip planes keep, in blocks and in the order of [`Arrangement::apply`], without
+    /// holding all of them in memory. The outline is left out.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where copies need a cell and there is none; [`Error::Limits`] for more than ids can number.
+    pub fn copies<'a>(
+        &'a self,
+        spheres: &'a Spheres,
+        cell: Option<&Cell>,
+    ) -> Result<impl Iterator<Item = Result<Spheres>> + 'a> {
+        let edges = match cell {
+            Some(cell) => cell.edges.map(DVec3::from_array),
+            None if self.copies == [1; 3] => [DVec3::ZERO; 3],
+            None => return Err(needs_cell("copies")),
+        };
+        if self.clip.is_empty() {
+            check_ids(self.total(spheres.len()))?;
+        }
+        let copies = self.copies.iter().fold(1, |n, k| n * u64::from(*k));
+        let parts = (0..copies).flat_map(|copy| (0..spheres.len()).step_by(BLOCK).map(move |first| (copy, first)));
+        Ok(parts.map(move |(copy, first)| {
+            let range = first..(first + BLOCK).min(spheres.len());
+            let shift = self.shift(copy, edges);
+            let moved = |center: &[f64; 3]| (DVec3::from_array(*center) + shift).to_array();
+            let mut block = Spheres {
+                centers: spheres.centers[range.clone()].iter().map(moved).collect::<Vec<_>>().into(),
+                radii: spheres.radii[range.clone()].to_vec().into(),
+                colors: spheres.colors.as_ref().map(|colors| colors[range].to_vec().into()),
+                materials: None,
+            };
+            self.clip.iter().try_for_each(|plane| clip(&mut block, *plane))?;
+            Ok(block)
+        }))
+    }
+
+    /// Where copy number `copy` lies.
+    fn shift(&self, copy: u64, [a, b, c]: [DVec3; 3]) -> DVec3 {
+        let [na, nb, _] = self.copies.map(u64::from);
+        let [i, j, k] = [copy % na, copy / na % nb, copy / na / nb].map(|n| n as f64);
+        i * a + j * b + k * c
     }
 
     /// Whether the clip planes remove every copy of every sphere, and no outline is drawn; `false` where there are no
@@ -113,6 +148,16 @@ impl Arrangement {
         self.copies.iter().fold(count as u64, |n, k| n.saturating_mul(u64::from(*k)))
     }
 }
+
+fn needs_cell(what: &str) -> Error {
+    Error::settings(
+        format!("{what} needs a periodic cell, but the file has none"),
+        "use a file with a cell: Lattice, CRYST1, BOX BOUNDS, a box line",
+    )
+}
+
+/// Spheres of a block of copies.
+const BLOCK: usize = 1 << 17;
 
 /// Spheres copied between two checks for cancellation.
 const BATCH: usize = 1 << 22;

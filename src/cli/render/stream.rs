@@ -2,15 +2,16 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
-use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::scene_frames::{Numbered, aim, options, size};
+use crate::cli::{go_on, note};
 use glam::DVec3;
 use halfline::camera::{Camera, CameraRecord, Look};
 use halfline::error::{Error, Result};
 use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline::read::{FrameTime, ReadOptions, SceneFrame, SphereBlocks};
+use halfline::read::style::Legend;
+use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
@@ -23,6 +24,14 @@ pub(super) struct Source<'a> {
     args: &'a SceneArgs,
     options: ReadOptions,
     taken: Option<CameraRecord>,
+    arrangement: Arrangement,
+}
+
+/// What is known of a scene once all of its spheres were read.
+struct About {
+    skipped: Skipped,
+    legend: Option<Legend>,
+    when: FrameTime,
 }
 
 impl<'a> Source<'a> {
@@ -39,14 +48,12 @@ impl<'a> Source<'a> {
                 "render the frames, turns or cameras one by one, or without --stream",
             );
         }
-        if args.read.arrangement() != Arrangement::default() {
-            return refuse(
-                "copies, clip planes and the edges of a cell need the scene in memory",
-                "remove --copies, --clip and --cell",
-            );
+        let arrangement = args.read.arrangement();
+        if arrangement.outline.is_some() {
+            return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
         }
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        Ok(Self { args, options, taken })
+        Ok(Self { args, options, taken, arrangement })
     }
 
     /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
@@ -61,21 +68,19 @@ impl<'a> Source<'a> {
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
         self.begin(frame.scene.clone(), settings, targets)?;
+        let atoms = self.atoms()?;
         if self.taken.is_none() {
-            self.aim(&mut frame)?;
+            self.aim(&mut frame, atoms.as_ref())?;
         }
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
-        let mut blocks = SphereBlocks::open(&self.args.scene, &self.options)?;
-        while let Some(block) = blocks.next_block()? {
-            stream.add(&block)?;
-        }
+        let about = self.each(atoms.as_ref(), |block| stream.add(&block))?;
         let Visible { mut scene, ids } = stream.finish()?;
         let kept = count(ids.ids.len() as u64, "sphere");
         note(format_args!("{kept} of {} may be hit first and are in memory", ids.count));
-        scene.skipped = blocks.skipped().clone();
-        (picture.scene, picture.legend, picture.ids) = (scene, blocks.legend().cloned(), Some(ids));
-        Ok(picture)
+        scene.skipped = about.skipped;
+        (picture.legend, picture.when) = (about.legend, about.when);
+        Ok(Numbered { scene, ids: Some(ids), ..picture })
     }
 
     /// The picture of a scene whose spheres are still to come.
@@ -104,14 +109,14 @@ impl<'a> Source<'a> {
     }
 
     /// Frames all spheres where the options do not give the camera's place, for which the file is read twice more.
-    fn aim(&self, frame: &mut SceneFrame) -> Result<()> {
+    fn aim(&self, frame: &mut SceneFrame, atoms: Option<&SceneFrame>) -> Result<()> {
         let camera = &self.args.camera;
         let framing = camera.framing(frame.has_camera)?;
         let at_middle = camera.pose.eye.is_some() && !camera.pose.looks();
         if framing.is_none() && !at_middle {
             return Ok(());
         }
-        if self.args.scene == Path::new("-") {
+        if atoms.is_none() && self.args.scene == Path::new("-") {
             let problem = "--stream: the camera depends on all spheres, and standard input can be read once";
             return Err(Error::settings(problem, "give --eye and --at, or --view"));
         }
@@ -119,9 +124,9 @@ impl<'a> Source<'a> {
             "the camera depends on all spheres, so the file is read first for them (see --eye and --at)"
         ));
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        self.each(|block| {
+        self.each(atoms, |block| {
             let [low, high] = block.bounds();
-            if bounds[0].x > bounds[1].x {
+            if atoms.is_none() && bounds[0].x > bounds[1].x {
                 note(format_args!(
                     "the camera depends on all spheres, so the file is read for it first (see --eye and --at)"
                 ));
@@ -135,7 +140,7 @@ impl<'a> Source<'a> {
         }
         let Some(framing) = framing else { return Ok(()) };
         let mut reach = Reach::about(middle);
-        self.each(|block| {
+        self.each(atoms, |block| {
             let mut part = Scene { spheres: block, ..frame.scene.clone() };
             if let Some(more) = part.reach(&framing, Some(&reach))? {
                 reach = reach.with(&more);
@@ -147,11 +152,38 @@ impl<'a> Source<'a> {
         frame.scene.fit_to(&framing, &reach)
     }
 
-    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<()> {
+    /// The atoms that `--copies` repeats: they are in memory, their copies are not.
+    fn atoms(&self) -> Result<Option<SceneFrame>> {
+        if self.arrangement.copies == [1; 3] {
+            return Ok(None);
+        }
+        let mut sequence = Sequence::open(&self.args.scene, &self.options)?;
+        let frame = sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
+        if frame.has_camera {
+            let mend = "remove --stream, or use a file of particles";
+            return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
+        }
+        Ok(Some(frame))
+    }
+
+    /// Every block of the scene: of the file, or of copies of `atoms`.
+    fn each(&self, atoms: Option<&SceneFrame>, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+        if let Some(atoms) = atoms {
+            for block in self.arrangement.copies(&atoms.scene.spheres, atoms.cell.as_ref())? {
+                if !go_on() {
+                    return Err(Error::Interrupted);
+                }
+                each(block?)?;
+            }
+            let (skipped, legend) = (atoms.scene.skipped.clone(), atoms.legend.clone());
+            return Ok(About { skipped, legend, when: atoms.when.clone() });
+        }
         let mut blocks = SphereBlocks::open(&self.args.scene, &self.options)?;
-        while let Some(block) = blocks.next_block()? {
+        while let Some(mut block) = blocks.next_block()? {
+            self.arrangement.apply(&mut block, None, &self.options.watch)?;
             each(block)?;
         }
-        Ok(())
+        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
+        Ok(About { skipped, legend, when: FrameTime::default() })
     }
 }
