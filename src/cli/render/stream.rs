@@ -120,9 +120,6 @@ impl<'a> Source<'a> {
             let problem = "--stream: the camera depends on all spheres, and standard input can be read once";
             return Err(Error::settings(problem, "give --eye and --at, or --view"));
         }
-        note(format_args!(
-            "the camera depends on all spheres, so the file is read first for them (see --eye and --at)"
-        ));
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         self.each(atoms, |block| {
             let [low, high] = block.bounds();
