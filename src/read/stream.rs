@@ -137,7 +137,9 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
             return Ok(None);
         }
     }
-    frames.next()
+    let rest = frames.next()?;
+    // The rest must not hold the sender: the receiver waits for the end of all parts before it takes it.
+    Ok(rest.map(|rest| Particles { survey: None, ..rest }))
 }
 
 /// Refuses what needs all particles at once.
