@@ -40,7 +40,7 @@ pub(super) use layout::{EVERY, Layout, Role, component, wanted};
 pub use periodic::Periodic;
 pub(super) use scalar::Scalar;
 pub use survey::Survey;
-pub(super) use survey::{ColumnCounts, Counts};
+pub(super) use survey::{ColumnCounts, Counts, Part};
 pub(super) use table::{Table, axes, delimiter, fields, has_content};
 
 use super::format::Format;

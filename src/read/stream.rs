@@ -2,7 +2,7 @@
 
 use super::format::Format;
 use super::options::ReadOptions;
-use super::particles::{self, ParticleFrames, Particles, Periodic, Survey};
+use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey};
 use super::source::SceneSource;
 use super::style::{Coloring, Legend, is_8_bit};
 use crate::error::{Error, Place, Result};
@@ -25,7 +25,7 @@ const AHEAD: usize = 2;
 /// The spheres of one frame of a file, block by block, in the order of the file. They are those that
 /// [`Sequence`](super::Sequence) gives in memory.
 pub struct SphereBlocks {
-    parts: Receiver<Particles>,
+    parts: Receiver<Part>,
     /// The thread that reads; it returns what remains after the last whole part.
     reader: Option<JoinHandle<Result<Option<Particles>>>>,
     options: ReadOptions,
@@ -77,7 +77,7 @@ impl SphereBlocks {
     pub fn next_block(&mut self) -> Result<Option<Spheres>> {
         self.options.watch.check()?;
         if let Ok(part) = self.parts.recv() {
-            return self.dress(part).map(Some);
+            return self.dress(Particles::of_part(part)).map(Some);
         }
         let Some(reader) = self.reader.take() else { return Ok(None) };
         let rest = reader.join().unwrap_or(Err(Error::Interrupted))?;

@@ -5,7 +5,7 @@ use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
 use super::mixed::Mixed;
 use super::names::Names;
-use super::survey::{Counted, Counts, Survey};
+use super::survey::{Counted, Counts, Part, Survey};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
 use crate::scene::{Cell, Skipped};
@@ -210,7 +210,7 @@ impl Particles {
     ///
     /// # Errors
     /// [`Error::Settings`] where what they are is only known when all are read.
-    pub(super) fn split_off(&mut self) -> Result<Self> {
+    pub(super) fn split_off(&mut self) -> Result<Part> {
         if self.species != Species::default() {
             let problem = "the column of elements has atom names, which are understood only from the whole file";
             return Err(Error::settings(problem, "remove --stream"));
@@ -219,19 +219,23 @@ impl Particles {
             let problem = "the colours of a column of names depend on all names of the file";
             return Err(Error::settings(problem, "use a column of numbers, or remove --stream"));
         }
-        let columns = self.columns.iter_mut();
         self.room = 0;
-        Ok(Self {
+        let columns = self.columns.iter_mut();
+        Ok(Part {
             positions: std::mem::take(&mut self.positions),
             radii: std::mem::take(&mut self.radii),
             elements: std::mem::take(&mut self.elements),
             colors: std::mem::take(&mut self.colors),
-            columns: columns
-                .map(|column| Column { name: column.name.clone(), values: std::mem::take(&mut column.values) })
-                .collect(),
+            columns: columns.map(|column| (column.name.clone(), std::mem::take(&mut column.values))).collect(),
             has: self.has.clone(),
-            ..Self::default()
         })
+    }
+
+    /// The particles of a part.
+    pub(in crate::read) fn of_part(part: Part) -> Self {
+        let Part { positions, radii, elements, colors, columns, has } = part;
+        let columns = columns.into_iter().map(|(name, values)| Column { name, values }).collect();
+        Self { positions, radii, elements, colors, columns, has, ..Self::default() }
     }
 
     /// Whether a column has names.
@@ -271,7 +275,11 @@ impl Particles {
         if let Some(survey) = self.survey.clone()
             && survey.is_full(n)
         {
-            return survey.take(self);
+            match survey.is_counting() {
+                true => self.count(&mut survey.counts()),
+                false => survey.pass(self.split_off()?)?,
+            }
+            return Ok(());
         }
         if n + more <= self.room {
             return Ok(());

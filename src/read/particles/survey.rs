@@ -1,7 +1,6 @@
 //! A file read part by part, so that the memory does not grow with it: the particles of a part are counted and dropped,
 //! or passed on.
 
-use super::Particles;
 use super::infer::{Inference, code_of_unknown};
 use crate::error::{Error, Result};
 use crate::scene::{Cell, Spheres};
@@ -20,9 +19,22 @@ const VALUES: usize = 64;
 pub struct Survey {
     counts: Arc<Mutex<Counts>>,
     /// Where the particles are passed on; without it they are counted and dropped.
-    parts: Option<SyncSender<Particles>>,
+    parts: Option<SyncSender<Part>>,
     /// The number of particles of a part.
     part: usize,
+}
+
+/// Particles that are passed on, with what a style needs of them; see [`Particles`](super::Particles) for the lists.
+#[derive(Debug, Default)]
+pub(in crate::read) struct Part {
+    pub(in crate::read) positions: Vec<[f64; 3]>,
+    pub(in crate::read) radii: Vec<f64>,
+    pub(in crate::read) elements: Vec<u8>,
+    pub(in crate::read) colors: Vec<[f32; 3]>,
+    /// Names and values.
+    pub(in crate::read) columns: Vec<(String, Vec<f64>)>,
+    /// The names of all columns of the file.
+    pub(in crate::read) has: Vec<String>,
 }
 
 /// The counts of a frame.
@@ -105,7 +117,7 @@ impl Survey {
     }
 
     /// Passes the particles on instead of counting them, in parts of at least `part`.
-    pub(in crate::read) fn passing(parts: SyncSender<Particles>, part: usize) -> Self {
+    pub(in crate::read) fn passing(parts: SyncSender<Part>, part: usize) -> Self {
         Self { parts: Some(parts), part, ..Self::default() }
     }
 
@@ -114,34 +126,27 @@ impl Survey {
         self.parts.is_none()
     }
 
-    /// Counts the particles, or passes them on.
+    /// Passes a part on; one that is counted is not.
     ///
     /// # Errors
-    /// [`Error::Settings`] where the elements of the particles are not known before the last one is read;
-    /// [`Error::Interrupted`] if nothing receives them.
-    pub(super) fn take(&self, particles: &mut Particles) -> Result<()> {
-        match &self.parts {
-            None => particles.count(&mut self.counts()),
-            Some(parts) => parts.send(particles.split_off()?).map_err(|_| Error::Interrupted)?,
-        }
-        Ok(())
+    /// [`Error::Interrupted`] if nothing receives it.
+    pub(super) fn pass(&self, part: Part) -> Result<()> {
+        self.parts.as_ref().map_or(Ok(()), |parts| parts.send(part).map_err(|_| Error::Interrupted))
     }
 
-    /// The same for spheres; without radii in the file their radii do not count.
+    /// Counts spheres, or passes them on; without radii in the file their radii do not count.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
     pub(in crate::read) fn take_spheres(&self, spheres: &mut Spheres, sized: bool) -> Result<()> {
-        let Some(parts) = &self.parts else {
+        if self.is_counting() {
             self.count_spheres(spheres, sized);
             return Ok(());
-        };
+        }
         let Spheres { centers, radii, colors, .. } = std::mem::take(spheres);
         let radii = if sized { radii.into_vec() } else { Vec::new() };
         let colors = colors.unwrap_or_default().into_vec();
-        parts
-            .send(Particles { positions: centers.into_vec(), radii, colors, ..Particles::default() })
-            .map_err(|_| Error::Interrupted)
+        self.pass(Part { positions: centers.into_vec(), radii, colors, ..Part::default() })
     }
 
     /// Whether `particles` are a part.
