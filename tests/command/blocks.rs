@@ -112,10 +112,7 @@ fn copies_have_the_bytes_of_copies_in_memory() {
         writeln!(text, "{} {x:.5} {y:.5} {z:.5}", ["C", "O", "Fe"][n % 3]).expect("text");
     }
     let dir = TestDir::new(&[("a.xyz", &text)]);
-    for options in [
-        "--copies 5,4,3 --radius-scale 0.2",
-        "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20",
-    ] {
+    for options in ["--copies 5,4,3 --radius-scale 0.2", "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20"] {
         let said = same(&dir, "a.xyz", options);
         assert!(said.contains("may be hit first"), "{said}");
     }
