@@ -41,7 +41,7 @@ const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The distance behind a winner's lower bound, relative to its depth, beyond which list entries are skipped: the
 /// promised tolerance, or a value that keeps the proof possible at little cost.
-const CULL_MARGIN: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
+pub(super) const CULL_MARGIN: [f64; 2] = [1.0 / (1 << 20) as f64, 1.0 / (1 << 10) as f64];
 /// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Range of projected radii, and of depths in their unit, that f32 squares without underflow or overflow: 2^-60 to
@@ -244,6 +244,14 @@ impl ProjectionBounds {
             cull_margin: tolerance.clamp(CULL_MARGIN[0], CULL_MARGIN[1]) as f32,
             size: (f64::from(reference) * unit + alone) as f32,
         }
+    }
+
+    /// First and last column and row, in the view's frame, of the pixels of the tiles from `first` up to `ends`; the
+    /// frame's size; and half a pixel's steps of the slopes, which are 0 for parallel rays.
+    pub(super) fn cell(&self, first: [u32; 2], ends: [u32; 2]) -> ([[f64; 2]; 2], [f64; 2], [f64; 2]) {
+        let pixel = |k: usize, tile: u32| self.corner[k] + f64::from(tile) * f64::from(TILE) * self.per_pixel;
+        let pixels = [0, 1].map(|k| [pixel(k, first[k]), pixel(k, ends[k]).min(self.end[k]) - 1.0]);
+        (pixels, self.size, if self.parallel { [0.0; 2] } else { self.slope })
     }
 
     /// Whether f32 can represent the rays and the squares in a general sphere's bound.
