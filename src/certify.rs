@@ -10,6 +10,7 @@ pub(crate) mod binned;
 pub(crate) mod constants;
 pub(crate) mod general;
 pub(crate) mod given;
+pub(crate) mod near;
 pub(crate) mod projected;
 mod projection;
 pub(crate) mod sieve;
@@ -24,6 +25,7 @@ use crate::view::ViewRecord;
 use binned::BinnedScene;
 use constants::VANISH;
 use general::{General, general_answer, general_low};
+use near::NearLists;
 use projected::{Projected, projected_answer, projected_low};
 use std::ops::Range;
 use tiles::Lists;
@@ -40,13 +42,15 @@ pub(crate) struct Certify<'a, R> {
     pub(crate) projection: &'a ProjectionRecord,
     pub(crate) lists: &'a Lists,
     pub(crate) generals: Vec<General<R>>,
+    pub(crate) nears: &'a NearLists,
     pub(crate) terms: &'a Terms,
 }
 
 impl<'a, R: Number> Certify<'a, R> {
     pub(crate) fn new(view: &'a ViewRecord, binned: &'a BinnedScene) -> Self {
         let generals = binned.generals.iter().map(General::new).collect();
-        Self { view, projection: &binned.projection, lists: &binned.lists, generals, terms: &TERMS }
+        let BinnedScene { projection, lists, nears, .. } = binned;
+        Self { view, projection, lists, generals, nears, terms: &TERMS }
     }
 }
 
@@ -69,9 +73,11 @@ impl<R: Number> Certify<'_, R> {
         entries.map(|n| (projected_low(s, self.projection, &self.projected(n)), n as u32))
     }
 
-    /// The same for the general spheres.
+    /// The same for the general spheres of the ray's tile.
     pub(crate) fn general_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
-        self.generals.iter().zip(0..).map(|(general, slot)| (general_low(s, general, self.terms), GENERAL | slot))
+        let low = |slot: &u32| (general_low(s, &self.generals[*slot as usize], self.terms), GENERAL | *slot);
+        let [row, column] = self.pixel(s);
+        self.nears.of(row, column).iter().map(low)
     }
 
     /// The lower bound of depth of every candidate with its slot; certain misses are omitted.
@@ -82,9 +88,14 @@ impl<R: Number> Certify<'_, R> {
 
     /// The list entries of the ray's tile.
     fn entries(&self, s: &Slopes<R>) -> Range<usize> {
-        let [row, column] = self.view.pixel_of([s.row, s.column].map(|n| n as u32));
+        let [row, column] = self.pixel(s);
         let [first, end] = self.lists.range(row, column);
         first as usize..end as usize
+    }
+
+    /// Row and column of the ray's pixel.
+    fn pixel(&self, s: &Slopes<R>) -> [u32; 2] {
+        self.view.pixel_of([s.row, s.column].map(|n| n as u32))
     }
 
     fn projected(&self, entry: usize) -> Projected<R> {

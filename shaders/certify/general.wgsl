@@ -140,11 +140,12 @@ fn general_answer(s: Slopes, n: General) -> Answer {
     return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal);
 }
 
-// Every ray tests the general spheres.
-fn nearest_two_generals(s: Slopes, start: NearestTwo) -> NearestTwo {
-    var k = start;
-    let generals = projection.generals;
-    for (var slot = 0u; slot < generals; slot++) {
+// Tests the general spheres of a tile.
+fn nearest_two_generals(s: Slopes, tile: vec3<u32>) -> NearestTwo {
+    var k = NearestTwo(BEYOND, BEYOND, NONE);
+    let range = tile_generals(tile);
+    for (var n = range.x; n < range.y; n++) {
+        let slot = lists[n];
         k = with_candidate(k, general_low(s, general_at(slot)), GENERAL | slot);
     }
     return k;

@@ -34,11 +34,12 @@ fn test(s: Slopes, k: NearestTwo, r: Record, n: u32) -> NearestTwo {
     return with_candidate(k, projected_low(s, projected_of(r.bits)), n);
 }
 
-// Tests the general spheres and the candidates of a tile, nearest chunk first. Invocations that share loads leave the
+// Tests the general spheres and then the candidates of a tile, nearest chunk first. Invocations that share loads leave the
 // list together. For those that could leave earlier the remaining candidates change nothing: all of them are behind the
 // chunk's minimum depth.
-fn nearest_two(s: Slopes, range: vec2<u32>) -> NearestTwo {
-    var k = nearest_two_generals(s, NearestTwo(BEYOND, BEYOND, NONE));
+fn nearest_two(s: Slopes, tile: vec3<u32>) -> NearestTwo {
+    var k = nearest_two_generals(s, tile);
+    let range = tile_list(tile);
     for (var first = range.x; first < range.y; first += CHUNK) {
         let chunk_min_depth = bitcast<f32>(lists[s.chunk_min_depths + first / CHUNK]);
         let behind = is_behind(s, k, chunk_min_depth);

@@ -18,7 +18,7 @@ fn render(tile: vec3<u32>, index: u32) {
     let at = pixel_at(tile, index);
     let to = sample_position(at);
     let s = slopes(to.y, to.x);
-    let k = nearest_two(s, tile_list(tile));
+    let k = nearest_two(s, tile);
     // Invocations outside the crop leave only now, because they loaded spheres for their subgroup.
     if (!in_crop(at)) {
         return;

@@ -3,6 +3,7 @@
 
 use super::answer::ProjectionRecord;
 use super::general::GeneralRecord;
+use super::near::{Near, NearLists};
 use super::projection::cover::{Cover, Coverage};
 use super::projection::project::{Eight, LANES};
 use super::projection::stage::Staged;
@@ -23,6 +24,8 @@ pub(crate) struct BinnedScene {
     pub(crate) projection: ProjectionRecord,
     pub(crate) lists: Lists,
     pub(crate) generals: Vec<GeneralRecord>,
+    /// Which of them the rays of a tile may hit first.
+    pub(crate) nears: NearLists,
     /// Projected spheres that some ray may hit.
     pub(crate) seen: u64,
 }
@@ -113,8 +116,11 @@ impl BinnedScene {
         let placing = Scenery { projection: &projection, centers, radii, coverage, reference };
         let (bins, entries) = (&sphere_bins.bins, sphere_bins.entries);
         let lists = Lists::new(bins, entries, view.record.tiles(), level, &placing, pool);
-        pool.put_back(sphere_bins.bins);
-        Ok(Some(Self { projection: record, lists, generals: sphere_bins.generals, seen: sphere_bins.seen }))
+        let SphereBins { bins, generals, seen, .. } = sphere_bins;
+        pool.put_back(bins);
+        let near = Near::new(&projection, &generals, [width, height], tolerance);
+        let nears = near.lists(view.record.tiles(), level);
+        Ok(Some(Self { projection: record, lists, generals, nears, seen }))
     }
 }
 

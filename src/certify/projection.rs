@@ -42,6 +42,8 @@ const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The least promised tolerance that margins depend on: four units of roundoff.
 const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
+/// How much more hosts leave a sphere behind what they cover: the rounding of f32, 2^-23, many times over.
+const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
 /// Factor for the rounding of the bounds themselves, here and in the kernel.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
 /// Range of projected radii, and of depths in their unit, that f32 squares without underflow or overflow: 2^-60 to
@@ -251,6 +253,14 @@ impl ProjectionBounds {
         self.frame
     }
 
+    /// First and last column and row, in the view's frame, of the pixels of the tiles from `first` up to `ends`; the
+    /// frame's size; and half a pixel's steps of the slopes, which are 0 for parallel rays.
+    pub(super) fn cell(&self, first: [u32; 2], ends: [u32; 2]) -> ([[f64; 2]; 2], [f64; 2], [f64; 2]) {
+        let pixel = |k: usize, tile: u32| self.corner[k] + f64::from(tile) * f64::from(TILE) * self.per_pixel;
+        let pixels = [0, 1].map(|k| [pixel(k, first[k]), pixel(k, ends[k]).min(self.end[k]) - 1.0]);
+        (pixels, self.size, if self.parallel { [0.0; 2] } else { self.slope })
+    }
+
     /// Whether f32 can represent the rays and the squares in a general sphere's bound.
     pub(super) fn is_bounded(&self) -> bool {
         match self.parallel {
@@ -266,6 +276,11 @@ impl ProjectionBounds {
 /// bound of the search is not much coarser than theirs.
 fn cull_margin(tolerance: f64) -> f64 {
     8.0 * tolerance.clamp(LEAST_TOLERANCE, 0.125)
+}
+
+/// The same where the host leaves spheres out.
+pub(super) fn host_cull_margin(tolerance: f64) -> f64 {
+    cull_margin(tolerance) * WIDER
 }
 
 /// The smallest f32 that is at least x.

@@ -124,9 +124,7 @@ impl Lists {
 
     /// The same for every tile of the window, row by row, that `count` rows of pixels from `first` on overlap.
     pub(crate) fn rows(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
-        let [left, right] = self.grid.tiles;
-        let rows = first / TILE..(first + count).div_ceil(TILE);
-        rows.flat_map(move |row| (left..=right).map(move |tile| self.range(row * TILE, tile * TILE)))
+        self.grid.corners(first, count).map(|[row, column]| self.range(row, column))
     }
 
     /// Level: squares of 2^level tiles share a list.
@@ -261,7 +259,7 @@ pub(super) fn sized<T: bytemuck::Zeroable + Send + 'static>(n: usize, pool: &Poo
 
 /// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
 #[derive(Debug, Clone, Copy)]
-struct Grid {
+pub(super) struct Grid {
     level: u32,
     /// First and last column of the window's tiles.
     tiles: [u32; 2],
@@ -274,16 +272,35 @@ struct Grid {
 
 impl Grid {
     /// The grid for the window of these tiles, given by first and last column and row.
-    fn new(level: u32, tiles: [[u32; 2]; 2]) -> Self {
+    pub(super) fn new(level: u32, tiles: [[u32; 2]; 2]) -> Self {
         let cells = tiles.map(|range| range.map(|tile| tile >> level));
         let [columns, rows] = cells.map(|[first, last]| last - first + 1);
         Self { level, tiles: tiles[0], first: cells.map(|[first, _]| first), columns, rows }
     }
 
+    /// Number of cells.
+    pub(super) fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
     /// Index of the cell of the tile at this column and row of tiles.
-    fn cell(&self, column: u32, row: u32) -> usize {
+    pub(super) fn cell(&self, column: u32, row: u32) -> usize {
         let [left, top] = self.first;
         (((row >> self.level) - top) * self.columns + ((column >> self.level) - left)) as usize
+    }
+
+    /// Row and column of the first pixel of every tile of the window, row by row, that `count` rows of pixels from `first` on
+    /// overlap.
+    pub(super) fn corners(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
+        let [left, right] = self.tiles;
+        let rows = first / TILE..(first + count).div_ceil(TILE);
+        rows.flat_map(move |row| (left..=right).map(move |tile| [row * TILE, tile * TILE]))
+    }
+
+    /// Every cell of the grid that the square of 2^`level` tiles at this column and row of such squares overlaps.
+    pub(super) fn each_of_square(&self, at: [u32; 2], level: u32, each: impl FnMut(usize)) {
+        let tiles = at.map(|n| [n << level, (n << level) + ((1 << level) - 1)]);
+        self.each_cell(&Bin { chunk_min_depth: 0.0, tiles }, each);
     }
 
     /// Column and row in the image of the cell at this column and row of the grid.

@@ -78,8 +78,9 @@ impl<const SAMPLED: bool> NullaryFnOnce for Strip<'_, SAMPLED> {
     fn call(self) -> Self::Output {
         let [i, first] = self.place;
         let lanes = Lanes::<SAMPLED>::new(self.certify, i, first);
+        let nears = self.certify.nears.of(i, first);
         let [first, end] = self.certify.lists.range(i, first).map(|n| n as usize);
-        let two = lanes.nearest_two(self.certify, first..end);
+        let two = lanes.nearest_two(self.certify, nears, first..end);
         let answers = lanes.certify_winners(self.certify, &two);
         (two, answers)
     }
@@ -138,16 +139,17 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 
     /// The twin of the search in certify/nearest_two.wgsl.
     #[inline(always)]
-    fn nearest_two(&self, certify: &Certify<'_, f32>, entries: Range<usize>) -> NearestTwos {
+    fn nearest_two(&self, certify: &Certify<'_, f32>, nears: &[u32], entries: Range<usize>) -> NearestTwos {
         let mut k = NearestTwos { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
         let (projection, lists) = (certify.projection, certify.lists);
-        for (slot, general) in certify.generals.iter().enumerate() {
+        for &slot in nears {
+            let general = &certify.generals[slot as usize];
             let mut lows = [0.0; LANES];
             for (l, low) in lows.iter_mut().enumerate() {
                 *low = general_low(&self.slopes(projection.shift, l), general, certify.terms);
             }
             for (l, low) in lows.into_iter().enumerate() {
-                k.keep(l, low, GENERAL | slot as u32);
+                k.keep(l, low, GENERAL | slot);
             }
         }
         let Range { start: first, end } = entries;

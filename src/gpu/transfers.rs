@@ -145,12 +145,19 @@ impl<'a> Bands<'a> {
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = if self.kernel.certify { 1.0 } else { self.kernel.method.cost() };
         let all = match &self.input.candidates {
-            // A ray tests its tile's list and every general sphere.
+            // A ray tests its tile's list, and general spheres: those of its tile in a certified kernel, otherwise all.
             Some(candidates) => {
                 let binned = candidates.binned();
-                let tile_candidates: u64 =
-                    binned.lists.rows(band.first, band.count).map(|[a, b]| u64::from(b - a)).sum();
-                tile_candidates as f64 * f64::from(TILE * TILE) + pixels * binned.generals.len() as f64
+                let count = |[a, b]: [u32; 2]| u64::from(b - a);
+                let tile_candidates: u64 = binned.lists.rows(band.first, band.count).map(count).sum();
+                let generals = match candidates {
+                    CandidateList::Certified(binned) => {
+                        binned.nears.rows(band.first, band.count).map(count).sum::<u64>() as f64
+                            * f64::from(TILE * TILE)
+                    }
+                    CandidateList::Uncertified(_) => pixels * binned.generals.len() as f64,
+                };
+                tile_candidates as f64 * f64::from(TILE * TILE) + generals
             }
             None if self.kernel.tree => pixels * TREE_TESTS,
             None => pixels * f64::from(record.spheres),
@@ -175,22 +182,32 @@ fn largest(candidates: &CandidateList<'_>, band: &Band) -> u64 {
 
 /// The list entries of a band.
 pub(crate) struct Entries {
-    /// The list of every tile, relative to the band's first entry.
-    tiles: Vec<[u32; 2]>,
+    /// The list of every tile, relative to the band's first entry; and its general spheres in `lists`.
+    tiles: Vec<[[u32; 2]; 2]>,
     /// The range in the lists of the whole frame.
     all: Range<usize>,
+    /// The range in the general spheres of all tiles.
+    nears: Range<usize>,
 }
 
 impl Entries {
     pub(crate) fn of(candidates: &CandidateList<'_>, band: &Band) -> Self {
-        let mut tiles: Vec<_> = candidates.binned().lists.rows(band.first, band.count).collect();
-        let some = tiles.iter().filter(|[first, end]| first < end);
-        let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
-        let first = first.min(end);
-        for [a, b] in &mut tiles {
-            [*a, *b] = if a < b { [*a - first, *b - first] } else { [0; 2] };
-        }
-        Self { tiles, all: first as usize..end as usize }
+        let binned = candidates.binned();
+        let lists: Vec<_> = binned.lists.rows(band.first, band.count).collect();
+        let nears: Vec<_> = match candidates {
+            CandidateList::Certified(binned) => binned.nears.rows(band.first, band.count).collect(),
+            CandidateList::Uncertified(_) => vec![[0; 2]; lists.len()],
+        };
+        let [all, generals] = [span(&lists), span(&nears)];
+        // The general spheres lie in the same buffer, behind the tiles and the chunks.
+        let before = 4 * lists.len() + all.len() / CHUNK;
+        let inside = |[a, b]: [u32; 2], span: &Range<usize>, before: usize| match a < b {
+            true => [a, b].map(|n| (n as usize - span.start + before) as u32),
+            false => [0; 2],
+        };
+        let tile = |(own, near)| [inside(own, &all, 0), inside(near, &generals, before)];
+        let tiles = lists.into_iter().zip(nears).map(tile).collect();
+        Self { tiles, all, nears: generals }
     }
 
     /// The sizes in bytes of a band's lists and records, by binding name.
@@ -200,7 +217,7 @@ impl Entries {
             CandidateList::Certified(binned) => vec![
                 ("projected", entries * size_of::<ProjectedRecord>()),
                 ("others", size_of_val(&binned.generals[..]) + entries * size_of::<ProjectedDetailRecord>()),
-                ("lists", tiles + entries / CHUNK * size_of::<f32>()),
+                ("lists", tiles + (entries / CHUNK + self.nears.len()) * size_of::<u32>()),
             ],
             CandidateList::Uncertified(tile_candidates) => {
                 let places = tile_candidates.generals() + entries;
@@ -229,12 +246,14 @@ impl Entries {
                 upload("projected", &[bytemuck::cast_slice(&lists.projected[all.clone()])])?;
                 let details = bytemuck::cast_slice(&lists.details[all]);
                 upload("others", &[bytemuck::cast_slice::<GeneralRecord, u8>(&binned.generals), details])?;
-                upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(chunk_min_depths)])
+                let [tiles, nears] =
+                    [bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&binned.nears.slots[self.nears])];
+                upload("lists", &[tiles, bytemuck::cast_slice(chunk_min_depths), nears])
             }
             CandidateList::Uncertified(tile_candidates) => {
                 // The general spheres precede the lists.
                 let generals = tile_candidates.generals() as u32;
-                self.tiles.iter_mut().flatten().for_each(|n| *n += generals);
+                self.tiles.iter_mut().flat_map(|[list, _]| list).for_each(|n| *n += generals);
                 let limits = tile_candidates.limits(all.clone());
                 upload("lists", &[bytemuck::cast_slice(&self.tiles), bytemuck::cast_slice(&limits)])?;
                 let records = tile_candidates.records(all.clone());
@@ -249,6 +268,13 @@ impl Entries {
             }
         }
     }
+}
+
+/// The range that holds all of these ranges; empty ones are of no account.
+fn span(ranges: &[[u32; 2]]) -> Range<usize> {
+    let some = ranges.iter().filter(|[first, end]| first < end);
+    let [first, end] = some.fold([u32::MAX, 0], |[a, b], [first, end]| [a.min(*first), b.max(*end)]);
+    first.min(end) as usize..end as usize
 }
 
 /// The inputs of a kernel besides the view and the lists of a band, by binding name.

@@ -1,7 +1,7 @@
 //! Coverage of a tile's pixels from front to back: a sphere behind full coverage cannot be the nearest hit of any ray.
 
 use super::project::floor;
-use super::{ProjectionBounds, cull_margin};
+use super::{ProjectionBounds, host_cull_margin};
 use crate::certify::tiles::Placed;
 use crate::tile::TILE;
 
@@ -11,9 +11,6 @@ const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 
 /// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
-
-/// How much farther that is than what the kernel leaves out: the rounding of f32, 2^-23, many times over.
-const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
 
 /// What all tiles of a frame share.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +56,7 @@ impl Coverage {
             middle: corner.map(|corner| corner + 0.5 * (per_pixel - 1.0)),
             margin: widest * (SHRINK[0] + 1.0 / fixed) + aside,
             rise: 0.5 * scale[0],
-            behind: cull_margin(tolerance) * WIDER,
+            behind: host_cull_margin(tolerance),
         }
     }
 }

@@ -186,6 +186,7 @@ impl Staged {
             projection: &binned.projection,
             lists: &binned.lists,
             generals: Vec::new(),
+            nears: &binned.nears,
             terms,
         };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);

@@ -72,7 +72,8 @@ impl Case {
         f: impl FnOnce(&Certify<'_, R>) -> T,
     ) -> T {
         let generals: Vec<_> = binned.generals.iter().map(General::new).collect();
-        f(&Certify { view: &self.view.record, projection: &binned.projection, lists: &binned.lists, generals, terms })
+        let BinnedScene { projection, lists, nears, .. } = binned;
+        f(&Certify { view: &self.view.record, projection, lists, generals, nears, terms })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.

@@ -99,6 +99,7 @@ impl Look<'_> {
             projection: &binned.projection,
             lists: &binned.lists,
             generals: vec![],
+            nears: &binned.nears,
             terms: self.terms,
         };
         let s = twin.slopes(*i, *j);
