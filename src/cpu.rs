@@ -1,4 +1,5 @@
-//! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation.
+//! The CPU reference path: the kernels' stages over rows, in the variant's arithmetic, operation for operation. Hits are
+//! found for eight pixels at once.
 
 mod certified;
 mod foremost;
@@ -13,10 +14,12 @@ use crate::frame::report::CPU_DRIVER;
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::Number;
-use crate::search::nearest::nearest;
+use crate::number::vector::{LANES, Laned};
+use crate::search::eight::{Hits, together};
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
-use crate::view::{Sphere, View};
+use crate::view::{Sphere, View, ViewRecord};
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 pub(crate) use certified::certified;
@@ -66,17 +69,12 @@ impl Visit for Frame<'_> {
         raw.t.resize(raw.id.len(), f32::MAX);
         raw.t_low.resize(raw.id.len(), 0.0);
         // Of a row and a column of the window.
-        let ray = |i: usize, j: usize| {
-            let [i, j] = record.sample_position(record.first_row + i as u32, record.first_column + j as u32);
-            viewing_ray::<V::Number>(record, i, j)
-        };
+        let ray = |i: usize, j: usize| ray_of::<V::Number>(record, i, j);
         let ts = raw.t.par_chunks_mut(width).zip(raw.t_low.par_chunks_mut(width));
         let rows = raw.id.par_chunks_mut(width).zip(ts).enumerate();
+        let arch = pulp::Arch::new();
         rows.filter(|_| go_on()).for_each(|(i, (ids, (ts, lows)))| {
-            for (j, (id, t)) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
-                let hit = nearest::<V, V::Number>(&ray(i, j), &spheres);
-                (*id, (*t.0, *t.1)) = (hit.id, hit.t.to_hi_lo());
-            }
+            arch.dispatch(Row::<V> { view: record, spheres: &spheres, i, ids, ts, lows });
         });
         let (id, t, low) = (&raw.id, &raw.t, &raw.t_low);
         let each = |out: &mut [f32], value: Value<'_, V::Number>| {
@@ -103,6 +101,93 @@ impl Visit for Frame<'_> {
         }
         if !kernel.method.is_wide() {
             raw.t_low.clear();
+        }
+    }
+}
+
+/// The ray of a row and a column of the window.
+#[inline(always)]
+fn ray_of<R: Number>(view: &ViewRecord, i: usize, j: usize) -> Ray<R> {
+    let [i, j] = view.sample_position(view.first_row + i as u32, view.first_column + j as u32);
+    viewing_ray(view, i, j)
+}
+
+/// A row of the window and the places of its hits.
+struct Row<'a, V: Intersect> {
+    view: &'a ViewRecord,
+    spheres: &'a [Sphere<V::Number>],
+    i: usize,
+    ids: &'a mut [u32],
+    ts: &'a mut [f32],
+    lows: &'a mut [f32],
+}
+
+impl<V: Intersect> NullaryFnOnce for Row<'_, V> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { view, spheres, i, ids, ts, lows } = self;
+        let strips = ids.chunks_mut(LANES).zip(ts.chunks_mut(LANES).zip(lows.chunks_mut(LANES)));
+        for (first, (ids, (ts, lows))) in (0..).step_by(LANES).zip(strips) {
+            // Rays beyond the row are computed too; their hits are not written.
+            let rays = std::array::from_fn(|l| ray_of::<V::Number>(view, i, first + l));
+            let hits = Hits::among_all::<V>(&together(&rays), spheres);
+            for (l, (id, (t, low))) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
+                (*id, (*t, *low)) = (hits.id.0[l], V::Number::lane(&hits.t, l).to_hi_lo());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intersect::Method;
+    use crate::memory::Pool;
+    use crate::read::ReadOptions;
+    use crate::scene::Scene;
+    use crate::search::nearest::nearest_of;
+    use crate::window::Window;
+
+    /// A window of weekend whose width is no multiple of eight, against single rays.
+    struct Compare<'a>(&'a View, Method);
+
+    impl Visit for Compare<'_> {
+        type Output = usize;
+
+        fn visit<V: Intersect>(self) -> usize {
+            let Self(view, method) = self;
+            let kernel = Kernel { t: true, ..Kernel::bare(method) };
+            let mut raw = Raw::new(&kernel, view.record.pixels(), &Pool::default()).expect("room");
+            render(&kernel, view, None, &mut raw, &|| true);
+            let spheres: Vec<Sphere<V::Number>> = view.spheres_in(method.is_wide());
+            let width = view.record.columns as usize;
+            for pixel in 0..raw.id.len() {
+                let ray = ray_of(&view.record, pixel / width, pixel % width);
+                let hit = nearest_of::<V, _>(&ray, spheres.len(), |id| spheres[id]);
+                let (high, low) = hit.t.to_hi_lo();
+                let found = (raw.id[pixel], raw.t[pixel].to_bits(), raw.t_low.get(pixel).map(|x| x.to_bits()));
+                let low = method.is_wide().then(|| low.to_bits());
+                assert_eq!(found, (hit.id, high.to_bits(), low), "{}, pixel {pixel}", method.name());
+            }
+            raw.id.iter().filter(|id| **id != NONE).count()
+        }
+    }
+
+    #[test]
+    fn rows_of_any_width_are_answered_as_single_rays() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
+        let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+        (scene.image.width, scene.image.height) = (64, 36);
+        for width in [3, 8, 21] {
+            let window = Window { x0: 30, y0: 12, x1: 30 + width, y1: 21 };
+            let raster = crate::view::raster::Raster::centres(window);
+            let view = View::for_rays(&scene, raster, Kernel::bare(Method::Native64).records()).expect("a view");
+            for method in Method::ALL {
+                let hits = method.dispatch(Compare(&view, *method));
+                assert!(hits > width as usize, "{}: {hits} hits", method.name());
+            }
         }
     }
 }

@@ -11,7 +11,8 @@ mod textbook;
 mod unit;
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::vector::Laned;
+use crate::number::{Arithmetic, Number};
 use crate::view::Sphere;
 use crate::view::ray::Ray;
 use std::str::FromStr;
@@ -19,9 +20,10 @@ use std::str::FromStr;
 /// A form of the ray-sphere intersection: the CPU twin of a file of shaders/form/.
 pub trait Intersect {
     /// The arithmetic that the variant runs in.
-    type Number: Number;
-    /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Number::MISS`] if nowhere. A tangent ray hits.
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R;
+    type Number: Laned;
+    /// The least t > 0 where `ray` meets `s`, in the record's unit; [`Arithmetic::MISS`] if nowhere. A tangent ray hits. Of
+    /// numbers or of vectors: without branches, except where no ray of a vector hits.
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R;
     /// The unit normal at t in the canonical camera, against the ray.
     fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3];
 }

@@ -1,18 +1,24 @@
 //! Intersection forms with candidate lists on the CPU path: the twin of search/tile.wgsl. A sphere of a tile is
-//! translated into the camera's frame when the first ray of the tile needs it, once for all 64 rays.
+//! translated into the camera's frame when the first ray of the tile needs it, once for all 64 rays. Eight rays are
+//! computed together.
 
-use crate::answers::raw::Raw;
+use crate::answers::raw::{Piece, Raw};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
-use crate::number::Number;
-use crate::search::nearest::closer_hit_any_order;
+use crate::number::vector::{LANES, Laned, Vector};
+use crate::number::{Number, Truth};
+use crate::search::eight::{Hits, together};
 use crate::search::tile_candidates::TileCandidates;
 use crate::shade::Surface;
 use crate::tile::{CHUNK, TILE};
-use crate::view::Sphere;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
+use crate::view::{Sphere, ViewRecord};
+use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 use std::ops::Range;
+
+/// A vector holds the pixels of one row of a tile.
+const _: () = assert!(LANES == TILE as usize);
 
 /// Fills `raw` by `kernel`'s method. `go_on` is called before every row of tiles; after `false` the remaining rows are
 /// left unchanged.
@@ -50,30 +56,70 @@ impl Visit for Frame<'_> {
         let bands: Vec<_> = raw.cut(foremost as usize * width, TILE as usize * width).collect();
         let empty = || Tile::<V::Number> { tile_candidates, generals: &generals, entries: 0..0, made: Vec::new() };
         let bands = bands.into_par_iter().enumerate().filter(|_| go_on());
+        let arch = pulp::Arch::new();
         bands.for_each_init(empty, |tile, (band, mut rows)| {
             let first = view.first_row.max((top + band as u32) * TILE);
-            let count = rows.id.len() / width;
+            let count = (rows.id.len() / width) as u32;
             for left in (left..=right).map(|tile| tile * TILE) {
                 tile.enter(first, left);
-                for i in 0..count {
-                    for j in columns.start.max(left)..columns.end.min(left + TILE) {
-                        let [row, column] = view.sample_position(first + i as u32, j);
-                        let ray = viewing_ray(view, row, column);
-                        let (hit, s) = tile.nearest::<V>(&ray);
-                        let pixel = i * width + (j - columns.start) as usize;
-                        rows.id[pixel] = hit.id;
-                        let parts = hit.t.to_hi_lo();
-                        rows.t.get_mut(pixel).into_iter().for_each(|t| *t = parts.0);
-                        rows.t_low.get_mut(pixel).into_iter().for_each(|low| *low = parts.1);
-                        let normal = |s: Sphere<V::Number>| match kernel.has_normals() {
-                            true => V::normal_at(&ray, &s, hit.t / s.scale).map(|x| x.to_hi_lo().0),
-                            false => [0.0; 3],
-                        };
-                        rows.shade(pixel, kernel.shade, &surface, || ray, s.map(|s| (normal(s), hit.id)));
+                for row in 0..count {
+                    let strip = arch.dispatch(Strip::<V> { view, tile: &mut *tile, place: [first + row, left] });
+                    for (ray, (l, j)) in strip.rays.iter().zip((0..).zip(left..)) {
+                        if columns.contains(&j) {
+                            let pixel = row as usize * width + (j - columns.start) as usize;
+                            write::<V>(&mut rows, pixel, kernel, &surface, ray, tile.hit(&strip.hits, l));
+                        }
                     }
                 }
             }
         });
+    }
+}
+
+/// Writes the answer of one ray: its hit and the sphere that it hits.
+fn write<V: Intersect>(
+    rows: &mut Piece<'_>,
+    pixel: usize,
+    kernel: &Kernel,
+    surface: &Surface<'_, V::Number>,
+    ray: &Ray<V::Number>,
+    (hit, s): (Hit<V::Number>, Option<&Sphere<V::Number>>),
+) {
+    rows.id[pixel] = hit.id;
+    let (high, low) = hit.t.to_hi_lo();
+    rows.t.get_mut(pixel).into_iter().for_each(|t| *t = high);
+    rows.t_low.get_mut(pixel).into_iter().for_each(|t_low| *t_low = low);
+    let normal = |s: &Sphere<V::Number>| match kernel.has_normals() {
+        true => V::normal_at(ray, s, hit.t / s.scale).map(|x| x.to_hi_lo().0),
+        false => [0.0; 3],
+    };
+    rows.shade(pixel, kernel.shade, surface, || *ray, s.map(|s| (normal(s), hit.id)));
+}
+
+/// The pixels of a row of a tile, whose first is at `place` (row and column).
+struct Strip<'a, 'b, V: Intersect> {
+    view: &'a ViewRecord,
+    tile: &'a mut Tile<'b, V::Number>,
+    place: [u32; 2],
+}
+
+/// Their rays and hits. Those beyond the window are computed too.
+struct Answered<R: Laned> {
+    rays: [Ray<R>; LANES],
+    hits: Hits<R>,
+}
+
+impl<V: Intersect> NullaryFnOnce for Strip<'_, '_, V> {
+    type Output = Answered<V::Number>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let [row, first] = self.place;
+        let rays = std::array::from_fn(|l| {
+            let [row, column] = self.view.sample_position(row, first + l as u32);
+            viewing_ray(self.view, row, column)
+        });
+        Answered { hits: self.tile.nearest::<V>(&together(&rays)), rays }
     }
 }
 
@@ -93,7 +139,7 @@ struct Tile<'a, R> {
     made: Vec<Candidate<R>>,
 }
 
-impl<R: Number> Tile<'_, R> {
+impl<R: Laned> Tile<'_, R> {
     /// Moves to the tile that contains the pixel at `row` and `column`.
     fn enter(&mut self, row: u32, column: u32) {
         let [first, end] = self.tile_candidates.binned.lists.range(row, column).map(|n| n as usize);
@@ -103,39 +149,45 @@ impl<R: Number> Tile<'_, R> {
         }
     }
 
-    /// The closest hit and its sphere: the twin of search/tile.wgsl.
-    fn nearest<V: Intersect>(&mut self, ray: &Ray<R>) -> (Hit<R>, Option<Sphere<R>>) {
-        let mut found = (Hit::NONE, None);
-        closest_of::<V, R>(&mut found, ray, self.generals);
+    /// The closest hits: the twin of search/tile.wgsl. Their places are those of the general spheres and then of the list.
+    #[inline(always)]
+    fn nearest<V: Intersect<Number = R>>(&mut self, ray: &Ray<R::Vector>) -> Hits<R> {
+        let mut hits = Hits::NONE;
+        let mut behind = Vector([0; LANES]);
+        for ((s, id), place) in self.generals.iter().zip(0..) {
+            hits.test::<V>(ray, !behind, s, [*id, place]);
+        }
         let Range { start, end } = self.entries;
         for first in (start..end).step_by(CHUNK) {
-            if found.0.t.to_hi_lo().0 < self.tile_candidates.limit(first / CHUNK) {
+            behind = behind | hits.before(self.tile_candidates.limit(first / CHUNK));
+            if !(!behind).any() {
                 break;
             }
             let from = first - start;
             if from == self.made.len() {
-                let chunk = self.tile_candidates.ids(first..first + CHUNK);
-                // Skips the padding at the end of the list.
-                self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.tile_candidates, id)));
+                self.make(first);
             }
             let to = self.made.len().min(from + CHUNK);
-            closest_of::<V, R>(&mut found, ray, &self.made[from..to]);
+            for ((s, id), place) in self.made[from..to].iter().zip((self.generals.len() + from) as u32..) {
+                hits.test::<V>(ray, !behind, s, [*id, place]);
+            }
         }
-        found
+        hits
     }
-}
 
-/// Keeps the closest hit, and the lower id for equal t, because lists are not in id order.
-fn closest_of<V: Intersect, R: Number>(
-    found: &mut (Hit<R>, Option<Sphere<R>>),
-    ray: &Ray<R>,
-    candidates: &[Candidate<R>],
-) {
-    for (s, id) in candidates {
-        let met = closer_hit_any_order::<V, R>(found.0, ray, s, *id);
-        if met != found.0 {
-            *found = (met, Some(*s));
-        }
+    /// Translates the chunk of the list that begins at the entry `first`.
+    fn make(&mut self, first: usize) {
+        let chunk = self.tile_candidates.ids(first..first + CHUNK);
+        // Skips the padding at the end of the list.
+        self.made.extend(chunk.filter(|id| *id != NONE).map(|id| candidate(self.tile_candidates, id)));
+    }
+
+    /// The hit of one of the rays, and its sphere.
+    fn hit(&self, hits: &Hits<R>, l: usize) -> (Hit<R>, Option<&Sphere<R>>) {
+        let hit = Hit { t: R::lane(&hits.t, l), id: hits.id.0[l] };
+        let place = hits.place.0[l] as usize;
+        let found = self.generals.iter().chain(&self.made).nth(place).filter(|_| hit.id != NONE);
+        (hit, found.map(|(s, _)| s))
     }
 }
 

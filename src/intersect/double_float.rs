@@ -10,7 +10,8 @@
 
 use super::Intersect;
 use super::stable::Stable;
-use crate::number::Number;
+use crate::number::vector::{LANES, Laned, Vector};
+use crate::number::{Arithmetic, Mask, Number};
 use crate::view::Sphere;
 use crate::view::ray::Ray;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -18,9 +19,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub(crate) struct DoubleFloat;
 
 impl Intersect for DoubleFloat {
-    type Number = Pair;
+    type Number = Pair<f32>;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         Stable::intersect(ray, s)
     }
 
@@ -29,47 +31,52 @@ impl Intersect for DoubleFloat {
     }
 }
 
-/// `hi + lo` with |lo| <= ulp(hi)/2.
+/// `hi + lo` with |lo| <= ulp(hi)/2, in f32 or in vectors of it.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(crate) struct Pair {
+pub(crate) struct Pair<F> {
     /// The nearest f32.
-    pub(crate) hi: f32,
+    pub(crate) hi: F,
     /// The rounding error of `hi`.
-    pub(crate) lo: f32,
+    pub(crate) lo: F,
 }
 
 /// 2^12 + 1: Dekker's constant for 24 bits.
 const SPLIT: f32 = 4097.0;
 
 /// a + b exactly.
-fn two_sum(a: f32, b: f32) -> Pair {
+#[inline(always)]
+fn two_sum<F: Arithmetic>(a: F, b: F) -> Pair<F> {
     let hi = a + b;
     let bb = hi - a;
     Pair { hi, lo: (a - (hi - bb)) + (b - bb) }
 }
 
 /// a + b exactly, where |a| >= |b|.
-fn fast_two_sum(a: f32, b: f32) -> Pair {
+#[inline(always)]
+fn fast_two_sum<F: Arithmetic>(a: F, b: F) -> Pair<F> {
     let hi = a + b;
     Pair { hi, lo: b - (hi - a) }
 }
 
 /// a as the sum of two numbers of 12 bits.
-fn split(a: f32) -> Pair {
-    let c = SPLIT * a;
+#[inline(always)]
+fn split<F: Arithmetic>(a: F) -> Pair<F> {
+    let c = F::from_f32(SPLIT) * a;
     let hi = c - (c - a);
     Pair { hi, lo: a - hi }
 }
 
 /// a b exactly.
-fn two_product(a: f32, b: f32) -> Pair {
+#[inline(always)]
+fn two_product<F: Arithmetic>(a: F, b: F) -> Pair<F> {
     let hi = a * b;
     let (x, y) = (split(a), split(b));
     Pair { hi, lo: (x.hi * y.hi - hi + x.hi * y.lo + x.lo * y.hi) + x.lo * y.lo }
 }
 
-impl Add for Pair {
+impl<F: Arithmetic> Add for Pair<F> {
     type Output = Self;
+    #[inline(always)]
     fn add(self, b: Self) -> Self {
         let s = two_sum(self.hi, b.hi);
         let t = two_sum(self.lo, b.lo);
@@ -78,22 +85,25 @@ impl Add for Pair {
     }
 }
 
-impl Neg for Pair {
+impl<F: Arithmetic> Neg for Pair<F> {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { hi: -self.hi, lo: -self.lo }
     }
 }
 
-impl Sub for Pair {
+impl<F: Arithmetic> Sub for Pair<F> {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, b: Self) -> Self {
         self + -b
     }
 }
 
-impl Mul for Pair {
+impl<F: Arithmetic> Mul for Pair<F> {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, b: Self) -> Self {
         let p = two_product(self.hi, b.hi);
         let cross = self.hi * b.lo + self.lo * b.hi;
@@ -101,8 +111,9 @@ impl Mul for Pair {
     }
 }
 
-impl Div for Pair {
+impl<F: Arithmetic> Div for Pair<F> {
     type Output = Self;
+    #[inline(always)]
     fn div(self, b: Self) -> Self {
         let first = self.hi / b.hi;
         let p = two_product(b.hi, first);
@@ -113,15 +124,50 @@ impl Div for Pair {
     }
 }
 
-impl Number for Pair {
-    const MISS: Self = Self { hi: f32::MAX, lo: 0.0 };
-    const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
+impl<F: Arithmetic> Arithmetic for Pair<F>
+where
+    F::Mask: Mask<Self>,
+{
+    type Mask = F::Mask;
+    const MISS: Self = Self { hi: F::MISS, lo: F::ZERO };
+    const ZERO: Self = Self { hi: F::ZERO, lo: F::ZERO };
+
+    #[inline(always)]
+    fn from_f32(x: f32) -> Self {
+        Self { hi: F::from_f32(x), lo: F::ZERO }
+    }
+
+    /// Scales each part, because splitting the power could overflow.
+    #[inline(always)]
+    fn scaled(self, power: Self) -> Self {
+        Self { hi: self.hi * power.hi, lo: self.lo * power.hi }
+    }
+
+    /// Square root; 0 for arguments that are not positive.
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let first = self.hi.sqrt();
+        let p = two_product(first, first);
+        let rest = self.lo + ((self.hi - p.hi) - p.lo);
+        let root = fast_two_sum(first, rest / (F::from_f32(2.0) * first));
+        let none = self.hi.less(F::ZERO) | self.hi.equal(F::ZERO);
+        none.pick(Self::ZERO, root)
+    }
+
+    #[inline(always)]
+    fn less(self, b: Self) -> Self::Mask {
+        self.hi.less(b.hi) | (self.hi.equal(b.hi) & self.lo.less(b.lo))
+    }
+
+    #[inline(always)]
+    fn equal(self, b: Self) -> Self::Mask {
+        self.hi.equal(b.hi) & self.lo.equal(b.lo)
+    }
+}
+
+impl Number for Pair<f32> {
     const HALF: Self = Self { hi: 0.5, lo: 0.0 };
     const ONE: Self = Self { hi: 1.0, lo: 0.0 };
-
-    fn from_f32(x: f32) -> Self {
-        Self { hi: x, lo: 0.0 }
-    }
 
     fn from_i32(x: i32) -> Self {
         let hi = x as f32;
@@ -135,20 +181,39 @@ impl Number for Pair {
     fn to_hi_lo(self) -> (f32, f32) {
         (self.hi, self.lo)
     }
+}
 
-    /// Scales each part, because splitting the power could overflow.
-    fn scaled(self, power: Self) -> Self {
-        Self { hi: self.hi * power.hi, lo: self.lo * power.hi }
+impl Mask<Pair<Vector<f32>>> for Vector<u32> {
+    #[inline(always)]
+    fn pick(self, yes: Pair<Vector<f32>>, no: Pair<Vector<f32>>) -> Pair<Vector<f32>> {
+        Pair { hi: self.pick(yes.hi, no.hi), lo: self.pick(yes.lo, no.lo) }
     }
+}
 
-    /// Square root; 0 for arguments that are not positive.
-    fn sqrt(self) -> Self {
-        if self.hi <= 0.0 {
-            return Self::ZERO;
-        }
-        let first = self.hi.sqrt();
-        let p = two_product(first, first);
-        let rest = self.lo + ((self.hi - p.hi) - p.lo);
-        fast_two_sum(first, rest / (2.0 * first))
+impl Laned for Pair<f32> {
+    type Vector = Pair<Vector<f32>>;
+    #[inline(always)]
+    fn splat(self) -> Self::Vector {
+        Pair { hi: self.hi.splat(), lo: self.lo.splat() }
+    }
+    #[inline(always)]
+    fn gather(pairs: [Self; LANES]) -> Self::Vector {
+        Pair { hi: Vector(pairs.map(|pair| pair.hi)), lo: Vector(pairs.map(|pair| pair.lo)) }
+    }
+    #[inline(always)]
+    fn lane(pairs: &Self::Vector, lane: usize) -> Self {
+        Self { hi: pairs.hi.0[lane], lo: pairs.lo.0[lane] }
+    }
+    #[inline(always)]
+    fn nearest_f32(pairs: &Self::Vector) -> Vector<f32> {
+        pairs.hi
+    }
+    #[inline(always)]
+    fn narrow(mask: Vector<u32>) -> Vector<u32> {
+        mask
+    }
+    #[inline(always)]
+    fn widen(narrow: Vector<u32>) -> Vector<u32> {
+        narrow
     }
 }

@@ -3,7 +3,7 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
-use crate::number::Number;
+use crate::number::{Arithmetic, Mask, Number, Truth};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
@@ -12,18 +12,20 @@ pub(crate) struct Geometric;
 impl Intersect for Geometric {
     type Number = f32;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let length = dot3(ray.d, ray.d).sqrt();
         let d = ray.d.map(|x| x / length);
         let t_m = -dot3(p, d);
         let l_m2 = dot3(p, p) - t_m * t_m;
         let r2 = radius(s) * radius(s);
-        if l_m2 > r2 {
+        let misses = r2.less(l_m2);
+        if !(!misses).any() {
             return R::MISS;
         }
         let delta_t = (r2 - l_m2).sqrt();
-        closest((t_m - delta_t) / length, (t_m + delta_t) / length)
+        misses.pick(R::MISS, closest((t_m - delta_t) / length, (t_m + delta_t) / length))
     }
 
     fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {

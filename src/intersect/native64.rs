@@ -2,7 +2,7 @@
 
 use super::Intersect;
 use super::stable::Stable;
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::view::Sphere;
 use crate::view::ray::Ray;
 
@@ -11,7 +11,8 @@ pub(crate) struct Native64;
 impl Intersect for Native64 {
     type Number = f64;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         Stable::intersect(ray, s)
     }
 

@@ -1,18 +1,13 @@
 //! Shared by the lecture's three forms: the twin of form/roots.wgsl.
 
-use crate::number::Number;
+use crate::number::{Arithmetic, Mask, Number};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, minus, negated, times, unit3};
 
 /// The smaller of two ordered roots that lies on the ray.
-pub(super) fn closest<R: Number>(near: R, far: R) -> R {
-    if near > R::ZERO {
-        return near;
-    }
-    if far > R::ZERO {
-        return far;
-    }
-    R::MISS
+#[inline(always)]
+pub(super) fn closest<R: Arithmetic>(near: R, far: R) -> R {
+    R::ZERO.less(near).pick(near, R::ZERO.less(far).pick(far, R::MISS))
 }
 
 /// The unit normal, computed as hit point minus centre, facing the ray's origin.

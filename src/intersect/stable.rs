@@ -7,39 +7,38 @@
 //! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
 
 use super::Intersect;
-use crate::number::Number;
+use crate::number::{Arithmetic, Mask, Number, Truth};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
 
 pub(crate) struct Stable;
 
-fn discriminant<R: Number>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
+#[inline(always)]
+fn discriminant<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>, g: [R; 3]) -> R {
     dot3(ray.d, ray.d) * (radius(s) * radius(s)) - dot3(g, g)
 }
 
 impl Intersect for Stable {
     type Number = f32;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = center(s);
         let g = cross3(p, ray.d);
         let disc = discriminant(ray, s, g);
-        if disc < R::ZERO {
+        let misses = disc.less(R::ZERO);
+        if !(!misses).any() {
             return R::MISS;
         }
         let b = dot3(p, ray.d);
         let root = disc.sqrt();
-        if b > R::ZERO {
-            let q = b + root;
-            if s.power > R::ZERO {
-                return s.power / q;
-            }
-            return q / dot3(ray.d, ray.d);
-        }
-        if s.power < R::ZERO {
-            return s.power / (b - root);
-        }
-        R::MISS
+        // The sum that does not cancel, for a centre ahead and one behind; then c/q and q/a are the roots.
+        let ahead = R::ZERO.less(b);
+        let q = ahead.pick(b + root, b - root);
+        let (outside, inside) = (R::ZERO.less(s.power), s.power.less(R::ZERO));
+        let by_power = s.power / q;
+        let t = ahead.pick(outside.pick(by_power, q / dot3(ray.d, ray.d)), inside.pick(by_power, R::MISS));
+        misses.pick(R::MISS, t)
     }
 
     /// From the perpendicular and half the chord: |d|^2 (t d - p) = -(d x g) -+ sqrt(D) d, with the upper sign outside.

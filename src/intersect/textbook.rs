@@ -2,7 +2,7 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
-use crate::number::Number;
+use crate::number::{Arithmetic, Mask, Number, Truth};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
@@ -11,17 +11,19 @@ pub(crate) struct Textbook;
 impl Intersect for Textbook {
     type Number = f32;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let a = dot3(ray.d, ray.d);
         let b = dot3(ray.d, p);
         let c = dot3(p, p) - radius(s) * radius(s);
         let discriminant = b * b - a * c;
-        if discriminant < R::ZERO {
+        let misses = discriminant.less(R::ZERO);
+        if !(!misses).any() {
             return R::MISS;
         }
         let root = discriminant.sqrt();
-        closest((-b - root) / a, (-b + root) / a)
+        misses.pick(R::MISS, closest((-b - root) / a, (-b + root) / a))
     }
 
     fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {

@@ -3,7 +3,7 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
-use crate::number::Number;
+use crate::number::{Arithmetic, Mask, Number, Truth};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 
@@ -12,17 +12,19 @@ pub(crate) struct Unit;
 impl Intersect for Unit {
     type Number = f32;
 
-    fn intersect<R: Number>(ray: &Ray<R>, s: &Sphere<R>) -> R {
+    #[inline(always)]
+    fn intersect<R: Arithmetic>(ray: &Ray<R>, s: &Sphere<R>) -> R {
         let p = negated(center(s));
         let length = dot3(ray.d, ray.d).sqrt();
         let d = ray.d.map(|x| x / length);
         let b = dot3(d, p);
         let discriminant = b * b - dot3(p, p) + radius(s) * radius(s);
-        if discriminant < R::ZERO {
+        let misses = discriminant.less(R::ZERO);
+        if !(!misses).any() {
             return R::MISS;
         }
         let root = discriminant.sqrt();
-        closest((-b - root) / length, (-b + root) / length)
+        misses.pick(R::MISS, closest((-b - root) / length, (-b + root) / length))
     }
 
     fn normal_at<R: Number>(ray: &Ray<R>, s: &Sphere<R>, t: R) -> [R; 3] {

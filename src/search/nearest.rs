@@ -21,12 +21,7 @@ fn closer_hit<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>,
     hit
 }
 
-/// The closest hit of `ray` among `spheres`.
-pub(crate) fn nearest<V: Intersect, R: Number>(ray: &Ray<R>, spheres: &[Sphere<R>]) -> Hit<R> {
-    (0..).zip(spheres).fold(Hit::NONE, |hit, (id, s)| closer_hit::<V, R>(hit, ray, s, id))
-}
-
-/// The same for spheres that are translated for each ray.
+/// The closest hit of `ray` among `count` spheres, which `sphere` gives by their ids.
 pub(crate) fn nearest_of<V: Intersect, R: Number>(
     ray: &Ray<R>,
     count: usize,

@@ -1,7 +1,7 @@
 //! Viewing rays and hits: the twin of ray.wgsl.
 
 use super::records::{Sphere, ViewRecord};
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use bytemuck::{Pod, Zeroable};
 
 /// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts.
@@ -27,7 +27,7 @@ pub struct RayRecord {
 /// The closest hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit<R> {
-    /// t in the frame's unit; [`Number::MISS`] on a miss.
+    /// t in the frame's unit; [`Arithmetic::MISS`] on a miss.
     pub t: R,
     /// Index of the sphere in the scene's order; [`NONE`] on a miss.
     pub id: u32,
@@ -67,45 +67,49 @@ pub fn positive<R: Number>(x: R) -> R {
 
 /// a . b, summed in the order x, y, z, which determines the last bit.
 #[inline(always)]
-pub fn dot3<R: Number>(a: [R; 3], b: [R; 3]) -> R {
+pub fn dot3<R: Arithmetic>(a: [R; 3], b: [R; 3]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a x b
-pub fn cross3<R: Number>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+#[inline(always)]
+pub fn cross3<R: Arithmetic>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// a / |a|
 #[inline(always)]
-pub fn unit3<R: Number>(a: [R; 3]) -> [R; 3] {
+pub fn unit3<R: Arithmetic>(a: [R; 3]) -> [R; 3] {
     let length = dot3(a, a).sqrt();
     a.map(|x| x / length)
 }
 
 /// s a
 #[inline(always)]
-pub fn times<R: Number>(s: R, a: [R; 3]) -> [R; 3] {
+pub fn times<R: Arithmetic>(s: R, a: [R; 3]) -> [R; 3] {
     a.map(|x| s * x)
 }
 
 /// a - b
 #[inline(always)]
-pub fn minus<R: Number>(a: [R; 3], b: [R; 3]) -> [R; 3] {
+pub fn minus<R: Arithmetic>(a: [R; 3], b: [R; 3]) -> [R; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// -a
-pub fn negated<R: Number>(a: [R; 3]) -> [R; 3] {
+#[inline(always)]
+pub fn negated<R: Arithmetic>(a: [R; 3]) -> [R; 3] {
     a.map(|x| -x)
 }
 
 /// The centre of a sphere's record.
-pub fn center<R: Number>(s: &Sphere<R>) -> [R; 3] {
+#[inline(always)]
+pub fn center<R: Arithmetic>(s: &Sphere<R>) -> [R; 3] {
     [s.center_radius[0], s.center_radius[1], s.center_radius[2]]
 }
 
 /// The radius of a sphere's record.
-pub fn radius<R: Number>(s: &Sphere<R>) -> R {
+#[inline(always)]
+pub fn radius<R: Arithmetic>(s: &Sphere<R>) -> R {
     s.center_radius[3]
 }

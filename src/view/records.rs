@@ -176,6 +176,14 @@ impl<R: Number> From<&SphereRecord> for Sphere<R> {
     }
 }
 
+impl<R: Copy> Sphere<R> {
+    /// Every number by `f`.
+    #[inline(always)]
+    pub(crate) fn map<S>(&self, f: impl Fn(R) -> S) -> Sphere<S> {
+        Sphere { center_radius: self.center_radius.map(&f), power: f(self.power), scale: f(self.scale) }
+    }
+}
+
 impl<R: Number> Sphere<R> {
     /// A record with its rounding errors, as far as the arithmetic holds them.
     pub(crate) fn with_residuals(s: &SphereRecord, low: &SphereResiduals) -> Self {

@@ -16,7 +16,7 @@ use crate::certify::constants::{DEPTH, FAR, INFLATE, UNIT, VANISH};
 use crate::certify::general::{self, General};
 use crate::certify::projected::{self, Projected};
 use crate::certify::{Certify, ProjectionRecord, Slopes, TERMS, Terms};
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::testing::Rng;
 use crate::view::ray::{cross3, minus, negated, times};
 use rayon::prelude::*;

@@ -11,7 +11,7 @@ use crate::certify::constants::{INFLATE, UNIT, VANISH};
 use crate::certify::given::CertifiedRay;
 use crate::double_double as dd;
 use crate::exact::judge_ray;
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::scene::Spheres;
 use crate::search::tree::device::PlacedSphereRecord;
 use crate::search::tree::device_rays::CertifiedRayRecord;

@@ -8,7 +8,7 @@
 //! WGSL may evaluate a sum in any order and fuse products into it. Therefore nested sums are split into their terms and
 //! added along a random tree; each product in a sum may lose its rounding.
 
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::testing::Rng;
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -136,14 +136,27 @@ impl Neg for Traced {
     }
 }
 
-impl Number for Traced {
+impl Arithmetic for Traced {
+    type Mask = bool;
     const MISS: Self = Self(CONSTANTS[0].0);
     const ZERO: Self = Self(CONSTANTS[1].0);
-    const HALF: Self = Self(CONSTANTS[2].0);
-    const ONE: Self = Self(CONSTANTS[3].0);
     fn from_f32(x: f32) -> Self {
         Self::push(Op::Known(x.to_bits()), x.into())
     }
+    fn sqrt(self) -> Self {
+        Self::push(Op::Sqrt(self.0), self.real().sqrt())
+    }
+    fn less(self, b: Self) -> bool {
+        self < b
+    }
+    fn equal(self, b: Self) -> bool {
+        self == b
+    }
+}
+
+impl Number for Traced {
+    const HALF: Self = Self(CONSTANTS[2].0);
+    const ONE: Self = Self(CONSTANTS[3].0);
     fn from_hi_lo(hi: f32, _: f32) -> Self {
         Self::from_f32(hi)
     }
@@ -152,9 +165,6 @@ impl Number for Traced {
     }
     fn from_i32(x: i32) -> Self {
         Self::push(Op::Whole(x), x.into())
-    }
-    fn sqrt(self) -> Self {
-        Self::push(Op::Sqrt(self.0), self.real().sqrt())
     }
 }
 

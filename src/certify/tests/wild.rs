@@ -1,7 +1,7 @@
 //! f32 with the worst rounding that WGSL allows: an adversary chooses every rounding.
 
 use crate::double_double::{self as dd, Dd};
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::testing::Rng;
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -172,14 +172,28 @@ impl Neg for Wild {
     }
 }
 
-impl Number for Wild {
+impl Arithmetic for Wild {
+    type Mask = bool;
     const MISS: Self = Self(f32::MAX);
     const ZERO: Self = Self(0.0);
-    const HALF: Self = Self(0.5);
-    const ONE: Self = Self(1.0);
     fn from_f32(x: f32) -> Self {
         Self(x)
     }
+    fn sqrt(self) -> Self {
+        // Inherited from 1/inverseSqrt: 2 ulp and 2.5 ulp.
+        off(f64::from(self.0).sqrt(), 4.5)
+    }
+    fn less(self, b: Self) -> bool {
+        self < b
+    }
+    fn equal(self, b: Self) -> bool {
+        self == b
+    }
+}
+
+impl Number for Wild {
+    const HALF: Self = Self(0.5);
+    const ONE: Self = Self(1.0);
     fn from_hi_lo(hi: f32, _: f32) -> Self {
         Self(hi)
     }
@@ -188,10 +202,6 @@ impl Number for Wild {
     }
     fn from_i32(x: i32) -> Self {
         rounded(f64::from(x).into())
-    }
-    fn sqrt(self) -> Self {
-        // Inherited from 1/inverseSqrt: 2 ulp and 2.5 ulp.
-        off(f64::from(self.0).sqrt(), 4.5)
     }
 }
 

@@ -6,7 +6,7 @@ use super::cases::{COUNT, ROUNDING, SPECIAL, SUBNORMAL, ahead, power, quadratic}
 use super::verdict::{DIV_ULP, SQRT_ULP};
 use crate::double_double::Dd;
 use crate::intersect::double_float::Pair;
-use crate::number::Number;
+use crate::number::Arithmetic;
 
 /// The checks that double-float requires.
 pub(super) const DOUBLE_FLOAT: [&str; 10] = [
@@ -188,7 +188,7 @@ const DIV: f64 = 15.01 * FAITHFUL;
 const ROOT: f64 = 3.2 * FAITHFUL;
 
 pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
-    type Twin = fn(Pair, Pair, Pair) -> Pair;
+    type Twin = fn(Pair<f32>, Pair<f32>, Pair<f32>) -> Pair<f32>;
     // The exact result, and the bound of the error in u^2.
     type Exact = fn(Dd, Dd, Dd) -> (Dd, f64);
     let operations: [(&str, Twin, Exact); 4] = [
@@ -202,7 +202,7 @@ pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             },
         ),
         ("double-float div", |a, b, _| a / b, |a, b, _| (a / b, DIV * (a / b).value().abs())),
-        ("double-float sqrt", |a, _, _| Number::sqrt(a), |a, _, _| (a.sqrt(), ROOT * a.sqrt().value().abs())),
+        ("double-float sqrt", |a, _, _| Arithmetic::sqrt(a), |a, _, _| (a.sqrt(), ROOT * a.sqrt().value().abs())),
     ];
     let mut checks = Vec::new();
     for (k, (name, twin, exact)) in operations.into_iter().enumerate() {
@@ -211,7 +211,7 @@ pub(super) fn pairs(cases: &[u32], answers: &[u32]) -> Vec<Check> {
             let given = |at: usize| Pair { hi: case[at], lo: case[at + 1] };
             let twin = twin(given(0), given(2), given(4));
             let (hi, lo) = (answer[2 * k], answer[2 * k + 1]);
-            let double = |p: Pair| Dd::sum(p.hi.into(), p.lo.into());
+            let double = |p: Pair<f32>| Dd::sum(p.hi.into(), p.lo.into());
             let (exact, bound) = exact(double(given(0)), double(given(2)), double(given(4)));
             let off = (double(Pair { hi, lo }) - exact).value().abs() / U2;
             wrong += f64::from(off.is_nan() || off > bound);

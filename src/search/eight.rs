@@ -1,0 +1,206 @@
+//! The closest hits of eight rays, each that of [`super::nearest`] bit for bit.
+
+use crate::intersect::Intersect;
+use crate::number::vector::{LANES, Laned, Vector};
+use crate::number::{Arithmetic, Mask, Truth};
+use crate::view::Sphere;
+use crate::view::ray::{NONE, Ray};
+
+/// The closest hits of eight rays.
+#[derive(Clone, Copy)]
+pub(crate) struct Hits<N: Laned> {
+    /// t in the frame's unit; [`Arithmetic::MISS`] on a miss.
+    pub(crate) t: N::Vector,
+    /// The spheres' indices in the scene's order; [`NONE`] on a miss.
+    pub(crate) id: Vector<u32>,
+    /// Where the spheres lie among those that were tested, if they were tested in any order.
+    pub(crate) place: Vector<u32>,
+}
+
+/// Eight rays, by components.
+#[inline(always)]
+pub(crate) fn together<N: Laned>(rays: &[Ray<N>; LANES]) -> Ray<N::Vector> {
+    Ray { d: [0, 1, 2].map(|k| N::gather(rays.map(|ray| ray.d[k]))) }
+}
+
+/// `yes` where the mask is set, else `no`.
+#[inline(always)]
+fn pick(mask: Vector<u32>, yes: u32, no: Vector<u32>) -> Vector<u32> {
+    (Vector([yes; LANES]) & mask) | (no & !mask)
+}
+
+impl<N: Laned> Hits<N> {
+    /// No hit.
+    pub(crate) const NONE: Self =
+        Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]), place: Vector([0; LANES]) };
+
+    /// The closest hits of the rays among `spheres`, which are in the order of their ids.
+    #[inline(always)]
+    pub(crate) fn among_all<V: Intersect<Number = N>>(ray: &Ray<N::Vector>, spheres: &[Sphere<N>]) -> Self {
+        let mut hits = Self::NONE;
+        for (id, s) in (0..).zip(spheres) {
+            let s = s.map(N::splat);
+            let t = V::intersect(ray, &s);
+            let met = t.less(N::Vector::MISS);
+            if met.any() {
+                let t = t.scaled(s.scale);
+                // Strict, so the lower id wins a tie.
+                let closer = met & t.less(hits.t);
+                hits.t = closer.pick(t, hits.t);
+                hits.id = pick(N::narrow(closer), id, hits.id);
+            }
+        }
+        hits
+    }
+
+    /// Tests the sphere `s` with this id and place for the rays in `open`. Keeps the closer hit, and for equal t the lower id.
+    #[inline(always)]
+    pub(crate) fn test<V: Intersect<Number = N>>(
+        &mut self,
+        ray: &Ray<N::Vector>,
+        open: Vector<u32>,
+        s: &Sphere<N>,
+        [id, place]: [u32; 2],
+    ) {
+        let s = s.map(N::splat);
+        let t = V::intersect(ray, &s);
+        let met = t.less(N::Vector::MISS);
+        if !met.any() {
+            return;
+        }
+        let t = t.scaled(s.scale);
+        let met = N::narrow(met & t.less(N::Vector::MISS)) & open;
+        let lower = self.id.above(id);
+        let closer = met & (N::narrow(t.less(self.t)) | (N::narrow(t.equal(self.t)) & lower));
+        self.t = N::widen(closer).pick(t, self.t);
+        self.id = pick(closer, id, self.id);
+        self.place = pick(closer, place, self.place);
+    }
+
+    /// The rays whose hit has a t below `limit`.
+    #[inline(always)]
+    pub(crate) fn before(&self, limit: f32) -> Vector<u32> {
+        N::nearest_f32(&self.t).less(Vector([limit; LANES]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intersect::{Method, Visit};
+    use crate::number::Number;
+    use crate::search::nearest::{closer_hit_any_order, nearest_of};
+    use crate::testing::Rng;
+    use crate::view::ray::Hit;
+    use crate::view::{SphereRecord, SphereResiduals};
+
+    /// Rays within this of the axis.
+    const WIDTH: f64 = 0.1;
+
+    /// A number and the rest that f32 leaves of it.
+    fn parts(x: f64) -> [f32; 2] {
+        [x as f32, (x - f64::from(x as f32)) as f32]
+    }
+
+    /// A sphere that many rays meet: in front, behind, around the eye, touching it, tiny, far and huge; the power of some is
+    /// zero or subnormal.
+    fn wild(rng: &mut Rng) -> (SphereRecord, SphereResiduals) {
+        let radius = rng.decade(-3.0, 3.0);
+        let away = match rng.below(4) {
+            0 => radius * rng.unit(),
+            1 => radius * (1.0 + rng.decade(-7.0, 0.0)),
+            2 => radius * rng.decade(0.0, 2.0),
+            _ => radius * rng.decade(0.0, 6.0),
+        };
+        let mut aside = || rng.between(-WIDTH, WIDTH) * away;
+        let center = [aside(), aside(), rng.between(-1.0, 0.2).signum() * away];
+        let power = center.iter().map(|x| x * x).sum::<f64>() - radius * radius;
+        let power = match rng.below(8) {
+            0 => 0.0,
+            1 => power.signum() * f64::from(f32::from_bits(1 + rng.below(1 << 22))),
+            _ => power,
+        };
+        let numbers = [center[0], center[1], center[2], radius].map(parts);
+        let (center_radius, rest) = (numbers.map(|n| n[0]), numbers.map(|n| n[1]));
+        let scale = 2f32.powi(rng.below(21) as i32 - 10);
+        let record = SphereRecord { center_radius, power: parts(power)[0], scale, id: 0, unused: 0 };
+        (record, SphereResiduals { center_radius: rest, power: parts(power)[1], unused: [0.0; 3] })
+    }
+
+    /// Some spheres, the last of them again the first, and eight rays.
+    fn world<R: Number>(rng: &mut Rng, count: usize) -> (Vec<Sphere<R>>, [Ray<R>; LANES]) {
+        let mut spheres: Vec<_> = (0..count)
+            .map(|_| {
+                let (record, rest) = wild(rng);
+                Sphere::with_residuals(&record, &rest)
+            })
+            .collect();
+        spheres.extend_from_within(..count.min(4));
+        let number = |x: f64| {
+            let [high, low] = parts(x);
+            R::from_hi_lo(high, low)
+        };
+        let rays = std::array::from_fn(|_| Ray {
+            d: [rng.between(-WIDTH, WIDTH), rng.between(-WIDTH, WIDTH), -1.0].map(number),
+        });
+        (spheres, rays)
+    }
+
+    fn bits<R: Number>(t: R) -> [u32; 2] {
+        let (high, low) = t.to_hi_lo();
+        [high.to_bits(), low.to_bits()]
+    }
+
+    /// How many hits, and how many from inside, were compared.
+    struct Compare(Rng);
+
+    impl Visit for Compare {
+        type Output = [usize; 2];
+
+        fn visit<V: Intersect>(self) -> [usize; 2] {
+            let mut rng = self.0;
+            let mut seen = [0; 2];
+            for n in 0..3000 {
+                let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
+                let eight = together(&rays);
+                let all = Hits::among_all::<V>(&eight, &spheres);
+                // Any order: the spheres backwards, and some of the rays closed.
+                let mut any = Hits::NONE;
+                let open = Vector(std::array::from_fn(|_| if rng.below(4) == 0 { 0 } else { u32::MAX }));
+                let backwards = || (0..spheres.len() as u32).rev().zip(0..);
+                for (id, place) in backwards() {
+                    any.test::<V>(&eight, open, &spheres[id as usize], [id, place]);
+                }
+                let limit = rng.decade(-3.0, 3.0) as f32;
+                let before = all.before(limit);
+                for (l, ray) in rays.iter().enumerate() {
+                    let what = format!("world {n}, ray {l}");
+                    let one = nearest_of::<V, _>(ray, spheres.len(), |id| spheres[id]);
+                    assert_eq!(all.id.0[l], one.id, "{what}");
+                    assert_eq!(bits(V::Number::lane(&all.t, l)), bits(one.t), "{what}");
+                    assert_eq!(before.0[l] != 0, one.t.to_hi_lo().0 < limit, "{what}");
+                    let backwards = backwards().filter(|_| open.0[l] != 0);
+                    let one = backwards.fold(Hit::NONE, |hit, (id, _)| {
+                        closer_hit_any_order::<V, _>(hit, ray, &spheres[id as usize], id)
+                    });
+                    assert_eq!(any.id.0[l], one.id, "{what}");
+                    assert_eq!(bits(V::Number::lane(&any.t, l)), bits(one.t), "{what}");
+                    if one.id != NONE {
+                        assert_eq!(any.place.0[l] + one.id + 1, spheres.len() as u32, "{what}");
+                        seen[0] += 1;
+                        seen[1] += usize::from(spheres[one.id as usize].power < V::Number::ZERO);
+                    }
+                }
+            }
+            seen
+        }
+    }
+
+    #[test]
+    fn eight_rays_are_answered_as_one_by_one() {
+        for method in Method::ALL {
+            let [hits, inside] = method.dispatch(Compare(Rng(0x5eed_0042)));
+            assert!(hits > 5000 && inside > 500, "{}: {hits} hits, {inside} from inside", method.name());
+        }
+    }
+}
