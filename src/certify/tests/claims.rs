@@ -2,7 +2,7 @@
 
 use super::wild::Value;
 use crate::certify::binned::{BinnedScene, Depths};
-use crate::certify::general::General;
+use crate::certify::general::{General, general_low};
 use crate::certify::{Certify, Terms};
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::exact::{Judge, Truth};
@@ -105,10 +105,16 @@ pub(super) fn check<R: Value>(
     let [i, j] = judged.at;
     let s = twin.slopes(i, j);
     let mut lows = vec![None; case.scene.spheres.len()];
-    for (low, slot) in twin.candidates(&s) {
-        if let Some(place) = lows.get_mut(twin.id(slot) as usize) {
+    let listed: Vec<_> = twin.candidates(&s).map(|(low, slot)| (low, twin.id(slot))).collect();
+    // The bounds hold for all general spheres, also where a tile does not list them.
+    let generals = twin.generals.iter().map(|general| (general_low(&s, general, twin.terms), general.id));
+    for (low, id) in generals.filter(|(low, _)| *low < R::MISS).chain(listed.iter().copied()) {
+        if let Some(place) = lows.get_mut(id as usize) {
             *place = Some(low.value());
         }
+    }
+    if let Some(truth) = judged.nearest.filter(|truth| listed.iter().all(|(_, id)| *id != truth.id)) {
+        return Err(format!("pixel {i} {j}: sphere {} is the nearest hit and not listed", truth.id));
     }
     // (a) A hit is found, and its lower bound is not above its depth.
     for (id, (truth, low)) in judged.each.iter().zip(&lows).enumerate() {

@@ -173,7 +173,7 @@ impl<'a> Source<'a> {
                 each(block?)?;
             }
             let (skipped, legend) = (atoms.scene.skipped.clone(), atoms.legend.clone());
-            return Ok(About { skipped, legend, when: atoms.when.clone() });
+            return Ok(About { skipped, legend, when: atoms.when });
         }
         let mut blocks = SphereBlocks::open(&self.args.scene, &self.options)?;
         while let Some(mut block) = blocks.next_block()? {
