@@ -37,8 +37,8 @@ impl Renderer {
     /// user's cache keeps.
     ///
     /// # Errors
-    /// [`Error::Adapter`] when no adapter fits, [`Error::Settings`] for a contradiction, such as an adapter with the
-    /// CPU path, [`Error::Accuracy`] for an accuracy that cannot be reached.
+    /// [`Error::Adapter`](crate::Error::Adapter) when no adapter fits, [`Error::Settings`](crate::Error::Settings) for a contradiction, such as an adapter with the
+    /// CPU path, [`Error::Accuracy`](crate::Error::Accuracy) for an accuracy that cannot be reached.
     pub fn new(settings: &Settings) -> Result<Self> {
         let start = Instant::now();
         // Errors that do not depend on a device are found before one is opened.
@@ -83,7 +83,7 @@ impl Renderer {
         self.has_no_adapter
     }
 
-    /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`]; the renderer stays usable.
+    /// Reports every frame to `watch`, which can end it with [`Error::Interrupted`](crate::Error::Interrupted); the renderer stays usable.
     #[must_use]
     pub fn watched_by(mut self, watch: Watch) -> Self {
         self.watch = watch;
@@ -117,7 +117,7 @@ impl Renderer {
     /// Checks that `method` can run here. On the CPU path every method can.
     ///
     /// # Errors
-    /// [`Error::Accuracy`] with the reason why the adapter's arithmetic does not allow it, and the errors of the
+    /// [`Error::Accuracy`](crate::Error::Accuracy) with the reason why the adapter's arithmetic does not allow it, and the errors of the
     /// self-test.
     pub fn check_method(&mut self, method: Method) -> Result<()> {
         match &mut self.place {
