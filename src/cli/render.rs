@@ -193,9 +193,12 @@ impl Render {
 
     /// The opened file and its first scene; a stream has no other.
     fn first(&self, settings: &Settings, targets: &[Target], cancel: &Cancel) -> Result<First<'_>> {
-        let streamed = || Ok((None, Some(stream::Source::new(&self.args, cancel)?.visible(settings, targets)?)));
+        let streamed = |why: Option<String>| {
+            let source = stream::Source::new(&self.args, cancel, why)?;
+            Ok((None, Some(source.visible(settings, targets)?)))
+        };
         if self.stream {
-            return streamed();
+            return streamed(None);
         }
         let in_memory = || {
             let mut scene_frames = SceneFrames::open(&self.args, cancel)?;
@@ -203,11 +206,13 @@ impl Render {
             Ok((Some(scene_frames), first))
         };
         match in_memory() {
-            Err(Error::Limits { problem, .. })
-                if stream::Source::new(&self.args, cancel).is_ok() && !self.reads_standard() =>
-            {
-                note(format_args!("{problem}: the file is read as a stream (see --stream)"));
-                streamed()
+            Err(Error::Limits { problem, mend }) if !self.reads_standard() => {
+                let why = format!("{problem}: the file is read as a stream (see --stream)");
+                // A scene that cannot be a stream is one that does not fit.
+                streamed(Some(why)).map_err(|error| match error {
+                    Error::Settings { .. } | Error::Limits { .. } => Error::Limits { problem, mend },
+                    other => other,
+                })
             }
             opened => opened,
         }

@@ -125,12 +125,18 @@ fn the_plan_lists_what_is_uploaded_and_what_is_left_out() {
     let staged = plan.staged.expect("a certified frame is staged");
     assert_eq!(staged.front + staged.near + staged.unseen, plan.spheres);
     assert!(staged.unseen > 0);
-    // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 8 for every tile.
+    // 16 and 16 bytes for every entry of a tile's list, 4 for every 8 of them, 16 for every tile, and 4 for every general sphere
+    // that a tile lists.
     let bytes = |name: &str| names(&plan).iter().find(|b| b.0 == name).map_or(0, |b| b.1);
     assert!(bytes("projected") >= 16 * staged.front && bytes("projected") % (16 * 8) == 0, "{:?}", names(&plan));
     assert_eq!(bytes("others"), bytes("projected") + 64 * staged.near);
     let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
-    assert_eq!((plan.search, bytes("lists")), ("tiles", 8 * tiles[0] * tiles[1] + bytes("projected") / 32));
+    let (tiles, chunks) = (tiles[0] * tiles[1], bytes("projected") / 32);
+    let general = bytes("lists").checked_sub(16 * tiles + chunks).expect("room for the ranges of all tiles");
+    assert!(
+        plan.search == "tiles" && general % 4 == 0 && (4..=4 * staged.near * tiles).contains(&general),
+        "{general}"
+    );
 }
 
 #[test]
@@ -187,10 +193,10 @@ fn the_plan_of_an_uncertified_method_lists_its_candidates() {
         planned(&weekend(), &Settings { method: Some(Method::Unit), ..settings(Backend::Gpu, None, &[Aov::Id]) });
     let staged = plan.staged.expect("tiles are staged");
     let bytes = |name: &str| plan.uploaded.iter().find(|b| b.name == name).map_or(0, |b| b.bytes);
-    // 32 bytes for every entry and every general sphere, both in chunks of 8; 4 for every chunk, 8 for every tile.
+    // 32 bytes for every entry and every general sphere, both in chunks of 8; 4 for every chunk, 16 for every tile.
     let tiles = plan.size.map(|n| u64::from(n).div_ceil(8));
     assert!(bytes("spheres") >= 32 * (staged.front + staged.near) && bytes("spheres") % 256 == 0);
-    assert_eq!(bytes("lists"), 8 * tiles[0] * tiles[1] + bytes("spheres") / 64);
+    assert_eq!(bytes("lists"), 16 * tiles[0] * tiles[1] + bytes("spheres") / 64);
     assert_eq!(bytes("residuals"), 0);
 }
 

@@ -32,7 +32,7 @@ const AOVS: [Aov; 10] = [
 fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
     Scene {
         camera: Camera { eye: eye.into(), look: Look::At([0.0; 3].into()), up: DVec3::new(0.1, 1.0, 0.2), lens },
-        image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
+        image: ImagePlane { width: 77, height: 53, background: [0.1, 0.2, 0.3] },
         spheres,
         lighting: Default::default(),
         skipped: Skipped::default(),
@@ -106,20 +106,20 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         spheres
     };
     let mut scenes = vec![
-        ("a cloud from outside", scene([3.0, 2.0, 4.0], vfov(40.0), dense(1, 6000, 0.05))),
-        ("the same back to front", scene([3.0, 2.0, 4.0], vfov(40.0), reversed(dense(1, 6000, 0.05), [3.0, 2.0, 4.0]))),
-        ("a cloud from inside, spheres behind", scene([0.1, 0.2, 0.3], vfov(100.0), dense(2, 3000, 0.04))),
-        ("a cloud beyond the image's edges", scene([0.0, 0.3, 2.0], vfov(9.0), dense(3, 4000, 0.03))),
-        ("a cloud from far away", scene([2e3, -1e3, 3e3], vfov(0.03), dense(4, 6000, 0.05))),
-        ("a cloud of dots", scene([3.0, 2.0, 4.0], vfov(40.0), dense(5, 20_000, 0.004))),
-        ("parallel rays", scene([3.0, 2.0, 4.0], Lens::Orthographic { height: 2.0 }, dense(6, 5000, 0.05))),
+        ("a cloud from outside", scene([3.0, 2.0, 4.0], vfov(40.0), dense(1, 4000, 0.05))),
+        ("the same back to front", scene([3.0, 2.0, 4.0], vfov(40.0), reversed(dense(1, 4000, 0.05), [3.0, 2.0, 4.0]))),
+        ("a cloud from inside, spheres behind", scene([0.1, 0.2, 0.3], vfov(100.0), dense(2, 2000, 0.04))),
+        ("a cloud beyond the image's edges", scene([0.0, 0.3, 2.0], vfov(9.0), dense(3, 3000, 0.03))),
+        ("a cloud from far away", scene([2e3, -1e3, 3e3], vfov(0.03), dense(4, 3000, 0.05))),
+        ("a cloud of dots", scene([3.0, 2.0, 4.0], vfov(40.0), dense(5, 12_000, 0.004))),
+        ("parallel rays", scene([3.0, 2.0, 4.0], Lens::Orthographic { height: 2.0 }, dense(6, 3000, 0.05))),
         (
             "a lens too wide for bounds",
             scene([3.0, 2.0, 4.0], Lens::Viewport { vw: 1e7, vh: 1e7, distance: 1.0 }, dense(7, 60, 0.1)),
         ),
         ("few spheres", scene([3.0, 2.0, 4.0], vfov(40.0), cloud(8, 9, [0.0; 3], 1.0, 0.05))),
     ];
-    let mut inside = dense(9, 3000, 0.05);
+    let mut inside = dense(9, 2000, 0.05);
     inside.push([0.5, 0.5, 1.5], 0.8, Some([0.9, 0.1, 0.1]));
     scenes.push(("the eye in a sphere", scene([0.6, 0.6, 1.6], vfov(60.0), inside)));
     let mut ground = dense(10, 2000, 0.05);
@@ -127,7 +127,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ground.push([0.0, 0.0, 4000.0], 3000.0, Some([0.2, 0.2, 0.8]));
     scenes.push(("a large ground, and a planet behind", scene([3.0, 0.5, 2.0], vfov(50.0), ground)));
     // Sizes that set the frame's unit, and are not seen.
-    let mut uneven = dense(11, 3000, 0.05);
+    let mut uneven = dense(11, 2000, 0.05);
     uneven.push([3.0, 2.0, 4.0 + 1e-3], 1e-4, Some([1.0; 3]));
     uneven.push([-1e9, 3e9, 1e9], 2.0, Some([1.0; 3]));
     scenes.push(("a speck behind the eye, and a far star", scene([3.0, 2.0, 4.0], vfov(40.0), uneven)));
@@ -148,7 +148,7 @@ fn a_streamed_frame_has_the_bits_of_the_frame_in_memory() {
 #[test]
 fn certificates_do_not_depend_on_what_is_forgotten() {
     for (what, scene) in scenes() {
-        for tolerance in [0.3, 1e-2, 1e-3, 3e-5, 1e-6, 1e-7] {
+        for tolerance in [0.3, 1e-3, 3e-5, 1e-7] {
             let tolerance = Tolerance::new(tolerance).expect("a tolerance");
             check(what, &mut cpu(), &scene, &Settings { tolerance: Some(tolerance), ..settings() }, 700);
         }
@@ -179,7 +179,7 @@ fn spheres_that_are_not_in_lists_change_no_bit() {
     let mut scenes = scenes();
     for (what, scene) in &mut scenes[..5] {
         let (mut rng, r) = (Rng::new(77), scene.spheres.radii[0]);
-        while scene.spheres.len() < 9000 {
+        while scene.spheres.len() < 6000 {
             scene.spheres.push(rng.cube(), r * (0.3 + rng.unit()), Some([0.5; 3]));
         }
         for (backend, mut renderer) in renderers() {

@@ -17,6 +17,7 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
 use halfline::settings::Settings;
 use halfline::write::file::Target;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// Where the scene is read.
@@ -25,6 +26,8 @@ pub(super) struct Source<'a> {
     options: ReadOptions,
     taken: Option<CameraRecord>,
     arrangement: Arrangement,
+    /// Why the scene is read as a stream, until it is said.
+    why: Cell<Option<String>>,
 }
 
 /// What is known of a scene once all of its spheres were read.
@@ -35,11 +38,11 @@ struct About {
 }
 
 impl<'a> Source<'a> {
-    /// Checks the options.
+    /// Checks the options. `why` is said when the first block was read.
     ///
     /// # Errors
     /// [`Error::Settings`] for those that need the scene in memory.
-    pub(super) fn new(args: &'a SceneArgs, cancel: &Cancel) -> Result<Self> {
+    pub(super) fn new(args: &'a SceneArgs, cancel: &Cancel, why: Option<String>) -> Result<Self> {
         let options = options(args, cancel)?;
         let refuse = |problem: &str, mend: &str| Err(Error::settings(format!("--stream: {problem}"), mend));
         if args.is_many() {
@@ -53,7 +56,7 @@ impl<'a> Source<'a> {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
         }
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        Ok(Self { args, options, taken, arrangement })
+        Ok(Self { args, options, taken, arrangement, why: Cell::new(why) })
     }
 
     /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
@@ -165,6 +168,12 @@ impl<'a> Source<'a> {
 
     /// Every block of the scene: of the file, or of copies of `atoms`.
     fn each(&self, atoms: Option<&SceneFrame>, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+        let mut each = |block: Spheres| {
+            if let Some(why) = self.why.take() {
+                note(format_args!("{why}"));
+            }
+            each(block)
+        };
         if let Some(atoms) = atoms {
             for block in self.arrangement.copies(&atoms.scene.spheres, atoms.cell.as_ref())? {
                 if !go_on() {
