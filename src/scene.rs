@@ -223,21 +223,20 @@ pub struct Skipped {
 impl Skipped {
     /// Counts one more of `kind`.
     pub fn add(&mut self, kind: &'static str) {
-        match self.kinds.iter_mut().find(|(k, _)| *k == kind) {
-            Some((_, n)) => *n += 1,
-            None => self.kinds.push((kind, 1)),
-        }
+        self.count(kind, 1);
     }
 
     /// Adds what another part left out.
     pub(crate) fn append(&mut self, more: Self) {
-        for (kind, n) in more.kinds {
-            match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
-                Some((_, count)) => *count += n,
-                None => self.kinds.push((kind, n)),
-            }
-        }
+        more.kinds.into_iter().for_each(|(kind, n)| self.count(kind, n));
         self.assumed.extend(more.assumed);
+    }
+
+    fn count(&mut self, kind: &'static str, more: u64) {
+        match self.kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, n)) => *n += more,
+            None => self.kinds.push((kind, more)),
+        }
     }
 
     /// One warning per kind.

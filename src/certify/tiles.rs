@@ -357,12 +357,12 @@ impl Grid {
 }
 
 /// The bits of x as an integer with the same order.
-fn ordered(x: f32) -> u32 {
+pub(super) fn ordered(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
 /// The inverse.
-fn number(ordered: u32) -> f32 {
+pub(super) fn number(ordered: u32) -> f32 {
     f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }

@@ -6,7 +6,7 @@ use crate::certify::constants::{
 };
 use crate::certify::general::GeneralRecord;
 use crate::certify::projection::ProjectionBounds;
-use crate::certify::projection::project::LANES;
+use crate::certify::projection::project::{LANES, larger, smaller};
 use pulp::NullaryFnOnce;
 
 /// The relative rounding of a lower bound as the kernel computes it, and of the quotients here: the kernel's is within
@@ -194,17 +194,6 @@ impl NullaryFnOnce for Weigh<'_> {
             }
         }
     }
-}
-
-/// Comparisons as in vector instructions, without special treatment of NaN.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 #[inline(always)]

@@ -268,12 +268,12 @@ impl ProjectionBounds {
 
 /// Comparisons as in vector instructions, without special treatment of NaN.
 #[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
+pub(in crate::certify) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 #[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
+pub(in crate::certify) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 

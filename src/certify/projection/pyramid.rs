@@ -1,10 +1,10 @@
 //! Occlusion culling: the depth pyramid of a frame, as in hierarchical z-buffering (Greene, Kass, Miller 1993), with proven
 //! bounds. docs/certificate.md, section 11, derives that a frame without the culled spheres has the same bits.
 
-use super::ProjectionBounds;
 use super::cover::Coverage;
 use super::project::floor;
-use crate::certify::tiles::{Bin, Placed};
+use super::{ProjectionBounds, not_below};
+use crate::certify::tiles::{Bin, Placed, number, ordered};
 use crate::tile::TILE;
 use crate::window::Window;
 use rayon::prelude::*;
@@ -147,7 +147,7 @@ impl DepthPyramid {
     /// Lowers the limits of the pixels that a projected sphere certainly covers.
     pub(in crate::certify) fn cover(&self, placed: &Placed) {
         let Some(outline) = self.coverage.outline(placed) else { return };
-        let limit = ordered(above(outline.limit));
+        let limit = ordered(not_below(outline.limit));
         let Window { x0, y0, x1, y1 } = self.window;
         let (top, bottom) = outline.rows();
         let (mut row, bottom) = (top.max(f64::from(y0)), bottom.min(f64::from(y1) - 1.0));
@@ -170,21 +170,4 @@ impl DepthPyramid {
     fn place(&self, x: u32, y: u32) -> usize {
         (y - self.window.y0) as usize * self.window.width() as usize + (x - self.window.x0) as usize
     }
-}
-
-/// An f32 that is at least x.
-fn above(x: f64) -> f32 {
-    let near = x as f32;
-    if f64::from(near) < x { near.next_up() } else { near }
-}
-
-/// The bits of x as an integer with the same order.
-fn ordered(x: f32) -> u32 {
-    let bits = x.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-/// The inverse.
-fn number(ordered: u32) -> f32 {
-    f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }
