@@ -22,7 +22,7 @@ use crate::view::{Sphere, View, ViewRecord};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-pub(crate) use certified::certified;
+pub(crate) use certified::{certified, finish};
 pub(crate) use given_rays::given_rays;
 pub(crate) use tiles::by_tiles;
 

@@ -13,5 +13,6 @@ mod tests;
 pub(crate) mod texture;
 pub(crate) mod transfers;
 mod validate;
+mod winners;
 
 pub(crate) use dispatch::Gpu;

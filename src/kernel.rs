@@ -33,6 +33,31 @@ impl Sharing {
     pub(crate) const ALL: [Self; 4] = [Self::None, Self::Subgroup4, Self::Subgroup8, Self::Shuffle];
 }
 
+/// How a certified kernel reads the spheres that are not entirely in front of the eye plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Generals {
+    /// There are none.
+    None,
+    /// So many, from a uniform buffer at constant places: every ray tests all of them.
+    Few(u32),
+    /// From the lists of the tiles.
+    Lists,
+}
+
+/// The most general spheres that every ray tests without lists.
+const FEW: usize = 4;
+
+impl Generals {
+    /// For so many.
+    pub(crate) fn of(count: usize) -> Self {
+        match count {
+            0 => Self::None,
+            1..=FEW => Self::Few(count as u32),
+            _ => Self::Lists,
+        }
+    }
+}
+
 /// The parameters that a kernel is compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Kernel {
@@ -50,8 +75,11 @@ pub(crate) struct Kernel {
     /// Certifies its answers; `method` is unused. Given rays are then [`RaySource::Spread`], and only ids are written:
     /// places in the order of the tree.
     pub(crate) certify: bool,
-    /// Some spheres are not entirely in front of the eye plane. Known only after binning.
-    pub(crate) generals: bool,
+    /// Spheres that are not entirely in front of the eye plane. Known only after binning.
+    pub(crate) generals: Generals,
+    /// Writes what the search of a certified kernel found, instead of the certified answers: the slot of the winner as id,
+    /// and the two smallest lower bounds. The host does the rest (`cpu::finish`).
+    pub(crate) winners: bool,
     /// `method` tests the candidates of the ray's tile instead of every sphere. Always the case for certified viewing rays.
     pub(crate) tiles: bool,
     /// Writes the width of the depth interval.
@@ -77,7 +105,8 @@ impl Kernel {
             t: false,
             normal: false,
             certify: false,
-            generals: false,
+            generals: Generals::None,
+            winners: false,
             tiles: false,
             depth_interval: false,
             tree: false,
@@ -96,9 +125,9 @@ impl Kernel {
         }
     }
 
-    /// The same kernel for a scene with or without spheres that are not entirely in front of the eye plane.
-    pub(crate) fn with_generals(self, generals: bool) -> Self {
-        Self { generals, ..self }
+    /// The kernel that only searches what this certified kernel certifies.
+    pub(crate) fn winners(self) -> Self {
+        Self { winners: true, shade: None, colors: false, t: false, normal: false, depth_interval: false, ..self }
     }
 
     /// Whether normals are computed, as an output or for shading.
@@ -156,11 +185,13 @@ pub(crate) struct KernelOutput {
 }
 
 /// All output buffers. `gpu/compose.rs` declares, computes and stores only those that a kernel writes.
-pub(crate) const OUTPUTS: [KernelOutput; 6] = [
+pub(crate) const OUTPUTS: [KernelOutput; 8] = [
     output!("frame_id", "u32", 1, "written_id(hit)", |_| true),
     output!("frame_t", "f32", 1, "to_hi(hit.t)", |kernel| kernel.t),
     output!("frame_t_low", "f32", 1, "to_lo(hit.t)", |kernel| kernel.t && kernel.is_wide()),
     output!("frame_depth_interval", "f32", 1, "answer.depth_interval", |kernel| kernel.depth_interval),
+    output!("frame_low", "f32", 1, "two.low", |kernel| kernel.winners),
+    output!("frame_second", "f32", 1, "two.second", |kernel| kernel.winners),
     output!("frame_normal", "f32", 3, "world_normal(ray, hit)", |kernel| kernel.normal),
     output!("frame_color", "f32", 3, "hit_color(ray, hit)", |kernel| kernel.shade.is_some()),
 ];

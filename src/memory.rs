@@ -33,6 +33,9 @@ impl Pool {
     /// A vector with capacity for `n`, with the contents that an earlier frame left in it: the caller overwrites all of
     /// it.
     pub(crate) fn take<T: Send + 'static>(&self, n: usize) -> Vec<T> {
+        if n == 0 {
+            return Vec::new();
+        }
         let mut spares = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let room = |spare: &Spare| spare.vector.downcast_ref::<Vec<T>>().map(Vec::capacity).filter(|c| *c >= n);
         let fits = spares.iter().enumerate().filter_map(|(place, spare)| Some((room(spare)?, place)));

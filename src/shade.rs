@@ -5,9 +5,9 @@ pub(crate) mod optics;
 
 use crate::error::Error;
 use crate::intersect::Intersect;
-use crate::number::Number;
+use crate::number::{Arithmetic, Number};
 use crate::scene::DEFAULT_COLOR;
-use crate::view::ray::{Hit, Ray, dot3, positive, unit3};
+use crate::view::ray::{Hit, Ray, dot3, positive, times, unit3};
 use crate::view::{Sphere, ViewRecord};
 use std::str::FromStr;
 
@@ -65,38 +65,52 @@ impl<R: Number> Surface<'_, R> {
         V::normal_at(ray, s, hit.t / s.scale).map(|x| x.to_hi_lo().0)
     }
 
-    /// A direction of the canonical camera in world space.
-    pub(crate) fn to_world(&self, a: [f32; 3]) -> [f32; 3] {
-        let ViewRecord { right, up, back, .. } = *self.view;
-        std::array::from_fn(|k| a[0] * right[k] + a[1] * up[k] + a[2] * back[k])
-    }
-
     /// Unit normal at a hit, in world space, against the ray.
     pub(crate) fn world_normal<V: Intersect>(&self, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
-        self.to_world(self.surface_normal::<V>(ray, hit))
-    }
-
-    fn sphere_color(&self, id: u32) -> [f32; 3] {
-        self.colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
+        to_world(self.view, self.surface_normal::<V>(ray, hit))
     }
 
     /// Linear RGB of a hit.
     pub(crate) fn shade<V: Intersect>(&self, shade: Shade, ray: &Ray<R>, hit: Hit<R>) -> [f32; 3] {
         match shade {
-            Shade::Flat => self.sphere_color(hit.id),
+            Shade::Flat => color_of(self.colors, hit.id),
             _ => self.shade_normal(shade, ray, self.surface_normal::<V>(ray, hit), hit.id),
         }
     }
 
     /// Linear RGB of a hit with a known normal in the canonical camera.
     pub(crate) fn shade_normal(&self, shade: Shade, ray: &Ray<R>, normal: [f32; 3], id: u32) -> [f32; 3] {
-        match shade {
-            Shade::Flat => self.sphere_color(id),
-            Shade::Normal => self.to_world(normal).map(|x| 0.5 * x + 0.5),
-            Shade::Headlight => {
-                let cosine = positive(-dot3(normal, unit3(ray.d.map(|x| x.to_hi_lo().0))));
-                self.sphere_color(id).map(|x| cosine * x)
+        shade.of(self.view, ray.d.map(|x| x.to_hi_lo().0), normal, color_of(self.colors, id))
+    }
+}
+
+/// The colour of a sphere, linear RGB.
+#[inline(always)]
+pub(crate) fn color_of(colors: Option<&[[f32; 3]]>, id: u32) -> [f32; 3] {
+    colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
+}
+
+/// A direction of the canonical camera in world space.
+#[inline(always)]
+pub(crate) fn to_world<A: Arithmetic>(view: &ViewRecord, a: [A; 3]) -> [A; 3] {
+    let component = |k: usize| {
+        let [right, up, back] = [A::from_f32(view.right[k]), A::from_f32(view.up[k]), A::from_f32(view.back[k])];
+        a[0] * right + a[1] * up + a[2] * back
+    };
+    [component(0), component(1), component(2)]
+}
+
+impl Shade {
+    /// Linear RGB of a hit on a sphere of the colour `own`. `direction` and the unit normal are in the canonical camera.
+    #[inline(always)]
+    pub(crate) fn of<A: Arithmetic>(self, view: &ViewRecord, direction: [A; 3], normal: [A; 3], own: [A; 3]) -> [A; 3] {
+        match self {
+            Self::Flat => own,
+            Self::Normal => {
+                let (half, n) = (A::from_f32(0.5), to_world(view, normal));
+                [half * n[0] + half, half * n[1] + half, half * n[2] + half]
             }
+            Self::Headlight => times(positive(-dot3(normal, unit3(direction))), own),
         }
     }
 }

@@ -16,13 +16,10 @@ struct General {
     blur: f32,       // error of the host's rounding in p.d
 }
 
-fn general_at(n: u32) -> General {
-    let a = bitcast<vec4<f32>>(others[4u * n]);
-    let b = others[4u * n + 1u];
-    let c = others[4u * n + 2u];
-    let d = others[4u * n + 3u];
+// From the four vectors of its record.
+fn general_of(a: vec4<i32>, b: vec4<i32>, c: vec4<i32>, d: vec4<i32>) -> General {
     return General(
-        a, bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
+        bitcast<vec4<f32>>(a), bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.x, c.y, bitcast<f32>(c.z),
         bitcast<f32>(c.w), bitcast<f32>(d.x), bitcast<f32>(d.y),
     );
 }
@@ -138,23 +135,4 @@ fn general_answer(s: Slopes, n: General) -> Answer {
     hits = hits && low > VANISH;
     let depth_interval = (high - below + rounding * high) * INFLATE * n.scale;
     return Answer(hits && true_normal, hits, n.id, depth * n.scale, low, high * n.scale, depth_interval, normal);
-}
-
-// Tests the general spheres of a tile.
-fn nearest_two_generals(s: Slopes, tile: vec3<u32>) -> NearestTwo {
-    var k = NearestTwo(BEYOND, BEYOND, NONE);
-    let range = tile_generals(tile);
-    for (var n = range.x; n < range.y; n++) {
-        let slot = lists[n];
-        k = with_candidate(k, general_low(s, general_at(slot)), GENERAL | slot);
-    }
-    return k;
-}
-
-// The winner's answer if it is a general sphere, otherwise `other`.
-fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {
-    if ((k.slot & GENERAL) != 0u && k.slot != NONE) {
-        return general_answer(s, general_at(k.slot & ~GENERAL));
-    }
-    return other;
 }

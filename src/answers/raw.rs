@@ -1,12 +1,14 @@
 //! The buffers that a kernel writes.
 
 use super::settle::Settled;
+use crate::certify::GENERAL;
 use crate::error::Result;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
 use crate::number::Number;
-use crate::shade::{Shade, Surface};
+use crate::shade::{Shade, Surface, to_world};
 use crate::view::ray::{NONE, Ray};
+use std::ops::Range;
 
 /// The output buffers of a kernel in row order; buffers that were not requested are empty.
 #[derive(Debug, Default, PartialEq)]
@@ -23,6 +25,9 @@ pub(crate) struct Raw {
     pub(crate) color: Vec<f32>,
     /// Bound of the depth's error, in the frame's unit.
     pub(crate) depth_interval: Vec<f32>,
+    /// The two smallest lower bounds of depth, if the kernel only searches; `id` holds the slots of the smallest.
+    pub(crate) low: Vec<f32>,
+    pub(crate) second: Vec<f32>,
 }
 
 impl Raw {
@@ -38,6 +43,8 @@ impl Raw {
             normal: pool.values(if kernel.normal { 3 * pixels } else { 0 })?,
             color: pool.values(if kernel.shade.is_some() { 3 * pixels } else { 0 })?,
             depth_interval: pool.values(if kernel.depth_interval { pixels } else { 0 })?,
+            low: pool.values(if kernel.winners { pixels } else { 0 })?,
+            second: pool.values(if kernel.winners { pixels } else { 0 })?,
         })
     }
 
@@ -46,6 +53,8 @@ impl Raw {
         let (buffer, channels): (&mut [u8], usize) = match name {
             "frame_t" => (bytemuck::cast_slice_mut(&mut self.t), 1),
             "frame_depth_interval" => (bytemuck::cast_slice_mut(&mut self.depth_interval), 1),
+            "frame_low" => (bytemuck::cast_slice_mut(&mut self.low), 1),
+            "frame_second" => (bytemuck::cast_slice_mut(&mut self.second), 1),
             "frame_t_low" => (bytemuck::cast_slice_mut(&mut self.t_low), 1),
             "frame_normal" => (bytemuck::cast_slice_mut(&mut self.normal), 3),
             "frame_color" => (bytemuck::cast_slice_mut(&mut self.color), 3),
@@ -53,6 +62,13 @@ impl Raw {
         };
         let size = 4 * channels;
         buffer[size * first..size * (first + pixels)].copy_from_slice(bytes);
+    }
+
+    /// Adds `first` to the slots of list entries in these pixels: where a band's lists begin among those of the frame.
+    pub(crate) fn move_slots(&mut self, pixels: Range<usize>, first: u32) {
+        for slot in self.id[pixels].iter_mut().filter(|slot| **slot & GENERAL == 0) {
+            *slot += first;
+        }
     }
 
     /// Splits the buffers after the first `first` pixels, and then every `pixels`. Buffers that were not requested stay
@@ -87,12 +103,13 @@ impl Raw {
     /// Returns its memory to the pool for the next frame.
     pub(crate) fn put_back(self, pool: &Pool) {
         pool.put_back(self.id);
-        [self.t, self.t_low, self.normal, self.color, self.depth_interval]
+        [self.t, self.t_low, self.normal, self.color, self.depth_interval, self.low, self.second]
             .into_iter()
             .for_each(|unused| pool.put_back(unused));
     }
 
     /// t of a hit as the sum of its two parts; 0 if not requested.
+    #[inline(always)]
     pub(crate) fn t(&self, pixel: usize) -> f64 {
         let part = |buffer: &[f32]| buffer.get(pixel).map_or(0.0, |x| f64::from(*x));
         part(&self.t) + part(&self.t_low)
@@ -127,7 +144,7 @@ impl Piece<'_> {
         hit: Option<([f32; 3], u32)>,
     ) {
         if let Some(out) = self.normal.get_mut(3 * pixel..3 * pixel + 3) {
-            out.copy_from_slice(&hit.map_or([0.0; 3], |(normal, _)| surface.to_world(normal)));
+            out.copy_from_slice(&hit.map_or([0.0; 3], |(normal, _)| to_world(surface.view, normal)));
         }
         if let (Some(shade), Some(out)) = (shade, self.color.get_mut(3 * pixel..3 * pixel + 3)) {
             let [red, green, blue, _] = surface.view.background;

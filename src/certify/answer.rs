@@ -1,7 +1,5 @@
 //! What the certificate of a pixel is computed from, and its answer.
 
-use crate::number::Number;
-use crate::view::ray::NONE;
 use bytemuck::{Pod, Zeroable};
 
 /// The kernel's second uniform buffer, declared in certify/projection.wgsl.
@@ -55,18 +53,4 @@ pub(crate) struct Answer<R> {
     /// Bound of the error of the returned depth.
     pub(crate) depth_interval: R,
     pub(crate) normal: [R; 3],
-}
-
-impl<R: Number> Answer<R> {
-    /// The answer of a pixel that no sphere covers.
-    pub(crate) const MISS: Self = Self {
-        sure: true,
-        hits: true,
-        id: NONE,
-        offset: R::MISS,
-        low: R::ZERO,
-        high: R::ZERO,
-        depth_interval: R::ZERO,
-        normal: [R::ZERO; 3],
-    };
 }

@@ -192,9 +192,11 @@ impl NullaryFnOnce for Batch<'_> {
         for first in (0..self.bins.len()).step_by(LANES) {
             let there = LANES.min(self.bins.len() - first);
             // The last spheres are repeated to fill the vector; the copies are discarded.
-            let at = |l: usize| first + l.min(there - 1);
-            let (centers, radii) =
-                (std::array::from_fn(|l| self.centers[at(l)]), std::array::from_fn(|l| self.radii[at(l)]));
+            let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                let at = first + l.min(there - 1);
+                (centers[l], radii[l]) = (self.centers[at], self.radii[at]);
+            }
             let eight = self.projection.eight(&centers, &radii, self.reference);
             for l in 0..there {
                 let bin = &mut self.bins[first + l];
@@ -265,9 +267,11 @@ impl NullaryFnOnce for Together<'_> {
 impl Filling for Filler<'_> {
     fn place(&mut self, ids: &[u32], to: &mut [Placed]) {
         let Scenery { projection, centers: all, radii: sizes, reference, .. } = *self.scenery;
-        let id = |l: usize| ids[l.min(ids.len() - 1)];
-        let (centers, radii) =
-            (std::array::from_fn(|l| all[id(l) as usize]), std::array::from_fn(|l| sizes[id(l) as usize]));
+        let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            let id = ids[l.min(ids.len() - 1)] as usize;
+            (centers[l], radii[l]) = (all[id], sizes[id]);
+        }
         let eight = pulp::Arch::new().dispatch(Together { projection, centers, radii, reference });
         for (l, placed) in to.iter_mut().enumerate() {
             if eight.projected[l] != 0 {

@@ -3,8 +3,8 @@
 use super::answer::{Answer, Slopes};
 use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
 use super::terms::Terms;
-use crate::number::Number;
-use crate::view::ray::{cross3, minus, negated, positive, times, unit3};
+use crate::number::{Mask, Number};
+use crate::view::ray::{cross3, minus, positive, times, unit3};
 use bytemuck::{Pod, Zeroable};
 
 /// The record as declared in certify/general.wgsl.
@@ -112,37 +112,30 @@ fn quotient_error<R: Number>(terms: &Terms) -> R {
     R::from_f32(UNIT) * R::from_f32(terms.root[0])
 }
 
-/// A lower bound of the depth of the hit in the unit of the record, or MISS for a certain miss.
+/// A lower bound of the depth of the hit in the unit of the record, or MISS for a certain miss. Every case is computed and
+/// one is picked, because compilers make no vectors of branches.
 #[inline(always)]
 pub(super) fn general_below<R: Number>(s: &Slopes<R>, n: &General<R>, w: &Weighed<R>, terms: &Terms) -> R {
-    let zero = R::ZERO;
-    if (n.power >= zero) & ((w.disc < -w.error) | (w.b < -w.b_error)) {
-        return R::MISS;
-    }
+    let (zero, far) = (R::ZERO, R::from_f32(FAR));
+    let (outside, inside) = (zero.less(n.power), n.power.less(zero));
+    let misses = !inside & (w.disc.less(-w.error) | w.b.less(-w.b_error));
     let most = positive(w.disc + w.error).sqrt();
     let least = positive(w.disc - w.error).sqrt();
-    if n.power > zero {
-        let q = w.b + w.b_error + most;
-        if q <= zero {
-            return R::MISS;
-        }
-        let low = n.power / q * (R::ONE - quotient_error(terms));
-        return if low < R::from_f32(FAR) { low } else { R::from_f32(FAR) };
-    }
-    if w.b > w.b_error {
-        return (w.b - w.b_error + least) * s.inverse * (R::ONE - sum_error(s, terms));
-    }
-    if n.power < zero {
-        return -n.power / (w.b_error - w.b + most) * (R::ONE - quotient_error(terms));
-    }
-    zero
+    let by_quotient = R::ONE - quotient_error(terms);
+    let q = w.b + w.b_error + most;
+    let near = n.power / q * by_quotient;
+    let near = zero.less(q).pick(near.less(far).pick(near, far), R::MISS);
+    let sum = (w.b - w.b_error + least) * s.inverse * (R::ONE - sum_error(s, terms));
+    let behind = inside.pick(-n.power / (w.b_error - w.b + most) * by_quotient, zero);
+    let low = outside.pick(near, w.b_error.less(w.b).pick(sum, behind));
+    misses.pick(R::MISS, low)
 }
 
 /// A lower bound of the depth of the hit in the frame's unit, or MISS for a certain miss.
 #[inline(always)]
 pub(crate) fn general_low<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> R {
     let low = general_below(s, n, &general_weigh(s, n, terms), terms);
-    if low < R::MISS { low * n.scale } else { R::MISS }
+    low.less(R::MISS).pick(low * n.scale, R::MISS)
 }
 
 #[inline(always)]
@@ -152,33 +145,30 @@ pub(crate) fn general_answer<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &T
     let root = positive(w.disc).sqrt();
     let most = positive(w.disc + w.error).sqrt();
     let least = positive(w.disc - w.error).sqrt();
-    let ahead = w.b > w.b_error;
-    // & instead of &&: there is nothing to skip, and compilers can vectorize it.
-    let mut hits = (w.disc > w.error) & ((n.power < R::ZERO) | ahead);
-    let (depth, high);
-    let mut rounding = sum_error(s, terms);
-    if n.power > R::ZERO {
-        rounding = quotient_error(terms);
-        depth = n.power / (w.b + root);
-        high = n.power / (w.b - w.b_error + least) * (R::ONE + rounding);
-    } else if ahead {
-        depth = (w.b + root) * s.inverse;
-        high = (w.b + w.b_error + most) * s.inverse * (R::ONE + rounding);
-    } else {
-        let q = least - (w.b + w.b_error);
-        depth = -n.power / (root - w.b);
-        high = -n.power / q * (R::ONE + rounding);
-        hits &= q > c(CLEAR) * least;
-    }
+    let (outside, inside) = (R::ZERO.less(n.power), n.power.less(R::ZERO));
+    let ahead = w.b_error.less(w.b);
+    let q = least - (w.b + w.b_error);
+    let clear = (c(CLEAR) * least).less(q);
+    let hits = w.error.less(w.disc) & (inside | ahead) & (outside | ahead | clear);
+    let (of_sum, of_quotient) = (sum_error(s, terms), quotient_error(terms));
+    let rounding = outside.pick(of_quotient, of_sum);
+    let choose = |near: R, sum: R, behind: R| outside.pick(near, ahead.pick(sum, behind));
+    let depth = choose(n.power / (w.b + root), (w.b + root) * s.inverse, -n.power / (root - w.b));
+    let high = choose(
+        n.power / (w.b - w.b_error + least) * (R::ONE + of_quotient),
+        (w.b + w.b_error + most) * s.inverse * (R::ONE + of_sum),
+        -n.power / q * (R::ONE + of_sum),
+    );
     let d = [s.x, s.y, -R::ONE];
     let across = cross3(d, w.g);
-    let side = if n.power > R::ZERO { negated(across) } else { across };
+    let facing = |x: R| outside.pick(-x, x);
+    let side = [facing(across[0]), facing(across[1]), facing(across[2])];
     let normal = unit3(minus(side, times(root, d)));
-    let true_normal = w.g_error + (most - least) < c(NORMAL) * (s.a.sqrt() * n.center_radius[3]);
+    let true_normal = (w.g_error + (most - least)).less(c(NORMAL) * (s.a.sqrt() * n.center_radius[3]));
     let below = general_below(s, n, &w, terms);
     let low = below * n.scale;
     // Smaller values may be flushed to zero on one side only.
-    hits &= low > c(VANISH);
+    let hits = hits & c(VANISH).less(low);
     let depth_interval = (high - below + rounding * high) * c(INFLATE) * n.scale;
     Answer {
         sure: hits & true_normal,

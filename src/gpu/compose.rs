@@ -4,7 +4,7 @@
 
 use crate::gpu::layout::buffers;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, KernelOutput, RaySource, Sharing};
+use crate::kernel::{Generals, Kernel, KernelOutput, RaySource, Sharing};
 use crate::scene::DEFAULT_COLOR;
 use crate::shade::Shade;
 use crate::tile::CHUNK;
@@ -28,7 +28,7 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 57] = files![
+const FILES: [(&str, &str); 59] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
@@ -37,10 +37,10 @@ const FILES: [(&str, &str); 57] = files![
     "search/tree_nearest.wgsl"
     "share/no_subgroup.wgsl" "share/subgroup.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
-    "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
+    "certify/general_lists.wgsl" "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
-    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
+    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl"
     "shade/world.wgsl" "shade/color.wgsl" "shade/sphere_color.wgsl" "shade/flat.wgsl" "shade/normal.wgsl"
     "shade/headlight.wgsl"
@@ -186,15 +186,20 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
 
 /// The search for the closest hit with its certificate.
 fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
-    parts.extend(files([
-        "certify/constants.wgsl",
-        "certify/projection.wgsl",
-        "certify/projected.wgsl",
-        if kernel.generals { "certify/general.wgsl" } else { "certify/no_general.wgsl" },
-        "certify/nearest_two.wgsl",
-        "certify/certify_winner.wgsl",
-        "main/certified.wgsl",
-    ]));
+    parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
+    match kernel.generals {
+        Generals::None => parts.extend(files(["certify/no_general.wgsl"])),
+        Generals::Few(count) => {
+            parts.extend(files(["certify/general.wgsl"]));
+            parts.push(few_generals(count));
+        }
+        Generals::Lists => parts.extend(files(["certify/general.wgsl", "certify/general_lists.wgsl"])),
+    }
+    parts.extend(files(["certify/nearest_two.wgsl"]));
+    match kernel.winners {
+        true => parts.extend(files(["main/winners.wgsl"])),
+        false => parts.extend(files(["certify/certify_winner.wgsl", "main/certified.wgsl"])),
+    }
 }
 
 /// The search for what a given ray hits, with its certificate.
@@ -274,6 +279,44 @@ fn outputs(kernel: &Kernel) -> Part {
     }
     let text = format!("{buffers}\nfn write_outputs(pixel: u32, ray: Ray, hit: Hit) {{\n{stores}}}\n");
     emitted("emitted: outputs", text)
+}
+
+/// The general spheres as constants of the frame, four vectors each. Indices that are constants outside of loops are
+/// scalar loads on software adapters; any other index is loaded lane by lane.
+fn few_generals(count: u32) -> Part {
+    let record = |n: u32| (0..4).map(|k| format!("near[{}u]", 4 * n + k)).collect::<Vec<_>>();
+    let (mut tests, mut others) = (String::new(), String::new());
+    for n in 0..count {
+        let general = format!("general_of({})", record(n).join(", "));
+        tests += &format!("    k = with_candidate(k, general_low(s, {general}), GENERAL | {n}u);\n");
+        if n > 0 {
+            let parts = ["a", "b", "c", "d"].into_iter().zip(record(n));
+            let parts: String = parts.map(|(part, from)| format!(" {part} = {from};")).collect();
+            others += &format!("        if (k.slot == (GENERAL | {n}u)) {{{parts} }}\n");
+        }
+    }
+    let text = format!(
+        "@group(0) @binding(BIND_NEAR) var<uniform> near: array<vec4<i32>, {}>;
+
+fn nearest_two_generals(s: Slopes, tile: vec3<u32>) -> NearestTwo {{
+    var k = NearestTwo(BEYOND, BEYOND, NONE);
+{tests}    return k;
+}}
+
+fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {{
+    if ((k.slot & GENERAL) != 0u && k.slot != NONE) {{
+        var a = near[0];
+        var b = near[1];
+        var c = near[2];
+        var d = near[3];
+{others}        return general_answer(s, general_of(a, b, c, d));
+    }}
+    return other;
+}}
+",
+        4 * count
+    );
+    emitted("emitted: few general spheres", text)
 }
 
 /// `sphere_color` for a scene without colours, for which no colours are uploaded.

@@ -1,7 +1,7 @@
 //! Adapters: listing, selecting and opening them.
 
 use crate::error::{Error, Result};
-use crate::kernel::Sharing;
+use crate::kernel::{Generals, Kernel, RaySource, Sharing};
 use serde::Serialize;
 use std::sync::{Arc, Mutex};
 
@@ -45,6 +45,17 @@ impl AdapterSummary {
             Some([8, 8]) => Sharing::Subgroup8,
             Some(_) => Sharing::Shuffle,
         }
+    }
+
+    /// A kernel as this adapter runs it, for a scene with so many general spheres.
+    pub(crate) fn adapted(&self, kernel: Kernel, generals: usize) -> Kernel {
+        let kernel = Kernel { sharing: self.sharing(), ..kernel };
+        if !kernel.certify || kernel.rays != RaySource::Camera {
+            return kernel;
+        }
+        let kernel = Kernel { generals: Generals::of(generals), ..kernel };
+        // Measured on lavapipe: docs/performance.md.
+        if self.is_software() { kernel.winners() } else { kernel }
     }
 
     /// The description of a device that the caller opened.

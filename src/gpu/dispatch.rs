@@ -125,8 +125,10 @@ impl Gpu {
             if !go_on(band.before(kernel, &record)) {
                 return Err(Error::Interrupted);
             }
+            let mut first_entry = 0;
             if let Some(candidates) = &input.candidates {
                 let entries = Entries::of(candidates, &band);
+                first_entry = entries.first();
                 timings.time("upload", || entries.upload(candidates, |name, parts| self.fill_parts(name, parts)))?;
             }
             let (tests, start) = (bands.tests(&band), Instant::now());
@@ -138,7 +140,7 @@ impl Gpu {
             if let Some(pipeline) = self.pipelines.get_mut(kernel) {
                 pipeline.budget.took(tests, seconds);
             }
-            timings.time("readback", || self.read_back(kernel, &record, &band, raw))?;
+            timings.time("readback", || self.read_back(kernel, &record, &band, first_entry, raw))?;
         }
         Ok(())
     }
@@ -254,7 +256,15 @@ impl Gpu {
         Ok(())
     }
 
-    fn read_back(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band, raw: &mut Raw) -> Result<()> {
+    /// `first_entry` is where the band's lists begin among those of the frame.
+    fn read_back(
+        &mut self,
+        kernel: &Kernel,
+        record: &ViewRecord,
+        band: &Band,
+        first_entry: u32,
+        raw: &mut Raw,
+    ) -> Result<()> {
         let row = if kernel.rays == RaySource::Camera { record.columns as usize } else { 1 };
         let (first, pixels) = (band.before(kernel, record) as usize, band.count as usize * row);
         let from = |output: &KernelOutput| if self.direct { output.name } else { output.staging };
@@ -270,6 +280,9 @@ impl Gpu {
                 raw.store(output.name, first, pixels, &mapped);
             }
             staging.unmap();
+        }
+        if kernel.winners && first_entry > 0 {
+            raw.move_slots(first..first + pixels, first_entry);
         }
         Ok(())
     }
@@ -310,7 +323,7 @@ impl Gpu {
 
     /// Writes the parts one after the other; each is a multiple of four bytes.
     pub(super) fn fill_parts(&mut self, name: &'static str, parts: &[&[u8]]) -> Result<()> {
-        let uniform = ["view", "projection"].contains(&name);
+        let uniform = ["view", "projection", "near"].contains(&name);
         let usage = if uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
         // A binding cannot be empty. Kernels read as many entries as the view record counts, so the padding is never
         // read.
@@ -352,7 +365,7 @@ mod tests {
     use crate::gpu::device;
     use crate::gpu::input::Rays;
     use crate::intersect::Method;
-    use crate::kernel::Sharing;
+    use crate::kernel::{Generals, Sharing};
     use crate::memory::Pool;
     use crate::read::ReadOptions;
     use crate::scene::Scene;
@@ -391,7 +404,7 @@ mod tests {
                 normal: true,
                 ..Kernel::bare(Method::Stable)
             };
-            let certified = Kernel { certify: true, generals: true, depth_interval: true, ..kernel };
+            let certified = Kernel { certify: true, generals: Generals::Lists, depth_interval: true, ..kernel };
             let tiles = |kernel| Kernel { tiles: true, ..kernel };
             let mut raws = Vec::new();
             // SwiftShader takes ten seconds to compile a second normal in wider arithmetic.

@@ -19,7 +19,7 @@ pub(super) fn is_texture(name: &str) -> bool {
 }
 
 /// The inputs of kernels, buffers unless [`is_texture`], by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 15] = [
+const INPUTS: [&str; 16] = [
     "view",
     "spheres",
     "residuals",
@@ -32,6 +32,7 @@ const INPUTS: [&str; 15] = [
     "projection",
     "projected",
     "others",
+    "near",
     "lists",
     "cases",
     "answers",
@@ -70,7 +71,7 @@ mod tests {
     use crate::gpu::input::GROUP;
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
-    use crate::kernel::{RaySource, Sharing};
+    use crate::kernel::{Generals, RaySource, Sharing};
     use crate::search::tree::device::{DEVICE_LEVELS, NodeRecord, PlacedSphereRecord, first};
     use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
     use crate::search::tree::lanes::{LANE, NEVER};
@@ -89,9 +90,10 @@ mod tests {
         let given =
             [RaySource::SharedOrigin, RaySource::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
         let mut kernels = Vec::new();
+        let none = Generals::None;
         let plain =
-            both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, false)));
-        let certified = both.map(|generals| (Method::Stable, true, false, generals));
+            both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, none)));
+        let certified = [0, 1, 4, 5].map(|count| (Method::Stable, true, false, Generals::of(count)));
         for (method, certify, tiles, generals) in plain.chain(certified) {
             for (rays, sharing, tree) in camera.into_iter().chain(given.into_iter().flatten()) {
                 for shade in shades {
@@ -107,6 +109,7 @@ mod tests {
                             normal,
                             certify,
                             generals,
+                            winners: false,
                             tiles,
                             depth_interval: t && certify,
                             tree,
@@ -120,6 +123,9 @@ mod tests {
         }
         let spread = Kernel { certify: true, rays: RaySource::Spread, ..Kernel::bare(Method::Stable) };
         kernels.extend(both.into_iter().flat_map(|tree| both.map(|any| Kernel { tree, any, ..spread })));
+        let all = kernels.iter().filter(|k| k.certify && k.rays == RaySource::Camera && !k.t && !k.normal);
+        let winners: Vec<_> = all.filter(|k| k.shade.is_none()).map(|k| k.winners()).collect();
+        kernels.extend(winners);
         let samples = |k: &&Kernel| k.rays == RaySource::Camera && !k.t && !k.normal;
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
@@ -135,8 +141,11 @@ mod tests {
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
         let frames = 4 * (1 + 2 + 1 + 2);
-        let sampled = (Method::ALL.len() * 8 + 8) * (1 + 2 + 1 + 2);
-        assert_eq!(kernels.len(), (Method::ALL.len() * (8 + 4) + 8) * frames + sampled + 4, "the list is complete");
+        // Without a list of general spheres, with one, with four in a uniform, and with lists; by every sharing.
+        let certified = 4 * 4;
+        let sampled = (Method::ALL.len() * 8 + certified) * (1 + 2 + 1 + 2) + certified;
+        let all = (Method::ALL.len() * (8 + 4) + certified) * frames + certified + sampled + 4;
+        assert_eq!(kernels.len(), all, "the list is complete");
         for kernel in &kernels {
             module(kernel);
         }
@@ -155,7 +164,10 @@ mod tests {
                 (true, "frame_id"),
                 (certify && !given, "projection"),
                 (certify && !given, "projected"),
-                (certify && !given, "others"),
+                (certify && !given && (!kernel.winners || kernel.generals == Generals::Lists), "others"),
+                (matches!(kernel.generals, Generals::Few(_)), "near"),
+                (kernel.winners, "frame_low"),
+                (kernel.winners, "frame_second"),
                 (certify && !given || tiles, "lists"),
                 (kernel.depth_interval, "frame_depth_interval"),
                 (kernel.t, "frame_t"),
@@ -197,7 +209,7 @@ mod tests {
     fn structs_have_one_layout_on_both_sides() {
         let any = Kernel { rays: RaySource::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
         let (certified, _) =
-            module(&Kernel { rays: RaySource::Camera, certify: true, generals: true, tree: false, ..any });
+            module(&Kernel { rays: RaySource::Camera, certify: true, generals: Generals::Lists, tree: false, ..any });
         let (given, _) = module(&Kernel { certify: true, t: false, normal: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
@@ -249,7 +261,7 @@ mod tests {
     #[test]
     fn the_constants_of_the_proof_are_those_of_the_twin() {
         use crate::certify::constants::{ALL, given};
-        let kernel = Kernel { certify: true, generals: true, ..Kernel::bare(Method::Stable) };
+        let kernel = Kernel { certify: true, generals: Generals::Lists, ..Kernel::bare(Method::Stable) };
         let of_given = Kernel { rays: RaySource::Spread, ..kernel };
         for (file, kernel, all) in
             [("certify/constants.wgsl", kernel, ALL), ("certify/given_constants.wgsl", of_given, given::ALL)]

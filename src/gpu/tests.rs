@@ -9,7 +9,7 @@ use crate::frame::report::Timings;
 use crate::gpu::input::{Input, Output, Rays};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
-use crate::kernel::Kernel;
+use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::read::ReadOptions;
 use crate::scene::Scene;
@@ -82,7 +82,7 @@ fn kernels(gpu: &Gpu) -> [Kernel; 2] {
         t: true,
         ..Kernel::bare(Method::Stable)
     };
-    [plain, Kernel { certify: true, generals: true, normal: true, depth_interval: true, ..plain }]
+    [plain, Kernel { certify: true, generals: Generals::Lists, normal: true, depth_interval: true, ..plain }]
 }
 
 /// A frame in bands has the same bits, also after a cancelled frame.

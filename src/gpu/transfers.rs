@@ -5,7 +5,7 @@ use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::error::Result;
-use crate::kernel::{Kernel, RaySource};
+use crate::kernel::{Generals, Kernel, RaySource};
 use crate::search::tile_candidates::CandidateList;
 use crate::tile::{CHUNK, TILE};
 use crate::view::{SphereRecord, SphereResiduals, ViewRecord};
@@ -210,6 +210,11 @@ impl Entries {
         Self { tiles, all, nears: generals }
     }
 
+    /// The band's first entry in the lists of the whole frame.
+    pub(crate) fn first(&self) -> u32 {
+        self.all.start as u32
+    }
+
     /// The sizes in bytes of a band's lists and records, by binding name.
     pub(crate) fn sizes(&self, candidates: &CandidateList<'_>) -> Vec<(&'static str, u64)> {
         let (entries, tiles) = (self.all.len(), size_of_val(&self.tiles[..]));
@@ -281,7 +286,12 @@ fn span(ranges: &[[u32; 2]]) -> Range<usize> {
 pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static str, &'a [u8])> {
     let mut all: Vec<(&'static str, &'a [u8])> = Vec::new();
     match input.candidates {
-        Some(CandidateList::Certified(binned)) => all.push(("projection", bytemuck::bytes_of(&binned.projection))),
+        Some(CandidateList::Certified(binned)) => {
+            all.push(("projection", bytemuck::bytes_of(&binned.projection)));
+            if let Generals::Few(_) = kernel.generals {
+                all.push(("near", bytemuck::cast_slice(&binned.generals)));
+            }
+        }
         Some(CandidateList::Uncertified(_)) => {}
         None if kernel.certify => {}
         None => all.push(("spheres", bytemuck::cast_slice(&input.view.spheres))),

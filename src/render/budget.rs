@@ -21,6 +21,9 @@ const STAGED: u64 = 104;
 /// it is built 3.
 const TREE: u64 = 58;
 
+/// Bytes per pixel of what a kernel that only searches writes: a slot and two bounds.
+const WINNER: u64 = 12;
+
 /// Frames keep ids as i32.
 const MOST: u64 = i32::MAX as u64;
 
@@ -63,8 +66,13 @@ impl Need {
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
         let exact = if plan.accuracy == Accuracy::Exact { 2 * size_of::<Settled>() as u64 } else { 0 };
-        // The kernel's buffers also exist on the device, which may share the host's memory.
-        let device = if gpu { kernel } else { 0 };
+        // The kernel's buffers also exist on the device, which may share the host's memory. A software device writes slots
+        // and bounds instead, which the host reads.
+        let device = match plan.accuracy {
+            _ if !gpu => 0,
+            Accuracy::Fast => kernel,
+            _ => kernel.max(2 * WINNER),
+        };
         let each = bytes_per_pixel(&plan.kernel, &settings.aovs, scene.lighting.lights.len() as u64, gpu)
             + sampled
             + exact

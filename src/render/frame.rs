@@ -246,7 +246,11 @@ impl Renderer {
         match &mut self.place {
             Executor::Gpu(gpu) => {
                 let input = Input { view, colors, rays: Rays::Viewing, candidates, tree: None };
-                gpu.run(&kernel, &input, &mut Output { raw, timings }, &|done| doing.reached(done))?;
+                let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
+                match kernel.winners {
+                    true => gpu.find_winners(&kernel, &plan.kernel, &input, &mut output, &pool, &go_on)?,
+                    false => gpu.run(&kernel, &input, &mut output, &go_on)?,
+                }
             }
             Executor::Cpu => timings.time("trace", || match candidates {
                 None => cpu::render(&plan.kernel, view, colors, raw, &row),

@@ -11,7 +11,7 @@ use crate::gpu::Gpu;
 use crate::gpu::device::{AdapterSummary, Open};
 use crate::gpu::selftest::Verdict;
 use crate::intersect::Method;
-use crate::kernel::{Kernel, Sharing};
+use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::progress::Watch;
 use crate::settings::Settings;
@@ -166,10 +166,10 @@ impl Renderer {
 
     /// The kernel of a frame on this device.
     pub(super) fn kernel_of(&self, setup: &FrameSetup) -> Kernel {
-        let sharing = match &self.place {
-            Executor::Gpu(gpu) => gpu.summary.sharing(),
-            Executor::Cpu => Sharing::None,
-        };
-        Kernel { sharing, ..setup.plan.kernel }.with_generals(setup.has_nears())
+        let generals = setup.certified().map_or(0, |binned| binned.generals.len());
+        match &self.place {
+            Executor::Gpu(gpu) => gpu.summary.adapted(setup.plan.kernel, generals),
+            Executor::Cpu => Kernel { generals: Generals::of(generals), ..setup.plan.kernel },
+        }
     }
 }

@@ -88,11 +88,6 @@ impl FrameSetup {
         warnings
     }
 
-    /// Whether some spheres of a certified frame are not wholly in front of the eye plane.
-    pub(crate) fn has_nears(&self) -> bool {
-        self.certified().is_some_and(|binned| !binned.generals.is_empty())
-    }
-
     /// The binned scene of a certified frame.
     pub(crate) fn certified(&self) -> Option<&BinnedScene> {
         self.binned.as_ref().filter(|_| self.plan.kernel.certify)

@@ -1,7 +1,7 @@
 //! Viewing rays and hits: the twin of ray.wgsl.
 
 use super::records::{Sphere, ViewRecord};
-use crate::number::{Arithmetic, Number};
+use crate::number::{Arithmetic, Mask, Number};
 use bytemuck::{Pod, Zeroable};
 
 /// A viewing ray in the canonical camera: origin 0, direction d of any length. Only t > 0 counts.
@@ -61,8 +61,8 @@ pub fn viewing_ray<R: Number>(view: &ViewRecord, i: u32, j: u32) -> Ray<R> {
 
 /// x where it is positive, else 0.
 #[inline(always)]
-pub fn positive<R: Number>(x: R) -> R {
-    if x > R::ZERO { x } else { R::ZERO }
+pub fn positive<R: Arithmetic>(x: R) -> R {
+    R::ZERO.less(x).pick(x, R::ZERO)
 }
 
 /// a . b, summed in the order x, y, z, which determines the last bit.
@@ -81,13 +81,13 @@ pub fn cross3<R: Arithmetic>(a: [R; 3], b: [R; 3]) -> [R; 3] {
 #[inline(always)]
 pub fn unit3<R: Arithmetic>(a: [R; 3]) -> [R; 3] {
     let length = dot3(a, a).sqrt();
-    a.map(|x| x / length)
+    [a[0] / length, a[1] / length, a[2] / length]
 }
 
 /// s a
 #[inline(always)]
 pub fn times<R: Arithmetic>(s: R, a: [R; 3]) -> [R; 3] {
-    a.map(|x| s * x)
+    [s * a[0], s * a[1], s * a[2]]
 }
 
 /// a - b
@@ -99,7 +99,7 @@ pub fn minus<R: Arithmetic>(a: [R; 3], b: [R; 3]) -> [R; 3] {
 /// -a
 #[inline(always)]
 pub fn negated<R: Arithmetic>(a: [R; 3]) -> [R; 3] {
-    a.map(|x| -x)
+    [-a[0], -a[1], -a[2]]
 }
 
 /// The centre of a sphere's record.

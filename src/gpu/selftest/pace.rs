@@ -112,22 +112,25 @@ impl Gpu {
             mend: "use --backend cpu, and report this as a bug".into(),
         })?;
         let kernel = Kernel {
-            sharing: self.summary.sharing(),
             shade: Some(Shade::default()),
             t: true,
             normal: true,
             certify: true,
-            generals: !binned.generals.is_empty(),
             depth_interval: true,
             ..Kernel::bare(Method::Stable)
         };
+        let on_adapter = self.summary.adapted(kernel, binned.generals.len());
         let mut raw = Raw::new(&kernel, (SIDE * SIDE) as usize, &pool)?;
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..=FRAMES {
             let candidates = Some(CandidateList::Certified(&binned));
             let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates, tree: None };
             let start = Instant::now();
-            self.run(&kernel, &input, &mut Output { raw: &mut raw, timings: &mut Timings::default() }, &|_| true)?;
+            let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
+            match on_adapter.winners {
+                true => self.find_winners(&on_adapter, &kernel, &input, &mut output, &pool, &|_| true)?,
+                false => self.run(&on_adapter, &input, &mut output, &|_| true)?,
+            }
             times[0].push(milliseconds(start));
             let start = Instant::now();
             cpu::certified(&kernel, &view, &binned, None, &mut raw, &|| true);

@@ -11,7 +11,7 @@ use crate::frame::report::Timings;
 use crate::gpu::Gpu;
 use crate::gpu::input::{Input, Output, Rays};
 use crate::intersect::Method;
-use crate::kernel::Kernel;
+use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
 use crate::scene::camera::Camera;
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
@@ -53,7 +53,7 @@ impl Gpu {
             t: true,
             normal: true,
             certify,
-            generals: certify,
+            generals: if certify { Generals::Lists } else { Generals::None },
             tiles,
             depth_interval: certify,
             ..Kernel::bare(Method::Stable)
