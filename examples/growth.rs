@@ -83,6 +83,7 @@ fn series(most: f64) -> [Series; 4] {
     ]
 }
 
+const MEASURED: &str = "whole steady frame (ms, median)";
 const OVER: [&str; 3] = ["spheres (1024 x 1024)", "pixels", "radius in pixels (1024 x 1024)"];
 
 /// A first frame and some steady ones.
@@ -131,9 +132,10 @@ fn main() -> Result {
         ..PlaceRecord::default()
     });
     let mut growth = Growth {
+        title: "How a frame's time grows".into(),
         subject: "certified, with colour, id, distance and normal".into(),
         places: places.collect(),
-        panels: OVER.map(|over| Panel { over: over.into(), curves: Vec::new() }).into(),
+        panels: OVER.map(|over| Panel { over: over.into(), measured: MEASURED.into(), curves: Vec::new() }).into(),
     };
     let mut table = String::from("over,scene,backend,n,first_ms,median_ms,least_ms,frames,certified,stages_ms\n");
     for series in series(most) {

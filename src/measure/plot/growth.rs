@@ -1,4 +1,5 @@
-//! The growth of times: panels of curves on logarithmic axes, with the exponent at the end of each curve.
+//! The growth of times, or of another quantity: panels of curves on logarithmic axes, with the exponent at the end of each
+//! curve.
 
 use super::Plot;
 use super::axis::{Axis, Chart, Unit, chart};
@@ -12,7 +13,9 @@ use std::io;
 /// A measurement of growing times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Growth {
-    /// The subject, for the title.
+    /// What grows, for the title.
+    pub title: String,
+    /// The subject, behind it.
     pub subject: String,
     /// The places of the curves; see [`Curve::place`].
     pub places: Vec<PlaceRecord>,
@@ -25,18 +28,20 @@ pub struct Growth {
 pub struct Panel {
     /// The quantity on the horizontal axis, with its unit.
     pub over: String,
+    /// The quantity on the vertical axis, with its unit. Panels of the same one have the same axis.
+    pub measured: String,
     /// The curves; curves of the same name have the same colour.
     pub curves: Vec<Curve>,
 }
 
-/// Times of one kind of scene in one place.
+/// What was measured of one kind of scene in one place.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Curve {
     /// The kind of scene.
     pub name: String,
     /// Index into the places.
     pub place: usize,
-    /// The quantity and milliseconds, in increasing order.
+    /// Both quantities, in increasing order.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -80,17 +85,17 @@ const LOOKS: [([u8; 3], Mark); 3] =
 fn draw(growth: &Growth) -> Drawn<Drawing> {
     let places: Vec<usize> = (0..growth.places.len()).collect();
     let record = Record { subject: growth.subject.clone(), places: growth.places.clone(), ..Record::default() };
-    let times = growth.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
-    let times: Vec<Option<f64>> = times.map(|[_, ms]| Some(*ms)).collect();
     let top = header_height(&places);
     let each = WIDTH / growth.panels.len().max(1) as i32;
     drawing([WIDTH, top + 900], |area| {
-        header(area, &record, "How a frame's time grows", &places, true)?;
+        header(area, &record, &growth.title, &places, true)?;
         for (column, panel) in growth.panels.iter().enumerate() {
             let n = panel.curves.iter().flat_map(|curve| &curve.points).map(|[n, _]| Some(*n));
+            let alike = growth.panels.iter().filter(|other| other.measured == panel.measured);
+            let values = alike.flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
             let axes = (
                 Axis::new(panel.over.as_str(), Unit::Plain, n),
-                Axis::new("whole steady frame (ms, median)", Unit::Plain, times.iter().copied()),
+                Axis::new(panel.measured.as_str(), Unit::Plain, values.map(|[_, value]| Some(*value))),
             );
             let left = each * column as i32;
             let (_, rest) = area.clone().split_horizontally(left);

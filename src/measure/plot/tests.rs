@@ -116,9 +116,15 @@ fn growth_is_fitted_over_its_last_two_decades() {
     assert!((exponent - 1.5).abs() < 1e-9 && (factor / 3e-7 - 1.0).abs() < 1e-6, "{factor} n^{exponent}");
     assert_eq!(curve(0, 3).fit(), None, "two points are not enough for a fit");
     let places = sample::scene().places;
-    let panel = Panel { over: "spheres".into(), curves: (0..places.len()).map(|place| curve(place, 6)).collect() };
+    let panel = Panel {
+        over: "spheres".into(),
+        measured: "ms".into(),
+        curves: (0..places.len()).map(|place| curve(place, 6)).collect(),
+    };
     let empty = Panel::default();
-    let plot = Growth { subject: "a test".into(), places, panels: vec![panel, empty] }.plot().expect("a plot");
+    let plot = Growth { title: "Growth".into(), subject: "a test".into(), places, panels: vec![panel, empty] }
+        .plot()
+        .expect("a plot");
     let document = Document::parse(&plot.svg).expect("SVG");
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
     for words in ["n^1.50", "cloud <of>", "spheres", "a test"] {
