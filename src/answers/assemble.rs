@@ -109,7 +109,16 @@ impl Answers<'_> {
         let width = self.view.record.columns as usize;
         let unit = dd::ldexp(1.0, self.view.unit);
         let mut out: Vec<f64> = self.pool.values(N * self.raw.id.len())?;
+        // Rays of pixels' centres: of a column all have the same x, of a row the same y.
+        let direction = |row: usize, column: usize| {
+            let [row, column] = self.view.record.place((row * width + column) as u32);
+            let [row, column] = self.view.record.sample_position(row, column);
+            let [u, v, w] = self.view.direction(row, column);
+            ([u / -w, v / -w], w)
+        };
+        let xs: Vec<f64> = (0..width).map(|j| direction(0, j).0[0]).collect();
         out.par_chunks_mut(N * width).enumerate().for_each(|(i, row)| {
+            let ([_, y], w) = direction(i, 0);
             for (j, values) in row.chunks_exact_mut(N).enumerate() {
                 let pixel = i * width + j;
                 let id = self.raw.id[pixel];
@@ -118,14 +127,11 @@ impl Answers<'_> {
                     *values = if id == NONE {
                         [missed; N]
                     } else {
-                        let [row, column] = self.view.record.place(pixel as u32);
-                        let [row, column] = self.view.record.sample_position(row, column);
-                        let [u, v, w] = self.view.direction(row, column);
                         let t = self.raw.t(pixel) * unit;
                         // A certified depth is relative to its centre's depth; the other methods give t along (u, v,
                         // -d).
                         let depth = self.depths.as_ref().map_or(-w * t, |depths| depths.of(id) + t);
-                        hit(pixel, [u / -w, v / -w, -1.0], depth)
+                        hit(pixel, [xs[j], y, -1.0], depth)
                     };
                 }
             }

@@ -42,7 +42,8 @@ impl BinnedScene {
 /// The reference depths of certified hits.
 pub(crate) struct Depths<'a> {
     rotation: Rotation,
-    unit: i32,
+    /// The frame's unit: a normal number, since its exponent is between -1000 and 1000.
+    unit: f64,
     centers: &'a [[f64; 3]],
     generals: &'a [GeneralRecord],
 }
@@ -53,7 +54,7 @@ impl<'a> Depths<'a> {
         let generals = binned.map_or(&[][..], |binned| &binned.generals);
         Self {
             rotation: Rotation::new(&view.basis, view.unit),
-            unit: view.unit,
+            unit: dd::ldexp(1.0, view.unit),
             centers: &scene.spheres.centers,
             generals,
         }
@@ -61,11 +62,12 @@ impl<'a> Depths<'a> {
 
     /// Depth of a projected sphere's centre in the scene's unit, as it was binned; 0 for a general sphere. The depth of
     /// a hit is this value plus its offset.
+    #[inline(always)]
     pub(crate) fn of(&self, id: u32) -> f64 {
-        if self.generals.binary_search_by_key(&id, |general| general.id).is_ok() {
+        if !self.generals.is_empty() && self.generals.binary_search_by_key(&id, |general| general.id).is_ok() {
             return 0.0;
         }
-        let depth = |center: &[f64; 3]| dd::ldexp(self.rotation.of(*center).1[2], self.unit);
+        let depth = |center: &[f64; 3]| self.rotation.of(*center).1[2] * self.unit;
         self.centers.get(id as usize).map_or(0.0, depth)
     }
 }
