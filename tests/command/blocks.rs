@@ -116,8 +116,33 @@ fn copies_have_the_bytes_of_copies_in_memory() {
         let said = same(&dir, "a.xyz", options);
         assert!(said.contains("may be hit first"), "{said}");
     }
-    let options = "--stream --size 8x8 -o p.png --copies 1000,1000,1000";
-    dir.refused_render(5, &format!("a.xyz {options}"), &["3000000000000 spheres are more than 32-bit ids can number"]);
+    let all = "--copies 4294967295,4294967295,4294967295";
+    dir.refused_render(5, &format!("a.xyz --stream --size 8x8 -o p.png {all}"), &["64-bit ids"]);
+}
+
+/// Ids of more spheres than 32 bits can number are int64 in the formats that say so, and refused by the others.
+#[test]
+fn ids_of_more_than_two_billion_copies_are_int64() {
+    let text = "2\nLattice=\"3 0 0 0 3 0 0 0 3\" Properties=species:S:1:pos:R:3\nC 0.5 0.5 0.5\nFe 2 2 1.5\n";
+    let dir = TestDir::new(&[("a.xyz", text)]);
+    let options = "a.xyz --stream --copies 1500,1500,1500 --eye 4600,4590,4580 --at 2000,2000,2000 --vfov 1.3 --size 32x24 --samples 1";
+    let said = dir.render(&format!("{options} -o p.png --aov id=id.npy --aov id,distance=both.npz --json"));
+    assert!(said.err.contains("ids are int64: 6750000000 spheres"), "{}", said.err);
+    assert_eq!(said.json()["spheres"], 6_750_000_000u64);
+    let files = dir.files();
+    let array = String::from_utf8_lossy(&files["id.npy"]).into_owned();
+    assert!(array.contains("'<i8'") && array.contains("\"halfline:ids\":\"int64\""), "{array}");
+    dir.good("compare id.npy both.npz --aov id");
+    dir.render(&format!("{options} --tile 1/2 --aov id=1.npy"));
+    dir.render(&format!("{options} --tile 2/2 --aov id=2.npy"));
+    dir.good("merge 1.npy 2.npy -o merged.npy");
+    assert!(dir.files()["merged.npy"] == files["id.npy"], "merged tiles");
+    let again = dir.render(&format!("{options} --aov id=id.npy --resume"));
+    assert!(again.err.contains("already there"), "{}", again.err);
+    for name in ["id.exr", "id.png"] {
+        dir.refused_render(2, &format!("{options} --aov id={name}"), &["int64", ".npy or .npz"]);
+    }
+    dir.refused_render(2, &format!("{options} --aov id=id.raw"), &["int64", ".npy or .npz"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use super::names::Names;
 use super::survey::{Counted, Counts, Part, Survey};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
-use crate::scene::{Cell, Skipped};
+use crate::scene::{Cell, Skipped, keep};
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.
@@ -306,12 +306,6 @@ impl Particles {
         self.room = room;
         Ok(())
     }
-}
-
-/// Keeps the values whose flag is set; an empty list stays empty.
-pub(super) fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
-    let mut flags = stays.iter();
-    values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// A file of particles, frame by frame.

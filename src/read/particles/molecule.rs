@@ -2,7 +2,6 @@
 
 use super::assembly::{self, Assembly};
 use super::atom_property::AtomProperty;
-use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
 use super::survey::Survey;
@@ -13,7 +12,7 @@ use crate::progress::Watch;
 use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
 use crate::read::options::{Altloc, FrameRange, ReadOptions};
-use crate::scene::Cell;
+use crate::scene::{Cell, keep};
 use std::collections::HashMap;
 
 /// The options for reading molecules.
