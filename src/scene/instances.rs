@@ -30,6 +30,9 @@ pub struct Instances {
     total: u64,
 }
 
+/// Linear RGB of every copy of a set, in place of the spheres' own.
+pub type Tints = Option<Vec<[f32; 3]>>;
+
 /// A set of spheres with its copies.
 #[derive(Debug, Clone)]
 struct Part {
@@ -38,8 +41,7 @@ struct Part {
     placement: Placement,
     /// The number of its first sphere, among all with those that are clipped.
     first: u64,
-    /// Linear RGB of every copy, in place of the spheres' own.
-    tints: Option<Vec<[f32; 3]>>,
+    tints: Tints,
 }
 
 /// Some copies of a cluster.
@@ -75,13 +77,13 @@ impl Instances {
     /// # Errors
     /// [`Error::Limits`] for more spheres than 64-bit ids can number, and where memory is short; [`Error::Scene`] for numbers that
     /// are not finite.
-    pub fn by_operators(sets: Vec<(Spheres, Vec<Operator>, Option<Vec<[f32; 3]>>)>) -> Result<Self> {
+    pub fn by_operators(sets: Vec<(Spheres, Vec<Operator>, Tints)>) -> Result<Self> {
         let sets =
             sets.into_iter().map(|(spheres, operators, tints)| (spheres, Placement::Operators(operators), tints));
         Self::of(sets.collect(), &[])
     }
 
-    fn of(sets: Vec<(Spheres, Placement, Option<Vec<[f32; 3]>>)>, clip: &[[f64; 4]]) -> Result<Self> {
+    fn of(sets: Vec<(Spheres, Placement, Tints)>, clip: &[[f64; 4]]) -> Result<Self> {
         let (mut parts, mut total) = (Vec::new(), 0u64);
         for (spheres, placement, tints) in sets {
             spheres.check()?;

@@ -145,6 +145,60 @@ fn ids_of_more_than_two_billion_copies_are_int64() {
     dir.refused_render(2, &format!("{options} --aov id=id.raw"), &["int64", ".npy or .npz"]);
 }
 
+/// A protein of chains A, B and C, with an assembly of two parts: A and B by 40 operators, C and A by 9 of them and 3 others.
+fn assembly() -> String {
+    let mut rng = Rng::new(9);
+    let mut text = String::from("REMARK 350 BIOMOLECULE: 1\n");
+    let mut operators = |chains: &str, numbers: &[usize]| {
+        writeln!(text, "REMARK 350 APPLY THE FOLLOWING TO CHAINS: {chains}").expect("text");
+        for number in numbers {
+            let turn = *number as f64;
+            let ((s, c), place) = (turn.sin_cos(), [turn % 5.0, (turn / 5.0).floor(), turn % 3.0].map(|n| 30.0 * n));
+            let rows = [[c, -s, 0.0, place[0]], [s, c, 0.0, place[1]], [0.0, 0.0, 1.0, place[2]]];
+            for (k, [a, b, d, shift]) in (1..).zip(rows) {
+                writeln!(text, "REMARK 350   BIOMT{k} {number:3} {a:9.6} {b:9.6} {d:9.6} {shift:14.5}").expect("text");
+            }
+        }
+    };
+    operators("A, B", &(1..=40).collect::<Vec<_>>());
+    operators("C, A", &(3..=11).chain(50..53).collect::<Vec<_>>());
+    for n in 0..900 {
+        let ([x, y, z], chain) = (rng.cube().map(|x| 15.0 * x), ["A", "B", "C", "D"][n / 10 % 4]);
+        let (element, serial, bfactor) = (["C", "N", "O"][n % 3], n + 1, rng.unit() * 50.0);
+        writeln!(
+            text,
+            "ATOM  {serial:5}  {element}   GLY {chain}{:4}    {x:8.3}{y:8.3}{z:8.3}  1.00{bfactor:6.2}           {element}",
+            n / 10
+        )
+        .expect("text");
+    }
+    text
+}
+
+/// Operators of an assembly are kept as such, with ids, colours and legend as if multiplied out.
+#[test]
+fn assemblies_have_the_bytes_of_assemblies_in_memory() {
+    let dir = TestDir::new(&[("a.pdb", &assembly())]);
+    for options in [
+        "",
+        "--eye 300,200,250 --at 60,100,30 --vfov 30 --color-by copy --legend l.svg",
+        "--eye 60,100,30 --at 200,100,40 --color-by chain --clip 0,0,1,60 --samples 4",
+        "--ortho --color-by bfactor --radii covalent",
+    ] {
+        let said = same(&dir, "a.pdb", &format!("--assembly 1 {options}"));
+        assert!(said.contains("may be hit first"), "{said}");
+    }
+    for (options, told) in [
+        ("--select protein", "--select"),
+        ("--color-by x", "coordinates"),
+        ("--color-by copy,bfactor", "one column"),
+        ("--copies 2,1,1", "needs a periodic cell"),
+    ] {
+        let options = format!("a.pdb --assembly 1 --stream --size 8x8 -o p.png {options}");
+        dir.refused_render(2, &options, &[told]);
+    }
+}
+
 #[test]
 fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
     let dir = TestDir::new(&[

@@ -33,7 +33,7 @@ fn boxes(rng: &mut Rng, camera: &Camera, lens: &Lens) -> Vec<(Enclosure, Spheres
             let mut side =
                 |k: usize| if n < 8 { if n >> k & 1 == 0 { -1.0 } else { 1.0 } } else { rng.between(-1.0, 1.0) };
             let sides = DVec3::new(side(0), side(1), side(2));
-            spheres.push((middle + half * sides).to_array(), radii[n % 2 ^ n / 4 % 2], None);
+            spheres.push((middle + half * sides).to_array(), radii[(n + n / 4) % 2], None);
         }
         let around = spheres.centers.iter().zip(&spheres.radii);
         (around.fold(Enclosure::NOTHING, |all, (c, r)| all.with(&Enclosure::of(*c, *r))), spheres)

@@ -125,8 +125,8 @@ impl<'a> Source<'a> {
         let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
-        let mut frame =
-            SceneFrame { number: 1, scene, has_camera: false, legend: None, cell: None, when: FrameTime::default() };
+        let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
+        let mut frame = SceneFrame { number: 1, scene, has_camera: false, legend, cell, instances, when };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
@@ -189,20 +189,25 @@ impl<'a> Source<'a> {
         Ok(bounds)
     }
 
-    /// What `--copies` repeats is in memory, the copies are not.
+    /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
     fn copied(&self) -> Result<Option<Copied>> {
-        if self.arrangement.copies == [1; 3] {
+        let is_assembly = self.options.assembly.is_some() && self.options.topology.is_none();
+        if self.arrangement.copies == [1; 3] && !is_assembly {
             return Ok(None);
         }
-        let mut sequence = Sequence::open(&self.args.scene, &self.options)?;
-        let SceneFrame { mut scene, has_camera, legend, cell, when, .. } =
+        let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
+        let mut sequence = Sequence::open(&self.args.scene, &options)?;
+        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, .. } =
             sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
             let mend = "remove --stream, or use a file of particles";
             return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
         }
         scene.spheres.share();
-        let instances = self.arrangement.copies(&scene.spheres, cell.as_ref())?;
+        let instances = match instances.filter(|_| self.arrangement.copies == [1; 3]) {
+            Some(instances) => instances.clipped(&self.arrangement.clip),
+            None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
+        };
         self.say_why();
         Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when } }))
     }

@@ -5,6 +5,7 @@ use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
 use super::mixed::Mixed;
 use super::names::Names;
+use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
@@ -38,6 +39,8 @@ pub(crate) struct Particles {
     pub(crate) size: Vec<u16>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
+    /// The copies of the particles, where an assembly is kept as operators: parts that together are all particles.
+    pub(in crate::read) placed: Vec<PlacedPart>,
     /// Its time and step.
     pub(crate) when: FrameTime,
     /// Names that are not elements, with the number of their particles.
