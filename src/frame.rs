@@ -56,7 +56,8 @@ impl Frame {
         }
     }
 
-    /// Index of the sphere that each pixel shows, -1 on a miss; H x W, always present.
+    /// Index of the sphere that each pixel shows, -1 on a miss; H x W, always present, but where ids are 64-bit: then the
+    /// buffer has [`Data::I64`], and this is empty.
     #[must_use]
     pub fn ids(&self) -> &[i32] {
         match self.get(Aov::Id).map(|buffer| &buffer.data) {

@@ -5,7 +5,9 @@ mod free;
 mod room;
 
 pub(crate) use free::free;
-pub(crate) use room::{Ledger, SPHERE, check, check_ids, check_spheres, entries, extend_to, reserve};
+pub(crate) use room::{
+    Ledger, SPHERE, check, check_ids, check_spheres, check_wide_ids, entries, extend_to, ids_fit, reserve,
+};
 
 use crate::error::{Error, Result};
 use std::any::Any;

@@ -6,6 +6,7 @@ pub mod camera;
 mod cell;
 mod check;
 mod fit;
+pub mod instances;
 pub mod lidar;
 mod light;
 mod list;
@@ -89,6 +90,18 @@ impl Spheres {
     /// Whether there are no spheres.
     pub fn is_empty(&self) -> bool {
         self.radii.is_empty()
+    }
+
+    /// Keeps the spheres whose flag is set.
+    pub(crate) fn keep(&mut self, flags: &[bool]) {
+        keep(self.centers.to_mut(), flags);
+        keep(self.radii.to_mut(), flags);
+        if let Some(colors) = &mut self.colors {
+            keep(colors.to_mut(), flags);
+        }
+        if let Some(materials) = &mut self.materials {
+            keep(materials.of.to_mut(), flags);
+        }
     }
 
     /// Checks the numbers of every sphere.
@@ -199,6 +212,12 @@ impl Spheres {
         materials.of.to_mut().pop();
         materials.push(material);
     }
+}
+
+/// Keeps the values whose flag is set; an empty list stays empty.
+pub(crate) fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
+    let mut flags = flags.iter();
+    values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// A point in words.

@@ -102,6 +102,7 @@ impl Frame {
                 Data::F32(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<f32>>::into_any),
                 Data::F64(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<f64>>::into_any),
                 Data::I32(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<i32>>::into_any),
+                Data::I64(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<i64>>::into_any),
                 Data::U8(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<u8>>::into_any),
                 _ => Err(Error::settings(format!("{name} has another type"), "update halfline")).or_raise(),
             }

@@ -95,6 +95,7 @@ impl Options {
             model: self.model,
             altloc: self.altloc.parse::<Altloc>()?,
             assembly: self.assembly.clone(),
+            as_operators: false,
             as_listed: self.as_listed,
             periodic: match (self.wrap, self.unwrap) {
                 (true, true) => {

@@ -1,7 +1,8 @@
 //! The host's part of the certificate: the camera in f64 and the constants of its bounds. project.rs handles the
-//! spheres in front of the eye plane, stage.rs all others, cover.rs occlusion. docs/certificate.md derives the bounds.
+//! spheres in front of the eye plane, stage.rs all others, enclose.rs groups, cover.rs occlusion. docs/certificate.md derives the bounds.
 
 pub(super) mod cover;
+pub(super) mod enclose;
 pub(super) mod project;
 pub(super) mod pyramid;
 pub(super) mod stage;

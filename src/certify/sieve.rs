@@ -2,11 +2,13 @@
 
 use super::TERMS;
 use super::projection::ProjectionBounds;
+use super::projection::enclose::Enclosed;
 use super::projection::project::{Eight, LANES};
 use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use crate::error::Result;
 use crate::scene::Scene;
+use crate::scene::instances::enclosure::Enclosure;
 use crate::view::raster::Raster;
 use crate::view::{Records, View};
 use pulp::NullaryFnOnce;
@@ -22,25 +24,55 @@ pub(crate) struct Sieve {
 pub(crate) struct Sifted {
     /// The indices, in order, of the spheres that some ray may hit first.
     pub(crate) kept: Vec<u32>,
+    /// What else a frame of each sieve takes from the block.
+    pub(crate) marks: Vec<Marks>,
+}
+
+/// What a frame takes from all spheres of a block, whether they are kept or not.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct Marks {
     /// The least and the largest depth of the centres of all spheres that the frame would project, with their indices.
     pub(crate) depths: Option<[(f64, u32); 2]>,
+    /// One that would be general.
+    pub(crate) general: Option<u32>,
 }
 
 impl Sifted {
     /// The same with `first` added to the indices.
     pub(crate) fn moved(mut self, first: u32) -> Self {
         self.kept.iter_mut().for_each(|n| *n += first);
-        self.depths = self.depths.map(|ends| ends.map(|(depth, n)| (depth, n + first)));
+        for marks in &mut self.marks {
+            marks.depths = marks.depths.map(|ends| ends.map(|(depth, n)| (depth, n + first)));
+            marks.general = marks.general.map(|n| n + first);
+        }
         self
     }
 
     /// This part and the one after it.
     pub(crate) fn with(mut self, mut next: Self) -> Self {
         self.kept.append(&mut next.kept);
-        next.depths.into_iter().flatten().for_each(|(depth, n)| self.see(depth, n));
+        if self.marks.is_empty() {
+            self.marks = next.marks;
+            return self;
+        }
+        for (marks, next) in self.marks.iter_mut().zip(next.marks) {
+            next.depths.into_iter().flatten().for_each(|(depth, n)| marks.see(depth, n));
+            marks.general = marks.general.or(next.general);
+        }
         self
     }
 
+    /// The same block in another sieve: what either keeps.
+    pub(crate) fn beside(mut self, mut other: Self) -> Self {
+        self.kept.append(&mut other.kept);
+        self.kept.sort_unstable();
+        self.kept.dedup();
+        self.marks.append(&mut other.marks);
+        self
+    }
+}
+
+impl Marks {
     fn see(&mut self, depth: f64, index: u32) {
         let [least, most] = self.depths.get_or_insert([(depth, index); 2]);
         if depth < least.0 {
@@ -76,7 +108,32 @@ impl Sieve {
         pulp::Arch::new().dispatch(Block { sieve: self, centers, radii, covers })
     }
 
-    /// The exponent of the unit of [`Sifted::depths`].
+    /// Whether no sphere in a box changes the frame, but by the numbers that it takes from all: each is certainly missed by every
+    /// ray, or hidden by what was covered at the last refresh.
+    pub(crate) fn hides(&self, around: &Enclosure) -> bool {
+        match self.projection.enclose(around) {
+            Enclosed::Unseen => true,
+            Enclosed::Projected(bin) => self.pyramid.hides(&bin),
+            Enclosed::Unknown => self.projection.misses(around),
+        }
+    }
+
+    /// Bounds of the depths of those spheres in a box that the frame would project; `None` if it projects none.
+    pub(crate) fn depths(&self, around: &Enclosure) -> Option<[f64; 2]> {
+        let unseen = match self.projection.enclose(around) {
+            Enclosed::Unseen => true,
+            Enclosed::Projected(_) => false,
+            Enclosed::Unknown => self.projection.misses(around),
+        };
+        (!unseen).then(|| self.projection.depths(around))
+    }
+
+    /// Whether some sphere in a box may be general.
+    pub(crate) fn may_be_general(&self, around: &Enclosure) -> bool {
+        matches!(self.projection.enclose(around), Enclosed::Unknown)
+    }
+
+    /// The exponent of the unit of depths.
     pub(crate) fn unit(&self) -> i32 {
         self.projection.unit_exponent()
     }
@@ -96,7 +153,7 @@ impl NullaryFnOnce for Block<'_> {
     #[inline(always)]
     fn call(self) -> Sifted {
         let Self { sieve: Sieve { projection, pyramid }, centers, radii, covers } = self;
-        let mut sifted = Sifted::default();
+        let (mut kept, mut marks) = (Vec::new(), Marks::default());
         for first in (0..radii.len()).step_by(LANES) {
             let there = LANES.min(radii.len() - first);
             // The last sphere is repeated to fill the vector; the copies are discarded.
@@ -107,17 +164,20 @@ impl NullaryFnOnce for Block<'_> {
             for l in 0..there {
                 let index = (first + l) as u32;
                 let (bin, placed) = if eight.projected[l] != 0 {
-                    sifted.see(eight.depth[l], index);
+                    marks.see(eight.depth[l], index);
                     (eight.bin(l), eight.placed(l, index))
                 } else if eight.other[l] != 0 {
                     match projection.stage(index, eight_centers[l], eight_radii[l], 0.0) {
                         Staged::Unseen => continue,
                         Staged::General(_) => {
-                            sifted.kept.push(index);
+                            marks.general = marks.general.or(Some(index));
+                            if !projection.misses(&Enclosure::of(eight_centers[l], eight_radii[l])) {
+                                kept.push(index);
+                            }
                             continue;
                         }
                         Staged::Projected(landed) => {
-                            sifted.see(landed.depth, index);
+                            marks.see(landed.depth, index);
                             (landed.bin, landed.placed)
                         }
                     }
@@ -125,13 +185,13 @@ impl NullaryFnOnce for Block<'_> {
                     continue;
                 };
                 if !pyramid.hides(&bin) && !pyramid.hides_in_pixels(projection, &bin, &placed) {
-                    sifted.kept.push(index);
+                    kept.push(index);
                     if covers {
                         pyramid.cover(&placed);
                     }
                 }
             }
         }
-        sifted
+        Sifted { kept, marks: vec![marks] }
     }
 }

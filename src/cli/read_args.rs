@@ -136,6 +136,7 @@ impl ReadArgs {
             model: self.model,
             altloc: self.altloc.clone(),
             assembly: self.assembly.clone(),
+            as_operators: false,
             as_listed: self.as_listed,
             periodic: match (self.wrap, self.unwrap) {
                 (true, _) => Periodic::Wrap,

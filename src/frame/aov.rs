@@ -20,7 +20,7 @@ pub enum Aov {
     Normal,
     /// Hit point in world space, H,W,3 f64, scene units; NaN on a miss.
     Position,
-    /// Index of the sphere in the scene's order, H,W i32; -1 on a miss.
+    /// Index of the sphere in the scene's order, H,W i32, or i64 for more spheres than 32 bits can number; -1 on a miss.
     Id,
     /// 1 hit, 0 miss, H,W u8.
     Mask,

@@ -131,6 +131,7 @@ impl Array {
             Data::F32(values) => Values::F32(values),
             Data::F64(values) => Values::F64(values),
             Data::I32(values) => Values::I32(values),
+            Data::I64(values) => Values::I64(values),
             Data::U8(values) => Values::U8(values),
         };
         Self::new(name, buffer.shape, values)

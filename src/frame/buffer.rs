@@ -13,6 +13,8 @@ pub enum Data {
     F64(Vec<f64>),
     /// Id.
     I32(Vec<i32>),
+    /// Id where there are more spheres than 32 bits can number.
+    I64(Vec<i64>),
     /// Mask, certainty.
     U8(Vec<u8>),
 }
@@ -24,6 +26,7 @@ impl Data {
             Self::F32(values) => values.len(),
             Self::F64(values) => values.len(),
             Self::I32(values) => values.len(),
+            Self::I64(values) => values.len(),
             Self::U8(values) => values.len(),
         }
     }
@@ -39,6 +42,7 @@ impl Data {
             Self::F32(_) => "float32",
             Self::F64(_) => "float64",
             Self::I32(_) => "int32",
+            Self::I64(_) => "int64",
             Self::U8(_) => "uint8",
         }
     }
@@ -75,6 +79,11 @@ impl Buffer {
         self.shape.get(2).copied().unwrap_or(1)
     }
 
+    /// Whether its values are 64-bit integers.
+    pub fn is_wide(&self) -> bool {
+        matches!(self.data, Data::I64(_))
+    }
+
     /// Checks shape, type and number of values against the buffer's name; writers call it first.
     ///
     /// # Errors
@@ -87,7 +96,7 @@ impl Buffer {
         let values = self.shape.iter().try_fold(1usize, |n, side| n.checked_mul(*side));
         let counted = (1..=MOST_LIGHTS).contains(&channels) && values == Some(self.data.len());
         let shaped = counted && self.shape.get(2..) == Some(tail);
-        if shaped && self.data.dtype() == aov.dtype() {
+        if shaped && (aov == Aov::Id && self.is_wide() || self.data.dtype() == aov.dtype()) {
             return Ok(());
         }
         let (dtype, len) = (self.data.dtype(), self.data.len());

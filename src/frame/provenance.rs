@@ -3,6 +3,7 @@
 
 use super::report::{CPU_DRIVER, Report};
 use super::{Aov, MOST_LIGHTS};
+use crate::memory::ids_fit;
 use crate::scene::camera::CameraRecord;
 use crate::trailer;
 use crate::window::Window;
@@ -15,6 +16,7 @@ const CAMERA: &str = "halfline:camera";
 const WINDOW: &str = "halfline:window";
 const BUFFERS: &str = "halfline:buffers";
 const LIGHTS: &str = "halfline:lights";
+const IDS: &str = "halfline:ids";
 const PIXELS: &str = "halfline:pixels";
 
 /// The keywords that differ between parts of one rendering.
@@ -81,6 +83,9 @@ impl Provenance {
             words.set("halfline:samples", report.samples);
             words.set("halfline:seed", seed);
         }
+        if aovs.contains(&Aov::Id) && !ids_fit(report.spheres) {
+            words.set(IDS, "int64");
+        }
         words.set(FRAME, format!("{width}x{height}"));
         words.set(WINDOW, window.to_string());
         words.set(BUFFERS, aovs.iter().map(|aov| aov.name()).collect::<Vec<_>>().join(","));
@@ -133,6 +138,11 @@ impl Provenance {
     pub fn lights(&self) -> usize {
         let lights = self.get(LIGHTS).and_then(|lights| lights.parse().ok());
         lights.filter(|lights| *lights <= MOST_LIGHTS).unwrap_or(0)
+    }
+
+    /// Whether ids are 64-bit integers.
+    pub fn has_wide_ids(&self) -> bool {
+        self.get(IDS) == Some("int64")
     }
 
     /// The hash of the samples; `None` in files of earlier versions.

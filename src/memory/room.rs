@@ -39,16 +39,33 @@ fn entries_in(len: usize, more: usize, each: usize, what: &str, free: impl Fn() 
     })
 }
 
-/// Refuses more spheres than ids can number.
+/// Whether 32-bit ids can number this many spheres.
+pub(crate) fn ids_fit(spheres: u64) -> bool {
+    spheres <= i32::MAX as u64
+}
+
+/// Refuses more spheres than 32-bit ids can number, of a scene in memory.
 ///
 /// # Errors
 /// [`Error::Limits`] with both numbers.
 pub(crate) fn check_ids(spheres: u64) -> Result<()> {
-    const MOST: u64 = i32::MAX as u64;
-    if spheres <= MOST {
+    if ids_fit(spheres) {
         return Ok(());
     }
     let problem = format!("{spheres} spheres are more than 32-bit ids can number");
+    Err(Error::Limits { problem, mend: format!("use at most {} spheres", i32::MAX) })
+}
+
+/// Refuses more spheres than 64-bit ids can number.
+///
+/// # Errors
+/// [`Error::Limits`] with both numbers.
+pub(crate) fn check_wide_ids(spheres: u64) -> Result<()> {
+    const MOST: u64 = i64::MAX as u64;
+    if spheres <= MOST {
+        return Ok(());
+    }
+    let problem = format!("{spheres} spheres or more are more than 64-bit ids can number");
     Err(Error::Limits { problem, mend: format!("use at most {MOST} spheres") })
 }
 

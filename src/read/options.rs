@@ -38,6 +38,9 @@ pub struct ReadOptions {
     pub altloc: Altloc,
     /// The biological assembly to build with the file's operators; `None` takes the atoms as they are.
     pub assembly: Option<String>,
+    /// Whether the assembly is kept as operators over its atoms ([`SceneFrame::instances`](crate::read::SceneFrame::instances)) and not
+    /// multiplied out. Selections, and colours by coordinates, then are errors.
+    pub as_operators: bool,
     /// Whether the atoms of a small-molecule CIF are taken as listed; otherwise its symmetry fills the cell.
     pub as_listed: bool,
     /// What is done about the particles of a periodic cell, before they are selected.

@@ -23,6 +23,7 @@ mod npz;
 mod pcd;
 mod pdb;
 pub(super) mod periodic;
+mod placed;
 mod ply;
 mod poscar;
 mod rows;

@@ -12,7 +12,8 @@ use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::quote::count;
 use crate::scene::camera::Camera;
-use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene};
+use crate::scene::instances::Instances;
+use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +51,8 @@ pub struct SceneFrame {
     pub legend: Option<Legend>,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
+    /// The spheres, where an assembly is kept as operators ([`ReadOptions::as_operators`]). The scene then has none.
+    pub instances: Option<Instances>,
     /// Its time and step, as far as the file has them.
     pub when: FrameTime,
 }
@@ -83,6 +86,9 @@ impl Sequence {
 
     /// The scenes of an opened source.
     pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
+        if options.as_operators && options.assembly.is_some() {
+            check_operators(options)?;
+        }
         let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
@@ -154,6 +160,9 @@ impl Sequence {
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
         select::apply(&self.options, &mut particles)?;
+        if !particles.placed.is_empty() {
+            return self.dress_placed(particles, number, &file);
+        }
         let spacing = self.options.style.spacing_of(&particles);
         let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
         let hold = self.options.hold;
@@ -181,7 +190,22 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, when })
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when })
+    }
+
+    /// The same for particles with copies, which are one frame.
+    fn dress_placed(&self, particles: Particles, number: u64, file: &Place) -> Result<SceneFrame> {
+        let when = particles.when;
+        let (instances, skipped, legend) = self.options.style.dress_placed(particles, file)?;
+        let mut scene = Scene {
+            camera: Camera::CANONICAL,
+            image: ImagePlane::default(),
+            spheres: Spheres::default(),
+            skipped,
+            lighting: Lighting::default(),
+        };
+        scene.frame_all(&Framing::default())?;
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell: None, instances: Some(instances), when })
     }
 
     /// The next selected frame; `None` after the last.
@@ -201,7 +225,8 @@ impl Sequence {
                     if wanted {
                         let (scene, has_camera) = (*scene, true);
                         let when = FrameTime::default();
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend: None, cell: None, when }));
+                        let (legend, cell, instances) = (None, None, None);
+                        return Ok(Some(SceneFrame { number, scene, has_camera, legend, cell, instances, when }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
@@ -234,4 +259,14 @@ impl Sequence {
         };
         Error::scene(place, problem, "use other --frames, or another --model")
     }
+}
+
+/// Refuses what needs all atoms of an assembly.
+fn check_operators(options: &ReadOptions) -> Result<()> {
+    let selects = !options.select.is_empty() || !options.hide.is_empty() || options.style.selections().next().is_some();
+    if !selects {
+        return Ok(());
+    }
+    let problem = "--stream: selections need all atoms of an assembly in memory";
+    Err(Error::settings(problem, "remove --select, --hide and selected colours and radii, or --stream"))
 }

@@ -5,6 +5,7 @@ pub(super) mod color;
 mod colormap;
 pub mod elements;
 mod numbers;
+mod placed;
 mod scale;
 
 pub use color::color;

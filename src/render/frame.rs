@@ -268,6 +268,7 @@ impl Renderer {
 fn hits(buffer: &Buffer) -> u64 {
     match &buffer.data {
         Data::I32(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
+        Data::I64(ids) => ids.par_iter().filter(|id| **id >= 0).count() as u64,
         _ => 0,
     }
 }

@@ -159,7 +159,7 @@ impl Renderer {
                 Data::I32(v) => self.pool.put_back(bytemuck::allocation::cast_vec::<i32, u32>(v)),
                 Data::F32(v) => self.pool.put_back(v),
                 Data::F64(v) => self.pool.put_back(v),
-                Data::U8(_) => {}
+                Data::I64(_) | Data::U8(_) => {}
             }
         }
     }

@@ -2,6 +2,8 @@
 //! depths that earlier blocks certainly cover, and what no ray of the frame can hit first is forgotten. The frame of what
 //! remains has the same bits as that of all spheres: docs/certificate.md, section 11.
 
+mod instances;
+mod kept;
 mod witness;
 
 use super::plan::choose::FEW;
@@ -9,13 +11,14 @@ use crate::answers::silhouette;
 use crate::certify::sieve::{Sieve, Sifted};
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, Data, Frame};
-use crate::memory::check_ids;
+use crate::memory::{check_wide_ids, ids_fit};
 use crate::scene::{List, Scene, Spheres};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use blake3::Hasher;
+use kept::Kept;
 use rayon::prelude::*;
-use witness::{Witness, Witnesses};
+use witness::{Witnesses, witness};
 
 /// Spheres that one job sifts.
 const TOGETHER: usize = 1 << 13;
@@ -58,16 +61,9 @@ pub struct Visible {
 #[derive(Debug)]
 pub struct StreamIds {
     /// By the index of the sphere, in increasing order.
-    pub ids: Vec<u32>,
+    pub ids: Vec<u64>,
     /// The number of all spheres of the stream.
     pub count: u64,
-}
-
-/// Spheres with their ids.
-#[derive(Default)]
-struct Kept {
-    ids: Vec<u32>,
-    spheres: Spheres,
 }
 
 /// BLAKE3 of the numbers so far.
@@ -100,6 +96,12 @@ impl Stream {
         Ok(Self { settings, scene, rasters, sieves, count: 0, fresh: 0, kept, limit: KEPT, witnesses, digests })
     }
 
+    /// The settings of the frame.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// Adds the next spheres. Blocks of some 10^5 are fast.
     ///
     /// # Errors
@@ -110,7 +112,7 @@ impl Stream {
             return Ok(());
         }
         block.check()?;
-        check_ids(self.count + block.len() as u64)?;
+        check_wide_ids(self.count.saturating_add(block.len() as u64))?;
         if block.materials.is_some() || self.count > 0 && block.colors.is_some() != self.kept.spheres.colors.is_some() {
             let problem = "some spheres have colours or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
@@ -118,25 +120,37 @@ impl Stream {
         if self.count == 0 {
             self.open(block)?;
         }
-        let first = self.count as u32;
+        let (first, size) = (self.count, block.len());
+        let number = |n: usize| first + n as u64;
+        let more = 0..size.min(FIRST.saturating_sub(self.witnesses.first.len()));
+        self.witnesses.first.extend(more.map(|n| witness(block, number(n), n)));
         let Self { digests, sieves, .. } = self;
         let (sifted, ()) = rayon::join(|| sift(sieves, block, true), || digests.add(block));
-        let always = 0..(block.len() as u32).min(ALWAYS.saturating_sub(first));
-        let more: Vec<u32> =
-            always.clone().chain(sifted.kept.iter().copied().filter(|n| !always.contains(n))).collect();
-        self.kept.add(block, first, &more)?;
-        let unit = self.sieves.first().map_or(0, Sieve::unit);
-        self.witnesses.see(block, first, sifted.depths, unit);
-        self.count += block.len() as u64;
-        self.fresh += block.len();
+        self.witnesses.see(block, &number);
+        self.keep(block, &number, &sifted)?;
+        self.count += size as u64;
+        self.fresh += size;
         if self.fresh >= REFRESH {
-            self.fresh = 0;
-            self.sieves.iter_mut().for_each(Sieve::refresh);
+            self.refresh();
         }
-        if self.kept.ids.len() > self.limit {
+        Ok(())
+    }
+
+    /// Keeps what a block adds.
+    fn keep(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, sifted: &Sifted) -> Result<()> {
+        self.kept.add(block, number, &sifted.kept)?;
+        let unit = self.sieves.first().map_or(0, Sieve::unit);
+        self.witnesses.mark(block, number, &sifted.marks, unit);
+        if self.kept.numbers.len() > self.limit {
             self.forget();
         }
         Ok(())
+    }
+
+    /// The sieves take over what is covered.
+    fn refresh(&mut self) {
+        self.fresh = 0;
+        self.sieves.iter_mut().for_each(Sieve::refresh);
     }
 
     /// The spheres that the frame needs.
@@ -144,10 +158,21 @@ impl Stream {
     /// # Errors
     /// [`Error::Limits`] where memory is short.
     pub fn finish(mut self) -> Result<Visible> {
-        self.sieves.iter_mut().for_each(Sieve::refresh);
+        let Kept { numbers, spheres } = self.rest()?;
+        let count = self.count;
+        Ok(self.visible(spheres, numbers, count))
+    }
+
+    /// What is kept, in order.
+    fn rest(&mut self) -> Result<Kept> {
+        self.refresh();
         self.forget();
         drop(std::mem::take(&mut self.sieves));
-        let Kept { ids, spheres } = self.kept.with(self.witnesses.all())?;
+        std::mem::take(&mut self.kept).with(self.witnesses.all())
+    }
+
+    /// The scene of these spheres with the fingerprint of all.
+    fn visible(self, spheres: Spheres, ids: Vec<u64>, count: u64) -> Visible {
         let digests = self.digests;
         let colors = spheres.colors.map(|colors| List::part_of(colors.into_vec(), digests.colors.finalize()));
         let spheres = Spheres {
@@ -156,7 +181,7 @@ impl Stream {
             colors,
             materials: None,
         };
-        Ok(Visible { scene: Scene { spheres, ..self.scene }, ids: StreamIds { ids, count: self.count } })
+        Visible { scene: Scene { spheres, ..self.scene }, ids: StreamIds { ids, count } }
     }
 
     /// Makes the sieves in the unit of the first block.
@@ -171,15 +196,14 @@ impl Stream {
     /// Forgets spheres that are hidden by now.
     fn forget(&mut self) {
         let mut stays = sift(&self.sieves, &self.kept.spheres, false).kept.into_iter().peekable();
-        let flags: Vec<bool> =
-            (0..).zip(&self.kept.ids).map(|(n, id)| stays.next_if_eq(&n).is_some() || *id < ALWAYS).collect();
+        let flags: Vec<bool> = (0..self.kept.numbers.len() as u32).map(|n| stays.next_if_eq(&n).is_some()).collect();
         self.kept.keep(&flags);
-        self.limit = KEPT.max(2 * self.kept.ids.len());
+        self.limit = KEPT.max(2 * self.kept.numbers.len());
     }
 }
 
 /// The first spheres are kept in any case: plans depend on whether there are more than so many.
-const ALWAYS: u32 = FEW as u32 + 1;
+const FIRST: usize = FEW + 1;
 
 /// What needs all spheres at once, or is not certified.
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {
@@ -199,16 +223,12 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
 /// The spheres of a block that some ray of a sieve may hit first. All of them without sieves.
 fn sift(sieves: &[Sieve], block: &Spheres, covers: bool) -> Sifted {
     let Some((first, others)) = sieves.split_first() else {
-        return Sifted { kept: (0..block.len() as u32).collect(), depths: None };
+        return Sifted { kept: (0..block.len() as u32).collect(), marks: Vec::new() };
     };
     let job = |(n, (centers, radii)): (usize, (&[[f64; 3]], &[f64]))| {
         let mut sifted = first.sift(centers, radii, covers);
         for sieve in others {
-            sifted.kept.extend(sieve.sift(centers, radii, covers).kept);
-        }
-        if !others.is_empty() {
-            sifted.kept.sort_unstable();
-            sifted.kept.dedup();
+            sifted = sifted.beside(sieve.sift(centers, radii, covers));
         }
         sifted.moved((n * TOGETHER) as u32)
     };
@@ -227,62 +247,26 @@ impl Digests {
     }
 }
 
-impl Kept {
-    /// Adds the spheres of a block with these indices, whose first has the id `first`.
-    fn add(&mut self, block: &Spheres, first: u32, indices: &[u32]) -> Result<()> {
-        crate::memory::reserve(&mut self.ids, indices.len())?;
-        self.spheres.grow(indices.len(), block.colors.is_some())?;
-        self.ids.extend(indices.iter().map(|n| first + n));
-        self.spheres.centers.to_mut().extend(indices.iter().map(|n| block.centers[*n as usize]));
-        self.spheres.radii.to_mut().extend(indices.iter().map(|n| block.radii[*n as usize]));
-        if let Some(colors) = &block.colors {
-            let kept = self.spheres.colors.get_or_insert_default().to_mut();
-            kept.extend(indices.iter().map(|n| colors[*n as usize]));
-        }
-        Ok(())
-    }
-
-    /// Keeps the spheres whose flag is set.
-    fn keep(&mut self, flags: &[bool]) {
-        fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
-            let mut flags = flags.iter();
-            values.retain(|_| flags.next().copied().unwrap_or(true));
-        }
-        keep(&mut self.ids, flags);
-        keep(self.spheres.centers.to_mut(), flags);
-        keep(self.spheres.radii.to_mut(), flags);
-        if let Some(colors) = &mut self.spheres.colors {
-            keep(colors.to_mut(), flags);
-        }
-    }
-
-    /// The same with a few more spheres, in the order of their ids.
-    fn with(mut self, more: impl Iterator<Item = Witness>) -> Result<Self> {
-        for Witness { id, center, radius, color } in more {
-            let Err(place) = self.ids.binary_search(&id) else { continue };
-            self.spheres.grow(1, color.is_some())?;
-            self.ids.insert(place, id);
-            self.spheres.centers.to_mut().insert(place, center);
-            self.spheres.radii.to_mut().insert(place, radius);
-            if let (Some(colors), Some(color)) = (&mut self.spheres.colors, color) {
-                colors.to_mut().insert(place, color);
-            }
-        }
-        Ok(self)
-    }
-}
-
 impl StreamIds {
-    /// Puts the ids of the stream into a frame of [`Visible::scene`], and the number of its spheres into the report.
+    /// Whether ids need 64 bits.
+    #[must_use]
+    pub fn are_wide(&self) -> bool {
+        !ids_fit(self.count)
+    }
+
+    /// Puts the ids of the stream into a frame of [`Visible::scene`], and the number of its spheres into the report. Ids
+    /// that do not fit into 32 bits make the buffer one of 64-bit numbers.
     pub fn restore(&self, frame: &mut Frame) {
         frame.report.spheres = self.count;
-        let buffers = frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id);
-        for ids in buffers.filter_map(|buffer| if let Data::I32(ids) = &mut buffer.data { Some(ids) } else { None }) {
-            ids.par_iter_mut().for_each(|id| {
-                if let Some(of_stream) = usize::try_from(*id).ok().and_then(|n| self.ids.get(n)) {
-                    *id = *of_stream as i32;
-                }
-            });
+        for buffer in frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id) {
+            let Data::I32(ids) = &mut buffer.data else { continue };
+            let of_stream = |id: i32| usize::try_from(id).ok().and_then(|n| self.ids.get(n)).copied();
+            if self.are_wide() {
+                let wide = ids.par_iter().map(|id| of_stream(*id).map_or(i64::from(*id), |id| id as i64));
+                buffer.data = Data::I64(wide.collect());
+            } else {
+                ids.par_iter_mut().for_each(|id| *id = of_stream(*id).map_or(*id, |id| id as i32));
+            }
         }
     }
 }

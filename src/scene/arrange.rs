@@ -1,8 +1,9 @@
 //! Arranges spheres between reading and rendering: periodic copies, clip planes, the outline of the cell.
 
+use super::instances::{Instances, Lattice, is_kept};
 use super::{Cell, List, Materials, Spheres};
 use crate::error::{Error, Result};
-use crate::memory::{check, check_ids, check_spheres, extend_to};
+use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -49,12 +50,11 @@ impl Arrangement {
     /// [`Error::Limits`] where the copies do not fit into memory; [`Error::Interrupted`].
     pub fn apply(&self, spheres: &mut Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<()> {
         let need = |what: &str| cell.ok_or_else(|| needs_cell(what));
-        let edges = |cell: &Cell| cell.edges.map(DVec3::from_array);
         if self.copies != [1; 3] {
-            let edges = edges(need("copies")?);
+            let lattice = self.lattice(Some(need("copies")?))?;
             // Copies of no spheres are no spheres.
             if !spheres.is_empty() {
-                repeat(spheres, self.copies, self.total(spheres.len()), edges, watch)?;
+                repeat(spheres, &lattice, watch)?;
             }
         }
         for plane in &self.clip {
@@ -63,53 +63,30 @@ impl Arrangement {
         }
         if let Some(bead) = self.outline {
             let cell = need("drawing the cell")?;
-            let mut whole = edges(cell);
+            let mut whole = cell.edges.map(DVec3::from_array);
             whole.iter_mut().zip(self.copies).for_each(|(edge, n)| *edge *= f64::from(n));
             outline(spheres, DVec3::from_array(cell.origin), whole, bead)?;
         }
         Ok(())
     }
 
-    /// The copies of `spheres` that the clip planes keep, in blocks and in the order of [`Arrangement::apply`], without
-    /// holding all of them in memory. The outline is left out.
+    /// The copies of `spheres` that the clip planes keep, numbered as by [`Arrangement::apply`], without holding them in
+    /// memory. The outline is left out.
     ///
     /// # Errors
-    /// [`Error::Settings`] where copies need a cell and there is none; [`Error::Limits`] for more than ids can number.
-    pub fn copies<'a>(
-        &'a self,
-        spheres: &'a Spheres,
-        cell: Option<&Cell>,
-    ) -> Result<impl Iterator<Item = Result<Spheres>> + 'a> {
+    /// [`Error::Settings`] where copies need a cell and there is none; those of [`Instances`].
+    pub fn copies(&self, spheres: &Spheres, cell: Option<&Cell>) -> Result<Instances> {
+        Instances::along(spheres.clone(), self.lattice(cell)?, &self.clip)
+    }
+
+    /// Where the copies lie.
+    fn lattice(&self, cell: Option<&Cell>) -> Result<Lattice> {
         let edges = match cell {
             Some(cell) => cell.edges.map(DVec3::from_array),
             None if self.copies == [1; 3] => [DVec3::ZERO; 3],
             None => return Err(needs_cell("copies")),
         };
-        if self.clip.is_empty() {
-            check_ids(self.total(spheres.len()))?;
-        }
-        let copies = self.copies.iter().fold(1, |n, k| n * u64::from(*k));
-        let parts = (0..copies).flat_map(|copy| (0..spheres.len()).step_by(BLOCK).map(move |first| (copy, first)));
-        Ok(parts.map(move |(copy, first)| {
-            let range = first..(first + BLOCK).min(spheres.len());
-            let shift = self.shift(copy, edges);
-            let moved = |center: &[f64; 3]| (DVec3::from_array(*center) + shift).to_array();
-            let mut block = Spheres {
-                centers: spheres.centers[range.clone()].iter().map(moved).collect::<Vec<_>>().into(),
-                radii: spheres.radii[range.clone()].to_vec().into(),
-                colors: spheres.colors.as_ref().map(|colors| colors[range].to_vec().into()),
-                materials: None,
-            };
-            self.clip.iter().try_for_each(|plane| clip(&mut block, *plane))?;
-            Ok(block)
-        }))
-    }
-
-    /// Where copy number `copy` lies.
-    fn shift(&self, copy: u64, [a, b, c]: [DVec3; 3]) -> DVec3 {
-        let [na, nb, _] = self.copies.map(u64::from);
-        let [i, j, k] = [copy % na, copy / na % nb, copy / na / nb].map(|n| n as f64);
-        i * a + j * b + k * c
+        Ok(Lattice { copies: self.copies, edges })
     }
 
     /// Whether the clip planes remove every copy of every sphere, and no outline is drawn; `false` where there are no
@@ -121,17 +98,11 @@ impl Arrangement {
         if self.clip.is_empty() || self.outline.is_some() || spheres.is_empty() {
             return Ok(false);
         }
-        let [a, b, c] = match cell {
-            Some(cell) => cell.edges.map(DVec3::from_array),
-            None if self.copies == [1; 3] => [DVec3::ZERO; 3],
-            None => return Ok(false),
-        };
-        check_spheres(self.total(spheres.len()), spheres.colors.is_some())?;
-        let [na, nb, nc] = self.copies;
-        for (k, j, i) in (0..nc).flat_map(|k| (0..nb).flat_map(move |j| (0..na).map(move |i| (k, j, i)))) {
+        let Ok(lattice) = self.lattice(cell) else { return Ok(false) };
+        check_spheres(lattice.count().saturating_mul(spheres.len() as u64), spheres.colors.is_some())?;
+        for copy in 0..lattice.count() {
             watch.check()?;
-            let [i, j, k] = [i, j, k].map(f64::from);
-            let shift = i * a + j * b + k * c;
+            let shift = lattice.shift(lattice.place(copy));
             let stays = |center: &[f64; 3]| {
                 let center = DVec3::from_array(*center) + shift;
                 self.clip.iter().all(|plane| is_kept(*plane, center))
@@ -142,11 +113,6 @@ impl Arrangement {
         }
         Ok(true)
     }
-
-    /// The number of copies of `count` spheres, the originals included.
-    fn total(&self, count: usize) -> u64 {
-        self.copies.iter().fold(count as u64, |n, k| n.saturating_mul(u64::from(*k)))
-    }
 }
 
 fn needs_cell(what: &str) -> Error {
@@ -156,20 +122,16 @@ fn needs_cell(what: &str) -> Error {
     )
 }
 
-/// Spheres of a block of copies.
-const BLOCK: usize = 1 << 17;
-
 /// Spheres copied between two checks for cancellation.
 const BATCH: usize = 1 << 22;
 
-fn repeat(spheres: &mut Spheres, copies: [u32; 3], total: u64, [a, b, c]: [DVec3; 3], watch: &Watch) -> Result<()> {
+fn repeat(spheres: &mut Spheres, lattice: &Lattice, watch: &Watch) -> Result<()> {
+    let total = lattice.count().saturating_mul(spheres.len() as u64);
     check_spheres(total, spheres.colors.is_some())?;
     let (own, total) = (std::mem::take(spheres), total as usize);
-    let [na, nb, _] = copies.map(|n| n as usize);
     let copy = |at: usize| {
-        let (sphere, cell) = (at % own.len(), at / own.len());
-        let [i, j, k] = [cell % na, cell / na % nb, cell / na / nb].map(|n| n as f64);
-        (DVec3::from_array(own.centers[sphere]) + (i * a + j * b + k * c)).to_array()
+        let (sphere, copy) = (at % own.len(), at / own.len());
+        (DVec3::from_array(own.centers[sphere]) + lattice.shift(lattice.place(copy as u64))).to_array()
     };
     let centers = spheres.centers.to_mut();
     extend_to(centers, total)?;
@@ -200,27 +162,10 @@ fn repeated<T: Copy>(values: List<T>, total: usize, watch: &Watch) -> Result<Lis
     Ok(values.into())
 }
 
-/// Whether a plane (x, y, z, d) keeps a sphere with this centre.
-fn is_kept([x, y, z, d]: [f64; 4], center: DVec3) -> bool {
-    DVec3::new(x, y, z).dot(center) <= d
-}
-
 fn clip(spheres: &mut Spheres, plane: [f64; 4]) -> Result<()> {
     check(spheres.len() as u64, || format!("a clip plane for {} spheres", spheres.len()))?;
     let kept: Vec<bool> = spheres.centers.par_iter().map(|c| is_kept(plane, DVec3::from_array(*c))).collect();
-    let keep = |n: &mut usize| {
-        *n += 1;
-        kept[*n - 1]
-    };
-    let (mut a, mut b, mut c, mut d) = (0, 0, 0, 0);
-    spheres.centers.to_mut().retain(|_| keep(&mut a));
-    spheres.radii.to_mut().retain(|_| keep(&mut b));
-    if let Some(colors) = &mut spheres.colors {
-        colors.to_mut().retain(|_| keep(&mut c));
-    }
-    if let Some(materials) = &mut spheres.materials {
-        materials.of.to_mut().retain(|_| keep(&mut d));
-    }
+    spheres.keep(&kept);
     Ok(())
 }
 

@@ -1,8 +1,10 @@
 //! Framing: the nearest camera from which all spheres are completely visible.
 
-use super::camera::{Lens, Look};
+use super::camera::{Basis, Lens, Look, Viewport};
+use super::instances::Instances;
 use super::{Scene, Spheres};
 use crate::error::{Error, Place, Result};
+use crate::progress::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -69,6 +71,30 @@ impl Scene {
         if self.spheres.is_empty() {
             return Ok(None);
         }
+        let (basis, viewport) = self.sides()?;
+        let around = framing.ball.then(|| ball(&self.spheres));
+        let framed = around.as_ref().unwrap_or(&self.spheres);
+        // Coordinates are relative to the middle, so that distant scenes lose no precision.
+        let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
+        let to = |normal: DVec3| {
+            let each = framed.centers.par_iter().zip(&framed.radii);
+            let least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r);
+            Ok(least.reduce(|| f64::INFINITY, f64::min))
+        };
+        Reach::new(framing, (basis, viewport), middle, to).map(Some)
+    }
+
+    /// The same for copies, relative to `middle`; for the spheres themselves also where the framing is of the ball around them.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`]; [`Error::Interrupted`].
+    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
+        let sides = self.sides()?;
+        Reach::new(framing, sides, middle, |normal| all.least_along(watch, normal, middle))
+    }
+
+    /// The directions of the view's sides. An `at` of the camera becomes its view.
+    fn sides(&mut self) -> Result<(Basis, Viewport)> {
         if let Look::At(at) = self.camera.look {
             // An `at` that gives no direction is reported before it is changed.
             self.camera.basis()?;
@@ -80,26 +106,7 @@ impl Scene {
             let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
             return Err(Error::settings(problem, "use a viewport or --vfov"));
         }
-        let around = framing.ball.then(|| ball(&self.spheres));
-        let framed = around.as_ref().unwrap_or(&self.spheres);
-        // Coordinates are relative to the middle, so that distant scenes lose no precision.
-        let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
-        let to = |normal: DVec3| {
-            let each = framed.centers.par_iter().zip(&framed.radii);
-            each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - middle) - r).reduce(|| f64::INFINITY, f64::min)
-        };
-        let sides = match viewport.is_parallel() {
-            true => [basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w].map(to),
-            false => {
-                let pair = |axis: DVec3, side: f64| {
-                    let [sine, cosine] = slope(framing, side, viewport.d);
-                    [to(cosine * axis - sine * basis.w), to(-cosine * axis - sine * basis.w)]
-                };
-                let ([left, right], [bottom, top]) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
-                [left, right, bottom, top, f64::INFINITY, f64::INFINITY]
-            }
-        };
-        Ok(Some(Reach { middle, sides }))
+        Ok((basis, viewport))
     }
 
     /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
@@ -152,6 +159,34 @@ pub struct Reach {
 }
 
 impl Reach {
+    /// The reach of spheres, of which `to` is the least distance along a normal.
+    fn new(
+        framing: &Framing,
+        (basis, viewport): (Basis, Viewport),
+        middle: DVec3,
+        to: impl Fn(DVec3) -> Result<f64>,
+    ) -> Result<Self> {
+        let along = |normals: [DVec3; 6]| -> Result<[f64; 6]> {
+            let mut sides = [f64::INFINITY; 6];
+            for (side, normal) in sides.iter_mut().zip(normals).filter(|(_, normal)| *normal != DVec3::ZERO) {
+                *side = to(normal)?;
+            }
+            Ok(sides)
+        };
+        let sides = match viewport.is_parallel() {
+            true => along([basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w])?,
+            false => {
+                let pair = |axis: DVec3, side: f64| {
+                    let [sine, cosine] = slope(framing, side, viewport.d);
+                    [cosine * axis - sine * basis.w, -cosine * axis - sine * basis.w]
+                };
+                let ([left, right], [bottom, top]) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
+                along([left, right, bottom, top, DVec3::ZERO, DVec3::ZERO])?
+            }
+        };
+        Ok(Self { middle, sides })
+    }
+
     /// The reach of no spheres, relative to a point.
     #[must_use]
     pub fn about(middle: DVec3) -> Self {

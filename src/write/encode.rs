@@ -26,7 +26,8 @@ impl<'a> Encoder<'a> {
     /// hold them.
     pub(super) fn new(frame: &'a Frame, aovs: &[Aov], format: FileFormat, style: &'a FormatOptions) -> Option<Self> {
         let lights = frame.get(Aov::Shadow).map_or(0, Buffer::channels);
-        let forms = format.forms(aovs, style.bits, lights)?;
+        let wide = frame.get(Aov::Id).is_some_and(Buffer::is_wide);
+        let forms = format.forms(aovs, style.bits, lights, wide)?;
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
         let with_alpha = forms.iter().any(|form| form.channels == 4);
         let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
@@ -36,7 +37,7 @@ impl<'a> Encoder<'a> {
     /// One buffer as .npy stores it.
     pub(super) fn plain(buffer: &'a Buffer, style: &'a FormatOptions) -> Option<Self> {
         let (format, columns) = (FileFormat::Npy, buffer.shape[1]);
-        let forms = format.forms(&[buffer.aov], style.bits, buffer.channels())?;
+        let forms = format.forms(&[buffer.aov], style.bits, buffer.channels(), buffer.is_wide())?;
         Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style })
     }
 
@@ -62,6 +63,7 @@ impl Rows for Encoder<'_> {
                 SampleType::U16 => made(&all[values], |id| number_of(id).unwrap_or(u16::MAX).to_le_bytes()).into(),
                 _ => plain(&all[values], i32::to_le_bytes),
             },
+            Data::I64(all) => plain(&all[values], i64::to_le_bytes),
             Data::U8(all) => bytes(&all[values], form, self.format),
         })
     }

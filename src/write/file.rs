@@ -11,6 +11,7 @@ use super::rows::{Head, Rows};
 use crate::error::{Error, Result};
 use crate::frame::provenance::{Origin, Provenance};
 use crate::frame::{Aov, Frame};
+use crate::memory::ids_fit;
 use crate::window::Window;
 use std::borrow::Cow;
 use std::fs::File;
@@ -103,6 +104,20 @@ impl Target {
         check_writable(&self.path)
     }
 
+    /// Checks that the file can hold the ids of a scene with this many spheres, for use before the work begins. Those of more
+    /// than 32 bits can number are int64.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] with the formats that can.
+    pub fn check_ids(&self, spheres: u64) -> Result<()> {
+        if ids_fit(spheres) || !self.aovs.contains(&Aov::Id) || self.format.takes_wide_ids() {
+            return Ok(());
+        }
+        let problem = format!("{} cannot hold the ids of {spheres} spheres, which are int64", self.path.display());
+        let mend = format!("write the ids to {}", FileFormat::endings(FileFormat::takes_wide_ids));
+        Err(Error::settings(problem, mend))
+    }
+
     /// The provenance of the file; .raw cannot hold it.
     pub fn provenance(&self, origin: &Origin<'_>) -> Provenance {
         let mut provenance = Provenance::new(origin, &self.aovs);
@@ -141,7 +156,7 @@ impl Target {
     /// the rendered window, `lights` the number of the scene's lights.
     pub fn memory(&self, columns: u32, lights: usize) -> u64 {
         let window = Window::full(columns, u32::MAX);
-        let forms = self.format.forms(&self.aovs, self.style.bits, lights).unwrap_or_default();
+        let forms = self.format.forms(&self.aovs, self.style.bits, lights, false).unwrap_or_default();
         Head { forms, provenance: Provenance::default(), window, full: [columns, u32::MAX] }.memory(self.format)
     }
 

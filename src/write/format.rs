@@ -53,15 +53,24 @@ impl FileFormat {
         }
     }
 
+    /// Whether it can hold ids that are 64-bit integers, and says so.
+    pub fn takes_wide_ids(self) -> bool {
+        matches!(self, Self::Npy | Self::Npz)
+    }
+
     /// The sample formats of these buffers, in the order of [`Aov::ALL`]; `None` where it cannot hold them. `bits` is
-    /// for PNG, `lights` is the number of lights of a `shadow` buffer.
-    pub fn forms(self, aovs: &[Aov], bits: Bits, lights: usize) -> Option<Vec<LayerFormat>> {
+    /// for PNG, `lights` is the number of lights of a `shadow` buffer, `wide_ids` says that ids are 64-bit integers.
+    pub fn forms(self, aovs: &[Aov], bits: Bits, lights: usize, wide_ids: bool) -> Option<Vec<LayerFormat>> {
         let mut forms = Vec::new();
         for aov in aovs.iter().copied() {
             match forms.last_mut() {
                 // Alpha is the fourth channel of colour.
                 Some(LayerFormat { aov: Aov::Color, channels, .. }) if self == Self::Png && aov == Aov::Alpha => {
                     *channels = 4
+                }
+                _ if wide_ids && aov == Aov::Id => {
+                    let kind = Some(SampleType::I64).filter(|_| self.takes_wide_ids())?;
+                    forms.push(LayerFormat { aov, kind, channels: 1 });
                 }
                 _ => forms.push(LayerFormat { aov, kind: self.kind(aov, bits), channels: aov.channels(lights) }),
             }

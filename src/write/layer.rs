@@ -14,6 +14,8 @@ pub enum SampleType {
     U32,
     /// A 32-bit integer.
     I32,
+    /// A 64-bit integer.
+    I64,
     /// A 32-bit float.
     F32,
     /// A 64-bit float.
@@ -27,7 +29,7 @@ impl SampleType {
             Self::U8 => 1,
             Self::U16 => 2,
             Self::U32 | Self::I32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::F64 => 8,
         }
     }
 }

@@ -16,7 +16,7 @@ use std::io::{self, Write};
 
 pub(crate) use crate::npy::MAGIC;
 
-/// Writes `buffer` as `[H, W]`, `[H, W, 3]` or `[H, W, L]` of `<f4`, `<f8`, `<i4` or `|u1`, without provenance.
+/// Writes `buffer` as `[H, W]`, `[H, W, 3]` or `[H, W, L]` of `<f4`, `<f8`, `<i4`, `<i8` or `|u1`, without provenance.
 ///
 /// # Errors
 /// The errors of `out`, and `InvalidInput` for a buffer that fails [`Buffer::check`].
@@ -37,8 +37,13 @@ pub(super) fn write_sheet(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) 
 }
 
 /// The sample types, with NumPy's names.
-const TYPES: [(SampleType, &str); 4] =
-    [(SampleType::F32, "<f4"), (SampleType::F64, "<f8"), (SampleType::I32, "<i4"), (SampleType::U8, "|u1")];
+const TYPES: [(SampleType, &str); 5] = [
+    (SampleType::F32, "<f4"),
+    (SampleType::F64, "<f8"),
+    (SampleType::I32, "<i4"),
+    (SampleType::I64, "<i8"),
+    (SampleType::U8, "|u1"),
+];
 
 /// Writes one buffer.
 pub(super) fn write_layer<W: Write + ?Sized>(

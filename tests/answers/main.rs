@@ -29,6 +29,7 @@ mod eclipse;
 mod extremes;
 mod frames;
 mod given;
+mod instances;
 mod light;
 mod measure;
 mod metamorphic;

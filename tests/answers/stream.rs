@@ -201,7 +201,7 @@ fn hidden_spheres_are_forgotten() {
     for (what, scene) in scenes().into_iter().take(2) {
         let kept = stream(&scene, &settings(), 500).ids.ids;
         let frame = cpu().render(&scene, &settings()).expect("a frame");
-        let mut seen: Vec<u32> = frame.ids().iter().filter_map(|id| u32::try_from(*id).ok()).collect();
+        let mut seen: Vec<u64> = frame.ids().iter().filter_map(|id| u64::try_from(*id).ok()).collect();
         seen.sort_unstable();
         seen.dedup();
         assert!(seen.iter().all(|id| kept.binary_search(id).is_ok()), "{what}");

@@ -116,8 +116,87 @@ fn copies_have_the_bytes_of_copies_in_memory() {
         let said = same(&dir, "a.xyz", options);
         assert!(said.contains("may be hit first"), "{said}");
     }
-    let options = "--stream --size 8x8 -o p.png --copies 1000,1000,1000";
-    dir.refused_render(5, &format!("a.xyz {options}"), &["3000000000000 spheres are more than 32-bit ids can number"]);
+    let all = "--copies 4294967295,4294967295,4294967295";
+    dir.refused_render(5, &format!("a.xyz --stream --size 8x8 -o p.png {all}"), &["64-bit ids"]);
+}
+
+/// Ids of more spheres than 32 bits can number are int64 in the formats that say so, and refused by the others.
+#[test]
+fn ids_of_more_than_two_billion_copies_are_int64() {
+    let text = "2\nLattice=\"3 0 0 0 3 0 0 0 3\" Properties=species:S:1:pos:R:3\nC 0.5 0.5 0.5\nFe 2 2 1.5\n";
+    let dir = TestDir::new(&[("a.xyz", text)]);
+    let options = "a.xyz --stream --copies 1500,1500,1500 --eye 4600,4590,4580 --at 2000,2000,2000 --vfov 1.3 --size 32x24 --samples 1";
+    let said = dir.render(&format!("{options} -o p.png --aov id=id.npy --aov id,distance=both.npz --json"));
+    assert!(said.err.contains("ids are int64: 6750000000 spheres"), "{}", said.err);
+    assert_eq!(said.json()["spheres"], 6_750_000_000u64);
+    let files = dir.files();
+    let array = String::from_utf8_lossy(&files["id.npy"]).into_owned();
+    assert!(array.contains("'<i8'") && array.contains("\"halfline:ids\":\"int64\""), "{array}");
+    dir.good("compare id.npy both.npz --aov id");
+    dir.render(&format!("{options} --tile 1/2 --aov id=1.npy"));
+    dir.render(&format!("{options} --tile 2/2 --aov id=2.npy"));
+    dir.good("merge 1.npy 2.npy -o merged.npy");
+    assert!(dir.files()["merged.npy"] == files["id.npy"], "merged tiles");
+    let again = dir.render(&format!("{options} --aov id=id.npy --resume"));
+    assert!(again.err.contains("already there"), "{}", again.err);
+    for name in ["id.exr", "id.png"] {
+        dir.refused_render(2, &format!("{options} --aov id={name}"), &["int64", ".npy or .npz"]);
+    }
+    dir.refused_render(2, &format!("{options} --aov id=id.raw"), &["int64", ".npy or .npz"]);
+}
+
+/// A protein of chains A, B and C, with an assembly of two parts: A and B by 40 operators, C and A by 9 of them and 3 others.
+fn assembly() -> String {
+    let mut rng = Rng::new(9);
+    let mut text = String::from("REMARK 350 BIOMOLECULE: 1\n");
+    let mut operators = |chains: &str, numbers: &[usize]| {
+        writeln!(text, "REMARK 350 APPLY THE FOLLOWING TO CHAINS: {chains}").expect("text");
+        for number in numbers {
+            let turn = *number as f64;
+            let ((s, c), place) = (turn.sin_cos(), [turn % 5.0, (turn / 5.0).floor(), turn % 3.0].map(|n| 30.0 * n));
+            let rows = [[c, -s, 0.0, place[0]], [s, c, 0.0, place[1]], [0.0, 0.0, 1.0, place[2]]];
+            for (k, [a, b, d, shift]) in (1..).zip(rows) {
+                writeln!(text, "REMARK 350   BIOMT{k} {number:3} {a:9.6} {b:9.6} {d:9.6} {shift:14.5}").expect("text");
+            }
+        }
+    };
+    operators("A, B", &(1..=40).collect::<Vec<_>>());
+    operators("C, A", &(3..=11).chain(50..53).collect::<Vec<_>>());
+    for n in 0..900 {
+        let ([x, y, z], chain) = (rng.cube().map(|x| 15.0 * x), ["A", "B", "C", "D"][n / 10 % 4]);
+        let (element, serial, bfactor) = (["C", "N", "O"][n % 3], n + 1, rng.unit() * 50.0);
+        writeln!(
+            text,
+            "ATOM  {serial:5}  {element}   GLY {chain}{:4}    {x:8.3}{y:8.3}{z:8.3}  1.00{bfactor:6.2}           {element}",
+            n / 10
+        )
+        .expect("text");
+    }
+    text
+}
+
+/// Operators of an assembly are kept as such, with ids, colours and legend as if multiplied out.
+#[test]
+fn assemblies_have_the_bytes_of_assemblies_in_memory() {
+    let dir = TestDir::new(&[("a.pdb", &assembly())]);
+    for options in [
+        "",
+        "--eye 300,200,250 --at 60,100,30 --vfov 30 --color-by copy --legend l.svg",
+        "--eye 60,100,30 --at 200,100,40 --color-by chain --clip 0,0,1,60 --samples 4",
+        "--ortho --color-by bfactor --radii covalent",
+    ] {
+        let said = same(&dir, "a.pdb", &format!("--assembly 1 {options}"));
+        assert!(said.contains("may be hit first"), "{said}");
+    }
+    for (options, told) in [
+        ("--select protein", "--select"),
+        ("--color-by x", "coordinates"),
+        ("--color-by copy,bfactor", "one column"),
+        ("--copies 2,1,1", "needs a periodic cell"),
+    ] {
+        let options = format!("a.pdb --assembly 1 --stream --size 8x8 -o p.png {options}");
+        dir.refused_render(2, &options, &[told]);
+    }
 }
 
 #[test]

@@ -20,26 +20,27 @@ const NEVER: f64 = -((1u128 << 126) as f64);
 pub(in crate::certify) const LANES: usize = 8;
 
 /// A sphere before its projection into the image.
-struct Aim {
+#[derive(Default)]
+pub(super) struct Aim {
     /// Entirely behind the eye plane.
-    behind: bool,
+    pub(super) behind: bool,
     /// Entirely in front of it, with every number in the range of the bounds.
-    projected: bool,
+    pub(super) projected: bool,
     /// Depth of the centre in the frame's unit, and the host's error of it.
-    depth: f64,
-    depth_error: f64,
+    pub(super) depth: f64,
+    pub(super) depth_error: f64,
     /// The near root is always the hit, and the depth in f64 is as accurate as the kernel assumes.
-    plain: bool,
+    pub(super) plain: bool,
     /// Projected radius; square root of twice the bound of the discriminant's error; offset beyond which a miss is
     /// certain.
-    rho: f64,
-    blurred: f64,
-    reach: f64,
+    pub(super) rho: f64,
+    pub(super) blurred: f64,
+    pub(super) reach: f64,
     /// Largest slopes of the rays that may hit it.
-    steepest: [f64; 2],
+    pub(super) steepest: [f64; 2],
     /// Projected centre in pixels, and the bound of its f64 error in pixels.
-    place: [f64; 2],
-    blur: f64,
+    pub(super) place: [f64; 2],
+    pub(super) blur: f64,
 }
 
 /// A projected sphere in the image.
@@ -160,14 +161,9 @@ impl ProjectionBounds {
         let rho = radius * inverse * self.per_unit;
         #[expect(clippy::manual_range_contains, reason = "both are evaluated, so that there is no branch")]
         let small = |x: f64| (x >= RANGE[0]) & (x < RANGE[1]);
-        // The square root of the bound of the discriminant's error.
-        let blurred = (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt();
+        let blurred = self.blurred(rho);
         let ranged = small(rho) & small(self.length(z)) & (self.total(rho, blurred)[0] * self.scale[0] <= STEEPEST);
         let q = [x * inverse, y * inverse];
-        let far = error * inverse;
-        // The error of a quotient includes that of its divisor.
-        let tilt = if self.parallel { 0.0 } else { 1.0 };
-        let blur = [0, 1].map(|k| (far * (1.0 + tilt * q[k].abs()) + 4.0 * U64 * q[k].abs()) * self.per_slope[k]);
         let reach = self.reach(rho);
         let behind = z + radius + error + 2.0 * U64 * (z.abs() + radius) < 0.0;
         Aim {
@@ -183,9 +179,31 @@ impl ProjectionBounds {
             steepest: [0, 1].map(|k| smaller(q[k].abs() + reach * self.unit, self.edge[k])),
             // u = (2 j + 1 - W) slope, v = (H - 1 - 2 i) slope, with rows counted downwards. The rounding error is at
             // most 2^-29 pixels, for centres up to 2^22 pixels from the image.
-            place: [0, 1].map(|k| 0.5 * (self.size[k] - 1.0) + SIGNS[k] * q[k] * self.per_slope[k]),
-            blur: larger(blur[0], blur[1]),
+            place: [0, 1].map(|k| self.place(q[k], k)),
+            blur: self.blur(error * inverse, q.map(f64::abs)),
         }
+    }
+
+    /// The pixel of a slope along an axis.
+    #[inline(always)]
+    pub(super) fn place(&self, slope: f64, axis: usize) -> f64 {
+        0.5 * (self.size[axis] - 1.0) + SIGNS[axis] * slope * self.per_slope[axis]
+    }
+
+    /// The bound in pixels of the error of a projected centre with slopes of these sizes, whose coordinates have an error of `far`
+    /// per depth.
+    #[inline(always)]
+    pub(super) fn blur(&self, far: f64, slopes: [f64; 2]) -> f64 {
+        // The error of a quotient includes that of its divisor.
+        let tilt = if self.parallel { 0.0 } else { 1.0 };
+        let blur = [0, 1].map(|k| (far * (1.0 + tilt * slopes[k]) + 4.0 * U64 * slopes[k]) * self.per_slope[k]);
+        larger(blur[0], blur[1])
+    }
+
+    /// The square root of twice the bound of the discriminant's error.
+    #[inline(always)]
+    pub(super) fn blurred(&self, rho: f64) -> f64 {
+        (2.0 * (self.errors[0] + rho * (self.errors[1] + rho * self.errors[2]))).sqrt()
     }
 
     /// The sphere at `place`; `low` is added to it.
@@ -235,26 +253,26 @@ impl ProjectionBounds {
 
     /// The unit of rho as a length at that depth.
     #[inline(always)]
-    fn length(&self, depth: f64) -> f64 {
+    pub(super) fn length(&self, depth: f64) -> f64 {
         depth * self.scale[0] + self.scale[1]
     }
 
     /// The offset from the projected centre beyond which a miss is certain with any rounding.
     #[inline(always)]
-    fn reach(&self, rho: f64) -> f64 {
+    pub(super) fn reach(&self, rho: f64) -> f64 {
         std::f64::consts::SQRT_2 * self.all.length * rho + 16.0 * self.all.square * self.coarse
     }
 
     /// Upper bounds of |slope along the offset| + root of a candidate, and of the root alone.
     #[inline(always)]
-    fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
+    pub(super) fn total(&self, rho: f64, blurred: f64) -> [f64; 2] {
         let root = self.all.length * rho + blurred;
         [self.all.slant * self.reach(rho) + root, root]
     }
 
     /// Bound of all errors of a candidate's depth, in the frame's unit.
     #[inline(always)]
-    fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
+    pub(super) fn depth_error(&self, aim: &Aim, center: f64) -> f64 {
         let [total, root] = self.total(aim.rho, aim.blurred);
         let slant = self.all.slant;
         let [of_total, along, of_root, of_center] = self.roundings;
@@ -293,6 +311,6 @@ fn whole(x: f64) -> i32 {
 /// An f32 that is at most x, and close to it: one ulp is subtracted before the rounding, which adds at most half an
 /// ulp.
 #[inline(always)]
-fn below(x: f64) -> f32 {
+pub(super) fn below(x: f64) -> f32 {
     (x - (x.abs() * U + SUBNORMAL)) as f32
 }

@@ -77,7 +77,8 @@ impl Render {
         }
         let settings = &self.args.settings_for(numbered, settings, &targets)?;
         if self.resume && !targets.is_empty() {
-            let report = renderer.dry_run(scene, settings)?;
+            let mut report = renderer.dry_run(scene, settings)?;
+            report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {

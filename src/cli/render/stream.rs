@@ -2,18 +2,20 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
+use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::scene_frames::{Numbered, aim, options, size};
-use crate::cli::{go_on, note};
 use glam::DVec3;
 use halfline::camera::{Camera, CameraRecord, Look};
 use halfline::error::{Error, Result};
+use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::quote::count;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
+use halfline::scene::instances::Instances;
 use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
 use halfline::settings::Settings;
 use halfline::write::file::Target;
@@ -28,6 +30,12 @@ pub(super) struct Source<'a> {
     arrangement: Arrangement,
     /// Why the scene is read as a stream, until it is said.
     why: Cell<Option<String>>,
+}
+
+/// A scene that is copies of spheres in memory.
+struct Copied {
+    instances: Instances,
+    about: About,
 }
 
 /// What is known of a scene once all of its spheres were read.
@@ -71,16 +79,32 @@ impl<'a> Source<'a> {
         let mut frame = self.bare()?;
         // What a stream cannot do is found before the file is read.
         self.begin(frame.scene.clone(), settings, targets)?;
-        let atoms = self.atoms()?;
+        let copied = self.copied()?;
         if self.taken.is_none() {
-            self.aim(&mut frame, atoms.as_ref())?;
+            self.aim(&mut frame, copied.as_ref())?;
         }
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
-        let about = self.each(atoms.as_ref(), |block| stream.add(&block))?;
-        let Visible { mut scene, ids } = stream.finish()?;
+        let (visible, about) = match copied {
+            Some(Copied { instances, about }) => {
+                if self.arrangement.clip.is_empty() {
+                    targets.iter().try_for_each(|target| target.check_ids(instances.total()))?;
+                }
+                let (settings, watch) = (stream.settings(), &self.options.watch);
+                (Stream::of_instances(&picture.scene, settings, &instances, watch)?, about)
+            }
+            None => {
+                let about = self.each(|block| stream.add(&block))?;
+                (stream.finish()?, about)
+            }
+        };
+        let Visible { mut scene, ids } = visible;
+        targets.iter().try_for_each(|target| target.check_ids(ids.count))?;
         let kept = count(ids.ids.len() as u64, "sphere");
         note(format_args!("{kept} of {} may be hit first and are in memory", ids.count));
+        if ids.are_wide() && targets.iter().any(|target| target.aovs().contains(&Aov::Id)) {
+            note(format_args!("ids are int64: {} spheres are more than 32 bits can number", ids.count));
+        }
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
         Ok(Numbered { scene, ids: Some(ids), ..picture })
@@ -101,8 +125,8 @@ impl<'a> Source<'a> {
         let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
-        let mut frame =
-            SceneFrame { number: 1, scene, has_camera: false, legend: None, cell: None, when: FrameTime::default() };
+        let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
+        let mut frame = SceneFrame { number: 1, scene, has_camera: false, legend, cell, instances, when };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
@@ -112,35 +136,32 @@ impl<'a> Source<'a> {
     }
 
     /// Frames all spheres where the options do not give the camera's place, for which the file is read twice more.
-    fn aim(&self, frame: &mut SceneFrame, atoms: Option<&SceneFrame>) -> Result<()> {
+    fn aim(&self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
         let camera = &self.args.camera;
         let framing = camera.framing(frame.has_camera)?;
         let at_middle = camera.pose.eye.is_some() && !camera.pose.looks();
         if framing.is_none() && !at_middle {
             return Ok(());
         }
-        if atoms.is_none() && self.args.scene == Path::new("-") {
+        if copied.is_none() && self.args.scene == Path::new("-") {
             let problem = "--stream: the camera depends on all spheres, and standard input can be read once";
             return Err(Error::settings(problem, "give --eye and --at, or --view"));
         }
-        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        self.each(atoms, |block| {
-            let [low, high] = block.bounds();
-            if atoms.is_none() && bounds[0].x > bounds[1].x {
-                note(format_args!(
-                    "the camera depends on all spheres, so the file is read for it first (see --eye and --at)"
-                ));
-            }
-            bounds = [bounds[0].min(low), bounds[1].max(high)];
-            Ok(())
-        })?;
-        let middle = middle(bounds);
+        let watch = &self.options.watch;
+        let middle = middle(match copied {
+            Some(Copied { instances, .. }) => instances.bounds(watch)?,
+            None => self.bounds()?,
+        });
         if at_middle {
             frame.scene.camera.look = Look::At(middle);
         }
         let Some(framing) = framing else { return Ok(()) };
+        if let Some(Copied { instances, .. }) = copied {
+            let reach = frame.scene.reach_of(&framing, instances, middle, watch)?;
+            return frame.scene.fit_to(&framing, &reach);
+        }
         let mut reach = Reach::about(middle);
-        self.each(atoms, |block| {
+        self.each(|block| {
             let mut part = Scene { spheres: block, ..frame.scene.clone() };
             if let Some(more) = part.reach(&framing, Some(&reach))? {
                 reach = reach.with(&more);
@@ -152,41 +173,57 @@ impl<'a> Source<'a> {
         frame.scene.fit_to(&framing, &reach)
     }
 
-    /// The atoms that `--copies` repeats: they are in memory, their copies are not.
-    fn atoms(&self) -> Result<Option<SceneFrame>> {
-        if self.arrangement.copies == [1; 3] {
+    /// The box around all spheres of the file.
+    fn bounds(&self) -> Result<[DVec3; 2]> {
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        self.each(|block| {
+            let [low, high] = block.bounds();
+            if bounds[0].x > bounds[1].x {
+                note(format_args!(
+                    "the camera depends on all spheres, so the file is read for it first (see --eye and --at)"
+                ));
+            }
+            bounds = [bounds[0].min(low), bounds[1].max(high)];
+            Ok(())
+        })?;
+        Ok(bounds)
+    }
+
+    /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
+    fn copied(&self) -> Result<Option<Copied>> {
+        let is_assembly = self.options.assembly.is_some() && self.options.topology.is_none();
+        if self.arrangement.copies == [1; 3] && !is_assembly {
             return Ok(None);
         }
-        let mut sequence = Sequence::open(&self.args.scene, &self.options)?;
-        let frame = sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
-        if frame.has_camera {
+        let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
+        let mut sequence = Sequence::open(&self.args.scene, &options)?;
+        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, .. } =
+            sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
+        if has_camera {
             let mend = "remove --stream, or use a file of particles";
             return Err(Error::settings("--stream: a scene with a camera of its own is in memory", mend));
         }
-        Ok(Some(frame))
+        scene.spheres.share();
+        let instances = match instances.filter(|_| self.arrangement.copies == [1; 3]) {
+            Some(instances) => instances.clipped(&self.arrangement.clip),
+            None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
+        };
+        self.say_why();
+        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when } }))
     }
 
-    /// Every block of the scene: of the file, or of copies of `atoms`.
-    fn each(&self, atoms: Option<&SceneFrame>, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
-        let mut each = |block: Spheres| {
-            if let Some(why) = self.why.take() {
-                note(format_args!("{why}"));
-            }
-            each(block)
-        };
-        if let Some(atoms) = atoms {
-            for block in self.arrangement.copies(&atoms.scene.spheres, atoms.cell.as_ref())? {
-                if !go_on() {
-                    return Err(Error::Interrupted);
-                }
-                each(block?)?;
-            }
-            let (skipped, legend) = (atoms.scene.skipped.clone(), atoms.legend.clone());
-            return Ok(About { skipped, legend, when: atoms.when });
+    fn say_why(&self) {
+        if let Some(why) = self.why.take() {
+            note(format_args!("{why}"));
         }
+    }
+
+    /// Every block of the file.
+    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
         let mut blocks = SphereBlocks::open(&self.args.scene, &self.options)?;
         while let Some(mut block) = blocks.next_block()? {
             self.arrangement.apply(&mut block, None, &self.options.watch)?;
+            self.say_why();
             each(block)?;
         }
         let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());

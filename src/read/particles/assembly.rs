@@ -1,33 +1,16 @@
 //! Biological assemblies: copies of a file's chains, transformed by its operators.
 
+use super::placed::PlacedPart;
 use super::{Column, Particles};
 use crate::error::{Error, Place, Result};
 use crate::memory::{check, check_spheres, extend_to};
 use crate::progress::Watch;
 use crate::quote::{list, quote};
+use crate::scene::instances::Operator;
 use std::collections::HashMap;
-
-/// A rotation and a translation: three rows of a matrix, each followed by its translation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Operator(pub(super) [[f64; 4]; 3]);
 
 /// The most operators in an assembly; without a limit, a short expression could demand more than memory holds.
 pub(super) const MOST_OPERATORS: usize = 1 << 16;
-
-impl Operator {
-    /// The image of a point.
-    pub(super) fn apply(&self, p: [f64; 3]) -> [f64; 3] {
-        self.0.map(|[a, b, c, d]| a * p[0] + b * p[1] + c * p[2] + d)
-    }
-
-    /// The product: first `other`, then this.
-    pub(super) fn after(&self, other: &Self) -> Self {
-        Self(self.0.map(|row| {
-            let column = |k: usize| (0..3).map(|j| row[j] * other.0[j][k]).sum::<f64>();
-            [column(0), column(1), column(2), column(3) + row[3]]
-        }))
-    }
-}
 
 /// Chains that the same operators apply to.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -83,12 +66,7 @@ pub(super) fn build(
     watch: &Watch,
 ) -> Result<Particles> {
     let atoms = Members::of(chains, names)?;
-    let copies = |part: &AssemblyPart| (part.operators.len() as u64).saturating_mul(atoms.count(part));
-    let total = assembly.parts.iter().map(copies).fold(0, u64::saturating_add);
-    if total == 0 {
-        let problem = format!("assembly {} has no atoms, because the file has none of its chains", quote(&assembly.id));
-        return Err(Error::scene(file.clone(), problem, "remove --assembly, or use another"));
-    }
+    let total = total(assembly, &atoms, file)?;
     check_spheres(total, true)?;
     let each = size_of::<[f64; 3]>() + size_of::<u8>() + unit.columns.len() * size_of::<f64>();
     check(total.saturating_mul(each as u64), || format!("the {total} atoms of the assembly"))?;
@@ -98,24 +76,85 @@ pub(super) fn build(
     for column in &unit.columns {
         whole.columns.push(Column { name: column.name.clone(), values: room(total)? });
     }
-    let mut known: HashMap<&str, usize> = HashMap::new();
+    let mut numbers = CopyNumbers::default();
     for part in &assembly.parts {
         let atoms = atoms.of_part(part)?;
         for (name, operator) in &part.operators {
             watch.check()?;
-            let next = known.len();
-            let copy = *known.entry(name).or_insert(next);
+            let copy = numbers.of(name);
             whole.positions.extend(atoms.iter().map(|n| operator.apply(unit.positions[*n])));
             whole.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
             for (column, from) in whole.columns.iter_mut().zip(&unit.columns) {
                 match &column.name[..] {
-                    "copy" => column.values.extend(std::iter::repeat_n(copy as f64, atoms.len())),
+                    "copy" => column.values.extend(std::iter::repeat_n(copy, atoms.len())),
                     _ => column.values.extend(atoms.iter().map(|n| from.values[*n])),
                 }
             }
         }
     }
     Ok(whole)
+}
+
+/// The same assembly as operators over its atoms: the particles are the atoms of the first part, then of the second, each once,
+/// and [`Particles::placed`] has the copies of each part.
+///
+/// # Errors
+/// As [`build`].
+pub(super) fn keep_operators(
+    assembly: &Assembly,
+    unit: Particles,
+    chains: &[u32],
+    names: &[Vec<u8>],
+    file: &Place,
+) -> Result<Particles> {
+    let atoms = Members::of(chains, names)?;
+    total(assembly, &atoms, file)?;
+    let count = assembly.parts.iter().map(|part| atoms.count(part)).sum();
+    check_spheres(count, true)?;
+    let mut all = Particles { has: unit.has, skipped: unit.skipped, ..Particles::default() };
+    all.positions = room(count)?;
+    all.elements = room(count)?;
+    for column in &unit.columns {
+        all.columns.push(Column { name: column.name.clone(), values: room(count)? });
+    }
+    let mut numbers = CopyNumbers::default();
+    for part in &assembly.parts {
+        let atoms = atoms.of_part(part)?;
+        all.positions.extend(atoms.iter().map(|n| unit.positions[*n]));
+        all.elements.extend(atoms.iter().map(|n| unit.elements[*n]));
+        for (column, from) in all.columns.iter_mut().zip(&unit.columns) {
+            column.values.extend(atoms.iter().map(|n| from.values[*n]));
+        }
+        let operators = part.operators.iter().map(|(_, operator)| *operator).collect();
+        let copies = part.operators.iter().map(|(name, _)| numbers.of(name)).collect();
+        all.placed.push(PlacedPart { count: atoms.len(), operators, copies });
+    }
+    Ok(all)
+}
+
+/// The numbers of operators by their names, from 0 in the order of first occurrence.
+#[derive(Default)]
+struct CopyNumbers<'a>(HashMap<&'a str, usize>);
+
+impl<'a> CopyNumbers<'a> {
+    fn of(&mut self, name: &'a str) -> f64 {
+        let next = self.0.len();
+        *self.0.entry(name).or_insert(next) as f64
+    }
+}
+
+/// The number of atoms of an assembly.
+///
+/// # Errors
+/// [`Error::Scene`] for none.
+fn total(assembly: &Assembly, atoms: &Members<'_>, file: &Place) -> Result<u64> {
+    let copies = |part: &AssemblyPart| (part.operators.len() as u64).saturating_mul(atoms.count(part));
+    let total = assembly.parts.iter().map(copies).fold(0, u64::saturating_add);
+    if total == 0 {
+        let problem = format!("assembly {} has no atoms, because the file has none of its chains", quote(&assembly.id));
+        return Err(Error::scene(file.clone(), problem, "remove --assembly, or use another"));
+    }
+    Ok(total)
 }
 
 /// The atoms grouped by chain, so that the cost of parts with many operators and of files with many chains stays

@@ -5,10 +5,11 @@ use super::infer::{self, Inference, Inferred, Species};
 use super::left_out::LeftOut;
 use super::mixed::Mixed;
 use super::names::Names;
+use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use crate::error::{Error, Result};
 use crate::memory::{entries, extend_to};
-use crate::scene::{Cell, Skipped};
+use crate::scene::{Cell, Skipped, keep};
 use std::collections::BTreeMap;
 
 /// One frame of particles, as the file has them.
@@ -38,6 +39,8 @@ pub(crate) struct Particles {
     pub(crate) size: Vec<u16>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
+    /// The copies of the particles, where an assembly is kept as operators: parts that together are all particles.
+    pub(in crate::read) placed: Vec<PlacedPart>,
     /// Its time and step.
     pub(crate) when: FrameTime,
     /// Names that are not elements, with the number of their particles.
@@ -306,12 +309,6 @@ impl Particles {
         self.room = room;
         Ok(())
     }
-}
-
-/// Keeps the values whose flag is set; an empty list stays empty.
-pub(super) fn keep<T>(values: &mut Vec<T>, stays: &[bool]) {
-    let mut flags = stays.iter();
-    values.retain(|_| flags.next().copied().unwrap_or(true));
 }
 
 /// A file of particles, frame by frame.

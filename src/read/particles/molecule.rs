@@ -2,7 +2,6 @@
 
 use super::assembly::{self, Assembly};
 use super::atom_property::AtomProperty;
-use super::frame::keep;
 use super::infer::{self, AtomNames, Inference, is_site};
 use super::layout::named;
 use super::survey::Survey;
@@ -13,7 +12,7 @@ use crate::progress::Watch;
 use crate::quote::{quote, unquoted};
 use crate::read::format::Format;
 use crate::read::options::{Altloc, FrameRange, ReadOptions};
-use crate::scene::Cell;
+use crate::scene::{Cell, keep};
 use std::collections::HashMap;
 
 /// The options for reading molecules.
@@ -27,6 +26,8 @@ pub(super) struct MoleculeOptions {
     pub(super) assembly: Option<String>,
     /// Whether the symmetry of a crystal is not applied.
     pub(super) as_listed: bool,
+    /// Whether an assembly is kept as operators.
+    as_operators: bool,
     /// Cancellation.
     pub(super) watch: Watch,
     pub(super) survey: Option<Survey>,
@@ -52,6 +53,7 @@ impl MoleculeOptions {
             assembly: options.assembly.clone(),
             watch: options.watch.clone(),
             as_listed: options.as_listed,
+            as_operators: options.as_operators,
             survey: options.survey.clone(),
         }
     }
@@ -133,6 +135,7 @@ pub(super) struct Model {
     beaten: Vec<usize>,
     /// Bytes of both.
     ledger: Ledger,
+    as_operators: bool,
     watch: Watch,
     /// Inference of elements that the file does not give.
     inference: Inference,
@@ -163,6 +166,7 @@ impl Model {
             best: HashMap::new(),
             beaten: Vec::new(),
             ledger: Ledger::default(),
+            as_operators: choice.as_operators,
             watch: choice.watch.clone(),
             inference,
             // Copies are made of all atoms, and the highest occupancy is that of all alternatives.
@@ -295,6 +299,9 @@ impl Model {
             self.chains.iter_mut().for_each(|chains| keep(chains, &stays));
         }
         self.particles = match (copies, &self.chains) {
+            (Copies::Assembly(assembly), Some(chains)) if self.as_operators => {
+                assembly::keep_operators(assembly, self.particles, chains, names, file)?
+            }
             (Copies::Assembly(assembly), Some(chains)) => {
                 assembly::build(assembly, self.particles, chains, names, file, &self.watch)?
             }

@@ -1,14 +1,17 @@
 //! Spheres that a frame depends on though no ray may hit them: those whose numbers are the extremes of all.
 
+use crate::certify::sieve::Marks;
+use crate::double_double::ldexp;
 use crate::scene::Spheres;
+use crate::scene::instances::enclosure::Enclosure;
 use crate::view::size_from;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A sphere with its id.
+/// A sphere with its number.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Witness {
-    pub(super) id: u32,
+    pub(super) number: u64,
     pub(super) center: [f64; 3],
     pub(super) radius: f64,
     pub(super) color: Option<[f32; 3]>,
@@ -19,11 +22,16 @@ pub(super) struct Witness {
 pub(super) struct Witnesses {
     eye: DVec3,
     /// The greatest score of each kind, with its sphere.
-    best: [Option<(f64, Witness)>; SCORES + 2],
+    best: [Option<(f64, Witness)>; SCORES],
+    /// For every sieve the greatest of minus the depths and of the depths, and a general sphere.
+    ends: Vec<[Option<(f64, Witness)>; 2]>,
+    generals: Vec<Option<Witness>>,
+    /// The first spheres: plans depend on whether there are more than so many.
+    pub(super) first: Vec<Witness>,
 }
 
 /// Scores of a sphere: the size that the frame's unit depends on, and the box around all, each as a maximum.
-const SCORES: usize = 8;
+pub(super) const SCORES: usize = 8;
 
 /// Spheres that one job scores.
 const TOGETHER: usize = 1 << 12;
@@ -31,12 +39,11 @@ const TOGETHER: usize = 1 << 12;
 impl Witnesses {
     /// No spheres yet, seen from `eye`.
     pub(super) fn new(eye: DVec3) -> Self {
-        Self { eye, best: [None; SCORES + 2] }
+        Self { eye, best: [None; SCORES], ends: Vec::new(), generals: Vec::new(), first: Vec::new() }
     }
 
-    /// Takes the spheres of a block, whose first has the id `first`. `depths` are the least and the largest depth, with the
-    /// indices of their spheres, in the unit 2^`unit`.
-    pub(super) fn see(&mut self, block: &Spheres, first: u32, depths: Option<[(f64, u32); 2]>, unit: i32) {
+    /// Takes the spheres of a block, whose numbers `number` gives.
+    pub(super) fn see(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) {
         let eye = self.eye;
         let job = |(centers, radii): (&[[f64; 3]], &[f64])| {
             centers.iter().zip(radii).fold([f64::NEG_INFINITY; SCORES], |best, (center, radius)| {
@@ -51,28 +58,76 @@ impl Witnesses {
                 if self.best[k].is_none_or(|(known, _)| score > known) {
                     let mut range = n * TOGETHER..((n + 1) * TOGETHER).min(block.len());
                     let place = range.find(|n| scores(eye, block.centers[*n], block.radii[*n])[k] == score);
-                    self.best[k] = place.map(|place| (score, witness(block, first, place)));
+                    self.best[k] = place.map(|place| (score, witness(block, number(place), place)));
                 }
             }
         }
-        let scaled = |depth: f64| crate::double_double::ldexp(depth, unit);
-        let ends = depths.map(|[least, most]| [(-scaled(least.0), least.1), (scaled(most.0), most.1)]);
-        for (known, (score, place)) in self.best[SCORES..].iter_mut().zip(ends.into_iter().flatten()) {
-            if known.is_none_or(|(known, _)| score > known) {
-                *known = Some((score, witness(block, first, place as usize)));
-            }
+    }
+
+    /// Takes what every sieve found in a block. Depths are in the unit 2^`unit`.
+    pub(super) fn mark(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, marks: &[Marks], unit: i32) {
+        let of = |place: u32| witness(block, number(place as usize), place as usize);
+        if self.ends.len() < marks.len() {
+            self.ends.resize(marks.len(), [None; 2]);
+            self.generals.resize(marks.len(), None);
         }
+        for ((ends, general), marks) in self.ends.iter_mut().zip(&mut self.generals).zip(marks) {
+            let scaled = |depth: f64| ldexp(depth, unit);
+            let found = marks.depths.map(|[least, most]| [(-scaled(least.0), least.1), (scaled(most.0), most.1)]);
+            for (known, (score, place)) in ends.iter_mut().zip(found.into_iter().flatten()) {
+                if known.is_none_or(|(known, _)| score > known) {
+                    *known = Some((score, of(place)));
+                }
+            }
+            *general = general.or(marks.general.map(of));
+        }
+    }
+
+    /// The greatest score of a kind so far.
+    pub(super) fn score(&self, kind: usize) -> f64 {
+        self.best[kind].map_or(f64::NEG_INFINITY, |(score, _)| score)
+    }
+
+    /// An upper bound of it for the spheres in a box.
+    pub(super) fn bound(&self, kind: usize, around: &Enclosure) -> f64 {
+        let ([most, least], [least_r, most_r]) = (around.away(self.eye), around.radii);
+        match kind {
+            0 => most.max_element().max(most_r),
+            1 => -least.max_element().max(least_r),
+            2..5 => around.high[kind - 2] + most_r,
+            _ => most_r - around.low[(kind - 5).min(2)],
+        }
+    }
+
+    /// Minus the least depth so far of a sieve, and the largest.
+    pub(super) fn end(&self, sieve: usize, end: usize) -> f64 {
+        let known = self.ends.get(sieve).and_then(|ends| ends[end]);
+        known.map_or(f64::NEG_INFINITY, |(score, _)| score)
+    }
+
+    /// Whether a sphere was found that is general in this sieve.
+    pub(super) fn has_general(&self, sieve: usize) -> bool {
+        self.generals.get(sieve).is_some_and(Option::is_some)
     }
 
     /// All of them; one sphere may occur several times.
     pub(super) fn all(&self) -> impl Iterator<Item = Witness> + '_ {
-        self.best.iter().flatten().map(|(_, witness)| *witness)
+        let ends = self.ends.iter().flatten();
+        let generals = self.generals.iter().flatten().copied();
+        self.best
+            .iter()
+            .chain(ends)
+            .flatten()
+            .map(|(_, witness)| *witness)
+            .chain(generals)
+            .chain(self.first.iter().copied())
     }
 }
 
-fn witness(block: &Spheres, first: u32, place: usize) -> Witness {
+/// The sphere of a block at an index.
+pub(super) fn witness(block: &Spheres, number: u64, place: usize) -> Witness {
     Witness {
-        id: first + place as u32,
+        number,
         center: block.centers[place],
         radius: block.radii[place],
         color: block.colors.as_ref().map(|colors| colors[place]),

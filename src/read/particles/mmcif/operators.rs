@@ -7,9 +7,10 @@ use crate::error::{Error, Place, Result};
 use crate::memory::Ledger;
 use crate::quote::quote;
 use crate::read::lines::Spot;
-use crate::read::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, Operator, unknown};
+use crate::read::particles::assembly::{Assembly, AssemblyPart, MOST_OPERATORS, unknown};
 use crate::read::particles::molecule::cell;
 use crate::scene::Cell;
+use crate::scene::instances::Operator;
 use std::collections::HashMap;
 
 /// A value that is stored.

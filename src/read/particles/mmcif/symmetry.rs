@@ -7,10 +7,10 @@ use crate::memory::{check, check_spheres};
 use crate::progress::Watch;
 use crate::quote::{quote, unquoted};
 use crate::read::lines::Spot;
-use crate::read::particles::assembly::Operator;
 use crate::read::particles::{Column, Particles};
 use crate::read::style::elements::atomic_number;
 use crate::scene::Cell;
+use crate::scene::instances::Operator;
 use rayon::prelude::*;
 use std::collections::HashSet;
 

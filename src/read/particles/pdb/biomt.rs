@@ -5,7 +5,8 @@ use crate::error::{Error, Result};
 use crate::memory::Ledger;
 use crate::quote::{quote, unquoted};
 use crate::read::lines::{Lines, Words};
-use crate::read::particles::assembly::{Assembly, AssemblyPart, Operator};
+use crate::read::particles::assembly::{Assembly, AssemblyPart};
+use crate::scene::instances::Operator;
 use std::io::BufRead;
 
 /// The part of the remark that was read.

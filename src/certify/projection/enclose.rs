@@ -1,0 +1,120 @@
+//! Bounds of the projections of all spheres in a box, so that the group passes without them. Every bound is the operations of
+//! project.rs at the ends of their operands: f64 rounds monotonically, so they bound the rounded numbers of every sphere.
+//! docs/certificate.md, section 11, derives what follows.
+
+use super::project::{Aim, below, floor, larger, smaller};
+use super::{INFLATE, LONGEST, ProjectionBounds, RANGE, STEEPEST, U, U64, WIDEST};
+use crate::certify::tiles::Bin;
+use crate::scene::instances::enclosure::Enclosure;
+
+/// What the spheres in a box are to a frame.
+pub(in crate::certify) enum Enclosed {
+    /// Each of them is behind the eye plane, or is projected outside of the image.
+    Unseen,
+    /// None is general. The tiles of each that is projected are among these, and its least depth is no smaller.
+    Projected(Bin),
+    /// They may be anything.
+    Unknown,
+}
+
+/// How far beside all rays a box must lie, relative to its distance, for every bound of the kernel to prove that they miss:
+/// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`.
+const ASIDE: f64 = 1.0 / 16.0;
+const NARROW: f64 = 16.0;
+
+/// More than the rounding of the f64 expressions whose operands are not joined monotonically: 2^-50 and less.
+const SLACK: f64 = 1.0 / (1u64 << 44) as f64;
+
+/// Pixels that the place of a projected centre may move by when it is computed in double-double, beside its bound.
+const MOVED: f64 = 1.0 / (1 << 20) as f64;
+
+impl ProjectionBounds {
+    /// The least and the largest depth of the centres, in the frame's unit, as they are computed.
+    pub(in crate::certify) fn depths(&self, around: &Enclosure) -> [f64; 2] {
+        around.along(self.rotation.axes[2], self.rotation.eye)
+    }
+
+    /// The sum of the largest |c - e| along each axis of the world.
+    fn away(&self, around: &Enclosure) -> f64 {
+        let most = around.away(self.rotation.eye)[0];
+        most.x + most.y + most.z
+    }
+
+    /// What the spheres in a box are to the frame.
+    pub(in crate::certify) fn enclose(&self, around: &Enclosure) -> Enclosed {
+        let [x, y, [near, far]] = self.rotation.axes.map(|axis| around.along(axis, self.rotation.eye));
+        let [least_r, most_r] = around.radii.map(|radius| radius * self.to_frame);
+        let error = self.rotated * self.away(around);
+        let size = |[low, high]: [f64; 2]| larger(high.abs(), low.abs());
+        let deepest = size([near, far]);
+        if far + most_r + error + 2.0 * U64 * (deepest + most_r) < 0.0 {
+            return Enclosed::Unseen;
+        }
+        let lengths2 = size(x) * size(x) + size(y) * size(y) + far * far;
+        let in_front = near > 1.001 * most_r
+            && near * near > 4.0 * most_r * most_r
+            && lengths2 < 4096.0 * near * near
+            && self.widest <= WIDEST;
+        if !(in_front || self.parallel) {
+            return Enclosed::Unknown;
+        }
+        let inverse = if self.parallel { [1.0; 2] } else { [1.0 / far, 1.0 / near] };
+        let rho = [least_r * inverse[0] * self.per_unit, most_r * inverse[1] * self.per_unit];
+        let blurred = self.blurred(rho[1]);
+        let ranged = rho[0] >= RANGE[0]
+            && rho[1] < RANGE[1]
+            && self.length(near) >= RANGE[0]
+            && self.length(far) < RANGE[1]
+            && self.total(rho[1], blurred)[0] * self.scale[0] <= STEEPEST;
+        // The quotients of the centres' coordinates and depths.
+        let q =
+            [x, y].map(|[low, high]| [low * inverse[usize::from(low < 0.0)], high * inverse[usize::from(high >= 0.0)]]);
+        let blur = self.blur(error * inverse[1], q.map(size));
+        if !(ranged && blur <= LONGEST) {
+            return Enclosed::Unknown;
+        }
+        let moved = 2.0 * blur + MOVED;
+        let (mut tiles, mut seen, mut outside) = ([[0; 2]; 2], true, false);
+        for k in 0..2 {
+            let [a, b] = q[k].map(|q| self.place(q, k));
+            let place = [smaller(a, b) - moved, larger(a, b) + moved];
+            let half = self.extent(rho[1], self.edge[k], k);
+            let first = -floor(-larger(place[0] - half, self.corner[k]));
+            let last = floor(smaller(place[1] + half, self.end[k] - 1.0));
+            seen &= first <= last;
+            outside |= size(place) >= self.farthest;
+            if first <= last {
+                tiles[k] = [first, last].map(|pixel| floor((pixel - self.corner[k] + 0.5) * self.per_tile) as u32);
+            }
+        }
+        if !seen {
+            return Enclosed::Unseen;
+        }
+        if outside {
+            return Enclosed::Unknown;
+        }
+        let depth_error = error + U64 * deepest;
+        let aim = Aim { rho: rho[1], blurred, reach: self.reach(rho[1]), depth: far, depth_error, ..Aim::default() };
+        let low = near - self.depth_error(&aim, deepest);
+        let low = f64::from(below(low - low.abs() * SLACK));
+        let most = INFLATE * (rho[1] + blurred) * self.length(far);
+        let least = low - most - 2.0 * U * (larger(low.abs(), deepest) + most);
+        Enclosed::Projected(Bin { chunk_min_depth: below(least - least.abs() * SLACK), tiles })
+    }
+
+    /// Whether every kernel proves for every ray that it misses each sphere in the box, whichever form the sphere has, and
+    /// none of them is projected onto the image.
+    pub(in crate::certify) fn misses(&self, around: &Enclosure) -> bool {
+        if self.parallel || self.widest > NARROW {
+            return false;
+        }
+        let radius = around.radii[1] * self.to_frame;
+        let distance = self.away(around) * self.to_frame + radius;
+        let [right, up, ahead] = self.rotation.axes;
+        [right, up].into_iter().zip(self.edge).any(|(axis, edge)| {
+            // Points of rays are within |axis| <= edge ahead. Projected spheres are widened by no more than this.
+            let apart = radius * (1.0 + 0.5 * edge * edge) * (1.0 + ASIDE) + ASIDE * distance * edge.hypot(1.0);
+            [axis, -axis].into_iter().any(|side| around.along(side - edge * ahead, self.rotation.eye)[0] > apart)
+        })
+    }
+}

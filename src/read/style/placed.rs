@@ -1,0 +1,76 @@
+//! The style of particles whose copies are operators: radii and colours per particle, and colours by copy per operator.
+
+use super::{Coloring, Legend, Style};
+use crate::error::{Error, Place, Result};
+use crate::read::particles::{Column, Particles};
+use crate::scene::instances::Instances;
+use crate::scene::{Skipped, Spheres};
+use std::ops::Range;
+
+impl Style {
+    /// Turns particles with copies into spheres with copies, as [`Style::dress`] does with all copies.
+    ///
+    /// # Errors
+    /// Those of [`Style::dress`]; [`Error::Settings`] where radii or colours depend on the places of copies.
+    pub(in crate::read) fn dress_placed(
+        &self,
+        mut particles: Particles,
+        file: &Place,
+    ) -> Result<(Instances, Skipped, Option<Legend>)> {
+        let placed = std::mem::take(&mut particles.placed);
+        self.check_placed(&particles)?;
+        let by_copy = self.columns().iter().any(|name| name.eq_ignore_ascii_case("copy"));
+        let (mut tints, mut legend) = (None, None);
+        let style = match &self.coloring {
+            Coloring::Column(scale) if by_copy => {
+                // One particle for every copy has the colours, and the legend, of all.
+                let values: Vec<f64> = placed.iter().flat_map(|part| part.copies.iter().copied()).collect();
+                let columns = vec![Column { name: "copy".into(), values }];
+                let positions = vec![[0.0; 3]; columns[0].values.len()];
+                let one = Particles { positions, columns, has: particles.has.clone(), ..Particles::default() };
+                let (colors, found) = scale.apply(&one, &mut particles.skipped)?;
+                (tints, legend) = (Some(colors), found);
+                Self { coloring: Coloring::One([0.0; 3]), ..self.clone() }
+            }
+            _ => self.clone(),
+        };
+        let (spheres, skipped, other) = style.dress(particles, file)?;
+        let (mut sets, mut first, mut copy) = (Vec::new(), 0, 0);
+        for part in placed {
+            let (range, copies) = (first..first + part.count, copy..copy + part.operators.len());
+            (first, copy) = (range.end, copies.end);
+            let tints = tints.as_ref().map(|tints| tints[copies].to_vec());
+            sets.push((part_of(&spheres, range, tints.is_none()), part.operators, tints));
+        }
+        Ok((Instances::by_operators(sets)?, skipped, legend.or(other)))
+    }
+
+    /// Refuses what depends on the places of copies.
+    fn check_placed(&self, particles: &Particles) -> Result<()> {
+        let is = |names: &[&str]| {
+            self.columns().iter().any(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)))
+        };
+        let has = |name: &str| particles.has.iter().any(|known| known.eq_ignore_ascii_case(name));
+        let (problem, mend) = if self.default_radius.is_none() && self.spacing_of(particles).is_some() {
+            ("the file has no radii, and half the mean spacing needs all copies", "add --radius, or remove --stream")
+        } else if ["x", "y", "z"].iter().any(|axis| is(&[axis]) && !has(axis)) {
+            ("colours by coordinates need all copies in memory", "colour by another column, or remove --stream")
+        } else if is(&["copy"]) && self.columns().len() > 1 {
+            ("colours by the copy and other columns need all copies in memory", "use one column, or remove --stream")
+        } else {
+            return Ok(());
+        };
+        Err(Error::settings(format!("--stream: {problem}"), mend))
+    }
+}
+
+/// Some of the spheres, with their colours or without.
+fn part_of(spheres: &Spheres, range: Range<usize>, colored: bool) -> Spheres {
+    let colors = spheres.colors.as_ref().filter(|_| colored).map(|colors| colors[range.clone()].to_vec().into());
+    Spheres {
+        centers: spheres.centers[range.clone()].to_vec().into(),
+        radii: spheres.radii[range].to_vec().into(),
+        colors,
+        materials: None,
+    }
+}

@@ -1,0 +1,70 @@
+//! The spheres that a stream keeps, with their numbers.
+
+use super::witness::Witness;
+use crate::error::Result;
+use crate::memory::{check, reserve};
+use crate::scene::{Spheres, keep};
+
+/// Spheres with their numbers in the stream.
+#[derive(Default)]
+pub(super) struct Kept {
+    pub(super) numbers: Vec<u64>,
+    pub(super) spheres: Spheres,
+}
+
+impl Kept {
+    /// Adds the spheres of a block with these indices, whose numbers `number` gives.
+    pub(super) fn add(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, indices: &[u32]) -> Result<()> {
+        reserve(&mut self.numbers, indices.len())?;
+        self.spheres.grow(indices.len(), block.colors.is_some())?;
+        let indices = || indices.iter().map(|n| *n as usize);
+        self.numbers.extend(indices().map(number));
+        self.spheres.centers.to_mut().extend(indices().map(|n| block.centers[n]));
+        self.spheres.radii.to_mut().extend(indices().map(|n| block.radii[n]));
+        if let Some(colors) = &block.colors {
+            self.spheres.colors.get_or_insert_default().to_mut().extend(indices().map(|n| colors[n]));
+        }
+        Ok(())
+    }
+
+    /// Keeps the spheres whose flag is set.
+    pub(super) fn keep(&mut self, flags: &[bool]) {
+        keep(&mut self.numbers, flags);
+        self.spheres.keep(flags);
+    }
+
+    /// The same with a few more spheres, in the order of their numbers.
+    pub(super) fn with(mut self, more: impl Iterator<Item = Witness>) -> Result<Self> {
+        self.sort()?;
+        let known = self.numbers.len();
+        for Witness { number, center, radius, color } in more {
+            if self.numbers[..known].binary_search(&number).is_err() && !self.numbers[known..].contains(&number) {
+                self.spheres.add(center, radius, color)?;
+                self.numbers.push(number);
+            }
+        }
+        self.sort()?;
+        Ok(self)
+    }
+
+    /// Sorts the spheres by number.
+    fn sort(&mut self) -> Result<()> {
+        if self.numbers.is_sorted() {
+            return Ok(());
+        }
+        let count = self.numbers.len() as u64;
+        check(count * 36, || format!("the order of {count} spheres"))?;
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.sort_by_key(|n| self.numbers[*n as usize]);
+        fn sorted<T: Copy>(values: &mut Vec<T>, order: &[u32]) {
+            *values = order.iter().map(|n| values[*n as usize]).collect();
+        }
+        sorted(&mut self.numbers, &order);
+        sorted(self.spheres.centers.to_mut(), &order);
+        sorted(self.spheres.radii.to_mut(), &order);
+        if let Some(colors) = &mut self.spheres.colors {
+            sorted(colors.to_mut(), &order);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,212 @@
+//! How copies of a set of spheres are placed: by whole edges of a cell, or by rotations and translations.
+
+use super::enclosure::Enclosure;
+use glam::DVec3;
+
+/// A rotation and a translation: three rows of a matrix, each followed by its translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Operator(pub [[f64; 4]; 3]);
+
+impl Operator {
+    /// The image of a point.
+    #[must_use]
+    pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
+        self.0.map(|[a, b, c, d]| a * p[0] + b * p[1] + c * p[2] + d)
+    }
+
+    /// The product: first `other`, then this.
+    #[must_use]
+    pub fn after(&self, other: &Self) -> Self {
+        Self(self.0.map(|row| {
+            let column = |k: usize| (0..3).map(|j| row[j] * other.0[j][k]).sum::<f64>();
+            [column(0), column(1), column(2), column(3) + row[3]]
+        }))
+    }
+
+    /// What encloses the images of everything in `enclosure`, as [`Operator::apply`] rounds them.
+    fn image(&self, enclosure: &Enclosure) -> Enclosure {
+        let (low, high) = (enclosure.low.to_array(), enclosure.high.to_array());
+        let corner = |row: [f64; 4], ends: [[f64; 3]; 2]| {
+            let at = |k: usize| row[k] * ends[usize::from(row[k] < 0.0)][k];
+            at(0) + at(1) + at(2) + row[3]
+        };
+        let [low, high] = [[low, high], [high, low]].map(|ends| self.0.map(|row| corner(row, ends)));
+        Enclosure { low: DVec3::from_array(low), high: DVec3::from_array(high), radii: enclosure.radii }
+    }
+}
+
+/// Copies along the edges of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lattice {
+    /// Copies along each edge, the original included.
+    pub(crate) copies: [u32; 3],
+    pub(crate) edges: [DVec3; 3],
+}
+
+impl Lattice {
+    /// The number of copies.
+    pub(crate) fn count(&self) -> u64 {
+        self.copies.iter().fold(1, |n: u64, k| n.saturating_mul(u64::from(*k)))
+    }
+
+    /// The place of copy number `copy` along the edges; that along the first edge grows fastest.
+    pub(crate) fn place(&self, copy: u64) -> [u32; 3] {
+        let [na, nb, _] = self.copies.map(u64::from);
+        [copy % na, copy / na % nb, copy / na / nb].map(|n| n as u32)
+    }
+
+    /// How far the copy at this place is moved.
+    pub(crate) fn shift(&self, place: [u32; 3]) -> DVec3 {
+        let ([i, j, k], [a, b, c]) = (place.map(f64::from), self.edges);
+        i * a + j * b + k * c
+    }
+
+    /// What encloses the copies of everything in `enclosure` at these places; the ends of ranges are excluded.
+    fn image(&self, places: &[[u32; 2]; 3], enclosure: &Enclosure) -> Enclosure {
+        // Each coordinate of a shift is monotonic in each of the three numbers.
+        let ends = [false, true].map(|most| {
+            let axis = |axis: usize| {
+                let at = |edge: usize| {
+                    let [first, end] = places[edge];
+                    let forward = self.edges[edge][axis] >= 0.0;
+                    if forward == most { end - 1 } else { first }
+                };
+                self.shift([at(0), at(1), at(2)])[axis]
+            };
+            DVec3::new(axis(0), axis(1), axis(2))
+        });
+        Enclosure { low: enclosure.low + ends[0], high: enclosure.high + ends[1], radii: enclosure.radii }
+    }
+}
+
+/// The copies of a set of spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Placement {
+    Lattice(Lattice),
+    Operators(Vec<Operator>),
+}
+
+/// Some of the copies of a placement; the ends of ranges are excluded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Copies {
+    Places([[u32; 2]; 3]),
+    Numbers([u32; 2]),
+}
+
+impl Copies {
+    /// How many.
+    pub(crate) fn count(&self) -> u64 {
+        let length = |[first, end]: [u32; 2]| u64::from(end - first);
+        match self {
+            Self::Places(places) => places.iter().map(|range| length(*range)).product(),
+            Self::Numbers(range) => length(*range),
+        }
+    }
+}
+
+impl Placement {
+    /// The number of copies.
+    pub(crate) fn count(&self) -> u64 {
+        match self {
+            Self::Lattice(lattice) => lattice.count(),
+            Self::Operators(operators) => operators.len() as u64,
+        }
+    }
+
+    /// All copies.
+    pub(crate) fn all(&self) -> Copies {
+        match self {
+            Self::Lattice(lattice) => Copies::Places(lattice.copies.map(|n| [0, n])),
+            Self::Operators(operators) => Copies::Numbers([0, operators.len() as u32]),
+        }
+    }
+
+    /// What encloses these copies of everything in `enclosure`.
+    pub(crate) fn image(&self, copies: &Copies, enclosure: &Enclosure) -> Enclosure {
+        match (self, copies) {
+            (Self::Lattice(lattice), Copies::Places(places)) => lattice.image(places, enclosure),
+            (Self::Operators(operators), Copies::Numbers([first, end])) => {
+                let images = operators[*first as usize..*end as usize].iter().map(|operator| operator.image(enclosure));
+                images.fold(Enclosure::NOTHING, |all, image| all.with(&image))
+            }
+            _ => Enclosure::NOTHING,
+        }
+    }
+
+    /// Calls `each` with the number of every one of these copies, in order, and the function that places its centres.
+    pub(crate) fn each(&self, copies: &Copies, mut each: impl FnMut(u64, &dyn Fn([f64; 3]) -> [f64; 3])) {
+        match (self, copies) {
+            (Self::Lattice(lattice), Copies::Places([columns, rows, layers])) => {
+                let [na, nb, _] = lattice.copies.map(u64::from);
+                for (k, j) in (layers[0]..layers[1]).flat_map(|k| (rows[0]..rows[1]).map(move |j| (k, j))) {
+                    for i in columns[0]..columns[1] {
+                        let shift = lattice.shift([i, j, k]);
+                        let number = (u64::from(k) * nb + u64::from(j)) * na + u64::from(i);
+                        each(number, &|center| (DVec3::from_array(center) + shift).to_array());
+                    }
+                }
+            }
+            (Self::Operators(operators), Copies::Numbers([first, end])) => {
+                for n in *first..*end {
+                    each(n.into(), &|center| operators[n as usize].apply(center));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The copy with this number.
+    pub(crate) fn one(&self, copy: u64) -> Copies {
+        match self {
+            Self::Lattice(lattice) => Copies::Places(lattice.place(copy).map(|n| [n, n + 1])),
+            Self::Operators(_) => Copies::Numbers([copy as u32, copy as u32 + 1]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every rounded image lies in the rounded box, whose sides are those of some corner: nothing could be narrower.
+    #[test]
+    fn boxes_of_copies_contain_every_copy_without_a_margin() {
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        for case in 0..200 {
+            let scale = 10f64.powi(case % 9 - 4);
+            let mut vector = || [random() * scale, random() * scale, random() * scale];
+            let points: Vec<[f64; 3]> = (0..40).map(|_| vector()).collect();
+            let around = points.iter().fold(Enclosure::NOTHING, |all, p| all.with(&Enclosure::of(*p, 1.0)));
+            let lattice = Lattice { copies: [5, 4, 3], edges: [vector(), vector(), vector()].map(DVec3::from_array) };
+            let rows = [vector(), vector(), vector()].map(|[a, b, c]| [a, b, c, a + b]);
+            let placements = [
+                (Placement::Lattice(lattice), Copies::Places([[1, 5], [0, 3], [1, 3]])),
+                (Placement::Operators(vec![Operator(rows); 3]), Copies::Numbers([1, 3])),
+            ];
+            for (placement, copies) in placements {
+                let image = placement.image(&copies, &around);
+                let (mut found, mut count) = (Enclosure::NOTHING, 0);
+                placement.each(&copies, |_, place| {
+                    count += 1;
+                    for corner in (0..8).map(|n| {
+                        let (low, high) = (around.low, around.high);
+                        let side = |k: usize| if n >> k & 1 == 0 { low[k] } else { high[k] };
+                        [side(0), side(1), side(2)]
+                    }) {
+                        found = found.with(&Enclosure::of(place(corner), 1.0));
+                    }
+                    for p in &points {
+                        let at = DVec3::from_array(place(*p));
+                        assert!(image.low.cmple(at).all() && at.cmple(image.high).all(), "case {case}: {at}");
+                    }
+                });
+                assert_eq!(count, copies.count());
+                assert_eq!((found.low, found.high), (image.low, image.high), "case {case}");
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Extremes over all spheres of copies, by branch and bound.
+
+use super::{Group, Instances, Numbered};
+use crate::error::Result;
+use crate::progress::Watch;
+use crate::scene::instances::enclosure::Enclosure;
+use glam::DVec3;
+
+impl Instances {
+    /// Finds the spheres with the greatest score. `bound` is no less than the score of any sphere in a box, and
+    /// -infinity where it does not matter; `score` sees spheres and returns the greatest score so far. Groups whose bound
+    /// is not above that are passed.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
+    pub(crate) fn search(
+        &self,
+        watch: &Watch,
+        bound: impl Fn(&Enclosure) -> f64,
+        mut score: impl FnMut(&Numbered) -> f64,
+    ) -> Result<()> {
+        let of = |group: Group| {
+            let around = self.enclosure(&group);
+            let bound = if self.clips(&around) == Some(false) { f64::NEG_INFINITY } else { bound(&around) };
+            (bound, group)
+        };
+        let mut open: Vec<(f64, Group)> = self.whole().into_iter().map(of).collect();
+        open.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut best, mut parts, mut found) = (f64::NEG_INFINITY, Vec::new(), Numbered::default());
+        while let Some((bound, group)) = open.pop() {
+            if bound <= best {
+                continue;
+            }
+            parts.clear();
+            if self.divide(&group, &mut parts) {
+                let first = open.len();
+                open.extend(parts.iter().map(|group| of(*group)));
+                open[first..].sort_by(|a, b| a.0.total_cmp(&b.0));
+                continue;
+            }
+            watch.check()?;
+            found.clear();
+            self.spheres_of(&group, &mut found);
+            best = best.max(score(&found));
+        }
+        Ok(())
+    }
+
+    /// The least n.(c - p) - r of all spheres; infinite without any.
+    ///
+    /// # Errors
+    /// As [`Instances::search`].
+    pub(crate) fn least_along(&self, watch: &Watch, normal: DVec3, from: DVec3) -> Result<f64> {
+        let mut least = f64::INFINITY;
+        let bound = |around: &Enclosure| -(around.along(normal, from)[0] - around.radii[1]);
+        self.search(watch, bound, |found| {
+            let each = found.spheres.centers.iter().zip(&found.spheres.radii);
+            least = each.map(|(c, r)| normal.dot(DVec3::from_array(*c) - from) - r).fold(least, f64::min);
+            -least
+        })?;
+        Ok(least)
+    }
+
+    /// The corners of the box around all spheres; not finite for none. The same numbers as
+    /// [`Spheres::bounds`](crate::Spheres::bounds) of all of them.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
+    pub fn bounds(&self, watch: &Watch) -> Result<[DVec3; 2]> {
+        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for axis in 0..3 {
+            for end in 0..2 {
+                let bound = |around: &Enclosure| match end {
+                    0 => -(around.low[axis] - around.radii[1]),
+                    _ => around.high[axis] + around.radii[1],
+                };
+                self.search(watch, bound, |found| {
+                    let [low, high] = found.spheres.bounds();
+                    bounds = [bounds[0].min(low), bounds[1].max(high)];
+                    if end == 0 { -bounds[0][axis] } else { bounds[1][axis] }
+                })?;
+            }
+        }
+        Ok(bounds)
+    }
+}
+
+impl Numbered {
+    /// Removes all spheres, and keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.numbers.clear();
+        self.spheres.centers.to_mut().clear();
+        self.spheres.radii.to_mut().clear();
+        if let Some(colors) = &mut self.spheres.colors {
+            colors.to_mut().clear();
+        }
+    }
+}
