@@ -210,7 +210,8 @@ impl Render {
                 let why = format!("{problem}: the file is read as a stream (see --stream)");
                 // A scene that cannot be a stream is one that does not fit.
                 streamed(Some(why)).map_err(|error| match error {
-                    Error::Settings { .. } | Error::Limits { .. } => Error::Limits { problem, mend },
+                    Error::Settings { .. } => Error::Limits { problem, mend },
+                    Error::Limits { mend, .. } => Error::Limits { problem, mend },
                     other => other,
                 })
             }

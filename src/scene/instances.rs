@@ -10,7 +10,7 @@ mod search;
 
 use super::Spheres;
 use crate::error::{Error, Place, Result};
-use crate::memory::check_wide_ids;
+use crate::memory::{check_wide_ids, ids_fit};
 use clusters::{Clusters, longest};
 use enclosure::Enclosure;
 use glam::DVec3;
@@ -121,6 +121,12 @@ impl Instances {
     #[must_use]
     pub fn total(&self) -> u64 {
         self.total
+    }
+
+    /// Whether ids of so many need 64 bits.
+    #[must_use]
+    pub fn are_wide(&self) -> bool {
+        !ids_fit(self.total)
     }
 
     /// Everything that determines the spheres, for a fingerprint.

@@ -208,8 +208,21 @@ impl<'a> Source<'a> {
             Some(instances) => instances.clipped(&self.arrangement.clip),
             None => self.arrangement.copies(&scene.spheres, cell.as_ref())?,
         };
+        if self.is_by_itself() && instances.are_wide() {
+            let problem = format!("{} spheres are more than 32-bit ids can number", instances.total());
+            return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
+        }
         self.say_why();
         Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when } }))
+    }
+
+    /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
+    /// reasonable time.
+    fn is_by_itself(&self) -> bool {
+        let why = self.why.take();
+        let is_some = why.is_some();
+        self.why.set(why);
+        is_some
     }
 
     fn say_why(&self) {
