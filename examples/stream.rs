@@ -21,6 +21,7 @@ fn main() -> Result<()> {
         let mend = "use cargo run --release --example stream -- FOLDER FILE.npy ...";
         return Err(Error::settings("no folder for the plot and no file is given", mend));
     };
+    std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
     println!("| file | spheres | read, s | read and sifted, s | ratio of the rates | kept | frame, s | peak, MB |");
     println!("|---|---|---|---|---|---|---|---|");
     let rows = files.iter().map(|file| row(file)).collect::<Result<Vec<Row>>>()?;
