@@ -130,6 +130,11 @@ impl Kernel {
         Self { winners: true, shade: None, colors: false, t: false, normal: false, depth_interval: false, ..self }
     }
 
+    /// The rows of a tile that an invocation renders: as many as shaders/certify/search_column.wgsl has.
+    pub(crate) fn rows(&self) -> u32 {
+        if self.winners { 4 } else { 1 }
+    }
+
     /// Whether normals are computed, as an output or for shading.
     pub(crate) fn has_normals(&self) -> bool {
         self.normal || self.shade.is_some_and(|shade| shade != Shade::Flat)

@@ -9,7 +9,7 @@ fn nearest(ray: Ray, tile: vec3<u32>) -> Hit {
     var found = Found(no_hit(), NONE);
     for (var n = 0u; n < generals + range.y - range.x; n += CHUNK) {
         let first = select(range.x + n - generals, n, n < generals);
-        let behind = to_hi(found.hit.t) < bitcast<f32>(lists[limits + first / CHUNK]);
+        let behind = to_hi(found.hit.t) < bitcast<f32>(shared_entry(limits + first / CHUNK));
         if (all_of_subgroup(behind)) {
             break;
         }

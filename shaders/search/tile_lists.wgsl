@@ -5,16 +5,31 @@
 // relative to the reference depth; otherwise of t. Then the tiles' general spheres, by their places in `others`.
 @group(0) @binding(BIND_LISTS) var<storage, read> lists: array<u32>;
 
+// lists[n], for a subgroup.
+fn shared_entry(n: u32) -> u32 {
+    var entry = 0u;
+    if (leads()) {
+        entry = lists[n];
+    }
+    return of_leader(vec4<u32>(entry, 0u, 0u, 0u)).x;
+}
+
+fn shared_range(n: u32) -> vec2<u32> {
+    var range = vec2<u32>(0u, 0u);
+    if (leads()) {
+        range = vec2<u32>(lists[n], lists[n + 1u]);
+    }
+    return of_leader(vec4<u32>(range, 0u, 0u)).xy;
+}
+
 // A tile's first entry, and the one past its last.
 fn tile_list(tile: vec3<u32>) -> vec2<u32> {
-    let list = 4u * (tile.y * tile_columns() + tile.x);
-    return vec2<u32>(lists[list], lists[list + 1u]);
+    return shared_range(4u * (tile.y * tile_columns() + tile.x));
 }
 
 // The places in lists of a tile's first general sphere, and of the one past its last.
 fn tile_generals(tile: vec3<u32>) -> vec2<u32> {
-    let list = 4u * (tile.y * tile_columns() + tile.x) + 2u;
-    return vec2<u32>(lists[list], lists[list + 1u]);
+    return shared_range(4u * (tile.y * tile_columns() + tile.x) + 2u);
 }
 
 // The first index of the chunks' bounds in lists.

@@ -3,7 +3,7 @@
 var<private> lane: u32;
 var<private> lanes: u32;
 
-@compute @workgroup_size(GROUP)
+@compute @workgroup_size(GROUP / ROWS)
 fn main(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) index: u32,
@@ -17,4 +17,14 @@ fn main(
 
 fn all_of_subgroup(yes: bool) -> bool {
     return subgroupAll(yes);
+}
+
+// What all invocations of a subgroup read is loaded by one of them, because software adapters load lane by lane.
+fn leads() -> bool {
+    return lane == 0u;
+}
+
+// Its value.
+fn of_leader(v: vec4<u32>) -> vec4<u32> {
+    return subgroupBroadcast(v, 0u);
 }

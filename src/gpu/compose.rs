@@ -28,7 +28,7 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 59] = files![
+const FILES: [(&str, &str); 63] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
@@ -37,7 +37,8 @@ const FILES: [(&str, &str); 59] = files![
     "search/tree_nearest.wgsl"
     "share/no_subgroup.wgsl" "share/subgroup.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
-    "certify/general_lists.wgsl" "certify/no_general.wgsl" "certify/nearest_two.wgsl" "certify/certify_winner.wgsl"
+    "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
+    "certify/nearest_two.wgsl" "certify/search_ray.wgsl" "certify/search_column.wgsl" "certify/certify_winner.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
     "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/winners.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
@@ -187,18 +188,22 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
 /// The search for the closest hit with its certificate.
 fn certify(kernel: &Kernel, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
+    let by = match kernel.winners {
+        true => "certify/general_column.wgsl",
+        false => "certify/general_ray.wgsl",
+    };
     match kernel.generals {
         Generals::None => parts.extend(files(["certify/no_general.wgsl"])),
         Generals::Few(count) => {
-            parts.extend(files(["certify/general.wgsl"]));
+            parts.extend(files(["certify/general.wgsl", by]));
             parts.push(few_generals(count));
         }
-        Generals::Lists => parts.extend(files(["certify/general.wgsl", "certify/general_lists.wgsl"])),
+        Generals::Lists => parts.extend(files(["certify/general.wgsl", by, "certify/general_lists.wgsl"])),
     }
     parts.extend(files(["certify/nearest_two.wgsl"]));
     match kernel.winners {
-        true => parts.extend(files(["main/winners.wgsl"])),
-        false => parts.extend(files(["certify/certify_winner.wgsl", "main/certified.wgsl"])),
+        true => parts.extend(files(["certify/search_column.wgsl", "main/winners.wgsl"])),
+        false => parts.extend(files(["certify/search_ray.wgsl", "certify/certify_winner.wgsl", "main/certified.wgsl"])),
     }
 }
 
@@ -214,6 +219,8 @@ fn certify_given(kernel: &Kernel, parts: &mut Vec<Part>) {
 
 /// The entry point, and how a chunk of records is loaded and tested.
 fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
+    let rows = format!("const ROWS: u32 = {}u; // of a tile that an invocation renders\n", kernel.rows());
+    parts.push(emitted("emitted: rows", rows));
     if !kernel.shares() {
         return parts.extend(files(["share/no_subgroup.wgsl"]));
     }
@@ -288,7 +295,7 @@ fn few_generals(count: u32) -> Part {
     let (mut tests, mut others) = (String::new(), String::new());
     for n in 0..count {
         let general = format!("general_of({})", record(n).join(", "));
-        tests += &format!("    k = with_candidate(k, general_low(s, {general}), GENERAL | {n}u);\n");
+        tests += &format!("    k = test_general(s, k, {general}, {n}u);\n");
         if n > 0 {
             let parts = ["a", "b", "c", "d"].into_iter().zip(record(n));
             let parts: String = parts.map(|(part, from)| format!(" {part} = {from};")).collect();
@@ -298,8 +305,8 @@ fn few_generals(count: u32) -> Part {
     let text = format!(
         "@group(0) @binding(BIND_NEAR) var<uniform> near: array<vec4<i32>, {}>;
 
-fn nearest_two_generals(s: Slopes, tile: vec3<u32>) -> NearestTwo {{
-    var k = NearestTwo(BEYOND, BEYOND, NONE);
+fn nearest_two_generals(s: Searcher, start: Best, tile: vec3<u32>) -> Best {{
+    var k = start;
 {tests}    return k;
 }}
 

@@ -316,7 +316,7 @@ mod tests {
         for kernel in kernels() {
             let (module, _) = module(&kernel);
             assert_eq!(module.entry_points.len(), 1, "{kernel:?}");
-            assert_eq!(module.entry_points[0].workgroup_size, [GROUP, 1, 1], "{kernel:?}");
+            assert_eq!(module.entry_points[0].workgroup_size, [GROUP / kernel.rows(), 1, 1], "{kernel:?}");
             if kernel.rays == RaySource::Camera {
                 assert_eq!(constant(&module, "TILE"), f64::from(TILE), "{kernel:?}");
             }
