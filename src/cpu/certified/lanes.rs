@@ -1,0 +1,284 @@
+//! The rays of a strip: the search and the certificate, in loops over lanes.
+
+#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+
+use super::vector::{LANES, mask, pick};
+use crate::answers::raw::Raw;
+use crate::certify::constants::BEYOND;
+use crate::certify::general::{general_answer, general_low};
+use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
+use crate::certify::tiles::{NO_DETAIL, NOTHING};
+use crate::certify::{Answer, Certify, GENERAL, Slopes};
+use crate::tile::{CHUNK, TILE};
+use crate::view::ray::NONE;
+
+/// The rays of a strip, one array per component.
+pub(super) struct Lanes<const SAMPLED: bool> {
+    /// The components that all rays share; for pixel centres, those of the row.
+    first: Slopes<f32>,
+    x: [f32; LANES],
+    a: [f32; LANES],
+    inverse: [f32; LANES],
+    /// The components that differ between samples.
+    y: [f32; LANES],
+    row: [i32; LANES],
+    column: [i32; LANES],
+}
+
+/// The two smallest lower bounds of depth per lane, and the entry with the smallest.
+#[derive(Clone, Copy)]
+pub(super) struct NearestTwos {
+    pub(super) low: [f32; LANES],
+    pub(super) second: [f32; LANES],
+    pub(super) slot: [u32; LANES],
+}
+
+impl<const SAMPLED: bool> Lanes<SAMPLED> {
+    #[inline(always)]
+    pub(super) fn new(certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> Self {
+        let slopes = |column: u32| {
+            let [i, j] = if SAMPLED { certify.view.sample_position(i, column) } else { [i, column] };
+            certify.slopes(i, j)
+        };
+        let none = [0.0; LANES];
+        let mut lanes = Self {
+            first: slopes(first),
+            x: none,
+            a: none,
+            inverse: none,
+            y: none,
+            row: [0; LANES],
+            column: [0; LANES],
+        };
+        // Not array::from_fn, which compilers leave as a call.
+        for l in 0..LANES {
+            let s = slopes(first + l as u32);
+            (lanes.x[l], lanes.a[l], lanes.inverse[l]) = (s.x, s.a, s.inverse);
+            (lanes.y[l], lanes.row[l], lanes.column[l]) = (s.y, s.row, s.column);
+        }
+        lanes
+    }
+
+    #[inline(always)]
+    pub(super) fn slopes(&self, shift: u32, l: usize) -> Slopes<f32> {
+        let (x, a, inverse) = (self.x[l], self.a[l], self.inverse[l]);
+        if SAMPLED {
+            let (y, row, column) = (self.y[l], self.row[l], self.column[l]);
+            return Slopes { x, y, a, inverse, row, column, fixed_row: row << shift, fixed_column: column << shift };
+        }
+        let column = self.first.column + l as i32;
+        Slopes { x, a, inverse, column, fixed_column: column << shift, ..self.first }
+    }
+
+    /// The twin of the search in certify/nearest_two.wgsl.
+    #[inline(always)]
+    pub(super) fn nearest_two(&self, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> NearestTwos {
+        let mut k = NearestTwos::NONE;
+        let (projection, terms, lists) = (certify.projection, *certify.terms, certify.lists);
+        for &slot in certify.nears.of(i, first) {
+            // Copies: of what a reference leads to, compilers may expect that the loop changes it.
+            let general = certify.generals[slot as usize];
+            let mut lows = [0.0; LANES];
+            for (l, low) in lows.iter_mut().enumerate() {
+                *low = general_low(&self.slopes(projection.shift, l), &general, &terms);
+            }
+            for (l, low) in lows.into_iter().enumerate() {
+                k.keep(l, low, GENERAL | slot);
+            }
+        }
+        let [first, end] = lists.range(i, first).map(|n| n as usize);
+        let chunks =
+            lists.projected[first..end].chunks_exact(CHUNK).zip(&lists.chunk_min_depths[first / CHUNK..end / CHUNK]);
+        for (n, (chunk, &chunk_min_depth)) in chunks.enumerate() {
+            let mut behind = true;
+            for l in 0..LANES {
+                let own = chunk_min_depth - k.low[l] > projection.cull_margin * (projection.depth + k.low[l]);
+                k.second[l] = pick(mask(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
+                behind &= own;
+            }
+            if behind {
+                break;
+            }
+            // A local copy, which the compiler can keep in registers.
+            let mut now = k;
+            for (slot, projected) in (first + CHUNK * n..).zip(chunk) {
+                if *projected == NOTHING {
+                    break;
+                }
+                let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
+                for l in 0..LANES {
+                    now.keep(l, projected_low(&self.slopes(projection.shift, l), projection, &sphere), slot as u32);
+                }
+            }
+            k = now;
+        }
+        k
+    }
+
+    /// The certified answers of the winners.
+    #[inline(always)]
+    pub(super) fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> Answers {
+        let mut answers = Answers::default();
+        if k.slot.iter().any(|slot| slot & GENERAL == 0) {
+            self.certify_projected(certify, k, &mut answers);
+        }
+        let mut left = k.slot;
+        while let Some(slot) = left.into_iter().find(|slot| slot & GENERAL != 0 && *slot != NONE) {
+            self.certify_general(certify, &left, slot, &mut answers);
+            for other in &mut left {
+                *other = if *other == slot { NONE } else { *other };
+            }
+        }
+        answers
+    }
+
+    /// Answers of the lanes whose winner is this general sphere. All lanes are computed, since usually all share the
+    /// winner.
+    #[inline(always)]
+    fn certify_general(&self, certify: &Certify<'_, f32>, winners: &[u32; LANES], slot: u32, answers: &mut Answers) {
+        let (general, terms) = (certify.generals[(slot & !GENERAL) as usize], *certify.terms);
+        let shift = certify.projection.shift;
+        let mut found = Answers::default();
+        for l in 0..LANES {
+            found.set(l, &general_answer(&self.slopes(shift, l), &general, &terms));
+        }
+        answers.take(&found, |l| winners[l] == slot);
+    }
+
+    #[inline(always)]
+    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos, answers: &mut Answers) {
+        let (lists, projection, terms) = (certify.lists, *certify.projection, *certify.terms);
+        let mut winners = [(NOTHING, NO_DETAIL); LANES];
+        for l in 0..LANES {
+            if k.slot[l] & GENERAL == 0 {
+                winners[l] = (lists.projected[k.slot[l] as usize], lists.details[k.slot[l] as usize]);
+            }
+        }
+        let (mut x, mut y, mut rho) = ([0; LANES], [0; LANES], [0.0; LANES]);
+        let (mut offset, mut center) = ([[0.0; LANES]; 2], [0.0; LANES]);
+        for l in 0..LANES {
+            let (record, detail) = &winners[l];
+            (x[l], y[l], rho[l]) = (record.x, record.y, record.rho);
+            (offset[0][l], offset[1][l], center[l]) =
+                (detail.subpixel_offset[0], detail.subpixel_offset[1], detail.center);
+        }
+        for l in 0..LANES {
+            let sphere = ProjectedRecord { x: x[l], y: y[l], rho: rho[l], low: 0.0 };
+            let detail =
+                ProjectedDetailRecord { subpixel_offset: [offset[0][l], offset[1][l]], center: center[l], id: 0 };
+            let sphere = Projected::<f32>::new(&sphere, &detail);
+            let slopes = self.slopes(projection.shift, l);
+            answers.set(l, &projected_answer(&slopes, &projection, &sphere, &terms));
+        }
+        for l in 0..LANES {
+            answers.id[l] = winners[l].1.id;
+        }
+    }
+}
+
+/// Answers as one array per component, a layout that compilers vectorize.
+pub(super) struct Answers {
+    /// [`NONE`] where nothing is hit.
+    pub(super) id: [u32; LANES],
+    flags: [[u32; LANES]; 2],
+    /// Offset, low, high, the depth's interval and the normal of [`Answer`].
+    pub(super) numbers: [[f32; LANES]; 7],
+}
+
+impl Default for Answers {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { id: [NONE; LANES], flags: [[0; LANES]; 2], numbers: [[0.0; LANES]; 7] }
+    }
+}
+
+impl Answers {
+    #[inline(always)]
+    fn set(&mut self, l: usize, a: &Answer<f32>) {
+        self.id[l] = a.id;
+        self.flags[0][l] = u32::from(a.sure);
+        self.flags[1][l] = u32::from(a.hits);
+        self.numbers[0][l] = a.offset;
+        self.numbers[1][l] = a.low;
+        self.numbers[2][l] = a.high;
+        self.numbers[3][l] = a.depth_interval;
+        self.numbers[4][l] = a.normal[0];
+        self.numbers[5][l] = a.normal[1];
+        self.numbers[6][l] = a.normal[2];
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, l: usize) -> Answer<f32> {
+        let n = &self.numbers;
+        Answer {
+            sure: self.flags[0][l] != 0,
+            hits: self.flags[1][l] != 0,
+            id: self.id[l],
+            offset: n[0][l],
+            low: n[1][l],
+            high: n[2][l],
+            depth_interval: n[3][l],
+            normal: [n[4][l], n[5][l], n[6][l]],
+        }
+    }
+
+    /// Takes over the answers of some lanes.
+    #[inline(always)]
+    fn take(&mut self, other: &Self, lane: impl Fn(usize) -> bool) {
+        let mut lanes = [0; LANES];
+        for l in 0..LANES {
+            lanes[l] = mask(lane(l));
+            self.id[l] ^= (self.id[l] ^ other.id[l]) & lanes[l];
+        }
+        for k in 0..2 {
+            for l in 0..LANES {
+                self.flags[k][l] ^= (self.flags[k][l] ^ other.flags[k][l]) & lanes[l];
+            }
+        }
+        for k in 0..7 {
+            for l in 0..LANES {
+                self.numbers[k][l] = pick(lanes[l], other.numbers[k][l], self.numbers[k][l]);
+            }
+        }
+    }
+}
+
+impl NearestTwos {
+    pub(super) const NONE: Self = Self { low: [BEYOND; LANES], second: [BEYOND; LANES], slot: [NONE; LANES] };
+
+    /// What a device has found for the rays from `place` on; nothing beyond the window.
+    #[inline(always)]
+    pub(super) fn found(found: &Raw, certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> Self {
+        let view = certify.view;
+        let mut k = Self::NONE;
+        let row = ((i - view.first_row) * view.columns) as usize;
+        let column = first.wrapping_sub(view.first_column);
+        if column < view.columns && view.columns - column >= TILE {
+            let place = row + column as usize;
+            k.low.copy_from_slice(&found.low[place..place + LANES]);
+            k.second.copy_from_slice(&found.second[place..place + LANES]);
+            k.slot.copy_from_slice(&found.id[place..place + LANES]);
+            return k;
+        }
+        for l in 0..LANES {
+            let column = column.wrapping_add(l as u32);
+            if column < view.columns {
+                let place = row + column as usize;
+                (k.low[l], k.second[l], k.slot[l]) = (found.low[place], found.second[place], found.id[place]);
+            }
+        }
+        k
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, l: usize, low: f32, slot: u32) {
+        // Selects by masks and writes unconditionally: compilers may turn a comparison into a masked store, which
+        // delays the loads that follow it.
+        let before = self.low[l];
+        let nearer = mask(low < before);
+        self.low[l] = pick(nearer, low, before);
+        self.slot[l] ^= (self.slot[l] ^ slot) & nearer;
+        let farther = pick(nearer, before, low);
+        self.second[l] = pick(mask(farther < self.second[l]), farther, self.second[l]);
+    }
+}
