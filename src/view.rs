@@ -27,6 +27,7 @@ use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
 use moved::Moved;
+use pulp::NullaryFnOnce;
 use raster::Raster;
 use rayon::prelude::*;
 
@@ -258,18 +259,13 @@ impl View {
 
 /// The middle of the exponents of all sizes and of all distances from `eye`: the exponent of the frame's unit.
 fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
-    // Branches would keep compilers from vectorizing the loop; exponents are in the order of their numbers.
-    let sizes = |(centers, radii): (&[[f64; 3]], &[f64])| {
-        centers.iter().zip(radii).fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (center, radius)| {
-            let size = size_from(eye, *center, *radius);
-            [least.min(size), most.max(size)]
-        })
-    };
+    let arch = pulp::Arch::new();
     let jobs = centers.par_chunks(TOGETHER).zip(radii.par_chunks(TOGETHER));
-    let Some(range) = jobs.map(sizes).reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
+    let jobs = jobs.map(|(centers, radii)| arch.dispatch(Sizes { eye, centers, radii }));
+    let Some(range) = jobs.reduce_with(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) else {
         return Ok(0);
     };
-    let [least, most] = range.map(dd::exponent);
+    let [least, most] = range.map(|bits| dd::exponent(f64::from_bits(bits as u64)));
     // c - e must not overflow, and squares of numbers scaled by 2^-k must not underflow in double-double.
     if most >= 1000 || most - least > WIDEST {
         let problem = format!("sizes and distances from 2^{least} to 2^{most} exceed the range of one frame");
@@ -277,6 +273,26 @@ fn unit(eye: DVec3, centers: &[[f64; 3]], radii: &[f64]) -> Result<i32> {
         return Err(Error::scene(Place::field("spheres"), problem, mend));
     }
     Ok((least + (most - least) / 2).max(LEAST_UNIT))
+}
+
+/// The least and the largest size of some spheres, as bits.
+struct Sizes<'a> {
+    eye: DVec3,
+    centers: &'a [[f64; 3]],
+    radii: &'a [f64],
+}
+
+impl NullaryFnOnce for Sizes<'_> {
+    type Output = [i64; 2];
+
+    #[inline(always)]
+    fn call(self) -> [i64; 2] {
+        // Bits of positive numbers are in their order, and compilers make vectors of integers' minima alone.
+        self.centers.iter().zip(self.radii).fold([i64::MAX, 0], |[least, most], (center, radius)| {
+            let size = size_from(self.eye, *center, *radius).to_bits() as i64;
+            [least.min(size), most.max(size)]
+        })
+    }
 }
 
 /// What must be in the range of a frame's unit: the radius, or the largest coordinate of the centre relative to the eye.

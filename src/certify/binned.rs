@@ -9,7 +9,7 @@ use super::projection::project::{Eight, LANES};
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, Rotation};
 use super::terms::Terms;
-use super::tiles::{Bin, Filling, Lists, Placed, Placing, sized};
+use super::tiles::{AHEAD, Bin, Filling, Lists, Placed, Placing, sized};
 use crate::double_double as dd;
 use crate::error::Result;
 use crate::memory::Pool;
@@ -183,6 +183,17 @@ impl BatchSummary {
         self.range = Some([least.min(depth), most.max(depth)]);
         self.seen += 1;
     }
+
+    fn take(&mut self, sums: &Sums) {
+        let seen = sums.seen.iter().sum::<u64>();
+        if seen > 0 {
+            let [least, most] = self.range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+            let [low, high] = &sums.range;
+            self.range = Some([low.iter().fold(least, |a, b| a.min(*b)), high.iter().fold(most, |a, b| a.max(*b))]);
+            self.seen += seen;
+            self.entries += sums.entries.iter().sum::<u64>();
+        }
+    }
 }
 
 impl NullaryFnOnce for Batch<'_> {
@@ -190,7 +201,7 @@ impl NullaryFnOnce for Batch<'_> {
 
     #[inline(always)]
     fn call(self) -> BatchSummary {
-        let mut found = BatchSummary::default();
+        let (mut found, mut sums) = (BatchSummary::default(), Sums::NONE);
         for first in (0..self.bins.len()).step_by(LANES) {
             let there = LANES.min(self.bins.len() - first);
             // The last spheres are repeated to fill the vector; the copies are discarded.
@@ -200,6 +211,14 @@ impl NullaryFnOnce for Batch<'_> {
                 (centers[l], radii[l]) = (self.centers[at], self.radii[at]);
             }
             let eight = self.projection.eight(&centers, &radii, self.reference);
+            match self.bins[first..].first_chunk_mut() {
+                Some(bins) if eight.other == [0; LANES] => {
+                    *bins = eight.bins();
+                    sums.add(&eight);
+                    continue;
+                }
+                _ => {}
+            }
             for l in 0..there {
                 let bin = &mut self.bins[first + l];
                 *bin = Bin::NOWHERE;
@@ -219,7 +238,33 @@ impl NullaryFnOnce for Batch<'_> {
                 }
             }
         }
+        found.take(&sums);
         found
+    }
+}
+
+/// What [`BatchSummary::see`] adds up, per lane.
+struct Sums {
+    range: [[f64; LANES]; 2],
+    seen: [u64; LANES],
+    entries: [u64; LANES],
+}
+
+impl Sums {
+    const NONE: Self =
+        Self { range: [[f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]], seen: [0; LANES], entries: [0; LANES] };
+
+    /// Adds spheres, all of which are projected or unseen.
+    #[inline(always)]
+    fn add(&mut self, eight: &Eight) {
+        for l in 0..LANES {
+            let seen = eight.projected[l] != 0;
+            let [least, most] = [0, 1].map(|k| self.range[k][l]);
+            self.range[0][l] = if seen & (eight.depth[l] < least) { eight.depth[l] } else { least };
+            self.range[1][l] = if seen & (eight.depth[l] > most) { eight.depth[l] } else { most };
+            self.seen[l] += u64::from(seen);
+            self.entries[l] += if seen { eight.entries(l) } else { 0 };
+        }
     }
 }
 
@@ -236,6 +281,10 @@ struct Scenery<'a> {
 struct Filler<'a> {
     scenery: &'a Scenery<'a>,
     cover: Option<Cover>,
+    /// The spheres that were read last.
+    ids: [u32; AHEAD],
+    centers: [[f64; 3]; AHEAD],
+    radii: [f64; AHEAD],
 }
 
 impl Placing for Scenery<'_> {
@@ -245,7 +294,8 @@ impl Placing for Scenery<'_> {
         Self: 'a;
 
     fn begin(&self, tile: Option<[u32; 2]>) -> Filler<'_> {
-        Filler { scenery: self, cover: tile.map(|tile| Cover::new(self.coverage, tile)) }
+        let cover = tile.map(|tile| Cover::new(self.coverage, tile));
+        Filler { scenery: self, cover, ids: [0; AHEAD], centers: [[0.0; 3]; AHEAD], radii: [0.0; AHEAD] }
     }
 }
 
@@ -267,18 +317,25 @@ impl NullaryFnOnce for Together<'_> {
 }
 
 impl Filling for Filler<'_> {
-    fn place(&mut self, ids: &[u32], to: &mut [Placed]) {
-        let Scenery { projection, centers: all, radii: sizes, reference, .. } = *self.scenery;
-        let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            let id = ids[l.min(ids.len() - 1)] as usize;
-            (centers[l], radii[l]) = (all[id], sizes[id]);
+    fn fetch(&mut self, ids: &[u32]) {
+        let Scenery { centers, radii, .. } = *self.scenery;
+        // The last sphere is repeated to fill the vector; the copies are discarded.
+        for n in 0..ids.len().next_multiple_of(LANES) {
+            let id = ids[n.min(ids.len() - 1)];
+            (self.ids[n], self.centers[n], self.radii[n]) = (id, centers[id as usize], radii[id as usize]);
         }
+    }
+
+    fn place(&mut self, first: usize, to: &mut [Placed]) {
+        let Scenery { projection, reference, .. } = *self.scenery;
+        let (mut centers, mut radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
+        centers.copy_from_slice(&self.centers[first..first + LANES]);
+        radii.copy_from_slice(&self.radii[first..first + LANES]);
         let eight = pulp::Arch::new().dispatch(Together { projection, centers, radii, reference });
-        for (l, placed) in to.iter_mut().enumerate() {
+        for (l, (placed, id)) in to.iter_mut().zip(&self.ids[first..]).enumerate() {
             if eight.projected[l] != 0 {
-                *placed = eight.placed(l, ids[l]);
-            } else if let Staged::Projected(landed) = projection.stage(ids[l], centers[l], radii[l], reference) {
+                *placed = eight.placed(l, *id);
+            } else if let Staged::Projected(landed) = projection.stage(*id, centers[l], radii[l], reference) {
                 *placed = landed.placed;
             }
             if let Some(cover) = &mut self.cover {

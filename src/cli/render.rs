@@ -225,13 +225,15 @@ impl Render {
 
     /// The next scene, once its files are known to be writable.
     fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<Numbered>> {
-        let Some(picture) = scene_frames.next_frame()? else { return Ok(None) };
+        let Some(mut picture) = scene_frames.next_frame()? else { return Ok(None) };
         let targets = self.args.files.targets(picture.number)?;
         let legend = legend::file(&self.args, picture.number)?;
         let list = self.args.camera_list()?;
         let written = targets.iter().map(Target::path).chain(legend.as_deref()).chain(list.as_deref());
         check_inputs(written, &scene_frames.inputs())?;
         targets.iter().try_for_each(Target::check)?;
+        // Shared numbers are checked once, and not again for every repeated frame.
+        picture.scene.spheres.share();
         picture.scene.check()?;
         Ok(Some(picture))
     }

@@ -12,10 +12,10 @@ use crate::settings::{Accuracy, Settings};
 use crate::view::{SphereRecord, SphereResiduals};
 use crate::window::Window;
 
-/// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (8), and its list
+/// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (12), and its list
 /// entry (32 and its share of a chunk's depth), once in the list of its row and once in the frame's. Spheres smaller
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
-const STAGED: u64 = 104;
+const STAGED: u64 = 108;
 
 /// Bytes per sphere of the tree for rays to lights: centre and radius 32, id 4, a block's lane 16, a node's part 3, boxes while
 /// it is built 3.

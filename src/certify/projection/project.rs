@@ -72,6 +72,31 @@ impl Eight {
         Bin { chunk_min_depth: self.chunk_min_depth[l], tiles: [[left, right], [top, bottom]] }
     }
 
+    /// The bins of all, where each is projected or unseen.
+    #[inline(always)]
+    pub(in crate::certify) fn bins(&self) -> [Bin; LANES] {
+        let Bin { chunk_min_depth, tiles: [[left, right], [top, bottom]] } = Bin::NOWHERE;
+        let mut bins = [Bin::NOWHERE; LANES];
+        for (l, bin) in bins.iter_mut().enumerate() {
+            let seen = self.projected[l] != 0;
+            *bin = Bin {
+                chunk_min_depth: if seen { self.chunk_min_depth[l] } else { chunk_min_depth },
+                tiles: [
+                    [if seen { self.tiles[0][l] } else { left }, if seen { self.tiles[1][l] } else { right }],
+                    [if seen { self.tiles[2][l] } else { top }, if seen { self.tiles[3][l] } else { bottom }],
+                ],
+            };
+        }
+        bins
+    }
+
+    /// The entries of a projected sphere in lists of single tiles.
+    #[inline(always)]
+    pub(in crate::certify) fn entries(&self, l: usize) -> u64 {
+        let [left, right, top, bottom] = [0, 1, 2, 3].map(|k| u64::from(self.tiles[k][l]));
+        (right - left + 1) * (bottom - top + 1)
+    }
+
     pub(in crate::certify) fn placed(&self, l: usize, id: u32) -> Placed {
         let [x, y] = self.fixed.map(|fixed| fixed[l]);
         let [rho, low, right, down, center] = self.numbers.map(|number| number[l]);

@@ -1,0 +1,218 @@
+//! The bins of spheres, scattered to the squares of tiles that share a list.
+
+use crate::memory::Pool;
+use crate::tile::TILE;
+use bytemuck::allocation::try_zeroed_vec;
+use rayon::prelude::*;
+use std::alloc::{Layout, handle_alloc_error};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+/// The bin of a sphere.
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable)]
+pub(crate) struct Bin {
+    /// Lower bound of the depth for every ray.
+    pub(crate) chunk_min_depth: f32,
+    /// First and last column and row of the tiles whose pixels may hit it.
+    pub(crate) tiles: [[u32; 2]; 2],
+}
+
+impl Bin {
+    /// The bin of a sphere that is in no list.
+    pub(crate) const NOWHERE: Self = Self { chunk_min_depth: f32::MAX, tiles: [[u32::MAX, 0]; 2] };
+
+    /// Number of lists that contain it, if squares of 2^level tiles share one.
+    pub(crate) fn entries(&self, level: u32) -> u64 {
+        let [columns, rows] =
+            self.tiles.map(|[first, last]| (u64::from(last >> level) + 1).saturating_sub(u64::from(first >> level)));
+        columns * rows
+    }
+}
+
+/// Squares of 2^level tiles that share a list, called cells, as far as they overlap the window.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::certify) struct Grid {
+    level: u32,
+    /// First and last column of the window's tiles.
+    tiles: [u32; 2],
+    /// First column and row of cells.
+    first: [u32; 2],
+    /// Number of columns and rows of cells.
+    columns: u32,
+    rows: u32,
+}
+
+impl Grid {
+    /// The grid for the window of these tiles, given by first and last column and row.
+    pub(in crate::certify) fn new(level: u32, tiles: [[u32; 2]; 2]) -> Self {
+        let cells = tiles.map(|range| range.map(|tile| tile >> level));
+        let [columns, rows] = cells.map(|[first, last]| last - first + 1);
+        Self { level, tiles: tiles[0], first: cells.map(|[first, _]| first), columns, rows }
+    }
+
+    pub(super) fn level(&self) -> u32 {
+        self.level
+    }
+
+    pub(super) fn columns(&self) -> u32 {
+        self.columns
+    }
+
+    pub(super) fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// Number of cells.
+    pub(in crate::certify) fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Index of the cell of the tile at this column and row of tiles.
+    pub(in crate::certify) fn cell(&self, column: u32, row: u32) -> usize {
+        let [left, top] = self.first;
+        (((row >> self.level) - top) * self.columns + ((column >> self.level) - left)) as usize
+    }
+
+    /// Row and column of the first pixel of every tile of the window, row by row, that `count` rows of pixels from `first` on
+    /// overlap.
+    pub(in crate::certify) fn corners(&self, first: u32, count: u32) -> impl Iterator<Item = [u32; 2]> {
+        let [left, right] = self.tiles;
+        let rows = first / TILE..(first + count).div_ceil(TILE);
+        rows.flat_map(move |row| (left..=right).map(move |tile| [row * TILE, tile * TILE]))
+    }
+
+    /// Every cell of the grid that the square of 2^`level` tiles at this column and row of such squares overlaps.
+    pub(in crate::certify) fn each_of_square(&self, at: [u32; 2], level: u32, each: impl FnMut(usize)) {
+        let tiles = at.map(|n| [n << level, (n << level) + ((1 << level) - 1)]);
+        self.each_cell(&Bin { chunk_min_depth: 0.0, tiles }, each);
+    }
+
+    /// Column and row in the image of the cell at this column and row of the grid.
+    pub(super) fn tile(&self, column: usize, row: usize) -> [u32; 2] {
+        [self.first[0] + column as u32, self.first[1] + row as u32]
+    }
+
+    /// Every cell of the grid that `bin` overlaps.
+    #[inline(always)]
+    fn each_cell(&self, bin: &Bin, mut each: impl FnMut(usize)) {
+        let [[left, right], [top, bottom]] = self.part(bin);
+        let mut row = top;
+        while row < bottom {
+            (left..right).for_each(|column| each((row * self.columns + column) as usize));
+            row += 1;
+        }
+    }
+
+    /// The columns and rows of the grid that `bin` overlaps, each with the one past the last; none if they are not in order.
+    #[inline(always)]
+    fn part(&self, bin: &Bin) -> [[u32; 2]; 2] {
+        let size = [self.columns, self.rows];
+        let mut part = [[0; 2]; 2];
+        for k in 0..2 {
+            let [first, last] = bin.tiles[k].map(|tile| tile >> self.level);
+            let start = self.first[k];
+            part[k] = [first.saturating_sub(start), (last + 1).saturating_sub(start).min(size[k])];
+        }
+        part
+    }
+
+    /// Keys of the spheres per row of cells.
+    ///
+    /// Not per cell: processors write to so few places at once fast, and sort the keys of a row in their caches.
+    pub(super) fn scatter(&self, bins: &[Bin], pool: &Pool) -> Keys {
+        // Each group has counters of its own, from which its positions in every row follow.
+        let group = bins.len().div_ceil(2 * rayon::current_num_threads()).max(1);
+        let count = |bins: &[Bin]| {
+            let mut counts = vec![0u32; self.rows as usize];
+            for bin in bins {
+                let [[left, right], [top, bottom]] = self.part(bin);
+                (top..bottom).for_each(|row| counts[row as usize] += right.saturating_sub(left));
+            }
+            counts
+        };
+        let mut places: Vec<Vec<u32>> = bins.par_chunks(group).map(count).collect();
+        let mut starts = Vec::with_capacity(self.rows as usize + 1);
+        let mut total = 0;
+        for row in 0..self.rows as usize {
+            starts.push(total);
+            for counts in &mut places {
+                total += std::mem::replace(&mut counts[row], total);
+            }
+        }
+        starts.push(total);
+        let keys: Vec<AtomicU64> = sized(total as usize, pool);
+        let columns: Vec<AtomicU32> = sized(total as usize, pool);
+        bins.par_chunks(group).zip(&mut places).enumerate().for_each(|(n, (bins, places))| {
+            for (id, bin) in (n * group..).zip(bins) {
+                let key = u64::from(ordered(bin.chunk_min_depth)) << 32 | id as u64;
+                let [[left, right], [top, bottom]] = self.part(bin);
+                for row in top..bottom {
+                    let place = &mut places[row as usize];
+                    for column in left..right {
+                        keys[*place as usize].store(key, Ordering::Relaxed);
+                        columns[*place as usize].store(column, Ordering::Relaxed);
+                        *place += 1;
+                    }
+                }
+            }
+        });
+        Keys { keys, columns, starts }
+    }
+}
+
+/// For every entry of a list, its sphere's least depth and id, in this order, and the column of its cell.
+pub(super) struct Keys {
+    keys: Vec<AtomicU64>,
+    columns: Vec<AtomicU32>,
+    /// The start of every row of cells, and the end of all.
+    starts: Vec<u32>,
+}
+
+impl Keys {
+    /// The keys of a row of so many cells, one cell after the other; the start of each in `own`, and the end of all.
+    pub(super) fn of_row(&self, row: usize, cells: usize, own: &mut Vec<u64>) -> Vec<u32> {
+        let range = self.starts[row] as usize..self.starts[row + 1] as usize;
+        let (keys, columns) = (&self.keys[range.clone()], &self.columns[range]);
+        // Counts are one place further, so that their sums are starts; and those end as the starts of the next cell.
+        let mut starts = vec![0u32; cells + 2];
+        columns.iter().for_each(|column| starts[column.load(Ordering::Relaxed) as usize + 2] += 1);
+        for cell in 2..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        own.resize(keys.len(), 0);
+        for (key, column) in keys.iter().zip(columns) {
+            let place = &mut starts[column.load(Ordering::Relaxed) as usize + 1];
+            own[*place as usize] = key.load(Ordering::Relaxed);
+            *place += 1;
+        }
+        starts.pop();
+        starts
+    }
+
+    pub(super) fn put_back(self, pool: &Pool) {
+        pool.put_back(self.keys);
+        pool.put_back(self.columns);
+    }
+}
+
+/// The bits of x as an integer with the same order.
+pub(in crate::certify) fn ordered(x: f32) -> u32 {
+    let bits = x.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// The inverse.
+pub(in crate::certify) fn number(ordered: u32) -> f32 {
+    f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
+}
+
+/// `n` values, all of which the caller writes.
+pub(in crate::certify) fn sized<T: bytemuck::Zeroable + Send + 'static>(n: usize, pool: &Pool) -> Vec<T> {
+    let mut vector = pool.take(n);
+    if vector.is_empty() {
+        // Reports a failed allocation as any vector here does; `zeroed_vec` would panic.
+        let room = Layout::array::<T>(n).unwrap_or(Layout::new::<T>());
+        return try_zeroed_vec(n).unwrap_or_else(|()| handle_alloc_error(room));
+    }
+    vector.resize_with(n, T::zeroed);
+    vector
+}
