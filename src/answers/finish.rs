@@ -49,7 +49,7 @@ fn depths(scene: &Scene, view: &View, ids: &[u32]) -> Vec<f64> {
     let (spheres, rays) = (&scene.spheres, PictureRays::new(view));
     let depth = |(pixel, id): (usize, &u32)| match *id {
         NONE => f64::INFINITY,
-        id => rays.hit(pixel as u32, spheres.centers[id as usize], spheres.radii[id as usize]).depth,
+        id => rays.depth(pixel as u32, spheres.centers[id as usize], spheres.radii[id as usize]),
     };
     ids.par_iter().enumerate().map(depth).collect()
 }

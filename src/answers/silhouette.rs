@@ -108,9 +108,10 @@ impl Shown<'_> {
     /// without a gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, part: Window, between: bool, color: &mut [f32]) {
         let [width, rows] = [part.width() as usize, self.ids.len() / self.width.max(1)];
+        let pairs: Vec<_> = pairs().map(|offset| (offset, unit(offset))).collect();
         color.par_chunks_mut((3 * width).max(1)).zip(part.y0..part.y1).for_each(|(row, y)| {
             for (rgb, x) in row.chunks_exact_mut(3).zip(part.x0..part.x1) {
-                let light = 1.0 - self.darkness([x as isize, y as isize], rows, between) as f32;
+                let light = 1.0 - self.darkness([x as isize, y as isize], rows, &pairs, between) as f32;
                 if light < 1.0 {
                     rgb.iter_mut().for_each(|value| *value *= light);
                 }
@@ -130,8 +131,8 @@ impl Shown<'_> {
         })
     }
 
-    /// How dark the line is at a pixel: 0 for none, 1 for black.
-    fn darkness(&self, [x, y]: [isize; 2], rows: usize, between: bool) -> f64 {
+    /// How dark the line is at a pixel: 0 for none, 1 for black. `pairs` are [`pairs`] with their unit vectors.
+    fn darkness(&self, [x, y]: [isize; 2], rows: usize, pairs: &[([isize; 2], [f64; 2])], between: bool) -> f64 {
         let Some(own) = self.spot([x, y], rows).filter(|spot| spot.id != NONE) else { return 0.0 };
         let size = self.pixel.at(own.depth);
         let mut sums = Sums::default();
@@ -153,11 +154,10 @@ impl Shown<'_> {
             add_to(&mut sums.behind, toward, farther);
             add_to(&mut sums.beside, toward, farther.max(border));
         };
-        for [right, down] in pairs() {
+        for &([right, down], toward) in pairs {
             let neighbours = [self.spot([x + right, y + down], rows), self.spot([x - right, y - down], rows)];
             // Where one of them lies beyond the frame's edge, it is not known how the surface descends.
             if let [Some(one), Some(other)] = neighbours {
-                let toward = unit([right, down]);
                 add(toward, one, other);
                 add(toward.map(|x| -x), other, one);
             }

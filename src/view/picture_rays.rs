@@ -17,8 +17,6 @@ pub(crate) struct PictureRays<'a> {
 /// Where a viewing ray meets a sphere.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PictureHit {
-    /// Along the view axis, in the scene's unit.
-    pub(crate) depth: f64,
     /// The direction of the ray, of length 1.
     pub(crate) along: DVec3,
     /// Normal of length 1, against the ray; of no use unless `near`.
@@ -37,6 +35,24 @@ impl<'a> PictureRays<'a> {
     /// Where the viewing ray of this pixel meets a sphere. A ray that f64 lets pass beside it meets the point that is
     /// nearest to the ray.
     pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
+        let Meeting { d, p, r, a, p2, outside, t, .. } = self.meeting(pixel, center, radius);
+        let outward = (d * t - p).normalize_or(-d);
+        PictureHit {
+            along: d / a.sqrt(),
+            normal: if outside { outward } else { -outward },
+            outside,
+            near: p2 <= FARTHEST * FARTHEST * r * r,
+        }
+    }
+
+    /// The depth of that point along the view axis, in the scene's unit.
+    pub(crate) fn depth(&self, pixel: u32, center: [f64; 3], radius: f64) -> f64 {
+        let Meeting { forward, t, .. } = self.meeting(pixel, center, radius);
+        dd::ldexp(forward * t, self.view.unit)
+    }
+
+    #[inline(always)]
+    fn meeting(&self, pixel: u32, center: [f64; 3], radius: f64) -> Meeting {
         let view = self.view;
         let [row, column] = view.record.place(pixel);
         let [i, j] = view.record.sample_position(row, column);
@@ -51,13 +67,21 @@ impl<'a> PictureRays<'a> {
         let root = (a * r * r - p.cross(d).length_squared()).max(0.0).sqrt();
         let outside = p2 > r * r;
         let t = if outside { b - root } else { b + root } / a;
-        let outward = (d * t - p).normalize_or(-d);
-        PictureHit {
-            depth: dd::ldexp(-direction[2] * t, view.unit),
-            along: d / a.sqrt(),
-            normal: if outside { outward } else { -outward },
-            outside,
-            near: p2 <= FARTHEST * FARTHEST * r * r,
-        }
+        Meeting { forward: -direction[2], d, p, r, a, p2, outside, t }
     }
+}
+
+/// A ray and a sphere in the frame's unit.
+struct Meeting {
+    /// The direction along the view axis, and in world space.
+    forward: f64,
+    d: DVec3,
+    /// The centre from the origin, and the radius.
+    p: DVec3,
+    r: f64,
+    /// |d|^2 and |p|^2.
+    a: f64,
+    p2: f64,
+    outside: bool,
+    t: f64,
 }
