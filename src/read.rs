@@ -6,6 +6,7 @@ mod csv;
 mod detect;
 mod foreign;
 mod format;
+mod held;
 pub mod info;
 mod input;
 mod lines;
@@ -26,6 +27,7 @@ use crate::scene::Scene;
 use std::path::Path;
 
 pub use format::Format;
+pub use held::HeldCamera;
 pub use info::info;
 pub use options::{Altloc, ColumnNames, FrameRange, Hold, ReadOptions};
 pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};

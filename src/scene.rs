@@ -20,6 +20,7 @@ use glam::DVec3;
 
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
+pub(crate) use check::{is_center, is_radius};
 pub use fit::{Framing, Reach, middle};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
@@ -104,13 +105,18 @@ impl Spheres {
         }
     }
 
-    /// Checks the numbers of every sphere.
+    /// Remembers that the numbers of every sphere were checked, until they are changed.
+    pub(crate) fn checked(self) -> Self {
+        let (centers, radii) = (List::sound(self.centers.into_vec()), List::sound(self.radii.into_vec()));
+        Self { centers, radii, ..self }
+    }
+
+    /// Checks the numbers of every sphere, unless that was done before ([`Spheres::checked`], [`Spheres::share`]).
     ///
     /// # Errors
     /// As [`check_sphere`] for the first that cannot be rendered.
     pub(crate) fn check(&self) -> Result<()> {
-        let are_finite = self.centers.is_sound(|c| c[0].is_finite() & c[1].is_finite() & c[2].is_finite());
-        if are_finite && self.radii.is_sound(|radius| (*radius > 0.0) & radius.is_finite()) {
+        if self.centers.is_sound(is_center) && self.radii.is_sound(is_radius) {
             return Ok(());
         }
         let mut spheres = self.centers.iter().zip(&self.radii).enumerate();

@@ -1,5 +1,9 @@
 //! The settings of a rendering: backend, accuracy, buffers, samples, part of the frame.
 
+mod look;
+
+pub use look::{AddedLight, Look};
+
 use crate::error::{Error, Place, Result};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;

@@ -3,7 +3,7 @@
 use crate::errors::OrRaise;
 use crate::work::begin;
 use halfline::camera::{CameraRecord, Intrinsics, Lens, Look};
-use halfline::read::cameras;
+use halfline::read::cameras::{self, ListedCamera, ListedLens};
 use halfline::scene::Framing;
 use halfline::{Camera as Exact, Error};
 use pyo3::prelude::*;
@@ -108,24 +108,19 @@ pub(crate) fn read_cameras(
     size: Option<(u32, u32)>,
 ) -> PyResult<Vec<Camera>> {
     let given = intrinsics.map(|(fx, fy, cx, cy)| Intrinsics { fx, fy, cx, cy });
-    let camera = |(number, found): (usize, &cameras::ListedCamera)| {
+    let vfov = vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 });
+    let camera = |(index, found): (usize, &ListedCamera)| {
         let size = size.or(found.size.map(Into::into));
-        let lens = match (found.intrinsics.or(given), vfov) {
-            _ if found.has_lens => found.camera.lens,
-            (Some(intrinsics), _) => {
-                let (width, height) = size.ok_or_else(|| {
-                    let problem = format!("camera {} has intrinsics and no size", number + 1);
-                    Error::settings(problem, "give size=(width, height)")
-                })?;
-                cameras::lens_of(&intrinsics, width, height)?
-            }
-            (None, Some(degrees)) => Lens::Vfov { degrees, distance: 1.0 },
-            (None, None) => {
-                let problem = format!("camera {} has no lens", number + 1);
-                return Err(Error::settings(problem, "give vfov= or intrinsics="));
-            }
-        };
-        let in_pixels = !found.has_lens && found.intrinsics.or(given).is_some();
+        let lens = found
+            .lens(given, vfov)
+            .ok_or_else(|| Error::settings(format!("camera {index} has no lens"), "give vfov= or intrinsics="))?;
+        let in_pixels = matches!(lens, ListedLens::InPixels(_));
+        let image = size.or((!in_pixels).then_some((1, 1)));
+        let (width, height) = image.ok_or_else(|| {
+            let problem = format!("camera {index} has intrinsics and no size");
+            Error::settings(problem, "give size=(width, height)")
+        })?;
+        let lens = lens.for_image(index, width, height)?;
         Ok(Camera { camera: Exact { lens, ..found.camera }, size, in_pixels })
     };
     cameras::read(&path).and_then(|found| found.iter().enumerate().map(camera).collect()).or_raise()

@@ -4,9 +4,9 @@ use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
-use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, AddedLight, Backend, Look, Search, Settings, Tolerance};
 use halfline::window::Window;
-use halfline::{Aov, Light, LightSource, Lighting, Shade, Sky};
+use halfline::{Aov, Shade};
 use pyo3::prelude::*;
 
 /// How answers are computed.
@@ -53,29 +53,22 @@ pub(crate) struct Picture {
     bounces: Option<u32>,
 }
 
-/// Rays to the sky in the look `soft` with several samples, as in the command.
-const SOFT_RAYS: u32 = 4;
-
 impl Picture {
     /// The settings with those of the picture.
     pub(crate) fn settings(&self, accurate: Settings, backend: Backend) -> Result<Settings> {
-        let aovs = self.aovs.iter().map(|name| name.parse::<Aov>()).collect::<Result<Vec<_>>>()?;
-        if !["plain", "soft", "figure"].contains(&self.look.as_str()) {
-            let problem = format!("there is no look '{}'", self.look);
-            return Err(Error::settings(problem, "choose from plain, soft, figure"));
-        }
-        let figure = self.look == "figure";
-        let shade = self.shade.as_deref().or(figure.then_some("flat"));
+        let aovs = self.aovs()?;
+        let light = self.light()?;
+        let shade = self.shade.as_deref().map(str::parse::<Shade>).transpose()?;
         let crop = self.crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
         Ok(Settings {
             backend,
             aovs,
             samples: self.samples,
             seed: self.seed,
-            shade: shade.map(str::parse::<Shade>).transpose()?.unwrap_or_default(),
-            silhouette: self.silhouette || self.look != "plain",
-            depth_cue: self.depth_cue || figure,
-            sky: Sky { reach: self.reach.unwrap_or(f64::INFINITY), ..Sky::default() },
+            shade: shade.or(light.look.shade()).unwrap_or_default(),
+            silhouette: self.silhouette || light.look.has_silhouette(),
+            depth_cue: self.depth_cue || light.look.has_depth_cue(),
+            sky: light.buffer_sky(),
             window: crop,
             ..accurate
         })
@@ -84,11 +77,21 @@ impl Picture {
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&crate::camera::Camera>) -> Result<halfline::Scene> {
         let mut exact = scene.exact(camera, self.size, self.background)?;
-        self.light(&mut exact)?;
+        let light = self.light()?;
+        light.apply(&mut exact)?;
+        if light.lacks_sky(&exact, &self.aovs()?) {
+            let mend = "add occlusion=True or the buffer occlusion, or remove reach";
+            return Err(Error::settings("reach applies to a sky, and there is none", mend));
+        }
         Ok(exact)
     }
 
-    fn light(&self, scene: &mut halfline::Scene) -> Result<()> {
+    fn aovs(&self) -> Result<Vec<Aov>> {
+        self.aovs.iter().map(|name| name.parse()).collect()
+    }
+
+    /// What the keywords add to the light of a scene.
+    fn light(&self) -> Result<AddedLight> {
         let range = |name: &str, value: Option<u32>, least: u32, most: u32| match value {
             Some(value) if !(least..=most).contains(&value) => {
                 let mend = format!("give a whole number from {least} to {most}");
@@ -98,29 +101,15 @@ impl Picture {
         };
         range("occlusion", self.occlusion, 0, MOST_RAYS)?;
         range("bounces", self.bounces, 0, MOST_BOUNCES)?;
-        let soft = self.look == "soft";
-        let Lighting { lights, shadows, sky, bounces } = &mut scene.lighting;
-        lights.extend(self.sun.iter().map(|sun| Light::white(LightSource::Direction((*sun).into()))));
-        if lights.is_empty() && (self.shadows || soft) {
-            lights.push(Light::above_left(&scene.camera)?);
-        }
-        *shadows |= self.shadows;
-        *bounces = self.bounces.or(*bounces);
-        let at_centers = soft && self.samples > 1 && self.occlusion.is_none() && sky.is_none();
-        let soft_rays = if self.samples > 1 { SOFT_RAYS } else { Sky::default().rays };
-        // 0 stands for the scene's number.
-        let own = || sky.unwrap_or_default().rays;
-        let asked = self.occlusion.map(|rays| if rays == 0 { own() } else { rays });
-        let rays = asked.or(soft.then_some(soft_rays)).or(sky.map(|sky| sky.rays));
-        *sky = rays.map(|rays| Sky { rays, at_centers, ..sky.unwrap_or_default() });
-        match (self.reach, sky) {
-            (Some(reach), Some(sky)) => sky.reach = reach,
-            (Some(_), None) if !self.aovs.iter().any(|name| name == "occlusion") => {
-                let mend = "add occlusion=True or the buffer occlusion, or remove reach";
-                return Err(Error::settings("reach applies to a sky, and there is none", mend));
-            }
-            _ => {}
-        }
-        Ok(())
+        Ok(AddedLight {
+            look: self.look.parse::<Look>()?,
+            samples: self.samples,
+            suns: self.sun.iter().map(|sun| (*sun).into()).collect(),
+            shadows: self.shadows,
+            // 0 stands for the scene's number.
+            occlusion: self.occlusion.map(|rays| Some(rays).filter(|rays| *rays > 0)),
+            reach: self.reach,
+            bounces: self.bounces,
+        })
     }
 }

@@ -3,11 +3,10 @@
 use crate::errors::OrRaise;
 use crate::scene::Scene;
 use crate::work::Job;
-use halfline::camera::Camera;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, Coloring, Scale};
 use halfline::read::{
-    Altloc, ColumnNames, Format, FrameRange, Hold, Periodic, ReadOptions, SceneFrame, Selection, Style,
+    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Periodic, ReadOptions, SceneFrame, Selection, Style,
 };
 use halfline::scene::arrange::{Arrangement, Bead};
 use pyo3::prelude::*;
@@ -136,39 +135,47 @@ struct Opened {
     arrangement: Arrangement,
     job: Job,
     size: Option<(u32, u32)>,
-    /// Whether the frames have the camera of the first one.
-    holds: bool,
-    camera: Option<Camera>,
+    held: HeldCamera,
     any: bool,
 }
 
+/// The size of the image, where one is given.
+fn size(size: Option<(u32, u32)>, frame: &mut SceneFrame) {
+    if let Some((width, height)) = size {
+        (frame.scene.image.width, frame.scene.image.height) = (width, height);
+    }
+}
+
+/// The camera of a frame whose file has none.
+fn point(frame: &mut SceneFrame) -> Result<()> {
+    match frame.has_camera || frame.scene.spheres.is_empty() {
+        true => Ok(()),
+        false => frame.scene.frame_all(&Default::default()),
+    }
+}
+
 impl Opened {
-    fn prepare(&self, frame: &mut SceneFrame) -> Result<()> {
-        let scene = &mut frame.scene;
-        self.arrangement.apply(&mut scene.spheres, frame.cell.as_ref(), &self.job.watch())?;
-        if let Some(size) = self.size {
-            (scene.image.width, scene.image.height) = size;
-        }
-        if !frame.has_camera && !scene.spheres.is_empty() {
-            scene.frame_all(&Default::default())?;
-        }
-        Ok(())
+    fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
+        let (image, watch) = (self.size, self.job.watch());
+        self.held.see(frame, &self.arrangement, &watch, |whole| {
+            size(image, whole);
+            point(whole)
+        })?;
+        self.arrangement.apply(&mut frame.scene.spheres, frame.cell.as_ref(), &watch)?;
+        size(image, frame);
+        self.held.apply(frame, point)
     }
 
     fn next(&mut self) -> Result<Option<Scene>> {
         if let Some(mut first) = self.sequence.unselected_first()? {
             self.prepare(&mut first)?;
-            self.camera = self.camera.or(self.holds.then_some(first.scene.camera));
         }
         let Some(mut frame) = self.sequence.next_scene()? else {
             return if self.any { Ok(None) } else { Err(self.sequence.nothing()) };
         };
         self.any = true;
         self.prepare(&mut frame)?;
-        if self.holds && !frame.scene.spheres.is_empty() {
-            frame.scene.camera = *self.camera.get_or_insert(frame.scene.camera);
-        }
-        let held = frame.has_camera || self.camera.is_some();
+        let held = frame.has_camera || self.held.camera().is_some();
         Ok(Some(Scene::of_file(frame, held)))
     }
 }
@@ -184,10 +191,10 @@ impl Sequence {
             let mend = "use hold='first', or give the camera, the radius and the range yourself";
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
         }
-        let holds = holds && read.hold != Hold::None;
+        let held = HeldCamera::new(holds && read.hold != Hold::None);
         let sequence = job.run(py, None, || halfline::read::Sequence::open(&path, &read))?;
         let arrangement = options.arrangement();
-        Ok(Self(Mutex::new(Opened { sequence, arrangement, job, size, holds, camera: None, any: false })))
+        Ok(Self(Mutex::new(Opened { sequence, arrangement, job, size, held, any: false })))
     }
 
     fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {

@@ -82,7 +82,15 @@ def test_keywords_are_the_options_of_the_command(
 def test_frames_are_held_to_the_first_as_in_the_command(
     cpu: hl.Renderer, film: Path, tmp_path: Path
 ) -> None:
-    for frames, hold in (("1-", "first"), ("2-3", "first"), ("1-4:2", "none")):
+    # The plane removes both atoms of the first frame.
+    clip = {"clip": [(0, -1, 0, -0.5)]}
+    for frames, hold, options in (
+        ("1-", "first", {}),
+        ("2-3", "first", {}),
+        ("1-4:2", "none", {}),
+        ("1-", "first", clip),
+        ("2-3", "first", clip),
+    ):
         command = [
             commands()[0],
             "render",
@@ -91,13 +99,18 @@ def test_frames_are_held_to_the_first_as_in_the_command(
             "--backend",
             "cpu",
         ]
-        run(*map(str, command), "--size", "40x30", "--frames", frames, "--hold", hold)
-        scenes = list(hl.read_frames(film, frames, size=(40, 30), hold=hold))
+        clipped = ["--clip=0,-1,0,-0.5"] if options else []
+        run(*map(str, command), "--size", "40x30", "--frames", frames, "--hold", hold, *clipped)
+        scenes = list(hl.read_frames(film, frames, size=(40, 30), hold=hold, **options))
         assert len(scenes) == {"1-": 4, "2-3": 2, "1-4:2": 2}[frames]
         for scene in scenes:
             frame = cpu.render(scene, aovs=["color", "depth"])
             with np.load(tmp_path / f"{scene.number}.npz") as found:
-                assert frame["depth"].tobytes() == found["depth"].tobytes(), (frames, scene.number)
+                assert frame["depth"].tobytes() == found["depth"].tobytes(), (
+                    frames,
+                    options,
+                    scene.number,
+                )
 
 
 def test_a_frame_is_chosen_by_its_number(film: Path) -> None:

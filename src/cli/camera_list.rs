@@ -4,7 +4,7 @@ use clap::Args;
 use halfline::camera::{CameraRecord, Intrinsics, Lens};
 use halfline::error::{Error, Result};
 use halfline::read::cameras::{self, ListedCamera};
-use halfline::scene::Scene;
+use halfline::scene::{ImagePlane, Scene};
 use halfline::write::file::{is_standard_output, write_atomically};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ impl CameraListArgs {
     /// Gives a scene camera `number` of the list, from 1. Its size is that of the option, of the list, or of the scene.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a camera without a lens, and those of [`cameras::lens_of`].
+    /// [`Error::Settings`] for a camera without a lens, and those of [`ListedLens::for_image`](cameras::ListedLens::for_image).
     pub(super) fn apply(
         &self,
         number: u64,
@@ -55,32 +55,20 @@ impl CameraListArgs {
         scene: &mut Scene,
     ) -> Result<()> {
         let listed = self.listed()?.unwrap_or_default();
-        let index = usize::try_from(number - 1).ok();
-        let Some(found) = index.and_then(|index| listed.get(index)) else {
+        let index = usize::try_from(number - 1).unwrap_or(usize::MAX);
+        let Some(found) = listed.get(index) else {
             let problem = format!("frame {number} has no camera: the list has {}", listed.len());
             return Err(Error::settings(problem, "select fewer --frames, or add cameras to the list"));
         };
         if let (None, Some([width, height])) = (size, found.size) {
             (scene.image.width, scene.image.height) = (width, height);
         }
-        let (width, height) = (scene.image.width, scene.image.height);
-        let given = self.intrinsics.as_ref().or(found.intrinsics.as_ref());
-        let lens = match (given, vfov) {
-            _ if found.has_lens => Some(found.camera.lens),
-            (Some(intrinsics), _) => {
-                Some(cameras::lens_of(intrinsics, width, height).map_err(|error| match error {
-                    Error::Settings { problem, mend } => {
-                        Error::settings(format!("camera {}: {problem}", number - 1), mend)
-                    }
-                    other => other,
-                })?)
-            }
-            (None, lens) => lens,
-        };
-        let lens = lens.ok_or_else(|| {
-            let problem = format!("camera {} has no lens", number - 1);
+        let lens = found.lens(self.intrinsics, vfov).ok_or_else(|| {
+            let problem = format!("camera {index} has no lens");
             Error::settings(problem, "add --intrinsics FX,FY,CX,CY or --vfov DEG, or intrinsics to the list")
         })?;
+        let ImagePlane { width, height, .. } = scene.image;
+        let lens = lens.for_image(index, width, height)?;
         scene.camera = halfline::Camera { lens, ..found.camera };
         Ok(())
     }

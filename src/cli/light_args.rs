@@ -1,14 +1,14 @@
 //! Lights, sky and lines of the picture as options, and the looks that stand for several of them.
 
 use super::read_args::numbers;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::scene::{Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Materials, Scene, Sky, Spheres};
-use halfline::settings::Settings;
+use halfline::scene::{Light, LightSource, MOST_BOUNCES, MOST_RAYS, Scene, Sky, Spheres};
+use halfline::settings::{AddedLight, Look, Settings};
 use halfline::shade::Shade;
-use std::fmt;
 
 /// The options for light.
 #[derive(Debug, Args)]
@@ -17,7 +17,7 @@ pub(super) struct LightArgs {
     /// Look of the picture, to which other options add: plain (nothing), soft (--occlusion, --silhouette, and a light
     /// from above left if the scene has none), figure (--shade flat --silhouette --depth-cue) [default: plain; for a
     /// picture of a particle file without --aov, --accuracy, --method, --samples and --shade: soft with 4 samples].
-    #[arg(long, value_name = "L", value_enum, hide_possible_values = true)]
+    #[arg(long, value_name = "L", value_parser = looks(), hide_possible_values = true)]
     look: Option<Look>,
     /// Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point [default: the scene
     /// file's, else 16].
@@ -44,17 +44,6 @@ pub(super) struct LightArgs {
     depth_cue: bool,
 }
 
-/// A name for several options.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Look {
-    /// Nothing.
-    Plain,
-    /// For particles: depth is visible without any setting.
-    Soft,
-    /// For print: flat colours and lines.
-    Figure,
-}
-
 /// What decides about the default look.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LookRequest {
@@ -69,10 +58,6 @@ pub(super) struct LookRequest {
 
 /// Samples of the default look.
 const SAMPLES: u32 = 4;
-
-/// Rays to the sky for each pixel in the look `soft`. They leave from the pixel's centre, and each sample takes the mean of the
-/// pixels around it: about as little noise as from 8 times 4 rays, in the time of these.
-const SOFT_RAYS: u32 = 4;
 
 /// The look of one picture: what its options stand for.
 #[derive(Debug, Clone, Copy)]
@@ -89,65 +74,41 @@ pub(super) struct PictureLook {
 }
 
 impl LightArgs {
-    /// The look of a picture; without buffers that depend on the scene.
-    fn look(&self, request: LookRequest) -> PictureLook {
-        let is_default = self.look.is_none();
-        let soft = is_default && request.is_particles && request.is_plain_picture;
-        let look = self.look.unwrap_or(if soft { Look::Soft } else { Look::Plain });
-        PictureLook {
-            look,
-            is_default,
-            shade: request.shade.or((look == Look::Figure).then_some(Shade::Flat)),
-            samples: request.samples.unwrap_or(if soft { SAMPLES } else { 1 }),
-            silhouette: self.silhouette || look != Look::Plain,
-            depth_cue: self.depth_cue || look == Look::Figure,
-            buffer_sky: Sky::default(),
-        }
-    }
-
     /// Applies the options to the scene, whose camera is final.
     ///
     /// # Errors
     /// [`Error::Settings`] for a reach without a sky; the camera's.
     pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
-        let mut picture = self.look(request);
-        self.apply_bounces(scene);
-        let Lighting { lights, shadows, sky, .. } = &mut scene.lighting;
-        lights.extend(self.sun.iter().map(|sun| Light::white(LightSource::Direction(*sun))));
-        if lights.is_empty() && (self.shadows || picture.look == Look::Soft) {
-            lights.push(Light::above_left(&scene.camera)?);
-        }
-        *shadows |= self.shadows;
-        let rays = match (self.occlusion, &sky) {
-            (Some(Some(rays)), _) => Some(rays),
-            (Some(None), Some(sky)) => Some(sky.rays),
-            (Some(None), None) => Some(Sky::default().rays),
-            (None, None) if picture.look == Look::Soft => Some(picture.soft_rays()),
-            (None, sky) => sky.map(|sky| sky.rays),
+        let is_default = self.look.is_none();
+        let soft = is_default && request.is_particles && request.is_plain_picture;
+        let look = self.look.unwrap_or(if soft { Look::Soft } else { Look::Plain });
+        let light = AddedLight {
+            look,
+            samples: request.samples.unwrap_or(if soft { SAMPLES } else { 1 }),
+            suns: self.sun.clone(),
+            shadows: self.shadows,
+            occlusion: self.occlusion,
+            reach: self.reach,
+            bounces: self.bounces,
         };
-        let at_centers = picture.look == Look::Soft && picture.samples > 1 && self.occlusion.is_none() && sky.is_none();
-        *sky = rays.map(|rays| Sky { rays, at_centers, ..sky.unwrap_or_default() });
-        match (self.reach, sky) {
-            (None, _) => {}
-            (Some(reach), Some(sky)) => sky.reach = reach,
-            (Some(reach), None) if aovs.contains(&Aov::Occlusion) => picture.buffer_sky.reach = reach,
-            (Some(_), None) => {
-                let mend = "add --occlusion or --aov occlusion=FILE, or remove --reach";
-                return Err(Error::settings("--reach applies to a sky, and there is none", mend));
-            }
-        }
-        Ok(picture)
-    }
-
-    /// Sets the number of bounces where a material asks for any, and else warns.
-    fn apply_bounces(&self, scene: &mut Scene) {
-        let Some(bounces) = self.bounces else { return };
-        if scene.spheres.materials.as_ref().is_some_and(Materials::bounce) {
-            scene.lighting.bounces = Some(bounces);
-        } else if bounces > 0 {
+        light.apply(scene)?;
+        if let Some(bounces) = light.idle_bounces(scene) {
             let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
             scene.skipped.assumed.push(format!("--bounces {bounces} changes nothing: {what}"));
         }
+        if light.lacks_sky(scene, aovs) {
+            let mend = "add --occlusion or --aov occlusion=FILE, or remove --reach";
+            return Err(Error::settings("--reach applies to a sky, and there is none", mend));
+        }
+        Ok(PictureLook {
+            look,
+            is_default,
+            shade: request.shade.or(look.shade()),
+            samples: light.samples,
+            silhouette: self.silhouette || look.has_silhouette(),
+            depth_cue: self.depth_cue || look.has_depth_cue(),
+            buffer_sky: light.buffer_sky(),
+        })
     }
 }
 
@@ -164,11 +125,6 @@ impl PictureLook {
         }
     }
 
-    /// Rays for each pixel in the look `soft`: as many as usual without samples, whose noise would average out.
-    fn soft_rays(&self) -> u32 {
-        if self.samples > 1 { SOFT_RAYS } else { Sky::default().rays }
-    }
-
     /// The options that the look stands for, in a sentence; `None` for the plain one.
     pub(super) fn words(&self) -> Option<String> {
         let stands_for = match self.look {
@@ -176,23 +132,14 @@ impl PictureLook {
             Look::Soft => {
                 let samples = if self.is_default { format!(" --samples {}", self.samples) } else { String::new() };
                 let light = "a light from above left without shadows if the scene has no light";
+                let rays = self.look.sky_rays(self.samples).unwrap_or_default();
                 let at = if self.samples > 1 { " at every second pixel's centre" } else { "" };
-                format!("--occlusion {}{at}, --silhouette{samples}, and {light}", self.soft_rays())
+                format!("--occlusion {rays}{at}, --silhouette{samples}, and {light}")
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };
         let default = if self.is_default { " (the default for particles; see --look plain)" } else { "" };
-        Some(format!("look {self}{default}: {stands_for}"))
-    }
-}
-
-impl fmt::Display for PictureLook {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.look {
-            Look::Plain => "plain",
-            Look::Soft => "soft",
-            Look::Figure => "figure",
-        })
+        Some(format!("look {}{default}: {stands_for}", self.look.name()))
     }
 }
 
@@ -235,6 +182,18 @@ impl SphereLights {
 fn equal(spheres: &Spheres, center: [f64; 3], radius: f64) -> impl Iterator<Item = usize> {
     let all = spheres.centers.iter().zip(&spheres.radii).enumerate();
     all.filter(move |(_, (c, r))| **c == center && **r == radius).map(|(id, _)| id)
+}
+
+fn looks() -> impl TypedValueParser<Value = Look> {
+    let value = |look: &Look| {
+        let help = match look {
+            Look::Plain => "Nothing",
+            Look::Soft => "For particles: depth is visible without any setting",
+            Look::Figure => "For print: flat colours and lines",
+        };
+        PossibleValue::new(look.name()).help(help)
+    };
+    PossibleValuesParser::new(Look::ALL.iter().map(value)).try_map(|name| name.parse())
 }
 
 fn direction(text: &str) -> Result<DVec3, String> {

@@ -12,9 +12,8 @@ use halfline::error::{Error, Result};
 use halfline::progress::Cancel;
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
-use halfline::read::{FrameTime, Hold, ReadOptions, SceneFrame, Sequence};
+use halfline::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::render::stream::StreamIds;
-use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Reach, Scene};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -27,10 +26,8 @@ pub(super) struct SceneFrames<'a> {
     count: u32,
     /// The scene that `--spin` shows from all sides.
     standing: Option<SceneFrame>,
-    /// The camera that all frames have.
-    camera: Option<Camera>,
-    /// The point that it turns about.
-    middle: Option<DVec3>,
+    /// The camera that all frames have, and the point that it turns about.
+    held: HeldCamera,
     /// The size of the picture whose camera is taken.
     size: Option<(u32, u32)>,
 }
@@ -64,15 +61,20 @@ impl<'a> SceneFrames<'a> {
         let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let (mut camera, mut middle) = (taken.map(|record| camera_file::resized(&record, args.image.size)), None);
-        if options.hold == Hold::All && args.read.frames().is_some() {
-            let held = hold_all(args, &mut options)?;
-            camera = camera.or(held.map(|(camera, _)| camera));
-            middle = held.map(|(_, middle)| middle);
+        let mut held = HeldCamera::new(args.read.frames().is_some() && args.read.hold != Hold::None);
+        if options.hold == Hold::All
+            && args.read.frames().is_some()
+            && let Some((camera, middle)) = hold_all(args, &mut options)?
+        {
+            held.set_camera(camera);
+            held.set_middle(middle);
+        }
+        if let Some(record) = &taken {
+            held.set_camera(camera_file::resized(record, args.image.size));
         }
         let size = taken.map(|record| record.size.into());
         let sequence = Sequence::open(&args.scene, &options)?;
-        Ok(Self { args, sequence, count: 0, standing: None, camera, middle, size })
+        Ok(Self { args, sequence, count: 0, standing: None, held, size })
     }
 
     /// Every file that is read.
@@ -113,7 +115,7 @@ impl<'a> SceneFrames<'a> {
         let scene = &mut frame.scene;
         if let Some(turns) = camera.spin {
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
-            let middle = self.middle.unwrap_or_else(|| scene.spheres.middle());
+            let middle = self.held.middle().unwrap_or_else(|| scene.spheres.middle());
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
@@ -125,45 +127,22 @@ impl<'a> SceneFrames<'a> {
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
-        let holds = self.args.read.frames().is_some() && self.args.read.hold != Hold::None;
-        if holds && self.camera.is_none() && self.args.camera.list.file.is_none() {
-            self.hold_to_clipped(frame)?;
+        let (args, image) = (self.args, self.args.image.size.or(self.size));
+        let is_listed = args.camera.list.file.is_some();
+        if !is_listed {
+            self.held.see(frame, &args.read.arrangement(), &watch(), |whole| {
+                size(image, args, whole);
+                point(args, whole)
+            })?;
         }
-        arrange(&self.args.read, frame)?;
-        size(self.args.image.size.or(self.size), self.args, frame);
-        // A frame without spheres has nothing to hold to.
-        let holds = holds && !frame.scene.spheres.is_empty();
-        if holds && self.middle.is_none() {
-            self.middle = Some(frame.scene.spheres.middle());
+        arrange(&args.read, frame)?;
+        size(image, args, frame);
+        if is_listed {
+            args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
+        } else {
+            self.held.apply(frame, |frame| point(args, frame))?;
         }
-        match self.camera {
-            _ if self.args.camera.list.file.is_some() => {
-                let camera = &self.args.camera;
-                camera.list.apply(frame.number, self.args.image.size, camera.vfov(), &mut frame.scene)?;
-            }
-            Some(camera) => frame.scene.camera = camera,
-            None => {
-                point(self.args, frame)?;
-                self.camera = holds.then_some(frame.scene.camera);
-            }
-        }
-        self.args.camera.zoom(&mut frame.scene)
-    }
-
-    /// Sets the camera of all frames by a frame that the clip planes empty, as it is without them: the camera of a film
-    /// must not depend on which of its frames is the first that they leave something of.
-    fn hold_to_clipped(&mut self, frame: &mut SceneFrame) -> Result<()> {
-        let arrangement = self.args.read.arrangement();
-        if arrangement.leaves_nothing(&frame.scene.spheres, frame.cell.as_ref(), &watch())? {
-            let mut whole = frame.copy();
-            let unclipped = Arrangement { clip: Vec::new(), ..arrangement };
-            unclipped.apply(&mut whole.scene.spheres, whole.cell.as_ref(), &watch())?;
-            size(self.args.image.size.or(self.size), self.args, &mut whole);
-            point(self.args, &mut whole)?;
-            self.camera = Some(whole.scene.camera);
-            self.middle.get_or_insert(whole.scene.spheres.middle());
-        }
-        Ok(())
+        args.camera.zoom(&mut frame.scene)
     }
 }
 

@@ -6,14 +6,15 @@
 
 mod axes;
 mod json;
+mod lens;
 mod listed;
 mod table;
 
 pub use axes::{AxesProblem, check_axes};
+pub use lens::{ListedLens, lens_of};
 pub use listed::ListedCamera;
 
 use crate::error::{Error, Place, Result};
-use crate::scene::camera::{Camera, Intrinsics, Lens};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -50,27 +51,4 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Vec<ListedCamera>> {
         return Err(Error::scene(file, "the list has no cameras", "add at least one"));
     }
     Ok(cameras)
-}
-
-/// The lens of intrinsics for an image of `width` x `height` pixels: a viewport of W/fx x H/fy at distance 1 where the
-/// principal point is the centre of the image.
-///
-/// # Errors
-/// [`Error::Settings`] for focal lengths that are not positive, and for a principal point farther than 2^18 pixels.
-pub fn lens_of(intrinsics: &Intrinsics, width: u32, height: u32) -> Result<Lens> {
-    let Intrinsics { fx, fy, cx, cy } = *intrinsics;
-    let [w, h] = [width, height].map(f64::from);
-    if !(fx > 0.0 && fy > 0.0 && fx.is_finite() && fy.is_finite()) {
-        let problem = format!("the focal lengths {fx}, {fy} are not positive");
-        return Err(Error::settings(problem, "give them in pixels, such as 525,525,320,240"));
-    }
-    if [cx, cy] == [w / 2.0, h / 2.0] {
-        return Ok(Lens::Viewport { vw: w / fx, vh: h / fy, distance: 1.0 });
-    }
-    let lens = Lens::Intrinsics { fx, fy, cx, cy };
-    let camera = Camera { lens, ..Camera::CANONICAL };
-    camera.viewport(width, height).map(|_| lens).map_err(|error| match error {
-        Error::Scene { problem, mend, .. } => Error::settings(problem, mend),
-        other => other,
-    })
 }

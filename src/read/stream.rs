@@ -32,6 +32,8 @@ pub struct SphereBlocks {
     file: Place,
     /// Whether the colours so far are 8-bit sRGB.
     levels: Option<bool>,
+    /// Particles so far.
+    count: u64,
     skipped: Skipped,
     /// What was said of parts, without numbers.
     said: BTreeSet<String>,
@@ -67,10 +69,12 @@ impl SphereBlocks {
         })?;
         let file = Place::file(path.display().to_string());
         let (options, reader, skipped) = (options.clone(), Some(reader), Skipped::default());
-        Ok(Self { parts, reader, options, file, levels: None, skipped, said: BTreeSet::new(), legend: None })
+        Ok(Self { parts, reader, options, file, levels: None, count: 0, skipped, said: BTreeSet::new(), legend: None })
     }
 
-    /// The next spheres; `None` after the last.
+    /// The next spheres; `None` after the last. Their numbers are checked here, where the row or the particle of the file is
+    /// known, and nowhere else: [`Stream::add`](crate::render::stream::Stream::add) relies on it as long as they are not
+    /// changed.
     ///
     /// # Errors
     /// Those of [`Scene::read`](crate::Scene::read); [`Error::Settings`] where radii or colours depend on all particles.
@@ -118,6 +122,8 @@ impl SphereBlocks {
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
         let size = part.positions.len();
+        part.before = self.count;
+        self.count += size as u64;
         let (spheres, skipped, legend) = self.options.style.dress(part, &self.file)?;
         for said in skipped.assumed {
             let what: String = said.chars().filter(|c| !c.is_ascii_digit()).collect();
@@ -126,7 +132,7 @@ impl SphereBlocks {
             }
         }
         self.legend = self.legend.take().or(legend);
-        Ok(spheres)
+        Ok(spheres.checked())
     }
 }
 

@@ -17,7 +17,7 @@ use super::select::selection::Selection;
 use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
-use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere};
+use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
 pub(crate) use color::linear;
 
 use color::of_hex;
@@ -178,17 +178,21 @@ impl Style {
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, &mut skipped)?;
         self.apply_rules(&particles, &mut colors, &mut radii);
+        let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
         let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
-        let bad = spheres
-            .centers
-            .par_iter()
-            .zip(&spheres.radii)
-            .position_first(|(center, radius)| check_sphere(*center, *radius, Place::default).is_err());
-        if let Some(n) = bad {
-            check_sphere(spheres.centers[n], spheres.radii[n], || file.clone().named(format!("particle {n}")))?;
+        let of_two = |(center, radius)| !(is_center(center) & is_radius(radius));
+        let all = || spheres.centers.par_iter().zip(&spheres.radii);
+        if let Some(n) = (!are_checked).then(all).and_then(|all| all.position_first(of_two)) {
+            let place = || file.clone().named(format!("particle {}", particles.before + n as u64));
+            check_sphere(spheres.centers[n], spheres.radii[n], place)?;
         }
         Ok((spheres, skipped, legend))
+    }
+
+    /// Whether the radii of the spheres are those of the file.
+    fn keeps_radii(&self, particles: &Particles) -> bool {
+        self.radius.is_none() && self.radius_scale == 1.0 && !particles.radii.is_empty() && particles.size.is_empty()
     }
 
     /// Half the mean spacing, where it is the radius of these particles.

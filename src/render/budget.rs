@@ -2,6 +2,8 @@
 
 use super::plan::Plan;
 use crate::answers::settle::Settled;
+use crate::certify::binned::BinnedScene;
+use crate::certify::general::GeneralRecord;
 use crate::error::{Error, Result};
 use crate::exact;
 use crate::frame::Aov;
@@ -9,7 +11,7 @@ use crate::kernel::Kernel;
 use crate::memory::SPHERE;
 use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
-use crate::view::{SphereRecord, SphereResiduals};
+use crate::view::{SphereRecord, SphereResiduals, View};
 use crate::window::Window;
 
 /// Peak bytes on the host per sphere that a ray may hit, for a certified frame: its bin (20), its key (12), and its list
@@ -20,6 +22,16 @@ const STAGED: u64 = 108;
 /// Bytes per sphere of the tree for rays to lights: centre and radius 32, id 4, a block's lane 16, a node's part 3, boxes while
 /// it is built 3.
 const TREE: u64 = 58;
+
+/// Bytes per general sphere while its lists are made: its record in the list of a job and in that of all, its numbers in f64 (104),
+/// its place among all (4), and its place and lower bound in the list of the whole image (12).
+const GENERAL: u64 = 2 * size_of::<GeneralRecord>() as u64 + 104 + 4 + 12;
+
+/// Bytes per tile of the lists of general spheres: the tile's list while they are laid out (4), and its range (8).
+const NEAR_TILE: u64 = 12;
+
+/// Bytes per entry of these lists: in the list of its cell and in that of all, each with capacity for twice as many at most.
+const NEAR_ENTRY: u64 = 2 * 2 * size_of::<u32>() as u64;
 
 /// Bytes per pixel of what a kernel that only searches writes: a slot and two bounds.
 const WINNER: u64 = 12;
@@ -40,6 +52,8 @@ pub(crate) struct Need {
     pub(crate) count: u64,
     /// Bytes that the caller needs for what it does with the frame.
     pub(crate) reserve: u64,
+    /// Bytes for general spheres and their lists, once they are known.
+    pub(crate) generals: u64,
 }
 
 impl Need {
@@ -79,12 +93,22 @@ impl Need {
             + device;
         let count = u64::from(window.width()) * u64::from(window.height());
         let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
-        Self { pixels, sphere, spheres, count, reserve: settings.reserve }
+        Self { pixels, sphere, spheres, count, reserve: settings.reserve, generals: 0 }
     }
 
-    /// Bytes for pixels and the caller.
+    /// The same with the general spheres of the binned scene, whose number is not known before: where the eye is in a crowd they
+    /// need more than [`Need::of`] counts for a sphere.
+    pub(crate) fn with_generals(self, binned: Option<&BinnedScene>, view: &View) -> Self {
+        let Some(binned) = binned.filter(|binned| !binned.generals.is_empty()) else { return self };
+        let [[left, right], [top, bottom]] = view.record.tiles();
+        let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
+        let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.nears.slots.len() as u64;
+        Self { generals: GENERAL * binned.generals.len() as u64 + lists, ..self }
+    }
+
+    /// Bytes for pixels, general spheres and the caller.
     fn beside_spheres(&self) -> u64 {
-        self.pixels.saturating_add(self.reserve)
+        self.pixels.saturating_add(self.reserve).saturating_add(self.generals)
     }
 
     /// Bytes in all.
@@ -156,12 +180,60 @@ fn bytes_per_pixel(kernel: &Kernel, aovs: &[Aov], lights: u64, gpu: bool) -> u64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::report::Timings;
+    use crate::memory::Pool;
+    use crate::render::setup::FrameSetup;
+    use crate::scene::camera::{Camera, Lens};
+    use crate::scene::{ImagePlane, Spheres};
+    use crate::testing::Rng;
+    use crate::view::raster::Raster;
 
     const GIB: u64 = 1 << 30;
 
+    /// Inside a crowd the plan counts what the frame really allocates for general spheres, and not much more.
+    #[test]
+    fn general_spheres_and_their_lists_are_counted() {
+        for (count, radius, degrees) in
+            [(1000, 0.7, 40.0), (100_000, 0.7, 40.0), (1000, 0.066, 120.0), (10, 0.7, 120.0)]
+        {
+            let mut rng = Rng(3);
+            let mut spheres = Spheres::default();
+            (0..count).for_each(|_| spheres.push([0; 3].map(|_| rng.between(-1.0, 1.0)), radius, None));
+            let lens = Lens::Vfov { degrees, distance: 1.0 };
+            let camera = Camera { eye: [0.01, 0.02, 0.03].into(), lens, ..Camera::CANONICAL };
+            let image = ImagePlane { width: 512, height: 512, background: [0.0; 3] };
+            let (skipped, lighting) = Default::default();
+            let scene = Scene { camera, image, spheres, skipped, lighting };
+            let settings = Settings { accuracy: Accuracy::Certified, ..Settings::default() };
+            let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
+            let window = settings.window_of(&scene).expect("a window");
+            let raster = Raster::centres(window);
+            let bare = Need::of(&plan, &settings, &scene, window, false);
+            let setup = FrameSetup::new(plan, &scene, &settings, raster, &Pool::default(), &mut Timings::default());
+            let setup = setup.expect("a setup");
+            let binned = setup.binned.as_ref().expect("bins");
+            assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
+            let need = bare.with_generals(Some(binned), &setup.view);
+            // What is still allocated once the lists are made.
+            let ranges = 64 * 64 * size_of::<[u32; 2]>();
+            let held =
+                size_of::<GeneralRecord>() * binned.generals.capacity() + 4 * binned.nears.slots.capacity() + ranges;
+            let counted = need.bytes() - bare.bytes();
+            println!(
+                "{count} of radius {radius}: {} general, {counted} bytes counted, {held} held",
+                binned.generals.len()
+            );
+            // The numbers in f64 and the cells' lists are gone: at most GENERAL of 64 bytes, and 16 of 4.
+            assert!(
+                held as u64 <= counted && counted <= 5 * held as u64,
+                "{count}: {counted} bytes counted, {held} held"
+            );
+        }
+    }
+
     #[test]
     fn the_number_that_fits_fits_and_one_more_does_not() {
-        let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5 };
+        let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5, generals: 0 };
         assert!(need.check(Some(need.bytes())).is_ok() && need.check(None).is_ok());
         let error = need.check(Some(need.bytes() - 1)).expect_err("a byte too few").to_string();
         assert!(error.contains("at most 9999999 spheres"), "{error}");

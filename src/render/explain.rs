@@ -87,6 +87,7 @@ impl Renderer {
         let setup =
             FrameSetup::new(plan, scene, settings, Raster::centres(window), &Pool::default(), &mut Timings::default())?;
         let FrameSetup { plan, view, binned } = &setup;
+        let need = need.with_generals(binned.as_ref(), view);
         let kernel = self.kernel_of(&setup);
         let predicted = setup.predicted(scene);
         let mut warnings = self.passed_over().to_vec();

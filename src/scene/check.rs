@@ -17,6 +17,18 @@ pub fn check_size([width, height]: [i64; 2], place: impl FnOnce() -> Place) -> R
     Err(Error::scene(place(), problem, format!("give two whole numbers between 1 and {MAX_SIDE}")))
 }
 
+/// Whether a sphere may have this centre; the rule of [`check_sphere`], without a branch.
+#[inline]
+pub(crate) fn is_center(center: &[f64; 3]) -> bool {
+    center[0].is_finite() & center[1].is_finite() & center[2].is_finite()
+}
+
+/// Whether a sphere may have this radius; the rule of [`check_sphere`], without a branch.
+#[inline]
+pub(crate) fn is_radius(radius: &f64) -> bool {
+    (*radius > 0.0) & radius.is_finite()
+}
+
 /// Checks a sphere, for every reader: finite centre, positive finite radius.
 ///
 /// # Errors
@@ -34,7 +46,7 @@ pub fn check_sphere(center: [f64; 3], radius: f64, place: impl Fn() -> Place) ->
             "give three finite numbers",
         ));
     }
-    if !(radius > 0.0 && radius.is_finite()) {
+    if !is_radius(&radius) {
         let problem = format!("the radius is {radius}");
         return Err(Error::scene(inside("radius"), problem, "give a positive finite number"));
     }

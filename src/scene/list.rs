@@ -38,6 +38,11 @@ impl<T> List<T> {
         Self(Store::Kept(Arc::new(Kept { values, digest: OnceLock::from(whole), sound: OnceLock::new() })))
     }
 
+    /// A list of values that keep the one rule for them; see [`List::is_sound`].
+    pub(crate) fn sound(values: Vec<T>) -> Self {
+        Self(Store::Kept(Arc::new(Kept { values, digest: OnceLock::new(), sound: OnceLock::from(true) })))
+    }
+
     /// The number of values for which there is memory without allocating more.
     pub(crate) fn capacity(&self) -> usize {
         match &self.0 {

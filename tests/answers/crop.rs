@@ -6,15 +6,15 @@
 use crate::adapter::{admitted, cpu, gpu_or_skip, renderers};
 use crate::bits::Bits;
 use crate::cloud::cloud;
+use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Light, LightSource, Lighting, Scene, Skipped, Sky, Spheres};
+use halfline::scene::{Light, LightSource, Lighting, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 use halfline::window::Window;
 use std::path::Path;
@@ -22,18 +22,7 @@ use std::path::Path;
 const SIZE: [u32; 2] = [97, 61];
 
 fn scene(eye: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
-    Scene {
-        camera: Camera {
-            eye: eye.into(),
-            look: Look::At([0.0; 3].into()),
-            up: DVec3::new(0.1, 1.0, 0.2),
-            lens: Lens::Vfov { degrees, distance: 1.0 },
-        },
-        image: ImagePlane { width: SIZE[0], height: SIZE[1], background: [0.1, 0.2, 0.3] },
-        spheres,
-        skipped: Skipped::default(),
-        lighting: lighting(),
-    }
+    Scene { lighting: lighting(), ..oblique::scene(SIZE, eye, [0.0; 3], vfov(degrees), spheres) }
 }
 
 /// A light from the side, so that there are shadows.

@@ -4,16 +4,17 @@
 use crate::adapter::{cpu, renderers};
 use crate::bits::Bits;
 use crate::cloud::cloud;
+use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
+use halfline::camera::Lens;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::progress::Watch;
 use halfline::render::Renderer;
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::{Instances, Operator};
-use halfline::scene::{Cell, Framing, ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{Cell, Framing, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::window::Window;
 
@@ -24,17 +25,7 @@ const AOVS: [Aov; 7] = [Aov::Color, Aov::Alpha, Aov::Id, Aov::Distance, Aov::Nor
 const CELL: Cell = Cell { origin: [0.0; 3], edges: [[1.0, 0.1, 0.0], [-0.2, 0.9, 0.1], [0.1, 0.0, 1.1]] };
 
 fn scene(eye: [f64; 3], at: [f64; 3], lens: Lens) -> Scene {
-    Scene {
-        camera: Camera { eye: eye.into(), look: Look::At(at.into()), up: DVec3::new(0.1, 1.0, 0.2), lens },
-        image: ImagePlane { width: 77, height: 53, background: [0.1, 0.2, 0.3] },
-        spheres: Spheres::default(),
-        lighting: Default::default(),
-        skipped: Skipped::default(),
-    }
-}
-
-fn vfov(degrees: f64) -> Lens {
-    Lens::Vfov { degrees, distance: 1.0 }
+    oblique::scene([77, 53], eye, at, lens, Spheres::default())
 }
 
 fn settings() -> Settings {

@@ -33,6 +33,7 @@ mod instances;
 mod light;
 mod measure;
 mod metamorphic;
+mod oblique;
 mod off_center;
 mod ortho;
 mod plan;

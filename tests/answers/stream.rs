@@ -3,15 +3,16 @@
 use crate::adapter::{cpu, renderers};
 use crate::bits::Bits;
 use crate::cloud::cloud;
+use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
+use halfline::camera::Lens;
 use halfline::error::Error;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
 use halfline::render::stream::{Stream, Visible};
-use halfline::scene::{ImagePlane, Light, LightSource, Scene, Skipped, Spheres};
+use halfline::scene::{Light, LightSource, Scene, Spheres};
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use halfline::window::Window;
 
@@ -30,17 +31,7 @@ const AOVS: [Aov; 10] = [
 ];
 
 fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
-    Scene {
-        camera: Camera { eye: eye.into(), look: Look::At([0.0; 3].into()), up: DVec3::new(0.1, 1.0, 0.2), lens },
-        image: ImagePlane { width: 77, height: 53, background: [0.1, 0.2, 0.3] },
-        spheres,
-        lighting: Default::default(),
-        skipped: Skipped::default(),
-    }
-}
-
-fn vfov(degrees: f64) -> Lens {
-    Lens::Vfov { degrees, distance: 1.0 }
+    oblique::scene([77, 53], eye, [0.0; 3], lens, spheres)
 }
 
 fn settings() -> Settings {

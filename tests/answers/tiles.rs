@@ -7,12 +7,12 @@
 
 use crate::adapter::{admitted, cpu, gpu_or_skip};
 use crate::cloud;
-use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
+use crate::oblique::{self, vfov};
+use halfline::camera::Lens;
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{Scene, Spheres};
 use halfline::settings::{Accuracy, Search, Settings};
 
 /// The largest relative error of t that the rule covers; see src/search/tile_candidates.rs.
@@ -21,18 +21,7 @@ const MARGIN: f64 = 1.0 / 1024.0;
 const AOVS: [Aov; 4] = [Aov::Color, Aov::Distance, Aov::Normal, Aov::Id];
 
 fn scene(eye: [f64; 3], lens: Lens, spheres: Spheres) -> Scene {
-    let look = Look::At([0.0; 3].into());
-    Scene {
-        camera: Camera { eye: eye.into(), look, up: DVec3::new(0.1, 1.0, 0.2), lens },
-        image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
-        spheres,
-        lighting: Default::default(),
-        skipped: Skipped::default(),
-    }
-}
-
-fn vfov(degrees: f64) -> Lens {
-    Lens::Vfov { degrees, distance: 1.0 }
+    oblique::scene([97, 61], eye, [0.0; 3], lens, spheres)
 }
 
 /// Spheres of radius `r` to 3 r in a cube of half side 1 about the origin, then twenty of them again in reverse.

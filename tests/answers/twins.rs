@@ -8,14 +8,14 @@
 use crate::adapter::{self, admitted, cpu, gpu_or_skip, is_strict};
 use crate::bits::Bits;
 use crate::cloud;
+use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::intersect::Method;
 use halfline::read::ReadOptions;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Skipped, Spheres};
+use halfline::scene::{Scene, Spheres};
 use halfline::settings::Settings;
 use halfline::shade::Shade;
 use std::path::Path;
@@ -28,18 +28,7 @@ fn settings(method: Method, shade: Shade) -> Settings {
 }
 
 fn scene(eye: [f64; 3], at: [f64; 3], degrees: f64, spheres: Spheres) -> Scene {
-    Scene {
-        camera: Camera {
-            eye: eye.into(),
-            look: Look::At(at.into()),
-            up: DVec3::new(0.1, 1.0, 0.2),
-            lens: Lens::Vfov { degrees, distance: 1.0 },
-        },
-        image: ImagePlane { width: 97, height: 61, background: [0.1, 0.2, 0.3] },
-        spheres,
-        skipped: Skipped::default(),
-        lighting: Default::default(),
-    }
+    oblique::scene([97, 61], eye, at, vfov(degrees), spheres)
 }
 
 /// Spheres with or without colours.

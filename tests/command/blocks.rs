@@ -102,6 +102,51 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
     }
 }
 
+/// The reader names the row of a text or of an array, and the style the particle of other files, counted in the file and not
+/// in its block.
+#[test]
+fn a_bad_row_in_a_late_block_is_refused_with_its_file_and_row() {
+    const LATE: usize = 550_001;
+    let good = rows();
+    let mut text = String::from("x,y,z,radius\n");
+    for (n, ([x, y, z], radius, ..)) in good.iter().enumerate() {
+        let sign = if n == LATE { "-" } else { "" };
+        writeln!(text, "{x:.3},{y:.3},{z:.3},{sign}{radius:.4}").expect("text");
+    }
+    let dir = TestDir::new(&[("radius.csv", &text)]);
+    let (mut center, mut radius) = (good.clone(), good);
+    center[LATE].0[1] = f64::NAN;
+    radius[LATE].1 = -0.5;
+    dir.put("center.npy", array(&center));
+    dir.put("radius.npy", array(&radius));
+    for (name, rows) in [("center.ply", &center), ("radius.ply", &radius)] {
+        let mut ply = format!("ply\nformat binary_little_endian 1.0\nelement vertex {COUNT}\n").into_bytes();
+        ["x", "y", "z", "radius"].iter().for_each(|name| ply.extend(format!("property float {name}\n").bytes()));
+        ply.extend(b"end_header\n");
+        let numbers = rows.iter().flat_map(|([x, y, z], radius, ..)| [*x, *y, *z, *radius]);
+        numbers.for_each(|number| ply.extend((number as f32).to_le_bytes()));
+        dir.put(name, ply);
+    }
+    for (file, place) in [
+        // The first row is below the header, in line 2.
+        ("radius.csv", &*format!("radius.csv:{}:", LATE + 2)),
+        ("center.npy", &format!("center.npy: row {LATE} center")),
+        ("radius.npy", &format!("radius.npy: row {LATE} radius")),
+        ("center.ply", &format!("center.ply: particle {LATE} center")),
+        ("radius.ply", &format!("radius.ply: particle {LATE} radius")),
+    ] {
+        for stream in ["--stream", ""] {
+            let options = format!("{file} {CAMERA} --size 16x12 {stream} {}", outputs("bad"));
+            dir.refused_render(3, &options, &[place]);
+        }
+    }
+    // A radius of the file that is valid, and not once it is scaled.
+    dir.put("small.npy", array(&rows()));
+    let options = format!("small.npy {CAMERA} --size 16x12 --stream --radius-scale 1e-323 {}", outputs("bad"));
+    dir.refused_render(3, &options, &["small.npy: particle 0 radius", "the radius is 0"]);
+    assert!(!dir.files().keys().any(|name| name.starts_with("bad")), "no file is written");
+}
+
 /// Copies are operators over one set of atoms: only those that are seen are in memory.
 #[test]
 fn copies_have_the_bytes_of_copies_in_memory() {

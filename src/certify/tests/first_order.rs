@@ -10,7 +10,7 @@
 //! further roundings stay within the subtracted margin. INFLATE covers second orders and the bounds' own roundings, and
 //! `host` tests the host's errors: both are removed from every bound here.
 
-use super::bounds::{Regime, Shot, Staged};
+use super::shots::{Regime, Shot, Staged};
 use super::tape::{Given, Program, Traced, rewind};
 use crate::certify::constants::{DEPTH, FAR, INFLATE, UNIT, VANISH};
 use crate::certify::general::{self, General};

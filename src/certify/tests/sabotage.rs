@@ -3,10 +3,10 @@
 //! way.
 
 use super::bounds::Quantity::{self, *};
-use super::bounds::Regime::{self, *};
 use super::bounds::worst;
 use super::claims::{Case, Checks};
 use super::first_order::{Check, WHOLE, largest};
+use super::shots::Regime::{self, *};
 use super::sound::{case, hold};
 use super::worlds::FAMILIES;
 use crate::certify::{TERMS, Terms};

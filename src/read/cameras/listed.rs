@@ -1,6 +1,7 @@
 //! A camera of a list.
 
 use super::axes::{AxesProblem, check_axes};
+use super::lens::ListedLens;
 use crate::scene::camera::{Camera, Intrinsics, Lens, Look};
 use glam::DVec3;
 
@@ -18,6 +19,16 @@ pub struct ListedCamera {
 }
 
 impl ListedCamera {
+    /// Where its lens comes from: the list, else `intrinsics`, else `vfov`, which are given for the cameras without a lens of
+    /// their own. `None` for a camera that has none.
+    #[must_use]
+    pub fn lens(&self, intrinsics: Option<Intrinsics>, vfov: Option<Lens>) -> Option<ListedLens> {
+        if self.has_lens {
+            return Some(ListedLens::Known(self.camera.lens));
+        }
+        self.intrinsics.or(intrinsics).map(ListedLens::InPixels).or(vfov.map(ListedLens::Known))
+    }
+
     /// A camera at `eye` that looks along `view`.
     pub(super) fn new(eye: [f64; 3], look: Look, up: [f64; 3]) -> Self {
         let camera = Camera { eye: eye.into(), look, up: up.into(), ..Camera::CANONICAL };
@@ -36,5 +47,33 @@ impl ListedCamera {
     /// The same with a lens.
     pub(super) fn with_lens(self, lens: Lens) -> Self {
         Self { camera: Camera { lens, ..self.camera }, has_lens: true, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// docs/film.md: options give the lens to the cameras of the list that have none.
+    #[test]
+    fn what_the_list_says_of_a_lens_comes_first() {
+        let intrinsics = |fx: f64| Intrinsics { fx, fy: 50.0, cx: 20.0, cy: 15.0 };
+        let angle = |degrees: f64| Lens::Vfov { degrees, distance: 1.0 };
+        let bare = ListedCamera::new([0.0; 3], Look::View(-DVec3::Z), [0.0, 1.0, 0.0]);
+        let in_pixels = ListedCamera { intrinsics: Some(intrinsics(40.0)), ..bare };
+        let known = in_pixels.with_lens(angle(20.0));
+        let (given, vfov) = (Some(intrinsics(60.0)), Some(angle(30.0)));
+        for (camera, given, vfov, expected) in [
+            (&known, given, vfov, Some(ListedLens::Known(angle(20.0)))),
+            (&in_pixels, given, vfov, Some(ListedLens::InPixels(intrinsics(40.0)))),
+            (&bare, given, vfov, Some(ListedLens::InPixels(intrinsics(60.0)))),
+            (&bare, None, vfov, Some(ListedLens::Known(angle(30.0)))),
+            (&bare, None, None, None),
+        ] {
+            assert_eq!(camera.lens(given, vfov), expected, "{camera:?}");
+        }
+        let error =
+            ListedLens::InPixels(intrinsics(0.0)).for_image(3, 40, 30).expect_err("no focal length").to_string();
+        assert!(error.contains("camera 3: ") && error.contains("not positive"), "{error}");
     }
 }

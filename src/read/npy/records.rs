@@ -37,7 +37,7 @@ impl ParticleFrames for Array {
         let Spheres { centers, radii, colors, .. } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
         let colors = colors.unwrap_or_default().into_vec();
-        Ok(Some(Particles { positions: centers.into_vec(), radii, colors, ..Particles::default() }))
+        Ok(Some(Particles { positions: centers.into_vec(), radii, colors, checked: true, ..Particles::default() }))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::memory::reserve;
 use crate::read::csv::COLUMNS;
 use crate::read::input::Counts;
 use crate::read::particles::{Scalar, Survey};
-use crate::scene::{Spheres, check_color, check_sphere};
+use crate::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
 use rayon::prelude::*;
 use std::io::{self, BufRead, ErrorKind, Read};
 
@@ -173,8 +173,8 @@ impl<'a> RowBlocks<'a> {
         let (centers, radii) = (spheres.centers.to_mut(), spheres.radii.to_mut());
         centers.par_extend(rows.clone().map(|row| [at(row, 0), at(row, 1), at(row, 2)]));
         radii.par_extend(rows.map(|row| if has_radii { at(row, 3) } else { 1.0 }));
-        let are_finite = |centers: &[[f64; 3]]| centers.as_flattened().iter().fold(true, |all, x| all & x.is_finite());
-        let are_sizes = |radii: &[f64]| radii.iter().fold(true, |all, r| all & (*r > 0.0) & r.is_finite());
+        let are_finite = |centers: &[[f64; 3]]| centers.iter().fold(true, |all, center| all & is_center(center));
+        let are_sizes = |radii: &[f64]| radii.iter().fold(true, |all, radius| all & is_radius(radius));
         let valid = centers[before..].par_chunks(TOGETHER).all(are_finite)
             && radii[before..].par_chunks(TOGETHER).all(are_sizes);
         if !valid {

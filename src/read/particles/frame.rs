@@ -26,6 +26,11 @@ pub(crate) struct Particles {
     /// The columns of [`ReadOptions::columns`](crate::read::ReadOptions::columns) that the file has, with a number for
     /// every particle. Names of columns in files are converted to lower case.
     pub(crate) columns: Vec<Column>,
+    /// Whether the reader has checked the positions and the radii by [`check_sphere`](crate::scene::check_sphere), and named the
+    /// row of the first that is not valid.
+    pub(in crate::read) checked: bool,
+    /// The number of particles before them, in the parts of the file that were passed on.
+    pub(in crate::read) before: u64,
     /// The names of all columns of the file, for messages.
     pub(crate) has: Vec<String>,
     /// For columns of names: the column's name, and the names that its whole numbers, from 0, refer to.
@@ -231,14 +236,15 @@ impl Particles {
             colors: std::mem::take(&mut self.colors),
             columns: columns.map(|column| (column.name.clone(), std::mem::take(&mut column.values))).collect(),
             has: self.has.clone(),
+            checked: self.checked,
         })
     }
 
     /// The particles of a part.
     pub(in crate::read) fn of_part(part: Part) -> Self {
-        let Part { positions, radii, elements, colors, columns, has } = part;
+        let Part { positions, radii, elements, colors, columns, has, checked } = part;
         let columns = columns.into_iter().map(|(name, values)| Column { name, values }).collect();
-        Self { positions, radii, elements, colors, columns, has, ..Self::default() }
+        Self { positions, radii, elements, colors, columns, has, checked, ..Self::default() }
     }
 
     /// Whether a column has names.

@@ -35,6 +35,7 @@ pub(in crate::read) struct Part {
     pub(in crate::read) columns: Vec<(String, Vec<f64>)>,
     /// The names of all columns of the file.
     pub(in crate::read) has: Vec<String>,
+    pub(in crate::read) checked: bool,
 }
 
 /// The counts of a frame.
@@ -134,7 +135,7 @@ impl Survey {
         self.parts.as_ref().map_or(Ok(()), |parts| parts.send(part).map_err(|_| Error::Interrupted))
     }
 
-    /// Counts spheres, or passes them on; without radii in the file their radii do not count.
+    /// Counts spheres whose numbers were checked, or passes them on; without radii in the file their radii do not count.
     ///
     /// # Errors
     /// [`Error::Interrupted`].
@@ -146,7 +147,7 @@ impl Survey {
         let Spheres { centers, radii, colors, .. } = std::mem::take(spheres);
         let radii = if sized { radii.into_vec() } else { Vec::new() };
         let colors = colors.unwrap_or_default().into_vec();
-        self.pass(Part { positions: centers.into_vec(), radii, colors, ..Part::default() })
+        self.pass(Part { positions: centers.into_vec(), radii, colors, checked: true, ..Part::default() })
     }
 
     /// Whether `particles` are a part.
