@@ -157,9 +157,11 @@ impl NullaryFnOnce for Block<'_> {
         for first in (0..radii.len()).step_by(LANES) {
             let there = LANES.min(radii.len() - first);
             // The last sphere is repeated to fill the vector; the copies are discarded.
-            let at = |l: usize| first + l.min(there - 1);
-            let (eight_centers, eight_radii) =
-                (std::array::from_fn(|l| centers[at(l)]), std::array::from_fn(|l| radii[at(l)]));
+            let (mut eight_centers, mut eight_radii) = ([[0.0; 3]; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                let at = first + l.min(there - 1);
+                (eight_centers[l], eight_radii[l]) = (centers[at], radii[at]);
+            }
             let eight: Eight = projection.eight(&eight_centers, &eight_radii, 0.0);
             for l in 0..there {
                 let index = (first + l) as u32;

@@ -44,7 +44,7 @@ mod tests {
     use crate::gpu::input::Rays;
     use crate::gpu::submission_budget::SubmissionBudget;
     use crate::intersect::Method;
-    use crate::kernel::Generals;
+    use crate::kernel::{Generals, Sharing};
     use crate::scene::camera::Camera;
     use crate::scene::{ImagePlane, Scene, Skipped, Spheres};
     use crate::shade::Shade;
@@ -127,7 +127,8 @@ mod tests {
                 let candidates = Some(CandidateList::Certified(&binned));
                 let input = Input { view: &view, colors, rays: Rays::Viewing, candidates, tree: None };
                 let search = Kernel { generals: Generals::of(near), ..kernel }.winners();
-                for gpu in [&mut gpu, &mut cut] {
+                let alone = Kernel { sharing: Sharing::None, ..search };
+                for (gpu, search) in [(&mut gpu, search), (&mut cut, search), (&mut cut, alone)] {
                     let mut raw = raw();
                     let mut output = Output { raw: &mut raw, timings: &mut timings };
                     gpu.find_winners(&search, &kernel, &input, &mut output, &pool, &|_| true).expect("a frame");

@@ -121,19 +121,20 @@ impl DepthPyramid {
 
     /// The first and last column and row of the pixels of the window whose rays may hit a projected sphere; `None` without any.
     fn footprint(&self, lens: &ProjectionBounds, placed: &Placed) -> Option<[[u32; 2]; 2]> {
-        let record = &placed.record;
+        let (record, Coverage { per_fixed, per_fine, .. }) = (&placed.record, self.coverage);
         let window = [[self.window.x0, self.window.x1], [self.window.y0, self.window.y1]];
         let mut found = [[0; 2]; 2];
         for (k, fixed) in [record.x, record.y].into_iter().enumerate() {
-            let place = f64::from(fixed) / lens.fixed;
+            let place = f64::from(fixed) * per_fixed;
             // As for tiles, with the largest slope of the image; the record adds one unit of the fixed point and the rounding of rho.
             let rho = f64::from(record.rho) * (1.0 + WIDEN);
-            let half = lens.extent(rho, lens.edge[k], k) + 1.0 / lens.fixed;
+            let half = lens.extent(rho, lens.edge[k], k) + per_fixed;
             let (first, last) = (-floor(half - place), floor(place + half));
             if first > last {
                 return None;
             }
-            let pixel = |fine: f64| floor((fine - lens.corner[k] + 0.5) / lens.per_pixel);
+            // Half a pixel more keeps the product far from integers, so its rounding does not matter.
+            let pixel = |fine: f64| floor((fine - lens.corner[k] + 0.5) * per_fine);
             let [low, end] = window[k].map(f64::from);
             let (first, last) = (pixel(first).max(low), pixel(last).min(end - 1.0));
             if first > last {
