@@ -95,7 +95,7 @@ mod tests {
     fn searching_and_finishing_are_the_whole_frame() {
         let Some(found) = adapter_or_skip() else { return };
         let open = || Gpu::new(device::open(&found).expect("a device"), found.summary.clone());
-        let (mut gpu, mut cut) = (open(), open());
+        let (mut gpu, mut cut, mut other) = (open(), open(), open());
         cut.budget = SubmissionBudget::minimal();
         let pool = Pool::default();
         let shaded = Kernel {
@@ -128,7 +128,7 @@ mod tests {
                 let input = Input { view: &view, colors, rays: Rays::Viewing, candidates, tree: None };
                 let search = Kernel { generals: Generals::of(near), ..kernel }.winners();
                 let alone = Kernel { sharing: Sharing::None, ..search };
-                for (gpu, search) in [(&mut gpu, search), (&mut cut, search), (&mut cut, alone)] {
+                for (gpu, search) in [(&mut gpu, search), (&mut cut, search), (&mut other, alone)] {
                     let mut raw = raw();
                     let mut output = Output { raw: &mut raw, timings: &mut timings };
                     gpu.find_winners(&search, &kernel, &input, &mut output, &pool, &|_| true).expect("a frame");
