@@ -6,7 +6,7 @@ use stale::folder;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::NamedTempFile;
 
 mod stale;
 
@@ -187,31 +187,28 @@ impl Unfinished {
         }
     }
 
-    /// Replaces the file at `path`.
+    /// Replaces the file at `path`. The file stays open, and so locked, until it has its name: another thread or process that
+    /// writes the same file would remove an unlocked one as stale.
     fn take_name(self, path: &Path) -> io::Result<()> {
-        let named = match self {
+        match self {
             // A link can only be made where there is no file; replacing one takes two steps.
-            Self::Nameless(file) => match give_name(&file, path) {
-                Ok(()) => return Ok(()),
-                Err(_) => beside(file, path)?,
-            },
-            Self::Named(file) => file.into_temp_path(),
-        };
-        named.persist(path).map_err(|error| error.error)
+            Self::Nameless(file) => give_name(&file, path).or_else(|_| replace_by(&file, path)),
+            Self::Named(file) => file.persist(path).map(drop).map_err(|error| error.error),
+        }
     }
 }
 
-/// A temporary name for an anonymous file, or for a copy of it where it cannot be linked.
-fn beside(file: File, path: &Path) -> io::Result<TempPath> {
-    stale::lock(&file);
-    match stale::named(path, |name| give_name(&file, name)) {
-        Ok(named) => Ok(named.into_temp_path()),
-        Err(_) => copied(file, path).map(NamedTempFile::into_temp_path),
+/// Replaces the file at `path` by an anonymous one, or by a copy of it where it cannot be linked.
+fn replace_by(file: &File, path: &Path) -> io::Result<()> {
+    stale::lock(file);
+    match stale::named(path, |name| give_name(file, name)) {
+        Ok(named) => named.persist(path).map_err(|error| error.error),
+        Err(_) => copied(file, path)?.persist(path).map(drop).map_err(|error| error.error),
     }
 }
 
 /// A named copy of a file that cannot be linked here.
-fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile> {
+fn copied(mut file: &File, path: &Path) -> io::Result<NamedTempFile> {
     let mut named = stale::new(path)?;
     file.rewind()?;
     io::copy(&mut file, &mut named)?;

@@ -48,7 +48,7 @@ fn named_temporary_files_are_renamed_into_place() {
     }
     let mut other = tempfile::tempfile().expect("a file");
     other.write_all(b"copied").expect("written");
-    copied(other, &path).expect("copied").persist(&path).expect("a name");
+    copied(&other, &path).expect("copied").persist(&path).expect("a name");
     assert_eq!((fs::read(&path).expect("there"), names(folder.path())), (b"copied".to_vec(), vec!["a".to_owned()]));
 }
 
@@ -76,6 +76,19 @@ fn only_stale_files_are_removed() {
     assert!(other.exists(), "an anonymous file does not search for stale names");
     write_atomically(&b, |out| out.write_all(b"b")).expect("written");
     assert_eq!(names(folder.path()), ["a", "b"], "a file that replaces another one does");
+}
+
+/// The frames of a film that are rendered at once write one legend.
+#[test]
+fn threads_that_write_one_file_do_not_remove_each_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a");
+    let write = |content: &[u8]| (0..200).try_for_each(|_| write_atomically(&path, |out| out.write_all(content)));
+    std::thread::scope(|scope| {
+        let writers = [b"1", b"2", b"3", b"4"].map(|content| scope.spawn(move || write(content)));
+        writers.into_iter().for_each(|writer| writer.join().expect("a thread").expect("written"));
+    });
+    assert_eq!((fs::read(&path).expect("there").len(), names(folder.path())), (1, vec!["a".to_owned()]));
 }
 
 #[test]
