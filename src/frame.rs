@@ -7,9 +7,11 @@ mod buffer;
 pub mod provenance;
 pub mod report;
 pub mod srgb;
+pub mod tone;
 
 use crate::window::Window;
 use report::Report;
+use tone::Toning;
 
 pub use aov::{Aov, MOST_LIGHTS};
 pub use buffer::{Buffer, Data};
@@ -66,11 +68,17 @@ impl Frame {
         }
     }
 
-    /// The picture in 8-bit sRGB, alpha 255, if colour was requested.
+    /// Exposure and curve of its pictures in 8 and 16 bits.
+    #[must_use]
+    pub fn toning(&self) -> Toning {
+        self.report.toning()
+    }
+
+    /// The picture in 8-bit sRGB with its tone, alpha 255, if colour was requested.
     #[must_use]
     pub fn image(&self) -> Option<image::RgbaImage> {
-        let bytes: Vec<u8> = self
-            .f32(Aov::Color)?
+        let toned = self.toning().all(self.f32(Aov::Color)?);
+        let bytes: Vec<u8> = toned
             .chunks_exact(3)
             .flat_map(|c| [srgb::level(c[0]), srgb::level(c[1]), srgb::level(c[2]), 255])
             .collect();

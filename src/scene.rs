@@ -6,6 +6,7 @@ pub mod camera;
 mod cell;
 mod check;
 mod fit;
+mod gradient;
 pub mod instances;
 pub mod lidar;
 mod light;
@@ -22,6 +23,8 @@ pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub(crate) use check::{is_center, is_radius};
 pub use fit::{Framing, Reach, middle};
+pub(crate) use gradient::Gradient;
+pub use gradient::SkyColors;
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
@@ -320,6 +323,14 @@ impl Scene {
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
         self.camera.viewport(self.image.width, self.image.height).map(drop)
+    }
+
+    /// Makes this the colour of rays that hit nothing, also in place of the colours of a sky, which still lights the scene.
+    pub fn set_background(&mut self, color: [f32; 3]) {
+        self.image.background = color;
+        if let Some(colors) = self.lighting.sky.as_mut().and_then(|sky| sky.colors.as_mut()) {
+            colors.is_shown = false;
+        }
     }
 
     /// The camera and the image alone.

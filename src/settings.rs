@@ -2,9 +2,10 @@
 
 mod look;
 
-pub use look::{AddedLight, Look};
+pub use look::{AddedLight, ChosenLook, FileLook, Look};
 
 use crate::error::{Error, Place, Result};
+use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
 use crate::scene::{Scene, Sky};
@@ -113,6 +114,11 @@ pub struct Settings {
     pub silhouette: bool,
     /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.
     pub depth_cue: bool,
+    /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` for the soft one where lights or a sky light the
+    /// picture, else the linear one.
+    pub tone: Option<Tone>,
+    /// The exposure of these pictures, stops: light is multiplied by 2 to this power.
+    pub exposure: f64,
     /// The sky of the buffer `occlusion` where the scene has none. It does not change the colour.
     pub sky: Sky,
     /// Seed of the sample positions; they also depend on the pixel's place in the full frame.
@@ -135,31 +141,51 @@ impl Settings {
         self.tolerance.unwrap_or_default()
     }
 
-    /// The sky whose open share is computed for the colour or for the buffer `occlusion`: the scene's, else that of the
-    /// settings.
+    /// The sky whose open share is computed: that of the buffer `occlusion` where it is requested, else the scene's for the
+    /// colour.
     #[must_use]
     pub fn sky(&self, scene: &Scene) -> Option<Sky> {
-        let lights = scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color));
-        let asked = self.aovs.contains(&Aov::Occlusion).then(|| scene.lighting.sky.unwrap_or(self.sky));
-        lights.or(asked)
+        let asked = self.aovs.contains(&Aov::Occlusion).then(|| self.buffer_sky(scene));
+        asked.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
     }
 
-    /// Checks that the scene has what the buffers need.
+    /// The sky of the buffer `occlusion`: the scene's, else that of the settings. A sky at the centres of every second pixel
+    /// is of the picture alone.
+    pub(crate) fn buffer_sky(&self, scene: &Scene) -> Sky {
+        scene.lighting.sky.filter(|sky| !sky.at_centers).unwrap_or(self.sky)
+    }
+
+    /// Exposure and curve of the scene's pictures in 8 and 16 bits.
+    #[must_use]
+    pub fn toning(&self, scene: &Scene) -> Toning {
+        let lit = self.shade == Shade::Headlight && scene.lighting.is_lit();
+        let tone = self.tone.unwrap_or(if lit { Tone::Soft } else { Tone::Linear });
+        Toning { tone, stops: self.exposure }
+    }
+
+    /// Checks the exposure, and that the scene has what the buffers need.
     ///
     /// # Errors
-    /// [`Error::Settings`] for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
+    /// [`Error::Settings`] for an exposure out of range, for the buffer `shadow` without lights, or with more than [`MOST_LIGHTS`];
     /// [`Error::Scene`] for a sky with numbers out of range.
     pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
+        Toning::check_stops(self.exposure)?;
         let lights = scene.lighting.lights.len();
         if self.aovs.contains(&Aov::Shadow) && lights == 0 {
-            let problem = "the buffer shadow needs a light, and the scene has none";
-            return Err(Error::settings(problem, "add --sun X,Y,Z, or [[light]] tables to the scene file"));
+            return Err(Self::no_light());
         }
         if self.aovs.contains(&Aov::Shadow) && lights > MOST_LIGHTS {
             let problem = format!("the buffer shadow cannot hold {lights} lights");
             return Err(Error::settings(problem, format!("use at most {MOST_LIGHTS} lights")));
         }
         self.sky.check(|field| Place::field(format!("occlusion.{field}")))
+    }
+
+    /// The error for the buffer `shadow` without a light.
+    #[must_use]
+    pub fn no_light() -> Error {
+        let problem = "the buffer shadow needs a light, and the scene has none";
+        Error::settings(problem, "add --sun X,Y,Z, or [[light]] tables to the scene file")
     }
 
     /// The part of `scene`'s frame that is rendered.

@@ -5,6 +5,7 @@
 //! square of the kernels in range: one for the rays (the largest of vw/2, vh/2, d lies in [1, 2)) and one for each sphere
 //! (the largest of |p_x|, |p_y|, |p_z|, r lies in [1, 2)).
 
+pub(crate) mod backdrop;
 pub(crate) mod directions;
 pub(crate) mod given;
 mod moved;

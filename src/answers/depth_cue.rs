@@ -41,12 +41,18 @@ impl DepthCue {
         if part > 0.0 { (MOST * part.min(1.0)) as f32 } else { 0.0 }
     }
 
-    /// Mixes the background into the linear RGB of all hits.
-    pub(crate) fn apply(&self, ids: &[u32], depths: &[f64], background: [f32; 3], color: &mut [f32]) {
-        color.par_chunks_exact_mut(3).zip(ids).zip(depths).for_each(|((rgb, id), depth)| {
+    /// Mixes the background of each pixel into the linear RGB of all hits.
+    pub(crate) fn apply(
+        &self,
+        ids: &[u32],
+        depths: &[f64],
+        background: &(dyn Fn(u32) -> [f32; 3] + Sync),
+        color: &mut [f32],
+    ) {
+        color.par_chunks_exact_mut(3).zip(ids).zip(depths).enumerate().for_each(|(pixel, ((rgb, id), depth))| {
             let share = if *id == NONE { 0.0 } else { self.share(*depth) };
             if share > 0.0 {
-                for (value, behind) in rgb.iter_mut().zip(background) {
+                for (value, behind) in rgb.iter_mut().zip(background(pixel as u32)) {
                     *value += share * (behind - *value);
                 }
             }
@@ -113,14 +119,14 @@ mod tests {
         let depths = [2.0, 11.0, 6.5, inf, f64::NAN, 5.0, inf];
         let own = [0.75, 0.5, 0.25];
         let mut color: Vec<f32> = ids.iter().flat_map(|_| own).collect();
-        cue.apply(&ids, &depths, [0.0, 0.5, 1.0], &mut color);
+        cue.apply(&ids, &depths, &|_| [0.0, 0.5, 1.0], &mut color);
         let mixed = |share: f32| [0.75 + share * (0.0 - 0.75), 0.5, 0.25 + share * (1.0 - 0.25)];
         let expected = [own, mixed(0.6), mixed(0.3), own, own, own, mixed(0.6)];
         assert_eq!(color, expected.concat());
         // Monotone to the last bit, in every channel.
         let depths: Vec<f64> = (0..1000).map(|k| 1.9 + 0.01 * f64::from(k)).collect();
         let mut color: Vec<f32> = depths.iter().flat_map(|_| [0.9, 0.1, 0.3]).collect();
-        cue.apply(&vec![0; 1000], &depths, [0.2, 0.7, 0.3], &mut color);
+        cue.apply(&vec![0; 1000], &depths, &|_| [0.2, 0.7, 0.3], &mut color);
         let steps = || color.chunks_exact(3).zip(color[3..].chunks_exact(3));
         assert!(steps().all(|(a, b)| a[0] >= b[0] && a[1] <= b[1] && a[2] == b[2]));
     }

@@ -4,6 +4,7 @@ use super::depth_cue::DepthCue;
 use super::silhouette::{MARGIN, PixelSize, Shown};
 use crate::scene::Scene;
 use crate::view::View;
+use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use crate::window::Window;
@@ -39,9 +40,10 @@ impl Finish {
     }
 }
 
-/// Fades the colours of a view's rays.
-pub(crate) fn fade(cue: DepthCue, scene: &Scene, view: &View, ids: &[u32], color: &mut [f32]) {
-    cue.apply(ids, &depths(scene, view, ids), scene.image.background, color);
+/// Fades the colours of a view's rays to the background; `lit` as for [`Backdrop::new`].
+pub(crate) fn fade(cue: DepthCue, scene: &Scene, (view, lit): (&View, bool), ids: &[u32], color: &mut [f32]) {
+    let backdrop = Backdrop::new(scene, view, lit);
+    cue.apply(ids, &depths(scene, view, ids), &|pixel| backdrop.at(pixel), color);
 }
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.

@@ -2,6 +2,7 @@
 
 use crate::view::ray::NONE;
 use crate::window::Window;
+use glam::DVec3;
 
 /// The certainty of a pixel of which the judge decided a ray.
 pub(crate) const SETTLED: u8 = 1;
@@ -17,34 +18,37 @@ pub(crate) struct Lit {
     pub(crate) shadow: Vec<f32>,
     /// Share of the sky that is open.
     pub(crate) occlusion: Vec<f32>,
+    /// Light of the open sky in its colours, linear RGB, three numbers per pixel.
+    pub(crate) sky: Vec<f32>,
     /// Pixels that are less than certain in f64, in their order, and their certainty.
     pub(crate) unsure: Vec<(u32, u8)>,
 }
 
-/// The open share of the sky at the centres of a window's pixels, for the samples around them.
+/// The light of the open sky at the centres of a window's pixels, for the samples around them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OpenSky<'a> {
     pub(crate) window: Window,
-    /// The sphere of each pixel, and the share at its hit.
+    /// The sphere of each pixel, and the light at its hit, linear RGB.
     pub(crate) ids: &'a [u32],
-    pub(crate) open: &'a [f32],
+    pub(crate) light: &'a [f32],
 }
 
 /// How many pixels around a sample [`OpenSky`] needs.
 pub(crate) const AROUND: u32 = 1;
 
 impl OpenSky<'_> {
-    /// The mean share over the pixels around this one that show the sphere, or over all that show any.
-    pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> f64 {
+    /// The mean light over the pixels around this one that show the sphere, or over all that show any.
+    pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> DVec3 {
         let Window { x0, y0, x1, y1 } = self.window;
         let near = |at: u32, first: u32, end: u32| at.saturating_sub(AROUND).max(first)..(at + AROUND + 1).min(end);
         let columns = || near(column, x0, x1);
         let at = |y: u32, x: u32| ((y - y0) * (x1 - x0) + x - x0) as usize;
         // Sums and counts of the same sphere and of any.
-        let (mut same, mut any) = ([0.0f64; 2], [0.0f64; 2]);
+        let (mut same, mut any) = ((DVec3::ZERO, 0.0), (DVec3::ZERO, 0.0));
         for y in near(row, y0, y1) {
             for n in columns().map(|x| at(y, x)).filter(|n| self.ids[*n] != NONE) {
-                let add = |[sum, count]: [f64; 2]| [sum + f64::from(self.open[n]), count + 1.0];
+                let light = DVec3::from_array([0, 1, 2].map(|k| self.light[3 * n + k].into()));
+                let add = |(sum, count): (DVec3, f64)| (sum + light, count + 1.0);
                 any = add(any);
                 if self.ids[n] == id {
                     same = add(same);
@@ -52,8 +56,8 @@ impl OpenSky<'_> {
             }
         }
         match (same, any) {
-            ([sum, count], _) | (_, [sum, count]) if count > 0.0 => sum / count,
-            _ => 1.0,
+            ((sum, count), _) | (_, (sum, count)) if count > 0.0 => sum / count,
+            _ => DVec3::ONE,
         }
     }
 }
@@ -65,13 +69,14 @@ pub(crate) struct Chunk<'a> {
     pub(crate) color: &'a mut [f32],
     pub(crate) shadow: &'a mut [f32],
     pub(crate) occlusion: &'a mut [f32],
+    pub(crate) sky: &'a mut [f32],
 }
 
 impl Chunk<'_> {
     /// Fills what is requested of a pixel that shows no sphere.
-    pub(crate) fn miss(&mut self, n: usize, lights: usize, background: [f32; 3]) {
+    pub(crate) fn miss(&mut self, n: usize, lights: usize, background: impl FnOnce() -> [f32; 3]) {
         if let Some(color) = self.color.get_mut(3 * n..3 * n + 3) {
-            color.copy_from_slice(&background);
+            color.copy_from_slice(&background());
         }
         if let Some(shadow) = self.shadow.get_mut(n * lights..(n + 1) * lights) {
             shadow.fill(0.0);
@@ -79,15 +84,19 @@ impl Chunk<'_> {
         if let Some(occlusion) = self.occlusion.get_mut(n) {
             *occlusion = 1.0;
         }
+        if let Some(sky) = self.sky.get_mut(3 * n..3 * n + 3) {
+            sky.fill(0.0);
+        }
     }
 }
 
 impl Lit {
     /// The buffers where no pixel shows a sphere.
-    pub(crate) fn of_nothing(mut self, background: [f32; 3]) -> Self {
-        self.color.chunks_exact_mut(3).for_each(|color| color.copy_from_slice(&background));
+    pub(crate) fn of_nothing(mut self, background: impl Fn(u32) -> [f32; 3]) -> Self {
+        (0..).zip(self.color.chunks_exact_mut(3)).for_each(|(pixel, color)| color.copy_from_slice(&background(pixel)));
         self.shadow.fill(0.0);
         self.occlusion.fill(1.0);
+        self.sky.fill(0.0);
         self
     }
 
@@ -96,12 +105,14 @@ impl Lit {
         let mut colors = self.color.chunks_mut(3 * count);
         let mut shadows = self.shadow.chunks_mut((lights * count).max(1));
         let mut shares = self.occlusion.chunks_mut(count);
+        let mut skies = self.sky.chunks_mut(3 * count);
         (0..pixels).step_by(count).map(move |first| Chunk {
             first,
             count: count.min(pixels - first),
             color: colors.next().unwrap_or_default(),
             shadow: shadows.next().unwrap_or_default(),
             occlusion: shares.next().unwrap_or_default(),
+            sky: skies.next().unwrap_or_default(),
         })
     }
 }

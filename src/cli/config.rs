@@ -14,7 +14,7 @@ use std::io::Read;
 use std::path::PathBuf;
 
 /// The options that may be set this way: preferences of a user or a machine, not properties of one picture.
-const NAMES: [&str; 28] = [
+const NAMES: [&str; 30] = [
     "accuracy",
     "adapter",
     "backend",
@@ -23,6 +23,7 @@ const NAMES: [&str; 28] = [
     "bounces",
     "depth-cue",
     "dpi",
+    "exposure",
     "look",
     "map",
     "method",
@@ -41,6 +42,7 @@ const NAMES: [&str; 28] = [
     "silhouette",
     "size",
     "tolerance",
+    "tone",
     "transparent",
     "unit",
 ];

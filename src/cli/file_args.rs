@@ -93,7 +93,9 @@ impl FileArgs {
     /// Applies the options that change the scene.
     pub(super) fn apply(&self, scene: &mut Scene) {
         let given = if self.transparent { Some([0.0; 3]) } else { self.background };
-        scene.image.background = given.unwrap_or(scene.image.background);
+        if let Some(color) = given {
+            scene.set_background(color);
+        }
     }
 
     /// The files of picture `number`, each with its buffers.
@@ -133,11 +135,6 @@ impl FileArgs {
         Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"))
     }
 
-    /// Whether -o names a picture.
-    pub(super) fn has_picture(&self) -> bool {
-        self.output.is_some()
-    }
-
     /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
     pub(super) fn picture(&self) -> Option<&Path> {
         self.output.as_deref()
@@ -151,11 +148,6 @@ impl FileArgs {
     /// Whether the background is transparent.
     pub(super) fn is_transparent(&self) -> bool {
         self.transparent
-    }
-
-    /// Whether --aov asks for buffers.
-    pub(super) fn has_buffers(&self) -> bool {
-        !self.aov.is_empty()
     }
 
     /// The buffers of --aov.

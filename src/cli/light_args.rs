@@ -7,16 +7,16 @@ use glam::DVec3;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::{Light, LightSource, MOST_BOUNCES, MOST_RAYS, Scene, Sky, Spheres};
-use halfline::settings::{AddedLight, Look, Settings};
+use halfline::settings::{AddedLight, ChosenLook, FileLook, Look, Settings};
 use halfline::shade::Shade;
 
 /// The options for light.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Light")]
 pub(super) struct LightArgs {
-    /// Look of the picture, to which other options add: plain (nothing), soft (--occlusion, --silhouette, and a light
-    /// from above left if the scene has none), figure (--shade flat --silhouette --depth-cue) [default: plain; for a
-    /// picture of a particle file without --aov, --accuracy, --method, --samples and --shade: soft with 4 samples].
+    /// Look of the picture, to which other options add: plain (nothing), soft (--samples 4, --silhouette, a sky with 4 rays
+    /// from every second pixel, and a light from above left if the scene has none), figure (--shade flat --silhouette
+    /// --depth-cue) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
     #[arg(long, value_name = "L", value_parser = looks(), hide_possible_values = true)]
     look: Option<Look>,
     /// Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point [default: the scene
@@ -44,29 +44,23 @@ pub(super) struct LightArgs {
     depth_cue: bool,
 }
 
-/// What decides about the default look.
+/// What decides about the look, besides --look.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LookRequest {
-    /// Whether the file has particles and no camera.
-    pub(super) is_particles: bool,
-    /// Whether a picture is written and no option asks for anything else: buffers, accuracy, method, samples, shading.
-    pub(super) is_plain_picture: bool,
+    /// What the file says.
+    pub(super) file: FileLook,
+    /// Whether the colour of the picture is computed.
+    pub(super) has_picture: bool,
     /// The samples and the shading that options ask for.
     pub(super) samples: Option<u32>,
     pub(super) shade: Option<Shade>,
 }
 
-/// Samples of the default look.
-const SAMPLES: u32 = 4;
-
 /// The look of one picture: what its options stand for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PictureLook {
-    look: Look,
-    /// Whether no option asks for this look.
-    is_default: bool,
+    chosen: ChosenLook,
     shade: Option<Shade>,
-    samples: u32,
     silhouette: bool,
     depth_cue: bool,
     /// The sky of the buffer `occlusion` in a scene without one.
@@ -74,23 +68,30 @@ pub(super) struct PictureLook {
 }
 
 impl LightArgs {
+    /// Whether the picture would have the look of particles.
+    pub(super) fn would_be_soft(&self, LookRequest { file, has_picture, samples, shade }: LookRequest) -> bool {
+        file.choose(has_picture, self.look, samples, shade).is_default
+    }
+
     /// Applies the options to the scene, whose camera is final.
     ///
     /// # Errors
     /// [`Error::Settings`] for a reach without a sky; the camera's.
     pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
-        let is_default = self.look.is_none();
-        let soft = is_default && request.is_particles && request.is_plain_picture;
-        let look = self.look.unwrap_or(if soft { Look::Soft } else { Look::Plain });
+        let LookRequest { file, has_picture, samples, shade } = request;
+        let chosen = file.choose(has_picture, self.look, samples, shade);
+        let look = chosen.look;
         let light = AddedLight {
             look,
-            samples: request.samples.unwrap_or(if soft { SAMPLES } else { 1 }),
             suns: self.sun.clone(),
             shadows: self.shadows,
             occlusion: self.occlusion,
             reach: self.reach,
             bounces: self.bounces,
         };
+        if light.lacks_light(scene, aovs) {
+            return Err(Settings::no_light());
+        }
         light.apply(scene)?;
         if let Some(bounces) = light.idle_bounces(scene) {
             let what = "no sphere has a material that reflects or refracts light like a mirror or glass";
@@ -101,10 +102,8 @@ impl LightArgs {
             return Err(Error::settings("--reach applies to a sky, and there is none", mend));
         }
         Ok(PictureLook {
-            look,
-            is_default,
-            shade: request.shade.or(look.shade()),
-            samples: light.samples,
+            chosen,
+            shade: shade.or(look.shade()),
             silhouette: self.silhouette || look.has_silhouette(),
             depth_cue: self.depth_cue || look.has_depth_cue(),
             buffer_sky: light.buffer_sky(),
@@ -117,7 +116,7 @@ impl PictureLook {
     pub(super) fn settings(&self, settings: &Settings) -> Settings {
         Settings {
             shade: self.shade.unwrap_or(settings.shade),
-            samples: self.samples,
+            samples: self.chosen.samples,
             silhouette: self.silhouette,
             depth_cue: self.depth_cue,
             sky: self.buffer_sky,
@@ -127,19 +126,18 @@ impl PictureLook {
 
     /// The options that the look stands for, in a sentence; `None` for the plain one.
     pub(super) fn words(&self) -> Option<String> {
-        let stands_for = match self.look {
+        let ChosenLook { look, is_default, .. } = self.chosen;
+        let stands_for = match look {
             Look::Plain => return None,
             Look::Soft => {
-                let samples = if self.is_default { format!(" --samples {}", self.samples) } else { String::new() };
                 let light = "a light from above left without shadows if the scene has no light";
-                let rays = self.look.sky_rays(self.samples).unwrap_or_default();
-                let at = if self.samples > 1 { " at every second pixel's centre" } else { "" };
-                format!("--occlusion {rays}{at}, --silhouette{samples}, and {light}")
+                let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
+                format!("--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}")
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };
-        let default = if self.is_default { " (the default for particles; see --look plain)" } else { "" };
-        Some(format!("look {}{default}: {stands_for}", self.look.name()))
+        let default = if is_default { " (the default for particles; see --look plain)" } else { "" };
+        Some(format!("look {}{default}: {stands_for}", look.name()))
     }
 }
 

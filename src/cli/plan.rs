@@ -8,7 +8,8 @@ use super::{note, print, say};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
 use halfline::quote::{count, number};
-use halfline::scene::Sky;
+use halfline::frame::tone::Tone;
+use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
 
 /// Explains what rendering a scene would compile, upload and compute, and why, without tracing a ray.
@@ -43,8 +44,9 @@ impl PlanArgs {
         if !targets.is_empty() {
             self.args.files.check_dpi(&targets)?;
         }
-        let picture = self.args.first()?;
-        let settings = self.args.settings_for(&picture, &self.args.settings(&targets), &targets)?;
+        let settings = self.args.settings(&targets);
+        let picture = self.args.first(&settings)?;
+        let settings = self.args.settings_for(&picture, &settings, &targets)?;
         let Numbered { scene, look, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
@@ -157,9 +159,15 @@ impl PlanText<'_> {
             }
         }
         e.lit_by.iter().try_for_each(|light| writeln!(f, "           {light}"))?;
-        if let Some(Sky { rays, reach, .. }) = e.occlusion {
+        if let Some(Sky { rays, reach, at_centers, colors }) = e.occlusion {
             let reach = if reach.is_finite() { format!("that end after {reach}") } else { "without end".to_owned() };
-            writeln!(f, "sky        {} for each point, {reach}", count(rays.into(), "ray"))?;
+            let each = if at_centers { "from every second pixel's centre" } else { "for each point" };
+            writeln!(f, "sky        {} {each}, {reach}", count(rays.into(), "ray"))?;
+            if let Some(SkyColors { zenith, horizon, is_shown }) = colors {
+                let rgb = |color: [f32; 3]| color.map(|c| number(c.into(), 6)).join(", ");
+                let seen = if is_shown { "" } else { "; the background is seen in its place" };
+                writeln!(f, "           zenith {}, horizon {}{seen}", rgb(zenith), rgb(horizon))?;
+            }
         }
         let PixelRays { viewing, lights, sky, onward } = e.rays_per_pixel;
         let MaterialCounts { mirrors, metals, clear } = e.materials;
@@ -183,6 +191,14 @@ impl PlanText<'_> {
         let drawn: Vec<_> = drawn.iter().filter(|(drawn, _)| *drawn).map(|(_, name)| *name).collect();
         if !drawn.is_empty() {
             writeln!(f, "drawn      {}", drawn.join(", "))?;
+        }
+        if let Some(tone) = e.tone {
+            let beyond = match tone {
+                Tone::Linear => "light beyond 1 is cut off",
+                Tone::Soft => "colours beyond 1 become whiter",
+            };
+            let exposure = if e.exposure == 0.0 { String::new() } else { format!(", exposure {} stops", e.exposure) };
+            writeln!(f, "tone       {}: {beyond}{exposure}", tone.name())?;
         }
         Ok(())
     }

@@ -31,7 +31,7 @@ impl FromStr for Preview {
 }
 
 impl Preview {
-    /// Shows the colour of `frame` on standard error, at most as wide as the terminal or the frame.
+    /// Shows the picture of `frame`, with its tone, on standard error, at most as wide as the terminal or the frame.
     pub(super) fn show(self, frame: &Frame) {
         let terminal = Term::stderr();
         if self == Self::Auto && (!terminal.is_term() || std::env::var_os("NO_COLOR").is_some()) {
@@ -44,7 +44,7 @@ impl Preview {
         if let Some(color) = frame.f32(Aov::Color) {
             let size = [frame.width as usize, frame.height as usize];
             let rows = 2 * usize::from(rows.saturating_sub(2).max(1));
-            let _ = io::stderr().write_all(blocks(color, size, [columns.into(), rows]).as_bytes());
+            let _ = io::stderr().write_all(blocks(&frame.toning().all(color), size, [columns.into(), rows]).as_bytes());
         }
     }
 }

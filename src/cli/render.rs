@@ -201,7 +201,7 @@ impl Render {
             return streamed(None);
         }
         let in_memory = || {
-            let mut scene_frames = SceneFrames::open(&self.args, cancel)?;
+            let mut scene_frames = SceneFrames::open(&self.args, settings, cancel)?;
             let first = self.ready(&mut scene_frames)?;
             Ok((Some(scene_frames), first))
         };

@@ -11,10 +11,11 @@ use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
+use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
 use halfline::progress::Cancel;
 use halfline::scene::{Framing, Scene};
-use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline::write::file::{Target, is_standard_output};
@@ -108,12 +109,20 @@ pub(super) struct ImageArgs {
     #[arg(long, value_name = "WxH", value_parser = scene_size)]
     pub(super) size: Option<(u32, u32)>,
     /// Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number. Other buffers use the
-    /// pixel's centre [default: 1; see --look].
+    /// pixel's centre [default: the scene file's, else 1, and 4 in the look soft].
     #[arg(long, value_name = "N")]
     samples: Option<NonZeroU32>,
     /// Seed of the sample positions.
     #[arg(long, value_name = "S", default_value = "0")]
     seed: u32,
+    /// Multiplies the light of pictures in 8 and 16 bits by 2 to this power. Linear files (.exr, .npy, .npz, .pfm, .raw) keep
+    /// the light as it is.
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = stops, allow_negative_numbers = true)]
+    exposure: f64,
+    /// Light beyond 1 in pictures in 8 and 16 bits: linear (cut off), soft (the colour becomes whiter, so that shapes stay
+    /// visible) [default: soft where lights or a sky light the picture, else linear].
+    #[arg(long, value_name = "T")]
+    tone: Option<Tone>,
     /// Renders only columns X0 to X1 and rows Y0 to Y1, counted from 0 at the top left, ends excluded.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = crop)]
     crop: Option<Window>,
@@ -174,23 +183,16 @@ impl ComputeArgs {
 }
 
 impl SceneArgs {
-    /// The scene with the options applied; of several, the first.
-    pub(super) fn first(&self) -> Result<Numbered> {
-        let first = SceneFrames::open(self, &Cancel::default())?.next_frame()?;
+    /// The scene with the options applied, for these settings; of several, the first.
+    pub(super) fn first(&self, settings: &Settings) -> Result<Numbered> {
+        let first = SceneFrames::open(self, settings, &Cancel::default())?.next_frame()?;
         first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
     }
 
-    /// What decides about the look of a picture of particles, or of a scene file.
-    pub(super) fn look_request(&self, is_particles: bool) -> LookRequest {
-        let Self { image, accuracy: AccuracyArgs { compute, .. }, files, .. } = self;
-        let asks = compute.accuracy.is_some() || compute.method.is_some();
-        let asks = asks || image.samples.is_some() || image.shade.is_some() || files.has_buffers();
-        LookRequest {
-            is_particles,
-            is_plain_picture: files.has_picture() && !asks,
-            samples: image.samples.map(NonZeroU32::get),
-            shade: image.shade,
-        }
+    /// What decides about the look of a picture of a file that says this.
+    pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
+        let Self { image, .. } = self;
+        LookRequest { file, has_picture, samples: image.samples.map(NonZeroU32::get), shade: image.shade }
     }
 
     /// Whether several pictures are rendered.
@@ -268,6 +270,8 @@ impl SceneArgs {
             tolerance: self.accuracy.tolerance,
             aovs: targets.iter().flat_map(Target::aovs).copied().collect(),
             seed: self.image.seed,
+            tone: self.image.tone,
+            exposure: self.image.exposure,
             part: self.image.is_part(),
             ..self.accuracy.compute.settings()
         }
@@ -387,6 +391,11 @@ fn tile(text: &str) -> Result<(u32, u32), String> {
 
 fn vector(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
+}
+
+fn stops(text: &str) -> Result<f64, String> {
+    let stops = text.parse().ok().and_then(|stops| Toning::check_stops(stops).ok());
+    stops.ok_or_else(|| format!("expected a number of stops from -{0} to {0}, such as 0.5", Toning::MOST_STOPS))
 }
 
 pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {

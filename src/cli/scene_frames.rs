@@ -9,12 +9,14 @@ use super::watch;
 use glam::{DQuat, DVec3};
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
+use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::render::stream::StreamIds;
 use halfline::scene::{Reach, Scene};
+use halfline::settings::Settings;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +30,8 @@ pub(super) struct SceneFrames<'a> {
     standing: Option<SceneFrame>,
     /// The camera that all frames have, and the point that it turns about.
     held: HeldCamera,
+    /// Whether the colour of pictures is computed.
+    has_picture: bool,
     /// The size of the picture whose camera is taken.
     size: Option<(u32, u32)>,
 }
@@ -56,8 +60,8 @@ pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> 
 }
 
 impl<'a> SceneFrames<'a> {
-    /// Opens the scene file; `cancel` ends the reading of frames.
-    pub(super) fn open(args: &'a SceneArgs, cancel: &Cancel) -> Result<Self> {
+    /// Opens the scene file for frames with these settings; `cancel` ends the reading of frames.
+    pub(super) fn open(args: &'a SceneArgs, settings: &Settings, cancel: &Cancel) -> Result<Self> {
         let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
@@ -74,7 +78,8 @@ impl<'a> SceneFrames<'a> {
         }
         let size = taken.map(|record| record.size.into());
         let sequence = Sequence::open(&args.scene, &options)?;
-        Ok(Self { args, sequence, count: 0, standing: None, held, size })
+        let has_picture = settings.aovs.contains(&Aov::Color);
+        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size })
     }
 
     /// Every file that is read.
@@ -119,7 +124,7 @@ impl<'a> SceneFrames<'a> {
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
-        let request = self.args.look_request(!frame.has_camera);
+        let request = self.args.look_request(frame.look, self.has_picture);
         let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
         Ok(Some(Numbered { number, scene, legend, look, when, ids: None }))

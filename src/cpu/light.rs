@@ -48,7 +48,7 @@ struct Task<'a, 'b, 'c> {
 impl Task<'_, '_, '_> {
     fn work(self) {
         let Task { lighting, ids, chunk, unsure } = self;
-        let Wanted { color, shadow, occlusion } = lighting.wanted;
+        let Wanted { color, shadow, occlusion, sky } = lighting.wanted;
         let lights = lighting.scene.lighting.lights.len();
         let mut at_point = PointLight::new(lighting);
         let mut bounces = Bounces::default();
@@ -57,7 +57,7 @@ impl Task<'_, '_, '_> {
         for (n, &id) in ids.iter().enumerate() {
             let pixel = (chunk.first + n) as u32;
             if id == NONE {
-                chunk.miss(n, lights, lighting.scene.image.background);
+                chunk.miss(n, lights, || lighting.backdrop.at(pixel));
                 continue;
             }
             let write = |rgb: DVec3, out: &mut [f32]| out[3 * n..3 * n + 3].copy_from_slice(&rgb.as_vec3().to_array());
@@ -65,10 +65,10 @@ impl Task<'_, '_, '_> {
             let [row, column] = record.place(pixel);
             if rayless {
                 let (surface, along) = lighting.surface(&rays, pixel, id);
-                let open = lighting.open.map_or(1.0, |open| open.around(row, column, id));
+                let open = lighting.open.map_or(DVec3::ONE, |open| open.around(row, column, id));
                 at_point.see_far_lights(&surface, along, open);
                 write(at_point.color(&surface, along), chunk.color);
-                if !shadow && !occlusion {
+                if !shadow && !occlusion && !sky {
                     continue;
                 }
             }
@@ -87,6 +87,9 @@ impl Task<'_, '_, '_> {
             }
             if occlusion {
                 chunk.occlusion[n] = at_point.open() as f32;
+            }
+            if sky {
+                write(at_point.sky_light(), chunk.sky);
             }
             let mut proved = true;
             if color && !rayless {

@@ -1,5 +1,6 @@
 //! The report of a rendering: adapter, method, times, counts, warnings.
 
+use super::tone::{Tone, Toning};
 use crate::intersect::predict::Prediction;
 use crate::scene::Sky;
 use crate::scene::camera::CameraRecord;
@@ -38,13 +39,17 @@ pub struct Report {
     pub hold: Option<&'static str>,
     /// Lights of the scene; without any, and without a sky, the light is at the eye.
     pub lights: u64,
-    /// The sky whose open share is computed, for the colour or for the buffer `occlusion`; a reach of any distance is
-    /// `null` in JSON.
+    /// The sky whose open share is computed, for the buffer `occlusion` where it is requested, else for the colour; a reach of
+    /// any distance is `null` in JSON.
     pub occlusion: Option<Sky>,
     /// Whether outlines are drawn in the colour.
     pub silhouette: bool,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
+    /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` if colour is not requested.
+    pub tone: Option<Tone>,
+    /// The exposure of these pictures, stops.
+    pub exposure: f64,
     /// The adapter's name; `cpu` for the reference path.
     pub adapter: String,
     /// Driver and its version; threads for the reference path.
@@ -84,6 +89,14 @@ pub struct Report {
     pub resumed: bool,
     /// Warnings, in whole sentences.
     pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// Exposure and curve of pictures in 8 and 16 bits.
+    #[must_use]
+    pub fn toning(&self) -> Toning {
+        Toning { tone: self.tone.unwrap_or_default(), stops: self.exposure }
+    }
 }
 
 /// Wall times by name.

@@ -98,6 +98,7 @@ mod tests {
     use super::*;
     use crate::read::FrameTime;
     use crate::scene::{Framing, ImagePlane, Scene, Skipped, Spheres};
+    use crate::settings::FileLook;
 
     /// A frame with spheres of radius 1 at these places on the x axis.
     fn frame(number: u64, places: &[f64]) -> SceneFrame {
@@ -111,7 +112,7 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, legend: None, cell: None, instances: None, when }
+        SceneFrame { number, scene, has_camera: false, look: FileLook::PARTICLES, legend: None, cell: None, instances: None, when }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

@@ -1,6 +1,8 @@
-//! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]`, `[[spheres]]`, `[[light]]` and `[occlusion]`.
+//! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]`, `[[spheres]]`, `[[light]]`, `[sky]` and
+//! `[occlusion]`.
 //! Every error has the line, column and key.
 
+mod image;
 mod light;
 mod material;
 mod room;
@@ -13,7 +15,8 @@ use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;
 use crate::scene::camera::{Camera, Lens, Look};
-use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_size, check_sphere};
+use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_sphere};
+use crate::settings::FileLook;
 use glam::DVec3;
 use spheres::NamedSpheres;
 use std::io::BufRead;
@@ -28,9 +31,16 @@ const LONGEST: usize = 1 << 30;
 /// time.
 const QUICK: usize = 2 << 20;
 
-/// Reads a scene from the stream, and the names of the files in `[[spheres]]`; `path` is for errors, and its folder
-/// contains the files.
-pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, Vec<PathBuf>)> {
+/// What is read.
+pub(super) struct Read {
+    pub(super) scene: Scene,
+    pub(super) look: FileLook,
+    /// The files in `[[spheres]]`.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Reads a scene from the stream; `path` is for errors, and its folder contains the files of `[[spheres]]`.
+pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Read> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
     let length = text.len();
@@ -39,10 +49,8 @@ pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, 
     let parse = move || {
         // The byte order mark is not a character of the first line.
         let text = text.trim_start_matches('\u{feff}');
-        let mut files = Vec::new();
         let text = TomlText { file, text };
-        let scene = Document { text: &text, path: &path, watch: &within }.scene(&mut files)?;
-        Ok((scene, files))
+        Document { text: &text, path: &path, watch: &within }.read()
     };
     if length <= QUICK { parse() } else { watch.wait_for(parse) }
 }
@@ -78,16 +86,16 @@ struct Document<'a> {
 }
 
 impl Document<'_> {
-    fn scene(&self, files: &mut Vec<PathBuf>) -> Result<Scene> {
+    fn read(&self) -> Result<Read> {
         let root = DeTable::parse(self.text.text).map_err(|e| self.syntax(e))?;
         let root = TomlTable::top(self.text, root.get_ref());
-        root.allow(&["camera", "image", "sphere", "spheres", "light", "occlusion"])?;
-        let image = match root.get("image") {
-            Some(image) => self.image(&image.table(TomlName::part("image"))?)?,
-            None => ImagePlane::default(),
+        root.allow(&["camera", "image", "sphere", "spheres", "light", "sky", "occlusion"])?;
+        let image::Read { image, background, look } = match root.get("image") {
+            Some(table) => image::read(&table.table(TomlName::part("image"))?)?,
+            None => image::Read::default(),
         };
         let camera = self.camera(&root.need("camera")?.table(TomlName::part("camera"))?, &image)?;
-        let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
+        let (mut spheres, mut skipped, mut files) = (Spheres::default(), Skipped::default(), Vec::new());
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
         }
@@ -97,7 +105,15 @@ impl Document<'_> {
             files.push(named.path);
         }
         let lighting = light::read(&root, spheres.len())?;
-        Ok(Scene { camera, image, spheres, lighting, skipped })
+        let mut scene = Scene { camera, image, spheres, lighting, skipped };
+        // Where the sky's colours are not to be seen, what stands for it is the colour of its horizon.
+        if let Some(colors) = scene.lighting.sky.and_then(|sky| sky.colors) {
+            scene.image.background = colors.horizon;
+        }
+        if let Some(color) = background {
+            scene.set_background(color);
+        }
+        Ok(Read { scene, look, files })
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
@@ -110,18 +126,6 @@ impl Document<'_> {
         }
         let mend = "correct the TOML there".into();
         Error::Scene { place: Box::new(place), problem, mend, source: Some(Box::new(error)) }
-    }
-
-    fn image(&self, table: &TomlTable<'_>) -> Result<ImagePlane> {
-        table.allow(&["size", "background"])?;
-        let mut image = ImagePlane::default();
-        if let Some(size) = table.get("size") {
-            (image.width, image.height) = check_size(size.whole_numbers()?, || size.place())?;
-        }
-        if let Some(background) = table.get("background") {
-            image.background = background.color()?;
-        }
-        Ok(image)
     }
 
     fn camera(&self, table: &TomlTable<'_>, image: &ImagePlane) -> Result<Camera> {

@@ -14,6 +14,7 @@ use crate::quote::count;
 use crate::scene::camera::Camera;
 use crate::scene::instances::Instances;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
+use crate::settings::FileLook;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +35,7 @@ pub struct Sequence {
 
 enum SequenceState {
     /// A format that contains a whole scene.
-    One(Option<Box<Scene>>),
+    One(Option<Box<(Scene, FileLook)>>),
     Many(Box<dyn ParticleFrames>),
 }
 
@@ -47,6 +48,8 @@ pub struct SceneFrame {
     pub scene: Scene,
     /// Whether the file has a camera.
     pub has_camera: bool,
+    /// What the file says about the look of its picture.
+    pub look: FileLook,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The periodic cell, if the file has one.
@@ -93,12 +96,13 @@ impl Sequence {
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let mut scene = match source.format {
-                    Format::Nff => nff::read(source.reader, path, options)?,
+                let (mut scene, look) = match source.format {
+                    Format::Nff => (nff::read(source.reader, path, options)?, FileLook::default()),
                     _ => {
-                        let (scene, named) = native::read(source.reader, path, &options.watch)?;
+                        let native::Read { scene, look, files: named } =
+                            native::read(source.reader, path, &options.watch)?;
                         files.extend(named);
-                        scene
+                        (scene, look)
                     }
                 };
                 if !(options.select.is_empty() && options.hide.is_empty()) {
@@ -110,7 +114,7 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                SequenceState::One(Some(Box::new(scene)))
+                SequenceState::One(Some(Box::new((scene, look))))
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
@@ -190,7 +194,8 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when })
+        let look = FileLook::PARTICLES;
+        Ok(SceneFrame { number, scene, has_camera: false, look, legend, cell, instances: None, when })
     }
 
     /// The same for particles with copies, which are one frame.
@@ -205,7 +210,8 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell: None, instances: Some(instances), when })
+        let look = FileLook::PARTICLES;
+        Ok(SceneFrame { number, scene, has_camera: false, look, legend, cell: None, instances: Some(instances), when })
     }
 
     /// The next selected frame; `None` after the last.
@@ -223,10 +229,10 @@ impl Sequence {
                 SequenceState::One(scene) => {
                     let Some(scene) = scene.take() else { return Ok(None) };
                     if wanted {
-                        let (scene, has_camera) = (*scene, true);
+                        let ((scene, look), has_camera) = (*scene, true);
                         let when = FrameTime::default();
                         let (legend, cell, instances) = (None, None, None);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend, cell, instances, when }));
+                        return Ok(Some(SceneFrame { number, scene, has_camera, look, legend, cell, instances, when }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

@@ -119,6 +119,8 @@ impl Renderer {
             rays_per_pixel: rays_per_pixel(plan, scene, settings, samples.map_or(1, |raster| raster.count())),
             silhouette: settings.silhouette && shading(plan).is_some(),
             depth_cue: settings.depth_cue && shading(plan).is_some(),
+            tone: shading(plan).map(|_| settings.toning(scene).tone),
+            exposure: settings.exposure,
             backend: if gpu.is_some() { "gpu" } else { "cpu" },
             backend_reason: self.backend_reason().to_owned(),
             adapter: self.adapter().to_owned(),
@@ -207,7 +209,7 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
         true => u64::from(sky.rays.div_ceil(2)) * points.min(1),
         false => u64::from(sky.rays) * points,
     };
-    let sky = settings.sky(scene).map_or(0, of_sky);
+    let sky = scene.lighting.sky.filter(|_| plan.wanted.color).or(settings.sky(scene)).map_or(0, of_sky);
     // Glass divides a ray: 2 + 4 + .. + 2^n.
     let counts = MaterialCounts::of(scene);
     let bounces = bounces(plan, scene);
@@ -233,7 +235,7 @@ fn leave_light(plan: &Plan, scene: &Scene, settings: &Settings, leave: &mut impl
         );
     }
     if settings.sky(scene).is_none() {
-        leave("occlusion", "neither --occlusion nor [occlusion] nor a buffer of it is requested");
+        leave("occlusion", "neither --occlusion, [occlusion] or [sky] nor a buffer of it is requested");
     }
     if bounces(plan, scene) == 0 {
         leave(

@@ -199,6 +199,8 @@ impl Renderer {
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,
             depth_cue: settings.depth_cue,
+            tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),
+            exposure: settings.exposure,
             setup_ms: self.setup_ms,
             warnings: self.passed_over.clone(),
             ..Report::default()

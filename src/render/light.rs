@@ -8,10 +8,11 @@ use crate::error::Result;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::Scene;
+use crate::scene::{Gradient, Scene};
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
 use crate::view::View;
+use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
@@ -53,13 +54,15 @@ impl Renderer {
         lit.color = pool.values(some(wanted.color, 3))?;
         lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
         lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
-        let sky = if wanted.occlusion { settings.sky(scene) } else { scene.lighting.sky };
+        lit.sky = pool.values(some(wanted.sky, 3))?;
+        let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
         let sized = lights.iter().any(|light| light.source.has_size());
         let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
         let samples = view.record.strata * view.record.strata;
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
+        let backdrop = Backdrop::new(scene, view, true);
         let Some(tree) = &setup.tree else {
-            return Ok(lit.of_nothing(scene.image.background));
+            return Ok(lit.of_nothing(|pixel| backdrop.at(pixel)));
         };
         let judge = setup.judge(scene, view)?;
         let lighting = Lighting {
@@ -70,6 +73,8 @@ impl Renderer {
             judge: judge.as_ref(),
             exact: setup.accuracy == Accuracy::Exact,
             sky,
+            gradient: Gradient::of(scene).filter(|_| wanted.color || wanted.sky),
+            backdrop,
             directions: &directions,
             disc: &disc,
             seed: settings.seed,

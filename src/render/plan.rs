@@ -97,7 +97,9 @@ impl Plan {
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         plan.kernel.tiles = !plan.kernel.certify && plan.search == Search::Tiles;
         let finished = plan.finish.is_some() && settings.asks(&[Aov::Color]);
-        if finished || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
+        // A sky at the centres of pixels is known before the colours.
+        let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+        if finished || shared || settings.samples > 1 && settings.asks(&[Aov::Color, Aov::Alpha]) {
             plan.sampled =
                 Some(Kernel { samples: true, t: false, normal: false, depth_interval: false, ..plan.kernel });
             (plan.kernel.shade, plan.kernel.colors) = (None, false);

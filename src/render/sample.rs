@@ -39,7 +39,7 @@ impl Renderer {
         let pool = Arc::clone(&self.pool);
         let finish = plan.finish.filter(|_| settings.asks(&[Aov::Color]));
         let lights = lights.filter(|_| plan.wanted.color);
-        let shared = lights.is_some() && raster.count() > 1 && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+        let shared = lights.is_some() && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
         let margin = finish.map_or(0, |finish| finish.margin()).max(if shared { AROUND } else { 0 });
         let around = match margin {
             0 => None,
@@ -48,14 +48,14 @@ impl Renderer {
         let sky = match (&around, lights) {
             (Some(around), Some(lights)) if shared => {
                 let ids = every_second(&around.view, &around.ids);
-                let wanted = Wanted { occlusion: true, ..Wanted::default() };
+                let wanted = Wanted { sky: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
-                let open = timings.time("light", || self.light(lights, of, wanted, (&ids, None), &pool))?.occlusion;
-                Some((around.window, ids, open))
+                let light = timings.time("light", || self.light(lights, of, wanted, (&ids, None), &pool))?.sky;
+                Some((around.window, ids, light))
             }
             _ => None,
         };
-        let open = sky.as_ref().map(|(window, ids, open)| OpenSky { window: *window, ids, open });
+        let open = sky.as_ref().map(|(window, ids, light)| OpenSky { window: *window, ids, light });
         // The spheres are binned once for all passes, since only the positions within the pixels differ.
         let mut setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
         let cue = finish.and_then(|finish| finish.cue(scene, &setup.view));
@@ -76,7 +76,7 @@ impl Renderer {
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             if let Some(cue) = cue {
-                timings.time("finish", || fade(cue, scene, &setup.view, &raw.id, &mut raw.color));
+                timings.time("finish", || fade(cue, scene, (&setup.view, lights.is_some()), &raw.id, &mut raw.color));
             }
             timings.time("samples", || sums.add(&raw));
         }

@@ -208,7 +208,7 @@ const FIRST: usize = FEW + 1;
 
 /// What needs all spheres at once, or is not certified.
 fn check(scene: &Scene, settings: &Settings) -> Result<()> {
-    let lit = !scene.lighting.lights.is_empty() || scene.lighting.sky.is_some();
+    let lit = scene.lighting.is_lit();
     let (problem, mend) = if settings.method.is_some() || settings.accuracy == Accuracy::Fast {
         ("answers of a stream are certified or exact", "remove --method, and use --accuracy certified or exact")
     } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || lit && settings.asks(&[Aov::Color]) {

@@ -2,6 +2,7 @@
 
 use super::camera::{Basis, Camera};
 use super::check::check_color;
+use super::gradient::SkyColors;
 use crate::error::{Error, Place, Result};
 use glam::DVec3;
 use serde::Serialize;
@@ -14,7 +15,7 @@ pub struct Lighting {
     pub lights: Vec<Light>,
     /// Whether the lights cast shadows in the picture. The buffer `shadow` holds them in any case.
     pub shadows: bool,
-    /// A white sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
+    /// A sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
     pub sky: Option<Sky>,
     /// How often a ray goes on from mirrors and through glass, up to [`MOST_BOUNCES`]; `None` for [`BOUNCES`] where a
     /// material asks for it.
@@ -56,7 +57,7 @@ pub enum LightSource {
     Sphere(u32),
 }
 
-/// The white sky: the same light from all directions.
+/// The sky: white, the same light from all directions, unless it has colours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Sky {
     /// Rays for each point, at least 1.
@@ -64,11 +65,23 @@ pub struct Sky {
     /// A sphere farther than this from a point, in the scene's unit of length, hides nothing from it; +inf for any
     /// distance.
     pub reach: f64,
-    /// With several samples per pixel, the rays leave only from the hits of the centres of every second pixel, as on a
-    /// chessboard, and a sample takes the mean of the pixels around it that show its sphere: little noise from few rays.
+    /// The rays leave only from the hits of the centres of every second pixel, as on a chessboard, and a sample takes the mean of the pixels around it that show its sphere: little noise from few rays.
     /// Else rays leave from every sample.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
+    /// Its colours; `None` for white.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub colors: Option<SkyColors>,
+}
+
+impl Sky {
+    /// The share of the sky's light that surfaces get where there are lights beside it. A sky alone is all of the light, so
+    /// that a white sphere under an open sky is white.
+    pub const BESIDE_LIGHTS: f32 = 0.5;
+
+    /// Few rays from the centres of pixels: about as little noise as from 8 times as many from every sample, in the time of
+    /// these.
+    pub const AT_CENTERS: Self = Self { rays: 4, reach: f64::INFINITY, at_centers: true, colors: None };
 }
 
 /// The most rays for a point.
@@ -77,7 +90,7 @@ pub const MOST_RAYS: u32 = 1 << 20;
 impl Default for Sky {
     /// 16 rays that end nowhere.
     fn default() -> Self {
-        Self { rays: 16, reach: f64::INFINITY, at_centers: false }
+        Self { rays: 16, reach: f64::INFINITY, at_centers: false, colors: None }
     }
 }
 
@@ -192,11 +205,17 @@ impl Sky {
             let problem = format!("the reach is {}", self.reach);
             return Err(Error::scene(place("reach"), problem, "give a positive length, or remove it"));
         }
-        Ok(())
+        self.colors.map_or(Ok(()), |colors| colors.check(place))
     }
 }
 
 impl Lighting {
+    /// Whether lights or a sky light the scene, not only the light at the eye.
+    #[must_use]
+    pub fn is_lit(&self) -> bool {
+        !self.lights.is_empty() || self.sky.is_some()
+    }
+
     /// Checks every light, the sky and the bounces.
     pub(super) fn check(&self, spheres: usize) -> Result<()> {
         if let Some(bounces) = self.bounces.filter(|bounces| *bounces > MOST_BOUNCES) {

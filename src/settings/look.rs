@@ -7,9 +7,8 @@ use crate::shade::Shade;
 use glam::DVec3;
 use std::str::FromStr;
 
-/// Rays to the sky for each pixel in the look `soft`. They leave from the pixel's centre, and each sample takes the mean of the
-/// pixels around it: about as little noise as from 8 times 4 rays, in the time of these.
-const SOFT_RAYS: u32 = 4;
+/// Samples per pixel of the look `soft`.
+const SOFT_SAMPLES: u32 = 4;
 
 /// A name for several options.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,11 +54,55 @@ impl Look {
         self == Self::Figure
     }
 
-    /// Rays to the sky for each pixel of so many samples; `None` without a sky. Without samples their noise would not average
-    /// out, and they are as many as usual.
+    /// The sky that it stands for, if any.
     #[must_use]
-    pub fn sky_rays(self, samples: u32) -> Option<u32> {
-        (self == Self::Soft).then(|| if samples > 1 { SOFT_RAYS } else { Sky::default().rays })
+    pub fn sky(self) -> Option<Sky> {
+        (self == Self::Soft).then_some(Sky::AT_CENTERS)
+    }
+
+    /// Samples per pixel that it stands for.
+    #[must_use]
+    pub fn samples(self) -> u32 {
+        if self == Self::Soft { SOFT_SAMPLES } else { 1 }
+    }
+}
+
+/// What a file says about the look of its picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FileLook {
+    /// The file holds particles, not a scene.
+    pub is_particles: bool,
+    /// The look that a scene file asks for.
+    pub look: Option<Look>,
+    /// The samples per pixel that a scene file asks for.
+    pub samples: Option<u32>,
+}
+
+/// The look and the samples of one picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ChosenLook {
+    /// The look.
+    pub look: Look,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Whether neither an option nor the file asks for this look: it is that of particles.
+    pub is_default: bool,
+}
+
+impl FileLook {
+    /// The look of a file of particles.
+    pub const PARTICLES: Self = Self { is_particles: true, look: None, samples: None };
+
+    /// The look of a picture for which options ask for this look, these samples and this shading: that of the options, then
+    /// the file's; particles have the look `soft` unless a shading is asked for. Without a picture nothing of a look is
+    /// computed.
+    #[must_use]
+    pub fn choose(self, has_picture: bool, look: Option<Look>, samples: Option<u32>, shade: Option<Shade>) -> ChosenLook {
+        let asked = look.or(self.look);
+        let is_default = asked.is_none() && self.is_particles && shade.is_none() && has_picture;
+        let look = asked.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });
+        let samples = samples.or(self.samples).unwrap_or(look.samples());
+        ChosenLook { look, samples, is_default }
     }
 }
 
@@ -75,8 +118,6 @@ impl FromStr for Look {
 pub struct AddedLight {
     /// The look of the picture.
     pub look: Look,
-    /// Samples per pixel.
-    pub samples: u32,
     /// White lights infinitely far in these directions.
     pub suns: Vec<DVec3>,
     /// Whether lights cast shadows. In a scene without lights there is then one from above left of the camera.
@@ -92,6 +133,9 @@ pub struct AddedLight {
 impl AddedLight {
     /// Adds it to a scene, whose camera is final. Bounces are set where a material asks for any.
     ///
+    /// Where the scene has no lights of its own, those that are added share one white light among them, or what a sky leaves
+    /// of it: a white sphere is at most white.
+    ///
     /// # Errors
     /// Those of [`Light::above_left`].
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
@@ -99,22 +143,26 @@ impl AddedLight {
             scene.lighting.bounces = Some(bounces);
         }
         let Lighting { lights, shadows, sky, .. } = &mut scene.lighting;
+        let has_own = !lights.is_empty();
         lights.extend(self.suns.iter().map(|sun| Light::white(LightSource::Direction(*sun))));
         if lights.is_empty() && (self.shadows || self.look == Look::Soft) {
             lights.push(Light::above_left(&scene.camera)?);
         }
         *shadows |= self.shadows;
         // The sky of the scene comes before that of the look.
-        let own = sky.map(|sky| sky.rays);
-        let of_look = self.look.sky_rays(self.samples);
-        let rays = match self.occlusion {
-            Some(rays) => rays.or(own).or(Some(Sky::default().rays)),
-            None => own.or(of_look),
+        let own = *sky;
+        *sky = match self.occlusion {
+            Some(Some(rays)) => Some(Sky { rays, at_centers: false, ..own.unwrap_or_default() }),
+            Some(None) => own.or(Some(Sky::default())),
+            None => own.or(self.look.sky()),
         };
-        let at_centers = of_look.is_some() && self.samples > 1 && self.occlusion.is_none() && sky.is_none();
-        *sky = rays.map(|rays| Sky { rays, at_centers, ..sky.unwrap_or_default() });
-        if let (Some(reach), Some(sky)) = (self.reach, sky) {
+        if let (Some(reach), Some(sky)) = (self.reach, sky.as_mut()) {
             sky.reach = reach;
+        }
+        if !has_own {
+            let left = if sky.is_some() { 1.0 - Sky::BESIDE_LIGHTS } else { 1.0 };
+            let each = left / lights.len() as f32;
+            lights.iter_mut().for_each(|light| light.intensity = each);
         }
         Ok(())
     }
@@ -124,6 +172,14 @@ impl AddedLight {
     pub fn buffer_sky(&self) -> Sky {
         let usual = Sky::default();
         Sky { reach: self.reach.unwrap_or(usual.reach), ..usual }
+    }
+
+    /// Whether the buffer `shadow` is requested, but neither the scene, before this is applied, nor an option has a light:
+    /// buffers do not depend on looks.
+    #[must_use]
+    pub fn lacks_light(&self, scene: &Scene, aovs: &[Aov]) -> bool {
+        let none = scene.lighting.lights.is_empty() && self.suns.is_empty() && !self.shadows;
+        none && aovs.contains(&Aov::Shadow)
     }
 
     /// Whether it has a reach, but neither the scene, once it is applied, nor the buffers have a sky.
@@ -163,13 +219,12 @@ mod tests {
     /// The sky of a scene file is what its author chose; options say more than looks.
     #[test]
     fn the_sky_is_the_option_s_then_the_scene_s_then_the_look_s() {
-        let own = Some(Sky { rays: 32, reach: 7.0, at_centers: false });
-        let soft = AddedLight { look: Look::Soft, samples: 4, ..AddedLight::default() };
+        let own = Some(Sky { rays: 32, reach: 7.0, ..Sky::default() });
+        let soft = AddedLight { look: Look::Soft, ..AddedLight::default() };
         for (light, sky, expected) in [
             (AddedLight::default(), None, None),
             (AddedLight::default(), own, Some((32, 7.0, false))),
             (soft.clone(), None, Some((4, f64::INFINITY, true))),
-            (AddedLight { samples: 1, ..soft.clone() }, None, Some((16, f64::INFINITY, false))),
             (soft.clone(), own, Some((32, 7.0, false))),
             (AddedLight { occlusion: Some(None), ..soft.clone() }, None, Some((16, f64::INFINITY, false))),
             (AddedLight { occlusion: Some(None), ..soft.clone() }, own, Some((32, 7.0, false))),
@@ -181,6 +236,57 @@ mod tests {
             let found = scene.lighting.sky.map(|sky| (sky.rays, sky.reach, sky.at_centers));
             assert_eq!(found, expected, "{light:?} on {sky:?}");
             assert_eq!(scene.lighting.lights.len(), usize::from(light.look == Look::Soft), "{light:?}");
+        }
+    }
+
+    /// A white sphere that faces all of the added light under an open sky is white; the lights of a file are the author's.
+    #[test]
+    fn what_is_added_is_one_white_light_in_all() {
+        let soft = AddedLight { look: Look::Soft, ..AddedLight::default() };
+        let suns = |count: usize| AddedLight { suns: vec![DVec3::Z; count], ..AddedLight::default() };
+        let with_sky = |light: AddedLight| AddedLight { occlusion: Some(None), ..light };
+        let own = Light { intensity: 3.0, ..Light::white(LightSource::Point(DVec3::Y)) };
+        for (light, lights, expected) in [
+            (soft.clone(), vec![], vec![0.5]),
+            (suns(1), vec![], vec![1.0]),
+            (suns(2), vec![], vec![0.5; 2]),
+            (with_sky(suns(1)), vec![], vec![0.5]),
+            (with_sky(suns(4)), vec![], vec![0.125; 4]),
+            (AddedLight { shadows: true, ..AddedLight::default() }, vec![], vec![1.0]),
+            (soft, vec![own], vec![3.0]),
+            (with_sky(suns(1)), vec![own], vec![3.0, 1.0]),
+        ] {
+            let mut scene = scene(None);
+            scene.lighting.lights = lights;
+            light.apply(&mut scene).expect("a camera");
+            let found: Vec<f32> = scene.lighting.lights.iter().map(|light| light.intensity).collect();
+            assert_eq!(found, expected, "{light:?}");
+        }
+    }
+
+    /// Samples, and whatever else is asked for, leave the look of particles as it is.
+    #[test]
+    fn a_look_is_the_option_s_then_the_file_s_then_that_of_particles() {
+        let particles = FileLook::PARTICLES;
+        let file = FileLook { look: Some(Look::Soft), samples: Some(9), ..FileLook::default() };
+        let flat = Some(Shade::Flat);
+        for (from, has_picture, look, samples, shade, expected) in [
+            (particles, true, None, None, None, (Look::Soft, 4, true)),
+            (particles, true, None, Some(1), None, (Look::Soft, 1, true)),
+            (particles, true, None, Some(16), None, (Look::Soft, 16, true)),
+            (particles, true, Some(Look::Soft), None, None, (Look::Soft, 4, false)),
+            (particles, true, Some(Look::Plain), None, None, (Look::Plain, 1, false)),
+            (particles, true, None, None, flat, (Look::Plain, 1, false)),
+            (particles, true, Some(Look::Soft), None, flat, (Look::Soft, 4, false)),
+            (particles, false, None, None, None, (Look::Plain, 1, false)),
+            (particles, false, Some(Look::Soft), None, None, (Look::Plain, 1, false)),
+            (FileLook::default(), true, None, None, None, (Look::Plain, 1, false)),
+            (FileLook::default(), true, Some(Look::Soft), None, None, (Look::Soft, 4, false)),
+            (file, true, None, None, None, (Look::Soft, 9, false)),
+            (file, true, Some(Look::Plain), Some(2), None, (Look::Plain, 2, false)),
+        ] {
+            let ChosenLook { look: found, samples: count, is_default } = from.choose(has_picture, look, samples, shade);
+            assert_eq!((found, count, is_default), expected, "{from:?} {has_picture} {look:?} {samples:?} {shade:?}");
         }
     }
 

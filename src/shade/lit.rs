@@ -1,14 +1,11 @@
 //! What a surface reflects of lights and the sky, in linear RGB.
 
+use crate::scene::Sky;
 use glam::DVec3;
 
-/// The share of the sky's light where there are lights beside it. A sky alone is white, so that a white sphere under an
-/// open sky is white.
-const BESIDE_LIGHTS: f64 = 0.5;
-
-/// The white light that a surface gets from the sky, which is open in this share, or absent.
-pub(crate) fn of_sky(open: Option<f64>, lights: bool) -> f64 {
-    open.map_or(0.0, |open| if lights { BESIDE_LIGHTS * open } else { open })
+/// The light that a surface gets from the sky, of which this is open, or which is absent.
+pub(crate) fn of_sky(open: Option<DVec3>, lights: bool) -> DVec3 {
+    open.map_or(DVec3::ZERO, |open| if lights { open * f64::from(Sky::BESIDE_LIGHTS) } else { open })
 }
 
 /// The cap of a sphere that shines.

@@ -4,6 +4,7 @@ use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
 use super::rows::Rows;
 use crate::error::{Error, Result};
+use crate::frame::tone::Toning;
 use crate::frame::{Aov, Buffer, Data, Frame, srgb};
 use crate::quote::number;
 use rayon::prelude::*;
@@ -19,6 +20,8 @@ pub(super) struct Encoder<'a> {
     columns: usize,
     format: FileFormat,
     style: &'a FormatOptions,
+    /// Of colour in levels.
+    toning: Toning,
 }
 
 impl<'a> Encoder<'a> {
@@ -31,14 +34,15 @@ impl<'a> Encoder<'a> {
         let buffers = forms.iter().map(|form| frame.get(form.aov)).collect::<Option<_>>()?;
         let with_alpha = forms.iter().any(|form| form.channels == 4);
         let alpha = if with_alpha { Some(frame.f32(Aov::Alpha)?) } else { None };
-        Some(Self { buffers, forms, alpha, columns: frame.width as usize, format, style })
+        Some(Self { buffers, forms, alpha, columns: frame.width as usize, format, style, toning: frame.toning() })
     }
 
     /// One buffer as .npy stores it.
     pub(super) fn plain(buffer: &'a Buffer, style: &'a FormatOptions) -> Option<Self> {
         let (format, columns) = (FileFormat::Npy, buffer.shape[1]);
         let forms = format.forms(&[buffer.aov], style.bits, buffer.channels(), buffer.is_wide())?;
-        Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style })
+        let toning = Toning::default();
+        Some(Self { buffers: vec![buffer], forms, alpha: None, columns, format, style, toning })
     }
 
     /// The sample format of each buffer.
@@ -55,8 +59,8 @@ impl Rows for Encoder<'_> {
         let values = channels * pixels.start..channels * pixels.end;
         Ok(match &buffer.data {
             Data::F32(all) => match self.alpha.filter(|_| form.channels == 4) {
-                Some(alpha) => with_alpha(&all[values], &alpha[pixels], form).into(),
-                None => floats(&all[values], form),
+                Some(alpha) => with_alpha(&all[values], &alpha[pixels], form, self.toning).into(),
+                None => floats(&all[values], form, self.toning),
             },
             Data::F64(all) => doubles(&all[values], form, style),
             Data::I32(all) => match form.kind {
@@ -69,12 +73,12 @@ impl Rows for Encoder<'_> {
     }
 }
 
-fn floats(values: &[f32], form: LayerFormat) -> Cow<'_, [u8]> {
+fn floats(values: &[f32], form: LayerFormat, toning: Toning) -> Cow<'_, [u8]> {
     // For a normal (n + 1) / 2, so a miss is middle grey.
     let share = |x: f32| if form.aov == Aov::Normal { f32::midpoint(x, 1.0) } else { x };
     match (form.kind, form.aov) {
-        (SampleType::U16, Aov::Color) => made(values, |x| srgb::level16(x).to_le_bytes()).into(),
-        (SampleType::U8, Aov::Color) => srgb::levels(values).into(),
+        (SampleType::U16, Aov::Color) => made(&toning.all(values), |x| srgb::level16(x).to_le_bytes()).into(),
+        (SampleType::U8, Aov::Color) => srgb::levels(&toning.all(values)).into(),
         (SampleType::U16, _) => made(values, |x| share16(share(x)).to_le_bytes()).into(),
         (SampleType::U8, _) => made(values, |x| [share8(share(x))]).into(),
         _ => plain(values, f32::to_le_bytes),
@@ -100,10 +104,12 @@ fn bytes(values: &[u8], form: LayerFormat, format: FileFormat) -> Cow<'_, [u8]> 
     }
 }
 
-fn with_alpha(linear: &[f32], alpha: &[f32], form: LayerFormat) -> Vec<u8> {
+fn with_alpha(linear: &[f32], alpha: &[f32], form: LayerFormat, toning: Toning) -> Vec<u8> {
     match form.kind {
-        SampleType::U16 => straight(linear, alpha, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes()),
-        _ => straight(linear, alpha, |x| [srgb::level(x)], |x| [share8(x)]),
+        SampleType::U16 => {
+            straight(linear, alpha, toning, |x| srgb::level16(x).to_le_bytes(), |x| share16(x).to_le_bytes())
+        }
+        _ => straight(linear, alpha, toning, |x| [srgb::level(x)], |x| [share8(x)]),
     }
 }
 
@@ -138,14 +144,16 @@ fn made<T: Copy + Sync, const N: usize>(values: &[T], bytes: impl Fn(T) -> [u8; 
 fn straight<const N: usize>(
     linear: &[f32],
     alpha: &[f32],
+    toning: Toning,
     level: impl Fn(f32) -> [u8; N] + Sync,
     share: impl Fn(f32) -> [u8; N] + Sync,
 ) -> Vec<u8> {
     let mut out = vec![0; 4 * N * alpha.len()];
     let pixels = out.par_chunks_exact_mut(4 * N).zip(linear.par_chunks_exact(3)).zip(alpha);
     pixels.for_each(|((out, rgb), alpha)| {
-        for (out, x) in out.chunks_exact_mut(N).zip(rgb) {
-            out.copy_from_slice(&level(if *alpha > 0.0 { x / alpha } else { 0.0 }));
+        let own = [0, 1, 2].map(|k| if *alpha > 0.0 { rgb[k] / alpha } else { 0.0 });
+        for (out, x) in out.chunks_exact_mut(N).zip(toning.of(own)) {
+            out.copy_from_slice(&level(x));
         }
         out[3 * N..].copy_from_slice(&share(*alpha));
     });

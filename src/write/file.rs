@@ -123,6 +123,9 @@ impl Target {
         let mut provenance = Provenance::new(origin, &self.aovs);
         let of_format = self.style.words(self.format, &self.aovs);
         of_format.into_iter().for_each(|(key, text)| provenance.set(key, text));
+        if self.format == FileFormat::Png && self.aovs.contains(&Aov::Color) {
+            origin.report.toning().words().for_each(|(key, text)| provenance.set(key, text));
+        }
         self.drawn.iter().for_each(|words| provenance.set("halfline:drawn", words));
         provenance
     }

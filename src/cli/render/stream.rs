@@ -17,7 +17,7 @@ use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
 use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
-use halfline::settings::Settings;
+use halfline::settings::{FileLook, Settings};
 use halfline::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -105,6 +105,12 @@ impl<'a> Source<'a> {
         if ids.are_wide() && targets.iter().any(|target| target.aovs().contains(&Aov::Id)) {
             note(format_args!("ids are int64: {} spheres are more than 32 bits can number", ids.count));
         }
+        let request = self.args.look_request(FileLook::PARTICLES, settings.aovs.contains(&Aov::Color));
+        if self.args.light.would_be_soft(request) {
+            note(format_args!(
+                "look plain: a stream is lit from the eye, because lights and a sky need all spheres in memory"
+            ));
+        }
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
         Ok(Numbered { scene, ids: Some(ids), ..picture })
@@ -113,7 +119,8 @@ impl<'a> Source<'a> {
     /// The picture of a scene whose spheres are still to come.
     fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(Numbered, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
-        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), self.args.look_request(false))?;
+        let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
+        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request)?;
         let picture = Numbered { number: 1, scene, legend: None, look, when: FrameTime::default(), ids: None };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
@@ -126,7 +133,7 @@ impl<'a> Source<'a> {
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
         let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let mut frame = SceneFrame { number: 1, scene, has_camera: false, legend, cell, instances, when };
+        let mut frame = SceneFrame { number: 1, scene, has_camera: false, look: FileLook::PARTICLES, legend, cell, instances, when };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),

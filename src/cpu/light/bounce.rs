@@ -64,7 +64,7 @@ impl Bounces {
             let known = ray.proved && sure;
             proved &= known;
             let Some(hit) = hit else {
-                sum += ray.weight * DVec3::from_array(lighting.scene.image.background.map(f64::from));
+                sum += ray.weight * lighting.backdrop.toward(ray.along);
                 continue;
             };
             let (hit, sharp) = match lighting.judge {

@@ -4,9 +4,10 @@ use super::surface::Surface;
 use crate::answers::lit::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky};
+use crate::scene::{DEFAULT_COLOR, Gradient, Material, Scene, Sky};
 use crate::search::tree::Tree;
 use crate::view::View;
+use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
 use crate::view::picture_rays::PictureRays;
 use glam::{DVec3, Vec3};
@@ -20,6 +21,8 @@ pub(crate) struct Wanted {
     pub(crate) shadow: bool,
     /// The share of the sky that is open.
     pub(crate) occlusion: bool,
+    /// The light of the open sky, in its colours.
+    pub(crate) sky: bool,
 }
 
 /// A scene set up for its lights.
@@ -33,10 +36,14 @@ pub(crate) struct Lighting<'a> {
     /// The judge decides every ray.
     pub(crate) exact: bool,
     pub(crate) sky: Option<Sky>,
+    /// Its colours; `None` for white.
+    pub(crate) gradient: Option<Gradient>,
+    /// What rays that hit nothing show.
+    pub(crate) backdrop: Backdrop<'a>,
     pub(crate) directions: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
-    /// The open share of the sky at the hits of viewing rays, if it is known.
+    /// The light of the open sky at the hits of viewing rays, if it is known.
     pub(crate) open: Option<OpenSky<'a>>,
     /// How often a ray goes on; 0 where no material asks for it.
     pub(crate) bounces: u32,
@@ -45,7 +52,7 @@ pub(crate) struct Lighting<'a> {
 impl Wanted {
     /// Whether there is anything to compute.
     pub(crate) fn is_any(self) -> bool {
-        self.color || self.shadow || self.occlusion
+        self.color || self.shadow || self.occlusion || self.sky
     }
 }
 

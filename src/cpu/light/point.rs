@@ -61,11 +61,17 @@ impl LightShare {
 struct SkyShare {
     all: f64,
     open: f64,
+    /// The sum over the open ones of cosine times colour, where the sky has colours.
+    light: DVec3,
 }
 
 impl SkyShare {
     fn open(&self) -> f64 {
         if self.all > 0.0 { self.open / self.all } else { 1.0 }
+    }
+
+    fn light(&self) -> DVec3 {
+        if self.all > 0.0 { self.light / self.all } else { DVec3::ONE }
     }
 }
 
@@ -74,7 +80,8 @@ impl SkyShare {
 enum Of {
     Light(usize, [f64; 2]),
     Rim(usize),
-    Sky(f64),
+    /// With its cosine and the direction on the side of the normal.
+    Sky(f64, [f64; 3]),
 }
 
 /// Lights and sky at one point after the other.
@@ -110,24 +117,24 @@ impl<'a> PointLight<'a> {
 
     /// Traces rays to all lights and to the sky from a point that a ray meets in the unit direction `along`.
     pub(super) fn see(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample) {
-        self.see_lights(point, along, at, 1.0);
+        self.see_lights(point, along, at, DVec3::ONE);
         if self.of.sky.is_some() {
             self.sky = SkyShare::default();
             self.sky(point, at);
         }
     }
 
-    /// The same where the sky is open in a known share.
-    pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, open: f64) {
-        self.start(&point.into(), along, open);
+    /// The same where the light of the open sky is known.
+    pub(super) fn see_lights(&mut self, point: &SurfacePoint, along: DVec3, at: PixelSample, sky: DVec3) {
+        self.start(&point.into(), along, sky);
         for n in 0..self.lights.len() {
             self.light(point, n, at);
         }
     }
 
     /// The same of lights that are infinitely far and cast no shadows, which needs no rays.
-    pub(super) fn see_far_lights(&mut self, surface: &Surface, along: DVec3, open: f64) {
-        self.start(surface, along, open);
+    pub(super) fn see_far_lights(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
+        self.start(surface, along, sky);
         for n in 0..self.lights.len() {
             if let Some(direction) = self.far[n] {
                 let cosine = surface.normal.dot(direction).max(0.0);
@@ -139,9 +146,10 @@ impl<'a> PointLight<'a> {
     }
 
     /// Forgets the point before.
-    fn start(&mut self, surface: &Surface, along: DVec3, open: f64) {
+    fn start(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
         self.unsure.clear();
-        self.sky = SkyShare { all: 1.0, open };
+        // A white sky's light is its open share.
+        self.sky = SkyShare { all: 1.0, open: sky.x, light: sky };
         self.mirrored = reflected(along, surface.normal);
         self.shine = match self.of.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
@@ -158,6 +166,19 @@ impl<'a> PointLight<'a> {
     /// Share of the sky that is open.
     pub(super) fn open(&self) -> f64 {
         self.sky.open()
+    }
+
+    /// The light of the open sky.
+    pub(super) fn sky_light(&self) -> DVec3 {
+        if self.of.gradient.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
+    }
+
+    /// Counts a ray of the sky that is open.
+    fn see_sky(&mut self, weight: f64, direction: [f64; 3]) {
+        self.sky.open += weight;
+        if let Some(gradient) = &self.of.gradient {
+            self.sky.light += gradient.toward(DVec3::from_array(direction)) * weight;
+        }
     }
 
     fn light(&mut self, point: &SurfacePoint, n: usize, at: PixelSample) {
@@ -254,6 +275,7 @@ impl<'a> PointLight<'a> {
             let (cosine, side) = point.cosine(&ray);
             let weight = cosine.abs();
             self.sky.all += weight;
+            let outward = if cosine < 0.0 { direction.map(|x| -x) } else { direction };
             let (toward, ray) = match side {
                 Own::Open if !self.of.exact => (toward(direction), ray),
                 Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
@@ -261,18 +283,18 @@ impl<'a> PointLight<'a> {
                     let both =
                         [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: NONE }.candidates());
                     let question = LightQuestion { toward: toward(direction), turned: true, among: both.concat() };
-                    self.unsure.push((Of::Sky(weight), question));
+                    self.unsure.push((Of::Sky(weight, outward), question));
                     continue;
                 }
             };
             let ray = LightRay { tree, point, ray: &ray, light: NONE };
             // From outside the sphere of the point does not hide what is on the side of its normal.
             match if point.outside { ray.others() } else { ray.answer() } {
-                AnyHit::Free => self.sky.open += weight,
+                AnyHit::Free => self.see_sky(weight, outward),
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
                     let among = ray.candidates();
-                    self.unsure.push((Of::Sky(weight), LightQuestion { toward, turned: false, among }));
+                    self.unsure.push((Of::Sky(weight, outward), LightQuestion { toward, turned: false, among }));
                 }
             }
         }
@@ -316,8 +338,8 @@ impl<'a> PointLight<'a> {
             (Of::Light(n, seen), true) => self.hide(n, seen),
             (Of::Light(n, seen), false) => self.lights[n].add(seen),
             (Of::Rim(n), hidden) => self.lights[n].see_rim(hidden),
-            (Of::Sky(_), true) => {}
-            (Of::Sky(weight), false) => self.sky.open += weight,
+            (Of::Sky(..), true) => {}
+            (Of::Sky(weight, outward), false) => self.see_sky(weight, outward),
         }
     }
 
@@ -339,7 +361,7 @@ impl<'a> PointLight<'a> {
         };
         let mut white = match scene.lighting.sky {
             None if lights.is_empty() => DVec3::splat((-along.dot(surface.normal)).max(0.0)),
-            sky => DVec3::splat(lit::of_sky(sky.map(|_| self.sky.open()), !lights.is_empty())),
+            sky => lit::of_sky(sky.map(|_| self.sky_light()), !lights.is_empty()),
         };
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
         for (light, share) in lights.iter().zip(&self.lights) {

@@ -1,15 +1,18 @@
-//! The lights and the sky of a native scene file: `[[light]]` and `[occlusion]`.
+//! The lights and the sky of a native scene file: `[[light]]`, `[sky]` and `[occlusion]`.
 
 use super::table::{TomlName, TomlTable};
 use crate::error::{Error, Place, Result};
-use crate::scene::{Light, LightSource, Lighting, MOST_RAYS, Sky};
+use crate::scene::{Light, LightSource, Lighting, MOST_RAYS, Sky, SkyColors};
 use glam::DVec3;
 
 /// Reads the lighting of a scene of that many spheres. The lights of a file cast shadows.
 pub(super) fn read(root: &TomlTable<'_>, spheres: usize) -> Result<Lighting> {
     let tables = root.tables("light")?.enumerate();
     let lights: Vec<_> = tables.map(|(index, table)| light(&table?, index, spheres)).collect::<Result<_>>()?;
-    let sky = root.get("occlusion").map(|value| sky(&value.table(TomlName::part("occlusion"))?)).transpose()?;
+    let rays = root.get("occlusion").map(|value| occlusion(&value.table(TomlName::part("occlusion"))?)).transpose()?;
+    let colors = root.get("sky").map(|value| colors(&value.table(TomlName::part("sky"))?)).transpose()?;
+    // Colours alone do not say how many rays find them.
+    let sky = rays.or(colors.map(|_| Sky::AT_CENTERS)).map(|sky| Sky { colors, ..sky });
     Ok(Lighting { shadows: !lights.is_empty(), lights, sky, bounces: None })
 }
 
@@ -49,7 +52,13 @@ fn sphere(table: &TomlTable<'_>) -> Result<u32> {
     })
 }
 
-fn sky(table: &TomlTable<'_>) -> Result<Sky> {
+fn colors(table: &TomlTable<'_>) -> Result<SkyColors> {
+    table.allow(&["zenith", "horizon"])?;
+    let color = |key| table.need(key)?.color();
+    Ok(SkyColors { zenith: color("zenith")?, horizon: color("horizon")?, is_shown: true })
+}
+
+fn occlusion(table: &TomlTable<'_>) -> Result<Sky> {
     table.allow(&["rays", "reach"])?;
     let standard = Sky::default();
     let rays = table.get("rays").map_or(Ok(standard.rays.into()), |rays| rays.whole_number())?;

@@ -1,6 +1,7 @@
 //! The report of `halfline plan`, as it is printed.
 
 use crate::certify::binned::BinnedScene;
+use crate::frame::tone::Tone;
 use crate::intersect::predict::Prediction;
 use crate::scene::camera::CameraRecord;
 use crate::scene::{Material, Scene, Sky};
@@ -49,6 +50,10 @@ pub struct Explanation {
     pub silhouette: bool,
     /// Whether colours fade with depth.
     pub depth_cue: bool,
+    /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` where no picture is requested.
+    pub tone: Option<Tone>,
+    /// The exposure of these pictures, stops.
+    pub exposure: f64,
     /// `gpu` or `cpu`.
     pub backend: &'static str,
     /// Why there: what was requested, found or measured.

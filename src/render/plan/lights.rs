@@ -10,11 +10,12 @@ use crate::view::directions::RIM;
 /// What the settings request of lights and sky.
 pub(super) fn wanted(scene: &Scene, settings: &Settings) -> Wanted {
     let lighting = &scene.lighting;
-    let lit = !lighting.lights.is_empty() || lighting.sky.is_some() || bounces(scene) > 0;
+    let lit = lighting.is_lit() || bounces(scene) > 0;
     Wanted {
         color: lit && settings.shade == Shade::Headlight && settings.asks(&[Aov::Color]),
         shadow: settings.asks(&[Aov::Shadow]),
         occlusion: settings.asks(&[Aov::Occlusion]),
+        sky: false,
     }
 }
 

@@ -1,0 +1,34 @@
+//! What rays that hit nothing show.
+
+use super::View;
+use crate::scene::{Gradient, Scene};
+use glam::{DVec3, Vec3};
+
+/// The background of a view: one colour, or the colours of the sky.
+pub(crate) struct Backdrop<'a> {
+    view: &'a View,
+    flat: DVec3,
+    sky: Option<Gradient>,
+}
+
+impl<'a> Backdrop<'a> {
+    /// The background of a scene; `lit` says whether its sky lights the picture, which shows the sky's colours then.
+    pub(crate) fn new(scene: &Scene, view: &'a View, lit: bool) -> Self {
+        let flat = Vec3::from_array(scene.image.background).as_dvec3();
+        Self { view, flat, sky: Gradient::of(scene).filter(|sky| lit && sky.is_shown) }
+    }
+
+    /// Linear RGB in a direction of length 1.
+    pub(crate) fn toward(&self, direction: DVec3) -> DVec3 {
+        self.sky.map_or(self.flat, |sky| sky.toward(direction))
+    }
+
+    /// Linear RGB of a pixel of the view.
+    pub(crate) fn at(&self, pixel: u32) -> [f32; 3] {
+        let Some(sky) = self.sky else { return self.flat.as_vec3().to_array() };
+        let record = &self.view.record;
+        let [row, column] = record.place(pixel);
+        let [i, j] = record.sample_position(row, column);
+        sky.toward(self.view.to_world(self.view.direction(i, j)).normalize()).as_vec3().to_array()
+    }
+}
