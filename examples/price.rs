@@ -34,7 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in scenes {
         let mut scene = match name.strip_prefix("cloud:") {
             Some(count) => cloud(count.parse()?),
-            None => Scene::read(name.as_ref(), &ReadOptions::default())?,
+            // Viewing rays alone.
+            None => Scene { lighting: Default::default(), ..Scene::read(name.as_ref(), &ReadOptions::default())? },
         };
         (scene.image.width, scene.image.height) = (side, side);
         let mut times = [Vec::new(), Vec::new()];

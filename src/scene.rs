@@ -23,7 +23,7 @@ pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub(crate) use check::{is_center, is_radius};
 pub use fit::{Framing, Reach, middle};
-pub(crate) use gradient::Gradient;
+pub(crate) use gradient::{Gradient, SkyLight};
 pub use gradient::SkyColors;
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;

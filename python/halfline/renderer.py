@@ -53,15 +53,27 @@ class Options(TypedDict, total=False):
     """How candidates are found; the answers do not depend on it."""
     tolerance: float | None
     """The allowed relative error of distances; 1e-5 where it is not given."""
-    samples: int
-    """Samples per pixel of color and alpha; all other buffers are those of the pixel's centre."""
+    samples: int | None
+    """Samples per pixel of color and alpha; all other buffers are those of the pixel's centre. By
+    default those of the scene file, else those of the look: 1, or 4 for soft.
+    """
     seed: int
     """Seed of the sample positions."""
     shade: Literal["headlight", "flat", "normal"] | None
     """How a hit is shaded."""
-    look: Literal["plain", "soft", "figure"]
-    """Several options in one: soft is occlusion, silhouette and a light from above left; figure is
-    flat colours, silhouette and depth_cue.
+    look: Literal["plain", "soft", "figure"] | None
+    """Several options in one: soft is 4 samples, silhouette, a sky and a light from above left;
+    figure is flat colours, silhouette and depth_cue. By default that of the scene file; a scene
+    that was read from a file of particles is soft unless shade is given. ``report["look"]`` names
+    it.
+    """
+    exposure: float
+    """Light of pictures in 8 and 16 bits is multiplied by 2 to this power; the buffer color and
+    linear files keep it.
+    """
+    tone: Literal["linear", "soft"] | None
+    """Light beyond 1 in pictures in 8 and 16 bits: linear is cut off, soft makes the colour whiter.
+    By default soft where lights or a sky light the picture.
     """
     silhouette: bool
     """Whether dark lines are drawn where the depth jumps."""
@@ -488,6 +500,7 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     size, crop, background, shade, reach, bounces = (
         given.get(name) for name in ("size", "crop", "background", "shade", "reach", "bounces")
     )
+    samples, look, tone = (given.get(name) for name in ("samples", "look", "tone"))
     occlusion = given.get("occlusion", False)
     suns = array("sun", given.get("sun", np.empty((0, 3))), np.float64, "(..., 3)").reshape(-1, 3)
     directions = [vector(f"sun[{k}]", row) for k, row in enumerate(suns)]
@@ -506,10 +519,12 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
     picture = {
         "aovs": words("aovs", given.get("aovs", "color")),
         "size": None if size is None else checked_size("size", size),
-        "samples": whole("samples", given.get("samples", 1), 1),
+        "samples": None if samples is None else whole("samples", samples, 1),
         "seed": whole("seed", given.get("seed", 0)),
         "shade": None if shade is None else word("shade", shade),
-        "look": word("look", given.get("look", "plain")),
+        "look": None if look is None else word("look", look),
+        "exposure": number("exposure", given.get("exposure", 0.0)),
+        "tone": None if tone is None else word("tone", tone),
         "silhouette": bool(given.get("silhouette", False)),
         "depth_cue": bool(given.get("depth_cue", False)),
         "crop": None if crop is None else list(wholes("crop", crop, 4)),

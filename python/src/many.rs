@@ -43,7 +43,7 @@ impl Frames {
         }
         // A frame is handed over when the one before it is done, so there are at most two.
         let (sender, frames) = sync_channel(0);
-        let (job, count) = (Job::default(), cameras.len());
+        let (job, count, look) = (Job::default(), cameras.len(), picture.look(scene.get()).or_raise()?);
         let (own, shared, same) = (job.clone(), Arc::clone(&renderer), settings.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
@@ -51,6 +51,7 @@ impl Frames {
                     let scene = picture.scene(scene.get(), Some(camera))?;
                     let mut frame = with(&shared, &own, |renderer| renderer.render(&scene, &same))?;
                     frame.report.number = number;
+                    frame.report.look = look;
                     Ok((scene, frame))
                 };
                 let rendered = render();

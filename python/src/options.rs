@@ -4,7 +4,7 @@ use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
-use halfline::settings::{Accuracy, AddedLight, Backend, Look, Search, Settings, Tolerance};
+use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Search, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Aov, Shade};
 use pyo3::prelude::*;
@@ -38,10 +38,12 @@ impl Accurate {
 pub(crate) struct Picture {
     aovs: Vec<String>,
     size: Option<(u32, u32)>,
-    samples: u32,
+    samples: Option<u32>,
     seed: u32,
     shade: Option<String>,
-    look: String,
+    look: Option<String>,
+    tone: Option<String>,
+    exposure: f64,
     silhouette: bool,
     depth_cue: bool,
     crop: Option<[u32; 4]>,
@@ -54,20 +56,22 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// The settings with those of the picture.
-    pub(crate) fn settings(&self, accurate: Settings, backend: Backend) -> Result<Settings> {
+    /// The settings of a picture of `scene` with those of the picture.
+    pub(crate) fn settings(&self, scene: &Scene, accurate: Settings, backend: Backend) -> Result<Settings> {
         let aovs = self.aovs()?;
-        let light = self.light()?;
-        let shade = self.shade.as_deref().map(str::parse::<Shade>).transpose()?;
+        let chosen = self.chosen(scene)?;
+        let (look, light) = (chosen.look, self.light(scene)?);
         let crop = self.crop.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
         Ok(Settings {
             backend,
             aovs,
-            samples: self.samples,
+            samples: chosen.samples,
             seed: self.seed,
-            shade: shade.or(light.look.shade()).unwrap_or_default(),
-            silhouette: self.silhouette || light.look.has_silhouette(),
-            depth_cue: self.depth_cue || light.look.has_depth_cue(),
+            tone: self.tone.as_deref().map(str::parse).transpose()?,
+            exposure: self.exposure,
+            shade: self.shade()?.or(look.shade()).unwrap_or_default(),
+            silhouette: self.silhouette || look.has_silhouette(),
+            depth_cue: self.depth_cue || look.has_depth_cue(),
             sky: light.buffer_sky(),
             window: crop,
             ..accurate
@@ -77,9 +81,12 @@ impl Picture {
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&crate::camera::Camera>) -> Result<halfline::Scene> {
         let mut exact = scene.exact(camera, self.size, self.background)?;
-        let light = self.light()?;
+        let (light, aovs) = (self.light(scene)?, self.aovs()?);
+        if light.lacks_light(&exact, &aovs) {
+            return Err(Settings::no_light());
+        }
         light.apply(&mut exact)?;
-        if light.lacks_sky(&exact, &self.aovs()?) {
+        if light.lacks_sky(&exact, &aovs) {
             let mend = "add occlusion=True or the buffer occlusion, or remove reach";
             return Err(Error::settings("reach applies to a sky, and there is none", mend));
         }
@@ -90,8 +97,23 @@ impl Picture {
         self.aovs.iter().map(|name| name.parse()).collect()
     }
 
+    fn shade(&self) -> Result<Option<Shade>> {
+        self.shade.as_deref().map(str::parse).transpose()
+    }
+
+    /// The look and the samples, by the rule of the command.
+    fn chosen(&self, scene: &Scene) -> Result<ChosenLook> {
+        let look = self.look.as_deref().map(str::parse).transpose()?;
+        Ok(scene.look.choose(self.aovs()?.contains(&Aov::Color), look, self.samples, self.shade()?))
+    }
+
+    /// The name of the look, for the report; `None` without a picture.
+    pub(crate) fn look(&self, scene: &Scene) -> Result<Option<&'static str>> {
+        Ok(Some(self.chosen(scene)?.look.name()).filter(|_| self.aovs.iter().any(|name| name == Aov::Color.name())))
+    }
+
     /// What the keywords add to the light of a scene.
-    fn light(&self) -> Result<AddedLight> {
+    fn light(&self, scene: &Scene) -> Result<AddedLight> {
         let range = |name: &str, value: Option<u32>, least: u32, most: u32| match value {
             Some(value) if !(least..=most).contains(&value) => {
                 let mend = format!("give a whole number from {least} to {most}");
@@ -102,8 +124,7 @@ impl Picture {
         range("occlusion", self.occlusion, 0, MOST_RAYS)?;
         range("bounces", self.bounces, 0, MOST_BOUNCES)?;
         Ok(AddedLight {
-            look: self.look.parse::<Look>()?,
-            samples: self.samples,
+            look: self.chosen(scene)?.look,
             suns: self.sun.iter().map(|sun| (*sun).into()).collect(),
             shadows: self.shadows,
             // 0 stands for the scene's number.

@@ -62,9 +62,9 @@ impl Drop for Renderer {
 }
 
 impl Renderer {
-    /// The settings of a picture on this renderer.
-    fn settings(&self, picture: &Picture, accurate: &Accurate) -> PyResult<Settings> {
-        accurate.settings().and_then(|accurate| picture.settings(accurate, self.backend)).or_raise()
+    /// The settings of a picture of a scene on this renderer.
+    fn settings(&self, scene: &Scene, picture: &Picture, accurate: &Accurate) -> PyResult<Settings> {
+        accurate.settings().and_then(|accurate| picture.settings(scene, accurate, self.backend)).or_raise()
     }
 }
 
@@ -94,14 +94,15 @@ impl Renderer {
         accurate: Accurate,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = self.settings(&picture, &accurate)?;
+        let settings = self.settings(scene, &picture, &accurate)?;
         let job = Job::default();
-        let number = scene.number;
+        let (number, look) = (scene.number, picture.look(scene).or_raise()?);
         let (scene, frame) = job.run(py, progress.as_ref(), || {
             let scene = picture.scene(scene, camera)?;
             scene.check()?;
             let mut frame = with(&self.shared, &job, |renderer| renderer.render(&scene, &settings))?;
             frame.report.number = number;
+            frame.report.look = look;
             Ok((scene, frame))
         })?;
         Ok(Frame::new(frame, scene, settings, Arc::clone(&self.shared)))
@@ -116,7 +117,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<Frames> {
-        let settings = self.settings(&picture, &accurate)?;
+        let settings = self.settings(scene.get(), &picture, &accurate)?;
         Frames::start(py, Arc::clone(&self.shared), scene, cameras, picture, settings)
     }
 
@@ -129,7 +130,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<String> {
-        let settings = self.settings(&picture, &accurate)?;
+        let settings = self.settings(scene, &picture, &accurate)?;
         let job = Job::default();
         let plan = job.run(py, None, || {
             let scene = picture.scene(scene, camera)?;

@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::errors::OrRaise;
 use crate::work::begin;
 use halfline::scene::{ImagePlane, check_color};
+use halfline::settings::FileLook;
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -16,6 +17,8 @@ pub(crate) struct Scene {
     scene: Arc<ExactScene>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
     held: bool,
+    /// What its file says about the look of its picture.
+    pub(crate) look: FileLook,
     /// The number in its file, the time and the step.
     #[pyo3(get)]
     pub(crate) number: u64,
@@ -36,6 +39,7 @@ impl Scene {
         Self {
             scene: Arc::new(scene),
             held,
+            look: frame.look,
             number: frame.number,
             time: frame.when.time,
             step: frame.when.step,
@@ -66,7 +70,9 @@ impl Scene {
         if let Some(size) = size.or(camera.and_then(|camera| camera.size)) {
             (scene.image.width, scene.image.height) = size;
         }
-        scene.image.background = background.unwrap_or(scene.image.background);
+        if let Some(color) = background {
+            scene.set_background(color);
+        }
         match camera {
             Some(camera) => scene.camera = camera.camera,
             None if self.held => {}
@@ -107,7 +113,8 @@ impl Scene {
             skipped: Default::default(),
             lighting: Default::default(),
         };
-        Ok(Self { scene: Arc::new(scene), held: false, number: 1, time: None, step: None, cell: None })
+        let look = FileLook::default();
+        Ok(Self { scene: Arc::new(scene), held: false, look, number: 1, time: None, step: None, cell: None })
     }
 
     /// The same spheres with what another program says of them.
@@ -121,7 +128,7 @@ impl Scene {
     ) -> Self {
         let mut scene = (*self.scene).clone();
         scene.skipped.assumed.extend(warnings);
-        Self { scene: Arc::new(scene), held: self.held, number, time, step, cell }
+        Self { scene: Arc::new(scene), held: self.held, look: self.look, number, time, step, cell }
     }
 
     fn __len__(&self) -> usize {

@@ -5,7 +5,7 @@ import math
 import os
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import halfline as hl
 
+TONES: Final = ("soft", "linear")
 BUFFERS = [
     "color",
     "distance",
@@ -90,6 +91,39 @@ def test_files_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> Non
     assert caught.value.filename == str(tmp_path / "none" / "x.png") and not list(
         tmp_path.glob("*.part")
     )
+
+
+def test_particles_have_the_look_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
+    atoms = tmp_path / "m.xyz"
+    atoms.write_text("3\n\nO 0 0 0\nC 1.5 0 0\nN 0 1.5 0\n")
+    scene = hl.read(atoms)
+    frames = {
+        options: cpu.render(scene, size=(40, 30), **dict(options))  # type: ignore[arg-type]
+        for options in (
+            (),
+            (("look", "soft"),),
+            (("samples", 4), ("accuracy", "certified")),
+            (("look", "plain"),),
+            (("shade", "headlight"),),
+        )
+    }
+    usual, soft, asked, plain, headlight = (frame["color"] for frame in frames.values())
+    assert np.array_equal(usual, soft) and np.array_equal(usual, asked)
+    assert np.array_equal(plain, headlight) and not np.array_equal(usual, plain)
+    looks = [frame.report["look"] for frame in frames.values()]
+    assert looks == ["soft", "soft", "soft", "plain", "plain"]
+    mine, theirs = tmp_path / "mine.png", tmp_path / "theirs.png"
+    frames[()].save(mine)
+    run(commands()[0], "render", atoms, "-o", theirs, "--backend", "cpu", "--size", "40x30")
+    assert mine.read_bytes() == theirs.read_bytes()
+    depth = cpu.render(scene, size=(40, 30), aovs="depth")
+    assert depth.report["look"] is None and depth.report["samples"] == 1
+    arrays = cpu.render(hl.Scene(scene.centers, scene.radii), size=(40, 30))
+    assert arrays.report["look"] == "plain"
+    exposed = [cpu.render(scene, size=(40, 30), tone=tone, exposure=2) for tone in TONES]
+    assert np.array_equal(exposed[0]["color"], usual)
+    assert not np.array_equal(exposed[0].image, exposed[1].image)
+    assert [frame.report["tone"] for frame in exposed] == list(TONES)
 
 
 def test_buffers_have_the_documented_shape_type_and_miss(cpu: hl.Renderer) -> None:
@@ -255,6 +289,8 @@ def test_wrong_cameras_are_refused(arguments: dict[str, Any], words: list[str]) 
         ({"occlusion": 2**30}, ValueError, ["occlusion"]),
         ({"bounces": 100}, ValueError, ["bounces"]),
         ({"look": "nice"}, ValueError, ["nice", "soft"]),
+        ({"tone": "loud"}, ValueError, ["loud", "linear"]),
+        ({"exposure": 40}, ValueError, ["exposure", "40", "32"]),
         ({"colour": 3}, TypeError, ["colour", "choose from"]),
         ({"progress": 3}, TypeError, ["progress"]),
         ({"background": "blak"}, ValueError, ["blak", "black"]),

@@ -296,6 +296,8 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "seed",
         "shade",
         "look",
+        "tone",
+        "exposure",
         "silhouette",
         "crop",
         "background",

@@ -60,6 +60,7 @@ pub(super) struct LookRequest {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PictureLook {
     chosen: ChosenLook,
+    has_picture: bool,
     shade: Option<Shade>,
     silhouette: bool,
     depth_cue: bool,
@@ -103,6 +104,7 @@ impl LightArgs {
         }
         Ok(PictureLook {
             chosen,
+            has_picture,
             shade: shade.or(look.shade()),
             silhouette: self.silhouette || look.has_silhouette(),
             depth_cue: self.depth_cue || look.has_depth_cue(),
@@ -122,6 +124,11 @@ impl PictureLook {
             sky: self.buffer_sky,
             ..settings.clone()
         }
+    }
+
+    /// The name of the look; `None` without a picture.
+    pub(super) fn name(&self) -> Option<&'static str> {
+        self.has_picture.then(|| self.chosen.look.name())
     }
 
     /// The options that the look stands for, in a sentence; `None` for the plain one.

@@ -34,6 +34,9 @@ pub struct Report {
     pub samples: u32,
     /// The camera; `null` in JSON only where there is none.
     pub camera: Option<CameraRecord>,
+    /// The look of the picture: `plain`, `soft` or `figure`, given or by the file; `None` without a picture, or where the
+    /// caller chose settings without a look.
+    pub look: Option<&'static str>,
     /// Where the camera, default radii and the range of colours of a sequence come from: `first`, `all` or `none`;
     /// `None` for a single picture.
     pub hold: Option<&'static str>,

@@ -26,10 +26,10 @@ pub(super) struct SceneGroup {
 }
 
 impl Subject {
-    /// One scene.
+    /// One scene, without its lights and its sky: they are the same for every method.
     #[must_use]
     pub fn scene(name: impl Into<String>, scene: Scene) -> Self {
-        let name = name.into();
+        let (name, scene) = (name.into(), Scene { lighting: Default::default(), ..scene });
         Self { cases: vec![SceneGroup { name: name.clone(), scenes: vec![scene] }], name, kind: SubjectKind::Scene }
     }
 

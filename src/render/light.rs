@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::{Gradient, Scene};
+use crate::scene::{Gradient, Scene, SkyLight};
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
 use crate::view::View;
@@ -73,7 +73,7 @@ impl Renderer {
             judge: judge.as_ref(),
             exact: setup.accuracy == Accuracy::Exact,
             sky,
-            gradient: Gradient::of(scene).filter(|_| wanted.color || wanted.sky),
+            colors: Gradient::of(scene).filter(|_| wanted.color || wanted.sky).map(SkyLight::new),
             backdrop,
             directions: &directions,
             disc: &disc,

@@ -25,7 +25,9 @@ fn scene() -> Scene {
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    Scene::read(&path, &ReadOptions::default()).expect("weekend")
+    let scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    // Its light and its sky take rays of their own.
+    Scene { lighting: Default::default(), ..scene }
 }
 
 fn settings(backend: Backend, tolerance: Option<f64>, aovs: &[Aov]) -> Settings {

@@ -10,6 +10,7 @@ fn weekend(width: u32, height: u32) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
     let mut scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
     (scene.image.width, scene.image.height) = (width, height);
+    scene.lighting = Default::default();
     scene
 }
 

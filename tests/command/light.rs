@@ -109,12 +109,12 @@ fn looks_stand_for_options() {
     let dir = dir();
     for (options, expected) in [
         ("scene.toml --look plain", json!([0, null, 1, false, false])),
-        ("scene.toml --look soft", json!([1, 16, 1, true, false])),
-        ("scene.toml --look soft --samples 4", json!([1, 4, 4, true, false])),
+        ("scene.toml --look soft", json!([1, 4, 4, true, false])),
+        ("scene.toml --look soft --samples 1", json!([1, 4, 1, true, false])),
         ("scene.toml --look soft --samples 16", json!([1, 4, 16, true, false])),
-        ("scene.toml --look soft --occlusion 64 --depth-cue", json!([1, 64, 1, true, true])),
-        ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 16, 1, true, false])),
-        ("lit.toml --look soft", json!([1, 32, 1, true, false])),
+        ("scene.toml --look soft --occlusion 64 --depth-cue", json!([1, 64, 4, true, true])),
+        ("scene.toml --look soft --sun 0,0,1 --sun 0,1,0", json!([2, 4, 4, true, false])),
+        ("lit.toml --look soft", json!([1, 32, 4, true, false])),
         ("scene.toml --look figure", json!([0, null, 1, true, true])),
         ("scene.toml --silhouette", json!([0, null, 1, true, false])),
         ("scene.toml --depth-cue", json!([0, null, 1, false, true])),
@@ -139,25 +139,33 @@ fn looks_stand_for_options() {
 }
 
 #[test]
-fn pictures_of_particles_are_soft_unless_an_option_asks_for_something_else() {
+fn pictures_of_particles_are_soft_unless_an_option_asks_for_another_light() {
     let dir = dir();
     let soft = json!([1, 4, 4, true, false]);
     let plain = json!([0, null, 1, false, false]);
-    for options in ["", " --size 20x20", " --color #ff0000"] {
-        let planned = dir.good(&format!("plan one.xyz --backend cpu -o a.png --json{options}"));
-        assert_eq!(parts(&planned.json()), soft, "{options}");
+    for (options, samples) in [
+        ("-o a.png", 4),
+        ("-o a.png --size 20x20", 4),
+        ("-o a.png --color #ff0000", 4),
+        ("-o a.png --aov id=i.npy", 4),
+        ("-o a.png --accuracy fast", 4),
+        ("-o a.png --accuracy certified", 4),
+        ("-o a.png --method stable", 4),
+        ("-o a.png --samples 1", 1),
+        ("-o a.png --samples 9", 9),
+        ("--aov color=c.npy", 4),
+    ] {
+        let planned = dir.good(&format!("plan one.xyz --backend cpu --json {options}"));
+        let mut expected = soft.clone();
+        expected[2] = json!(samples);
+        assert_eq!(parts(&planned.json()), expected, "{options}");
         assert!(planned.err.contains("look soft (the default for particles; see --look plain): --occlusion 4"));
     }
     for (options, samples) in [
         ("-o a.png --look plain", 1),
-        ("-o a.png --aov id=i.npy", 1),
-        ("-o a.png --accuracy fast", 1),
-        ("-o a.png --accuracy auto", 1),
-        ("-o a.png --method stable", 1),
-        ("-o a.png --samples 9", 9),
         ("-o a.png --shade flat", 1),
-        ("--aov color=c.npy", 1),
-        ("--aov color=c.npy --samples 1", 1),
+        ("-o a.png --shade headlight --samples 4", 4),
+        ("--aov depth=d.npy", 1),
     ] {
         let (plan, err) = plan(&dir, &format!("one.xyz {options}"));
         let mut expected = plain.clone();
@@ -174,7 +182,9 @@ fn pictures_of_particles_are_soft_unless_an_option_asks_for_something_else() {
         parts(&planned.json())
     };
     assert_eq!(of("HALFLINE_LOOK", "plain"), plain);
-    assert_eq!(of("HALFLINE_ACCURACY", "auto"), plain);
+    assert_eq!(of("HALFLINE_ACCURACY", "auto"), soft);
+    assert_eq!(of("HALFLINE_SAMPLES", "9"), json!([1, 4, 9, true, false]));
+    assert_eq!(of("HALFLINE_SHADE", "normal"), plain);
     assert_eq!(of("HALFLINE_DEPTH_CUE", "1"), json!([1, 4, 4, true, true]));
     dir.put("c.toml", "occlusion = 8\nsilhouette = true\nlook = \"plain\"\nshadows = true\n");
     assert_eq!(of("HALFLINE_CONFIG", "c.toml"), json!([1, 8, 1, true, false]));

@@ -29,10 +29,12 @@ mod limits;
 mod looks;
 mod merge;
 mod messages;
+mod one_look;
 mod options;
 mod resume;
 mod select;
 mod shots;
+mod sky;
 #[cfg(unix)]
 mod streams;
 mod tables;

@@ -8,9 +8,10 @@ use crate::scenes::{
 use glam::DVec3;
 use halfline::camera::{Lens, Look};
 use halfline::error::Error;
-use halfline::read::ReadOptions;
-use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky};
-use std::io::Write;
+use halfline::read::{ReadOptions, Sequence};
+use halfline::scene::{DEFAULT_COLOR, Light, LightSource, Lighting, Material, Scene, Sky, SkyColors};
+use halfline::settings::{FileLook, Look as PictureLook};
+use std::io::{Cursor, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -171,6 +172,42 @@ reach = 2.5
     assert_eq!(read("s.toml", TOML).expect("a scene").lighting, Lighting::default());
     let sky = read("s.toml", TOML.to_owned() + "[occlusion]\nrays = 0x40\n").expect("a sky").lighting;
     assert_eq!(sky, Lighting { sky: Some(Sky { rays: 64, ..Sky::default() }), ..Lighting::default() });
+}
+
+#[test]
+fn the_colours_of_a_sky_and_the_look_of_a_scene_file_have_their_values() {
+    let first = |lines: &str, image: &str| {
+        let text = TOML.replace("[image]\n", &format!("[image]\n{image}")) + lines;
+        let mut sequence = Sequence::from_reader(Cursor::new(text), Path::new("s.toml"), &ReadOptions::default())?;
+        Ok::<_, halfline::Error>(sequence.next_scene()?.expect("a scene"))
+    };
+    let sky = "[sky]\nzenith = [0.25, 0.5, 1]\nhorizon = 'white'\n";
+    let frame = first(sky, "samples = 9\nlook = 'soft'\n").expect("a sky");
+    assert_eq!(frame.look, FileLook { is_particles: false, look: Some(PictureLook::Soft), samples: Some(9) });
+    let colors = SkyColors { zenith: [0.25, 0.5, 1.0], horizon: [1.0; 3], is_shown: false };
+    // The file has a background, which is seen.
+    assert_eq!(frame.scene.lighting.sky, Some(Sky { colors: Some(colors), ..Sky::AT_CENTERS }));
+    let text = TOML.lines().filter(|line| !line.starts_with("background")).map(|line| format!("{line}\n"));
+    let scene = read("s.toml", text.collect::<String>() + sky + "[occlusion]\nrays = 5\n").expect("a sky");
+    let shown = SkyColors { is_shown: true, ..colors };
+    assert_eq!(scene.lighting.sky, Some(Sky { rays: 5, colors: Some(shown), ..Sky::default() }));
+    assert_eq!(scene.image.background, [1.0; 3], "that of the horizon, where the sky's colours are not seen");
+    let plain = first("", "").expect("a scene");
+    assert_eq!((plain.look, plain.scene.lighting), (FileLook::default(), Lighting::default()));
+    for (lines, image, words) in [
+        ("[sky]\nzenith = [1, 1, 1]\n", "", &["sky.horizon", "missing", "horizon = "][..]),
+        ("[sky]\nzenith = [1, 1, 1]\nhorizon = [1, -1, 1]\n", "", &["sky.horizon", "-1"]),
+        ("[sky]\nzenith = 'blu'\nhorizon = [1, 1, 1]\n", "", &["sky.zenith", "blue"]),
+        ("[sky]\nzenith = [1, 1, 1]\nhorizon = [1, 1, 1]\nground = [0, 0, 0]\n", "", &["sky.ground", "unknown key"]),
+        ("[sky]\nzenith = [1, 1, 1]\nzenith = [1, 1, 1]\n", "", &["duplicate key"]),
+        ("", "samples = 0\n", &["image.samples", "between 1 and"]),
+        ("", "samples = 2.5\n", &["image.samples", "whole number"]),
+        ("", "look = 'nice'\n", &["image.look", "nice", "plain, soft, figure"]),
+        ("", "look = 3\n", &["image.look", "a string"]),
+    ] {
+        let error = first(lines, image).expect_err("a wrong value").to_string();
+        assert!(words.iter().all(|word| error.contains(word)) && error.contains("s.toml:"), "{error}");
+    }
 }
 
 #[test]

@@ -78,6 +78,7 @@ impl Render {
         let settings = &self.args.settings_for(numbered, settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;
+            report.look = numbered.look.name();
             report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
@@ -96,6 +97,7 @@ impl Render {
         }
         frame.report.number = numbered.number;
         frame.report.hold = self.args.read.hold();
+        frame.report.look = numbered.look.name();
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
         let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
         frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));

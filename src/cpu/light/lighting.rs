@@ -4,7 +4,7 @@ use super::surface::Surface;
 use crate::answers::lit::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{DEFAULT_COLOR, Gradient, Material, Scene, Sky};
+use crate::scene::{DEFAULT_COLOR, Material, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
@@ -36,8 +36,8 @@ pub(crate) struct Lighting<'a> {
     /// The judge decides every ray.
     pub(crate) exact: bool,
     pub(crate) sky: Option<Sky>,
-    /// Its colours; `None` for white.
-    pub(crate) gradient: Option<Gradient>,
+    /// The light of its colours; `None` for white.
+    pub(crate) colors: Option<SkyLight>,
     /// What rays that hit nothing show.
     pub(crate) backdrop: Backdrop<'a>,
     pub(crate) directions: &'a SkyDirections,

@@ -61,8 +61,10 @@ impl LightShare {
 struct SkyShare {
     all: f64,
     open: f64,
-    /// The sum over the open ones of cosine times colour, where the sky has colours.
-    light: DVec3,
+    /// Where the sky has colours: the sums of cosine times colour, and the light of the whole sky.
+    all_light: DVec3,
+    open_light: DVec3,
+    whole: DVec3,
 }
 
 impl SkyShare {
@@ -70,8 +72,11 @@ impl SkyShare {
         if self.all > 0.0 { self.open / self.all } else { 1.0 }
     }
 
+    /// The whole light, in the share that the rays found open.
     fn light(&self) -> DVec3 {
-        if self.all > 0.0 { self.light / self.all } else { DVec3::ONE }
+        let share = |all: f64, open: f64| if all > 0.0 { open / all } else { 1.0 };
+        let (all, open) = (self.all_light, self.open_light);
+        self.whole * DVec3::new(share(all.x, open.x), share(all.y, open.y), share(all.z, open.z))
     }
 }
 
@@ -149,7 +154,7 @@ impl<'a> PointLight<'a> {
     fn start(&mut self, surface: &Surface, along: DVec3, sky: DVec3) {
         self.unsure.clear();
         // A white sky's light is its open share.
-        self.sky = SkyShare { all: 1.0, open: sky.x, light: sky };
+        self.sky = SkyShare { all: 1.0, open: sky.x, all_light: DVec3::ONE, open_light: sky, whole: DVec3::ONE };
         self.mirrored = reflected(along, surface.normal);
         self.shine = match self.of.material(surface.id) {
             Material::Phong { specular, shine, .. } if specular > 0.0 && shine > 0.0 => shine,
@@ -170,14 +175,14 @@ impl<'a> PointLight<'a> {
 
     /// The light of the open sky.
     pub(super) fn sky_light(&self) -> DVec3 {
-        if self.of.gradient.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
+        if self.of.colors.is_some() { self.sky.light() } else { DVec3::splat(self.sky.open()) }
     }
 
     /// Counts a ray of the sky that is open.
     fn see_sky(&mut self, weight: f64, direction: [f64; 3]) {
         self.sky.open += weight;
-        if let Some(gradient) = &self.of.gradient {
-            self.sky.light += gradient.toward(DVec3::from_array(direction)) * weight;
+        if let Some(colors) = &self.of.colors {
+            self.sky.open_light += colors.gradient.toward(DVec3::from_array(direction)) * weight;
         }
     }
 
@@ -264,6 +269,7 @@ impl<'a> PointLight<'a> {
 
     fn sky(&mut self, point: &SurfacePoint, at: PixelSample) {
         let (tree, reach) = (self.of.tree, self.of.sky.map_or(f64::INFINITY, |sky| sky.reach));
+        self.sky.whole = self.of.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(point.normal.into()));
         self.of.directions.of(at, &mut self.directions);
         for k in 0..self.directions.len() {
             let direction = self.directions[k].map(f64::from);
@@ -276,6 +282,9 @@ impl<'a> PointLight<'a> {
             let weight = cosine.abs();
             self.sky.all += weight;
             let outward = if cosine < 0.0 { direction.map(|x| -x) } else { direction };
+            if let Some(colors) = &self.of.colors {
+                self.sky.all_light += colors.gradient.toward(DVec3::from_array(outward)) * weight;
+            }
             let (toward, ray) = match side {
                 Own::Open if !self.of.exact => (toward(direction), ray),
                 Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
