@@ -15,6 +15,7 @@ mod test_dir;
 mod blocks;
 mod cameras;
 mod clash;
+mod clouds;
 mod compare;
 mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
