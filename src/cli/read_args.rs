@@ -72,8 +72,8 @@ pub(super) struct ReadArgs {
     /// Moves every particle into the periodic cell of the file, before --copies.
     #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
     wrap: bool,
-    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else by the numbers mol of molecules, else
-    /// by residues.
+    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else along bonds (by distance, where elements
+    /// are known) and by the numbers mol of molecules or by residues. What stays cut is said.
     #[arg(long, help_heading = LOOK)]
     unwrap: bool,
     /// Periodic copies along the three edges of the file's cell, original included.

@@ -217,7 +217,7 @@ fn coordinates_that_a_format_cannot_hold_are_said() {
     let said = |report: &Value| {
         report["warnings"].as_array().expect("a list").iter().map(Value::to_string).collect::<String>()
     };
-    assert!(said(&pcd).contains("hits.pcd are rounded by up to 0.5") && said(&pcd).contains("use .ply"), "{pcd}");
+    assert!(said(&pcd).contains("hits.pcd are rounded by up to 0.4") && said(&pcd).contains("use .ply"), "{pcd}");
     assert_eq!((said(&ply), said(&las)), (String::new(), String::new()));
     assert!(las["cloud"]["rounding"].as_f64().is_some_and(|x| x < 1e-8), "{las}");
     // Beyond f32, and farther apart than f64 can number.

@@ -70,7 +70,7 @@ fn a_film_says_a_warning_once() {
     let mut frames = gas(1);
     for frame in 2..=5 {
         // Each frame has one particle less than the one before.
-        let one = gas(1).replace("\n60\n", &format!("\n{}\n", 62 - frame));
+        let one = gas(1).replace("\n60\n", &format!("\n{}\n", 61 - frame));
         let lines = one.lines().count() - frame as usize + 1;
         frames += &(one.lines().take(lines).collect::<Vec<_>>().join("\n") + "\n");
     }

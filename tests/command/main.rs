@@ -21,6 +21,7 @@ mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
 mod film;
+mod films;
 mod habits;
 mod info;
 mod insets;
