@@ -1,6 +1,7 @@
 //! The output files of `render`: which buffers go where, and how they are stored.
 
 use super::clash::place;
+use super::film::{FPS, Film};
 use super::read_args::color;
 use super::scene_frames::{check_pattern, numbered};
 use clap::builder::ArgPredicate;
@@ -21,9 +22,12 @@ type AovArgument = (Vec<Aov>, Option<PathBuf>);
 #[command(next_help_heading = "Output")]
 pub(super) struct FileArgs {
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw; - is a PNG on standard output. For several pictures
-    /// %d or %04d is replaced by the number.
+    /// %d or %04d is replaced by the number, or .mp4 or .gif is a film of them, made by ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Pictures per second of a film [default: 25].
+    #[arg(long, value_name = "N", value_parser = fps, allow_negative_numbers = true)]
+    fps: Option<f64>,
     /// Buffers: color, distance, depth, normal, position, id, mask, certainty, bound, alpha, shadow (of each
     /// light), occlusion (open share of the sky). An .exr or .npz can hold
     /// several; without FILE they are stored in that of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
@@ -128,7 +132,9 @@ impl FileArgs {
 
     /// Returns an error for a --dpi of the command line that none of the files would hold.
     pub(super) fn check_dpi(&self, targets: &[Target]) -> Result<()> {
-        if !self.dpi.is_typed || targets.iter().any(|target| target.format() == FileFormat::Png) {
+        let film = self.film().map(|film| film.path());
+        let holds = |target: &Target| target.format() == FileFormat::Png && Some(target.path()) != film;
+        if !self.dpi.is_typed || targets.iter().any(holds) {
             return Ok(());
         }
         let problem = "--dpi applies to PNG files, and none is written";
@@ -138,6 +144,20 @@ impl FileArgs {
     /// The file of -o, with a pattern for the number. It is the first of [`FileArgs::targets`].
     pub(super) fn picture(&self) -> Option<&Path> {
         self.output.as_deref()
+    }
+
+    /// The film that -o names.
+    pub(super) fn film(&self) -> Option<Film<'_>> {
+        self.output.as_deref().and_then(|path| Film::of(path, self.fps.unwrap_or(FPS)))
+    }
+
+    /// Returns an error for --fps without a film.
+    pub(super) fn check_fps(&self) -> Result<()> {
+        if self.fps.is_none() || self.film().is_some() {
+            return Ok(());
+        }
+        let problem = "--fps is the rate of a film, and none is written";
+        Err(Error::settings(problem, "use -o with the file name extension .mp4 or .gif, or remove --fps"))
     }
 
     /// Whether standard output receives numbers without a header.
@@ -162,7 +182,9 @@ impl FileArgs {
 
     /// Returns an error for names that several pictures would share.
     pub(super) fn check_many(&self) -> Result<()> {
-        self.named()?.iter().try_for_each(|(_, path)| check_pattern(path))
+        let film = self.film().map(|film| film.path());
+        let names = self.named()?;
+        names.iter().filter(|(_, path)| Some(*path) != film).try_for_each(|(_, path)| check_pattern(path))
     }
 
     fn target(&self, aovs: &[Aov], path: &Path) -> Result<Target> {
@@ -170,6 +192,7 @@ impl FileArgs {
         let style = FormatOptions { bits, unit, no_return, transparent, dpi };
         match aovs {
             [aov] if self.raw && is_standard_output(path) => Ok(Target::raw(*aov, path, style)),
+            [Aov::Color] if self.film().is_some_and(|film| film.path() == path) => Ok(Target::film(path, style)),
             _ => Target::new(aovs, path, style),
         }
     }
@@ -198,6 +221,13 @@ fn named(text: &str) -> Result<AovArgument, String> {
     }
     let aovs = names.split(',').map(|name| name.parse().map_err(|e: Error| e.to_string())).collect::<Result<_, _>>()?;
     Ok((aovs, file.map(PathBuf::from)))
+}
+
+fn fps(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(x) if x > 0.0 && x <= 1000.0 => Ok(x),
+        _ => Err("expected a number of pictures per second, such as 25".into()),
+    }
 }
 
 fn unit(text: &str) -> Result<f64, String> {

@@ -10,6 +10,7 @@ mod config;
 mod exhaustion;
 mod failure;
 mod file_args;
+mod film;
 mod info;
 mod inset_args;
 mod legend;
@@ -75,10 +76,11 @@ pub(crate) fn command(given: impl Iterator<Item = OsString>) -> u8 {
 /// Clap prints usage errors itself and exits with 2.
 fn arguments() -> Result<Arguments> {
     exhaustion::listen();
-    let configured = Config::load().and_then(|config| config.apply(Arguments::command()));
+    let known = || plan::of_a_picture(Arguments::command());
+    let configured = Config::load().and_then(|config| config.apply(known()));
     let (command, fault) = match configured {
         Ok(command) => (command, None),
-        Err(fault) => (Config::default().apply(Arguments::command())?, Some(fault)),
+        Err(fault) => (Config::default().apply(known())?, Some(fault)),
     };
     let words = inset_args::joined(process::all_arguments().iter().cloned());
     let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));

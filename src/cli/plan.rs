@@ -5,6 +5,8 @@ use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use super::{note, print, say};
+use clap::builder::ArgPredicate;
+use clap::{Arg, Command};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
 use halfline::quote::{count, number};
@@ -29,21 +31,26 @@ pub(crate) struct PlanArgs {
 }
 
 const EXAMPLES: &str = "\
-The options are those of halfline render.
+The options are those of halfline render; without an output the plan is that of a picture.
 
 Examples:
+  halfline plan scenes/weekend.toml
   halfline plan scenes/weekend.toml -o weekend.png --aov distance=t.npy
   halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
   halfline plan scenes/weekend.toml --aov depth=z.npy --wgsl";
+
+/// The command line in which a plan without an output is that of a picture, as people mean it.
+pub(super) fn of_a_picture(command: Command) -> Command {
+    let assumed =
+        |output: Arg| output.default_value("out.png").default_value_if("aov", ArgPredicate::IsPresent, None::<&str>);
+    command.mut_subcommand("plan", |plan| plan.mut_arg("output", assumed))
+}
 
 impl PlanArgs {
     pub(crate) fn run(&self) -> Result<ExitCode> {
         self.quiet.apply();
         let targets = self.args.files.targets(1)?;
-        // A plan may be of no file.
-        if !targets.is_empty() {
-            self.args.files.check_dpi(&targets)?;
-        }
+        self.args.files.check_dpi(&targets)?;
         let settings = self.args.settings(&targets);
         let picture = self.args.first(&settings)?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;

@@ -1,5 +1,6 @@
 //! How a scene is read and what its particles look like, as options.
 
+use super::process::arguments;
 use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -71,8 +72,8 @@ pub(super) struct ReadArgs {
     /// Moves every particle into the periodic cell of the file, before --copies.
     #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
     wrap: bool,
-    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else by the numbers mol of molecules, else
-    /// by residues.
+    /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else along bonds (by distance, where elements
+    /// are known) and by the numbers mol of molecules or by residues. What stays cut is said.
     #[arg(long, help_heading = LOOK)]
     unwrap: bool,
     /// Periodic copies along the three edges of the file's cell, original included.
@@ -278,7 +279,17 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| "expected two different finite numbers, such as 0,1.5".into())
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| match (text.parse::<f64>(), word_after(text)) {
+        (Ok(_), Some(next)) if next.parse::<f64>().is_ok() => {
+            format!("expected two numbers with a comma between them and no blank: --range {text},{next}")
+        }
+        _ => "expected two different finite numbers with a comma between them, such as --range 0,1.5".into(),
+    })
+}
+
+/// The argument that follows the first one with this text.
+fn word_after(text: &str) -> Option<&'static str> {
+    arguments().skip_while(|word| *word != text).nth(1)?.to_str()
 }
 
 fn plane(text: &str) -> Result<[f64; 4], String> {

@@ -6,6 +6,7 @@ mod stream;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
 use super::clash::check_inputs;
+use super::film::FilmWriter;
 use super::lines::ProgressOutput;
 use super::messages::QuietArgs;
 use super::preview::Preview;
@@ -72,6 +73,7 @@ Examples:
   halfline render molecule.pdb -o molecule.png
   halfline render molecule.pdb --color-by chain --background white -o chains.png
   halfline render run.dump --frames 1-100 --color-by vx,vy,vz --range 0,3 -o frame.%04d.png
+  halfline render molecule.pdb --spin 100 --background white -o molecule.mp4
   halfline render scenes/weekend.toml -o w.png --aov id=id.npy --aov depth=z.npy
   halfline render planet.toml -o p.png --eye 0,1.7,0 --view 0,0,-1 --vfov 60";
 
@@ -147,17 +149,27 @@ impl Render {
             }
             self.picture(&numbered, &settings, renderer, &messages)
         };
-        let mut done = |picture: Picture| {
-            cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.camera);
-            self.print_report(&picture.report)
-        };
-        match room {
-            Room::Alone => {
-                while let Some(numbered) = next()? {
-                    done(each(&mut renderers[0], numbered)?)?;
+        let mut all = |mut film: Option<&mut FilmWriter>| {
+            let mut done = |picture: Picture| {
+                cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.camera);
+                if let (Some(film), Some(still)) = (&mut film, &picture.still) {
+                    film.add(still)?;
                 }
+                self.print_report(&picture.report)
+            };
+            match room {
+                Room::Alone => {
+                    while let Some(numbered) = next()? {
+                        done(each(&mut renderers[0], numbered)?)?;
+                    }
+                    Ok(())
+                }
+                _ => threads::pipeline(&mut next, std::mem::take(&mut renderers), &cancel, each, done),
             }
-            _ => threads::pipeline(next, renderers, &cancel, each, done)?,
+        };
+        match self.args.files.film() {
+            Some(film) => film.write(|writer| all(Some(writer)))?,
+            None => all(None)?,
         }
         bar.finish();
         if let Some(list) = self.args.camera_list()? {
@@ -241,6 +253,10 @@ impl Render {
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
         let targets = self.args.files.targets(1)?;
+        if let Some(film) = self.args.files.film() {
+            film.check(&self.args, self.resume)?;
+        }
+        self.args.files.check_fps()?;
         if self.args.is_many() {
             self.args.files.check_many()?;
         }

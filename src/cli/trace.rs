@@ -22,7 +22,7 @@ use halfline::render::trace::Tracer;
 use halfline::settings::{Search, Settings};
 use halfline::write::file::{check_writable, is_standard};
 use halfline::write::hits::{HitFile, HitWriter, Query};
-use report::{Tally, TraceReport};
+use report::{Cloud, Tally, TraceReport};
 use source::{RaySource, SourceArgs};
 use std::path::{Path, PathBuf};
 
@@ -43,8 +43,9 @@ pub(crate) struct Trace {
     read: ReadArgs,
     #[command(flatten)]
     accuracy: AccuracyArgs,
-    /// The hits, a row per ray: .npz with the arrays id, t, distance, normal and certainty, or .csv; - is CSV on
-    /// standard output.
+    /// The hits: .npz with the arrays id, t, distance, normal, position and certainty, or .csv, a row per ray; - is CSV on
+    /// standard output. Or as a point cloud without the misses, with distance, sphere, ray and colour: .ply (f64), .pcd
+    /// (f32), .las.
     #[arg(short, long, help_heading = "Output", value_name = "FILE")]
     output: Option<PathBuf>,
     /// Only whether each ray hits anything: the columns hit and certainty.
@@ -86,7 +87,7 @@ Examples:
   halfline trace capsid.toml --rays rays.npy -o hits.npz
   halfline trace molecule.pdb --rays rays.csv --any -o occluded.csv --skip-invalid
   generate-rays | halfline trace cloud.ply --radius 0.05 --rays - -o - > hits.csv
-  halfline trace street.npy -o scan.npz --pattern lidar:rings=64,vfov=-25..15,step=0.2,range=120 \\
+  halfline trace street.npy -o scan.ply --pattern lidar:rings=64,vfov=-25..15,step=0.2,range=120 \\
       --eye 0,0,1.8 --view 1,0,0 --up 0,0,1 --rays-out beams.npy";
 
 impl Trace {
@@ -112,8 +113,10 @@ impl Trace {
 
         let skipped = frame.scene.skipped;
         let mut spheres = frame.scene.spheres;
-        // Colours take memory and are not used.
-        spheres.colors = None;
+        if !file.as_ref().is_some_and(HitFile::has_colors) {
+            // Colours take memory and are not used.
+            spheres.colors = None;
+        }
         let mut warnings = skipped.warnings();
         warnings.extend_from_slice(renderer.passed_over());
         warn(&warnings);
@@ -125,18 +128,29 @@ impl Trace {
         note(format_args!("tracing on {} ({})", tracer.adapter(), tracer.driver()));
         let start = Instant::now();
         let mut work = Work { bar: &bar, total: source.count().unwrap_or(0), any: self.any, tally: Tally::default() };
-        match &file {
-            Some(file) => file.write(&watch(), |out| work.run(&mut source, &cancel, &mut tracer, Some(out)))?,
-            None => work.run(&mut source, &cancel, &mut tracer, None)?,
+        let scan = source.lidar().map(|lidar| [lidar.rings(), lidar.azimuths()]);
+        let cloud = match &file {
+            Some(file) => file
+                .write(&watch(), scan, &spheres, |out| work.run(&mut source, &cancel, &mut tracer, Some(out)))?
+                .map(|summary| Cloud::new(file.path(), summary)),
+            None => {
+                work.run(&mut source, &cancel, &mut tracer, None)?;
+                None
+            }
+        };
+        if let Some(cloud) = &cloud {
+            bar.aside(|| note(format_args!("{}", cloud.words())));
         }
         let tally = work.tally;
-        let more = tally.warnings(&spheres);
+        let mut more = tally.warnings(&spheres);
+        more.extend(cloud.as_ref().and_then(Cloud::warning));
         bar.aside(|| warn(&more));
         warnings.extend(more);
         let report = TraceReport {
             spheres: spheres.len() as u64,
             skipped: skipped.total(),
             pattern: source.lidar().map(Into::into),
+            cloud,
             elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
             warnings,
             ..TraceReport::new(&tracer, tally, self.any)
@@ -247,7 +261,7 @@ impl Work<'_> {
                 } else {
                     let hits = tracer.hits(&block.rays())?;
                     self.tally.hits(&block, &hits, start);
-                    out.as_mut().map_or(Ok(()), |out| out.hits(&hits, &block.invalid))?;
+                    out.as_mut().map_or(Ok(()), |out| out.hits(&block.rays(), &hits, &block.invalid))?;
                 }
                 self.tally.fault = self.tally.fault.take().or(block.fault);
                 self.progress(self.total);

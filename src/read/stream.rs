@@ -38,6 +38,9 @@ pub struct SphereBlocks {
     /// What was said of parts, without numbers.
     said: BTreeSet<String>,
     legend: Option<Legend>,
+    /// Whether the blocks are read for the range of their colours, and the range so far.
+    surveys: bool,
+    range: Option<[f64; 2]>,
 }
 
 impl SphereBlocks {
@@ -45,9 +48,28 @@ impl SphereBlocks {
     ///
     /// # Errors
     /// Those of [`Sequence::open`](super::Sequence::open); [`Error::Settings`] for formats that are not lists of rows, and for
-    /// options that need all particles at once: selections, a periodic cell, a range of colours that is not given.
+    /// options that need all particles at once: selections, a periodic cell, a range of colours that is not given (see
+    /// [`Self::survey`]).
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
+        if needs_range(options) {
+            let problem = "--stream: the range of colours is that of all particles";
+            return Err(Error::settings(problem, "add --range LOW,HIGH"));
+        }
+        Self::begin(path, options, false)
+    }
+
+    /// As [`Self::open`], for what depends on all spheres: the range of colours need not be given, and [`Self::range`] has it
+    /// after the last block. The blocks have no colours.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn survey(path: &Path, options: &ReadOptions) -> Result<Self> {
+        check(options)?;
+        Self::begin(path, options, needs_range(options))
+    }
+
+    fn begin(path: &Path, options: &ReadOptions, surveys: bool) -> Result<Self> {
         let source = SceneSource::open(path, options)?;
         if !ROWS.contains(&source.format) {
             let problem = format!("{} files are not read as a stream", source.format.name());
@@ -68,8 +90,19 @@ impl SphereBlocks {
             mend: "allow the process more threads, or remove --stream".into(),
         })?;
         let file = Place::file(path.display().to_string());
-        let (options, reader, skipped) = (options.clone(), Some(reader), Skipped::default());
-        Ok(Self { parts, reader, options, file, levels: None, count: 0, skipped, said: BTreeSet::new(), legend: None })
+        Ok(Self {
+            parts,
+            reader: Some(reader),
+            options: options.clone(),
+            file,
+            levels: None,
+            count: 0,
+            skipped: Skipped::default(),
+            said: BTreeSet::new(),
+            legend: None,
+            surveys,
+            range: None,
+        })
     }
 
     /// The next spheres; `None` after the last. Their numbers are checked here, where the row or the particle of the file is
@@ -95,6 +128,13 @@ impl SphereBlocks {
     #[must_use]
     pub fn skipped(&self) -> &Skipped {
         &self.skipped
+    }
+
+    /// The range of the numbers that give the colours, as in memory; complete after the last block of [`Self::survey`]. `None`
+    /// where no number is finite, and for a range that is given.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        self.range
     }
 
     /// The legend of the colours, once a block was read.
@@ -124,7 +164,11 @@ impl SphereBlocks {
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;
-        let (spheres, skipped, legend) = self.options.style.dress(part, &self.file)?;
+        let (mut spheres, skipped, legend) = self.options.style.dress(part, &self.file)?;
+        if self.surveys {
+            spheres.colors = None;
+            self.see(legend.as_ref())?;
+        }
         for said in skipped.assumed {
             let what: String = said.chars().filter(|c| !c.is_ascii_digit()).collect();
             if self.said.insert(what) {
@@ -133,6 +177,21 @@ impl SphereBlocks {
         }
         self.legend = self.legend.take().or(legend);
         Ok(spheres.checked())
+    }
+
+    /// Widens the range of colours by that of a part.
+    fn see(&mut self, legend: Option<&Legend>) -> Result<()> {
+        let Some(Legend { name, range: [low, high], categories, .. }) = legend else { return Ok(()) };
+        if !categories.is_empty() {
+            let problem = format!("--stream: {name} has categories, whose colours need all particles in memory");
+            return Err(Error::settings(
+                problem,
+                "add --range LOW,HIGH or --map to colour by numbers, or remove --stream",
+            ));
+        }
+        let [least, most] = self.range.unwrap_or([*low, *high]);
+        self.range = Some([least.min(*low), most.max(*high)]);
+        Ok(())
     }
 }
 
@@ -161,12 +220,12 @@ fn check(options: &ReadOptions) -> Result<()> {
     } else if options.frames.count() > 1 {
         ("a stream is one frame", "select one with --frames N")
     } else {
-        match &style.coloring {
-            Coloring::Column(scale) if scale.range.is_none() => {
-                ("the range of colours is that of all particles", "add --range LOW,HIGH")
-            }
-            _ => return Ok(()),
-        }
+        return Ok(());
     };
     Err(Error::settings(format!("--stream: {problem}"), mend))
+}
+
+/// Whether the range of the colours is that of all particles.
+fn needs_range(options: &ReadOptions) -> bool {
+    matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none())
 }

@@ -252,10 +252,8 @@ impl Style {
             let radius = self.default_radius.unwrap_or(spacing);
             if n > 0 {
                 let particles = if n == 1 { "particle has" } else { "particles have" };
-                let held =
-                    if self.default_radius.is_some_and(|held| held != spacing) { " of the held frame" } else { "" };
                 skipped.assumed.push(format!(
-                    "{n} {particles} no radius, so half the mean spacing{held} is used, {}; use --radius to set another",
+                    "{n} {particles} no radius, so half the mean spacing is used, {}; use --radius to set another",
                     number(radius, 4)
                 ));
             }

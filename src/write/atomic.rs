@@ -85,6 +85,26 @@ pub(super) fn write_anywhere(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io
     written.map_err(|error| told(path, error))
 }
 
+/// As [`write_atomically`], by another program: `fill` gets the name of the unfinished file, which the program may open, seek and
+/// truncate.
+///
+/// # Errors
+/// As [`write_atomically`]; a pipe or a device cannot be written in this way.
+pub fn write_by_program(path: &Path, fill: impl FnOnce(&Path) -> io::Result<()>) -> Result<()> {
+    let written = Destination::of(path).and_then(|destination| match destination {
+        Destination::File(path) => {
+            let mut unfinished = Unfinished::new(&path)?;
+            if !unfinished.name().exists() {
+                unfinished = Unfinished::Named(stale::new(&path)?);
+            }
+            fill(&unfinished.name())?;
+            unfinished.complete(&path)
+        }
+        _ => Err(io::Error::other("only a file can be written in several passes")),
+    });
+    written.map_err(|error| told(path, error))
+}
+
 /// An anonymous file for parts of what will be written to `path`: in its folder, which has room for it, or in the
 /// system's folder of temporary files where `path` is a pipe or a device.
 pub(super) fn scratch(path: &Path) -> io::Result<File> {
@@ -134,17 +154,8 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
 
 fn replace(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let unfinished = Unfinished::new(path)?;
-    let file = unfinished.file();
-    filled(file, fill)?;
-    if let Ok(old) = fs::metadata(path)
-        && old.permissions() != file.metadata()?.permissions()
-    {
-        file.set_permissions(old.permissions())?;
-    }
-    // Before it gets its name: after a power failure the name must not refer to an empty file.
-    file.sync_all()?;
-    unfinished.take_name(path)?;
-    sync_folder(folder(path))
+    filled(unfinished.file(), fill)?;
+    unfinished.complete(path)
 }
 
 fn filled<W: Write>(out: W, fill: impl FnOnce(&mut BufWriter<W>) -> io::Result<()>) -> io::Result<()> {
@@ -185,6 +196,34 @@ impl Unfinished {
             Self::Nameless(file) => file,
             Self::Named(file) => file.as_file(),
         }
+    }
+
+    /// The name by which another process of this user can open it while it is open here.
+    fn name(&self) -> PathBuf {
+        match self {
+            #[cfg(target_os = "linux")]
+            Self::Nameless(file) => {
+                use std::os::fd::AsRawFd;
+                format!("/proc/{}/fd/{}", std::process::id(), file.as_raw_fd()).into()
+            }
+            #[cfg(not(target_os = "linux"))]
+            Self::Nameless(_) => PathBuf::new(),
+            Self::Named(file) => file.path().to_path_buf(),
+        }
+    }
+
+    /// Makes it the file at `path`, with the permission bits of the one that it replaces.
+    fn complete(self, path: &Path) -> io::Result<()> {
+        let file = self.file();
+        if let Ok(old) = fs::metadata(path)
+            && old.permissions() != file.metadata()?.permissions()
+        {
+            file.set_permissions(old.permissions())?;
+        }
+        // Before it gets its name: after a power failure the name must not refer to an empty file.
+        file.sync_all()?;
+        self.take_name(path)?;
+        sync_folder(folder(path))
     }
 
     /// Replaces the file at `path`. The file stays open, and so locked, until it has its name: another thread or process that

@@ -1,6 +1,8 @@
 //! Output files: the format is chosen by the file name extension; `-` is standard output.
 
-pub use super::atomic::{check_writable, is_special, is_standard, is_standard_output, write_atomically};
+pub use super::atomic::{
+    check_writable, is_special, is_standard, is_standard_output, write_atomically, write_by_program,
+};
 
 use super::atomic::write_anywhere;
 use super::digest::Digest;
@@ -15,7 +17,7 @@ use crate::memory::ids_fit;
 use crate::window::Window;
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +56,11 @@ impl Target {
     /// One buffer's numbers without a header at `path`, whatever its extension.
     pub fn raw(aov: Aov, path: &Path, style: FormatOptions) -> Self {
         Self::with_format(&[aov], path, FileFormat::Raw, style)
+    }
+
+    /// The colour of a picture of the film at `path`, as PNG; [`Target::encode`] gives its bytes.
+    pub fn film(path: &Path, style: FormatOptions) -> Self {
+        Self::with_format(&[Aov::Color], path, FileFormat::Png, style)
     }
 
     fn with_format(aovs: &[Aov], path: &Path, format: FileFormat, style: FormatOptions) -> Self {
@@ -183,6 +190,30 @@ impl Target {
     /// # Errors
     /// As [`Target::write`].
     pub fn write_while(&self, frame: &Frame, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
+        self.encoded(frame, origin, go_on, |head, rows| write_file(self.format, head, rows, &self.path))
+    }
+
+    /// The bytes that [`Target::write_while`] writes.
+    ///
+    /// # Errors
+    /// As [`Target::write_while`].
+    pub fn encode(&self, frame: &Frame, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<u8>> {
+        let mut bytes = Cursor::new(Vec::new());
+        self.encoded(frame, origin, go_on, |head, rows| {
+            let written = image_file::write(self.format, head, rows, &mut bytes);
+            written.map_err(|e| e.downcast::<Error>().unwrap_or_else(|error| Error::write(&self.path, error)))
+        })?;
+        Ok(bytes.into_inner())
+    }
+
+    /// Calls `write` with the head and the rows of the file.
+    fn encoded(
+        &self,
+        frame: &Frame,
+        origin: &Origin<'_>,
+        go_on: &(dyn Fn() -> bool + Sync),
+        write: impl FnOnce(&Head, &mut dyn Rows) -> Result<()>,
+    ) -> Result<()> {
         let refuse = |problem: String| Error::settings(problem, "render the frame with the buffers of its files");
         let [columns, lines] = [origin.window.width() as usize, origin.window.height() as usize];
         for aov in &self.aovs {
@@ -207,7 +238,7 @@ impl Target {
             let digest = Digest::of(&head, &mut rows)?;
             head.provenance = head.provenance.with_pixels(&digest.text());
         }
-        write_file(self.format, &head, &mut rows, &self.path)
+        write(&head, &mut rows)
     }
 }
 

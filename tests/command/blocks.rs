@@ -84,6 +84,12 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ("c.csv", format!("{CAMERA} --color-by v --range 0,1")),
         ("c.xyz", format!("{CAMERA} --radius-scale 0.01")),
         ("c.dump", format!("{CAMERA} --radius 0.012 --color-by v --range 0.2,0.8")),
+        // The range is that of all blocks: found by the pass that frames the camera, or by one of its own.
+        ("c.csv", "--color-by v --legend l.svg".to_owned()),
+        ("c.csv", format!("{CAMERA} --color-by v --log --legend l.svg")),
+        ("c.dump", "--radius 0.012 --color-by x,y,z --map magma".to_owned()),
+        ("c.npy", format!("{CAMERA} --color-by z --clip 0,0,1,0.25")),
+        ("c.xyz", "--radius-scale 0.01 --color-by z".to_owned()),
         ("c.ply", CAMERA.to_owned()),
         ("c.ply", format!("{CAMERA} --clip 1,2,3,0.5")),
     ] {
@@ -258,7 +264,7 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
         ("c.csv --depth-cue", "--depth-cue"),
         ("c.csv --accuracy fast", "--accuracy certified"),
         ("c.csv --select all", "--select"),
-        ("c.csv --color-by x", "--range"),
+        ("c.csv --color-by kind", "categories"),
         ("c.csv --copies 2,2,2", "needs a periodic cell"),
         ("c.csv --cell", "--cell"),
         ("c.csv --spin 4", "one by one"),

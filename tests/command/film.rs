@@ -59,8 +59,33 @@ fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
     assert!(each[1]["camera"] != each[0]["camera"] && each[2]["camera"] != each[1]["camera"]);
     let said = |options: &str| dir.render(&format!("gas.dump --size 64x48 --json --frames 50 {options}")).err;
     assert!(said("").contains("of the first frame of the file (see --hold)"));
-    assert!(said("").contains("half the mean spacing of the held frame"), "{}", said(""));
+    let first = film[0]["warnings"][0].as_str().expect("a warning");
+    assert!(first.contains("half the mean spacing") && said("").contains(first), "{first}: {}", said(""));
     assert!(!said("--hold none").contains("held"));
+}
+
+/// What is said of each picture is said of a film once, although its numbers differ; the reports have all of them.
+#[test]
+fn a_film_says_a_warning_once() {
+    let mut frames = gas(1);
+    for frame in 2..=5 {
+        // Each frame has one particle less than the one before.
+        let one = gas(1).replace("\n60\n", &format!("\n{}\n", 61 - frame));
+        let lines = one.lines().count() - frame as usize + 1;
+        frames += &(one.lines().take(lines).collect::<Vec<_>>().join("\n") + "\n");
+    }
+    let dir = TestDir::new(&[("gas.dump", &frames)]);
+    for hold in ["first", "none"] {
+        let film = dir.render(&format!("gas.dump --size 8x8 --json --frames 1-5 --hold {hold}"));
+        assert_eq!(film.err.matches("no radius").count(), 1, "{hold}: {}", film.err);
+        for (n, report) in film.json_lines().iter().enumerate() {
+            let warning = report["warnings"][0].as_str().expect("a warning");
+            assert!(warning.starts_with(&format!("{} particles have no radius", 60 - n)), "{hold}: {warning}");
+        }
+    }
+    // Two warnings of one picture that differ in their numbers are two.
+    let two = dir.render(&["gas.dump", "--size", "8x8", "--json", "--hide", "id 77", "--hide", "id 88"]);
+    assert_eq!(two.err.matches("no particle has it").count(), 2, "{}", two.err);
 }
 
 /// An extended XYZ file with these particles in each frame: kind, position on the x axis, and a value.

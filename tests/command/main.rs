@@ -15,11 +15,13 @@ mod test_dir;
 mod blocks;
 mod cameras;
 mod clash;
+mod clouds;
 mod compare;
 mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
 mod film;
+mod films;
 mod habits;
 mod info;
 mod insets;

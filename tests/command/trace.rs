@@ -142,7 +142,7 @@ fn an_archive_has_the_columns_of_the_table() {
     let table = table(&String::from_utf8(dir.get("hits.csv")).expect("text"));
     let column = |first: usize, count: usize| table.iter().flat_map(|row| row[first..first + count].to_vec()).collect();
     let arrays = npz(&dir, "hits.npz");
-    assert_eq!(arrays.keys().collect::<Vec<_>>(), ["certainty", "distance", "id", "normal", "t"]);
+    assert_eq!(arrays.keys().collect::<Vec<_>>(), ["certainty", "distance", "id", "normal", "position", "t"]);
     for (name, first, count) in [("id", 0, 1), ("t", 1, 1), ("distance", 2, 1), ("normal", 3, 3), ("certainty", 6, 1)] {
         let (values, shape) = &arrays[name];
         // Text has the fewest digits that give an f32 again.
@@ -159,6 +159,15 @@ fn an_archive_has_the_columns_of_the_table() {
     dir.put("none.npy", npy("<f8", 7, &[]));
     assert!(trace(&dir, "--rays none.npy -o none.npz").err.contains("warning: there are no rays"));
     assert_eq!(npz(&dir, "none.npz")["normal"].1, [0, 3]);
+    let (positions, shape) = &arrays["position"];
+    assert_eq!(*shape, [RAYS.len(), 3]);
+    for (n, (ray, ..)) in RAYS.iter().enumerate() {
+        for axis in 0..3 {
+            let (found, t) = (positions[3 * n + axis], arrays["t"].0[n]);
+            let expected = if t.is_finite() { ray[axis] + t * ray[3 + axis] } else { f64::NAN };
+            assert!(found == expected || found.is_nan() && expected.is_nan(), "ray {n}: {found}, not {expected}");
+        }
+    }
 }
 
 /// NumPy, if it is installed (for python3 or HALFLINE_PYTHON), reads the types of the contract.
@@ -175,7 +184,7 @@ fn numpy_reads_the_archive() {
         print([(k, str(z[k].dtype), z[k].shape) for k in z.files], z['id'].tolist())";
     let output = Command::new(&python).args(["-c", script]).arg(dir.path("hits.npz")).output().expect("python runs");
     let types = "[('id', 'int32', (9,)), ('t', 'float64', (9,)), ('distance', 'float64', (9,)), \
-        ('normal', 'float32', (9, 3)), ('certainty', 'uint8', (9,))]";
+        ('normal', 'float32', (9, 3)), ('position', 'float64', (9, 3)), ('certainty', 'uint8', (9,))]";
     let ids: Vec<_> = RAYS.iter().map(|(_, id, _)| *id).collect();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{types} {ids:?}\n"), "{told}");
@@ -205,7 +214,13 @@ fn the_order_of_rays_is_kept_and_blocks_change_nothing() {
     assert!(parts == all, "two files together");
     trace(&dir, "--rays all.npy -o npy.npz");
     trace(&dir, &format!("{beams} -o pattern.npz"));
-    assert!(dir.get("npy.npz") == dir.get("pattern.npz"));
+    // The same numbers, in the shape of the pattern.
+    let (flat, shaped) = (npz(&dir, "npy.npz"), npz(&dir, "pattern.npz"));
+    for (name, (values, shape)) in &flat {
+        let equal = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+        assert!(values.iter().zip(&shaped[name].0).all(equal), "{name}");
+        assert_eq!(shaped[name].1, [&[300, 2001], &shape[1..]].concat(), "{name}");
+    }
     // The other way round.
     let reversed: Vec<_> = rows.iter().rev().copied().collect();
     dir.put("reversed.npy", npy("<f8", 7, &reversed));
@@ -321,7 +336,8 @@ fn invalid_arguments_are_exit_code_2() {
     refused("s.toml -o a.npz", &["--rays", "--pattern"]);
     refused("s.toml --rays rays.npy --pattern lidar:rings=1,step=1 -o a.npz", &["--rays", "--pattern"]);
     refused("s.toml --rays rays.npy", &["no output is requested", "--json"]);
-    refused("s.toml --rays rays.npy -o a.npy", &["a.npy", ".npz or .csv"]);
+    refused("s.toml --rays rays.npy -o a.npy", &["a.npy", ".npz or .csv", ".ply, .pcd or .las"]);
+    refused("s.toml --rays rays.npy -o a.las --any", &["a.las is a point cloud", "remove --any"]);
     refused("s.toml --rays rays.npy -o a", &["a cannot hold hits"]);
     refused("s.toml --rays rays.npy -o a.npz --eye 0,0,0", &["--eye", "--pattern"]);
     refused("s.toml --rays rays.npy -o a.npz --rays-out b.npy", &["--rays-out", "--rays <FILE>"]);
@@ -422,8 +438,9 @@ fn an_interrupt_leaves_nothing() {
     let dir = dir();
     dir.put("hits.npz", "an older file");
     dir.put("hits.csv", "an older file");
+    dir.put("hits.las", "an older file");
     let before = dir.files();
-    for output in ["hits.npz", "hits.csv"] {
+    for output in ["hits.npz", "hits.csv", "hits.las"] {
         let words = on_cpu(&format!("--pattern lidar:rings=5000,vfov=-60..60,step=0.001 -o {output} --progress json"));
         let mut child = dir.command(&words).stderr(Stdio::piped()).spawn().expect("halfline runs");
         let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();

@@ -15,15 +15,17 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline::write::file::Target;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Messages on standard error, each once for all pictures.
+/// Messages on standard error, each once for all pictures. A warning that differs in its numbers only from that of an earlier
+/// picture is not printed again.
 pub(super) struct Messages<'a> {
     bar: &'a Bar,
-    printed: Mutex<BTreeSet<String>>,
+    /// For each kind of message the first picture that has it, and what was printed for that.
+    printed: Mutex<BTreeMap<String, (u64, BTreeSet<String>)>>,
 }
 
 impl<'a> Messages<'a> {
@@ -31,19 +33,21 @@ impl<'a> Messages<'a> {
         Self { bar, printed: Mutex::default() }
     }
 
-    fn note(&self, words: String) {
-        self.once(words, note);
+    fn note(&self, number: u64, words: String) {
+        self.once(number, words.clone(), words, note);
     }
 
-    fn warn(&self, warning: &str) {
-        self.once(format!("warning: {warning}"), say);
+    fn warn(&self, number: u64, warning: &str) {
+        let kind = warning.chars().filter(|c| !c.is_ascii_digit()).collect();
+        self.once(number, kind, format!("warning: {warning}"), say);
     }
 
-    fn once(&self, words: String, print: fn(fmt::Arguments<'_>)) {
+    fn once(&self, number: u64, kind: String, words: String, print: fn(fmt::Arguments<'_>)) {
         let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
-        if !printed.contains(&words) {
+        let (first, all) = printed.entry(kind).or_insert_with(|| (number, BTreeSet::new()));
+        if *first == number && !all.contains(&words) {
             self.bar.aside(|| print(format_args!("{words}")));
-            printed.insert(words);
+            all.insert(words);
         }
     }
 }
@@ -55,6 +59,8 @@ pub(super) struct Picture {
     pub(super) files: Vec<PathBuf>,
     pub(super) camera: CameraRecord,
     pub(super) report: Report,
+    /// Its bytes in PNG, of a film.
+    pub(super) still: Option<Vec<u8>>,
 }
 
 impl Render {
@@ -66,11 +72,11 @@ impl Render {
         renderer: &mut Renderer,
         messages: &Messages<'_>,
     ) -> Result<Picture> {
-        let (scene, image) = (&numbered.scene, numbered.scene.image);
+        let (scene, image, number) = (&numbered.scene, numbered.scene.image, numbered.number);
         let mut targets = self.args.files.targets(numbered.number)?;
-        let files = targets.iter().map(|target| target.path().to_path_buf()).collect();
+        let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
-        let written = |report| Picture { number: numbered.number, files, camera, report };
+        let written = |files, report, still| Picture { number, files, camera, report, still };
         let panels = self.args.insets.panels(&self.args, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
@@ -83,39 +89,46 @@ impl Render {
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {
-                let which = if self.args.is_many() { format!("picture {}: ", numbered.number) } else { String::new() };
-                let there = "already there: every file is complete and comes from the same rendering";
-                messages.note(format!("{which}{there}"));
+                messages.note(number, already_there(&files));
                 self.write_legend(numbered)?;
-                return Ok(written(Report { resumed: true, number: numbered.number, ..report }));
+                return Ok(written(files, Report { resumed: true, number, ..report }, None));
             }
         }
-        messages.note(format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         if let Some(ids) = &numbered.ids {
             ids.restore(&mut frame);
         }
-        frame.report.number = numbered.number;
+        frame.report.number = number;
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
         let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
         frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
-        self.args.read.hold_words().into_iter().chain(numbered.look.words()).for_each(|words| messages.note(words));
+        self.args
+            .read
+            .hold_words()
+            .into_iter()
+            .chain(numbered.look.words())
+            .for_each(|words| messages.note(number, words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            messages.note(frame.report.reason.clone());
+            messages.note(number, frame.report.reason.clone());
         }
-        frame.report.warnings.iter().for_each(|warning| messages.warn(warning));
+        frame.report.warnings.iter().for_each(|warning| messages.warn(number, warning));
+        let mut still = None;
         if !targets.is_empty() {
-            self.args.insets.words(scene).into_iter().for_each(|words| messages.note(words));
+            self.args.insets.words(scene).into_iter().for_each(|words| messages.note(number, words));
             let (report, window) = (frame.report.clone(), frame.window);
-            self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
+            still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
+            if still.is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
+                messages.note(number, "a film has even sides, so the last column or row of pixels is left out".into());
+            }
         }
         self.write_legend(numbered)?;
         if let Some(preview) = self.preview {
             preview.show(&frame);
         }
-        let written = written(frame.report.clone());
+        let written = written(files, frame.report.clone(), still);
         renderer.recycle(frame);
         Ok(written)
     }
@@ -144,18 +157,43 @@ impl Render {
         }
     }
 
-    /// Writes the files; the panels are drawn into the picture, and into no other file.
-    fn write(&self, frame: &mut Frame, targets: &[Target], panels: Option<&Panels>, origin: &Origin<'_>) -> Result<()> {
+    /// Writes the files, and returns the bytes of the picture of a film; the panels are drawn into the picture, and into no
+    /// other file.
+    fn write(
+        &self,
+        frame: &mut Frame,
+        targets: &[Target],
+        panels: Option<&Panels>,
+        origin: &Origin<'_>,
+    ) -> Result<Option<Vec<u8>>> {
         let (pictures, others): (Vec<_>, Vec<_>) = targets.iter().partition(|target| target.is_drawn_on());
-        let write = |frame: &Frame, targets: &[&Target]| {
-            targets.par_iter().try_for_each(|target| target.write_while(frame, origin, &go_on))
+        let (film, still) = (self.args.files.film(), OnceLock::new());
+        let put = |frame: &Frame, target: &Target| match film {
+            Some(film) if film.path() == target.path() => {
+                target.encode(frame, origin, &go_on).map(|bytes| _ = still.set(bytes))
+            }
+            _ => target.write_while(frame, origin, &go_on),
         };
+        let write = |frame: &Frame, targets: &[&Target]| targets.par_iter().try_for_each(|target| put(frame, target));
         if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {
             let covered = panels.draw(frame, self.args.files.is_transparent());
             let written = write(frame, &pictures);
             covered.restore(frame);
             written?;
         }
-        write(frame, &others)
+        write(frame, &others)?;
+        Ok(still.into_inner())
+    }
+}
+
+/// That the files of a picture need no rendering.
+fn already_there(files: &[PathBuf]) -> String {
+    let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+    match &names[..] {
+        [name] => format!("{name} is already there: it is complete and comes from the same rendering"),
+        names => {
+            let names = names.join(", ");
+            format!("{names} are already there: they are complete and come from the same rendering")
+        }
     }
 }

@@ -11,7 +11,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline::read::style::Legend;
+use halfline::read::style::{Coloring, Legend};
 use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
@@ -30,6 +30,8 @@ pub(super) struct Source<'a> {
     arrangement: Arrangement,
     /// Why the scene is read as a stream, until it is said.
     why: Cell<Option<String>>,
+    /// Whether the range of the colours is that of all particles and not known yet.
+    lacks_range: bool,
 }
 
 /// A scene that is copies of spheres in memory.
@@ -64,14 +66,15 @@ impl<'a> Source<'a> {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
         }
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        Ok(Self { args, options, taken, arrangement, why: Cell::new(why) })
+        let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
+        Ok(Self { args, options, taken, arrangement, why: Cell::new(why), lacks_range })
     }
 
     /// Reads the scene: the spheres that some ray may hit, and what else belongs to the picture.
     ///
     /// # Errors
     /// Those of reading and of [`Stream`].
-    pub(super) fn visible(&self, settings: &Settings, targets: &[Target]) -> Result<Numbered> {
+    pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<Numbered> {
         let inputs: Vec<PathBuf> =
             [Some(&self.args.scene), self.args.camera.from.as_ref()].into_iter().flatten().cloned().collect();
         check_inputs(targets.iter().map(Target::path), &inputs)?;
@@ -82,6 +85,12 @@ impl<'a> Source<'a> {
         let copied = self.copied()?;
         if self.taken.is_none() {
             self.aim(&mut frame, copied.as_ref())?;
+        }
+        if copied.is_none() && self.lacks_range {
+            self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
+            self.survey(
+                "the range of colours is that of all particles, so the file is read for it first (see --range)",
+            )?;
         }
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
@@ -143,28 +152,26 @@ impl<'a> Source<'a> {
     }
 
     /// Frames all spheres where the options do not give the camera's place, for which the file is read twice more.
-    fn aim(&self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
+    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
         let camera = &self.args.camera;
         let framing = camera.framing(frame.has_camera)?;
         let at_middle = camera.pose.eye.is_some() && !camera.pose.looks();
         if framing.is_none() && !at_middle {
             return Ok(());
         }
-        if copied.is_none() && self.args.scene == Path::new("-") {
-            let problem = "--stream: the camera depends on all spheres, and standard input can be read once";
-            return Err(Error::settings(problem, "give --eye and --at, or --view"));
-        }
-        let watch = &self.options.watch;
         let middle = middle(match copied {
-            Some(Copied { instances, .. }) => instances.bounds(watch)?,
-            None => self.bounds()?,
+            Some(Copied { instances, .. }) => instances.bounds(&self.options.watch)?,
+            None => {
+                self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
+                self.survey("the camera depends on all spheres, so the file is read for it first (see --eye and --at)")?
+            }
         });
         if at_middle {
             frame.scene.camera.look = Look::At(middle);
         }
         let Some(framing) = framing else { return Ok(()) };
         if let Some(Copied { instances, .. }) = copied {
-            let reach = frame.scene.reach_of(&framing, instances, middle, watch)?;
+            let reach = frame.scene.reach_of(&framing, instances, middle, &self.options.watch)?;
             return frame.scene.fit_to(&framing, &reach);
         }
         let mut reach = Reach::about(middle);
@@ -180,19 +187,33 @@ impl<'a> Source<'a> {
         frame.scene.fit_to(&framing, &reach)
     }
 
-    /// The box around all spheres of the file.
-    fn bounds(&self) -> Result<[DVec3; 2]> {
+    /// Returns an error for standard input, which can be read once.
+    fn check_repeatable(&self, why: &str, mend: &str) -> Result<()> {
+        if self.args.scene != Path::new("-") {
+            return Ok(());
+        }
+        Err(Error::settings(format!("--stream: {why}, and standard input can be read once"), mend))
+    }
+
+    /// The box around all spheres of the file. The same pass finds the range of the colours, where it is not given. `why` is
+    /// said when the first block was read.
+    fn survey(&mut self, why: &str) -> Result<[DVec3; 2]> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        self.each(|block| {
+        let blocks = self.read(SphereBlocks::survey(&self.args.scene, &self.options)?, |block| {
             let [low, high] = block.bounds();
             if bounds[0].x > bounds[1].x {
-                note(format_args!(
-                    "the camera depends on all spheres, so the file is read for it first (see --eye and --at)"
-                ));
+                note(format_args!("{why}"));
             }
             bounds = [bounds[0].min(low), bounds[1].max(high)];
             Ok(())
         })?;
+        if let Coloring::Column(scale) = &mut self.options.style.coloring
+            && self.lacks_range
+        {
+            // Where no value is a number, any range gives the same colours.
+            scale.range = blocks.range().or(Some([0.0, 1.0]));
+            self.lacks_range = false;
+        }
         Ok(bounds)
     }
 
@@ -239,14 +260,19 @@ impl<'a> Source<'a> {
     }
 
     /// Every block of the file.
-    fn each(&self, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
-        let mut blocks = SphereBlocks::open(&self.args.scene, &self.options)?;
+    fn each(&self, each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
+        let blocks = self.read(SphereBlocks::open(&self.args.scene, &self.options)?, each)?;
+        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
+        Ok(About { skipped, legend, when: FrameTime::default() })
+    }
+
+    /// All blocks, as they are arranged.
+    fn read(&self, mut blocks: SphereBlocks, mut each: impl FnMut(Spheres) -> Result<()>) -> Result<SphereBlocks> {
         while let Some(mut block) = blocks.next_block()? {
             self.arrangement.apply(&mut block, None, &self.options.watch)?;
             self.say_why();
             each(block)?;
         }
-        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
-        Ok(About { skipped, legend, when: FrameTime::default() })
+        Ok(blocks)
     }
 }

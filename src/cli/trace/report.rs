@@ -1,13 +1,15 @@
 //! The report of `halfline trace`.
 
 use halfline::error::Error;
-use halfline::quote::count;
+use halfline::quote::{count, number};
 use halfline::read::rays::RayBlock;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
 use halfline::scene::Spheres;
 use halfline::scene::lidar::Lidar;
 use halfline::settings::Accuracy;
+use halfline::write::hits::CloudSummary;
 use serde::Serialize;
+use std::path::Path;
 use std::time::Instant;
 
 /// What is counted while rays are traced.
@@ -98,6 +100,8 @@ pub(super) struct TraceReport {
     pub(super) invalid: u64,
     /// The scanner whose beams the rays are.
     pub(super) pattern: Option<Pattern>,
+    /// The point cloud that was written.
+    pub(super) cloud: Option<Cloud>,
     /// The adapter's name; `cpu` for the reference path.
     pub(super) adapter: String,
     /// Driver and its version; threads for the reference path.
@@ -141,6 +145,50 @@ impl From<&Lidar> for Pattern {
     }
 }
 
+/// What a point cloud contains.
+#[derive(Debug, Serialize)]
+pub(super) struct Cloud {
+    /// Points, one for each ray that hits.
+    points: u64,
+    /// Rays without a hit.
+    left_out: u64,
+    /// The largest difference between a coordinate in the file and that of the hit in f64.
+    rounding: f64,
+    #[serde(skip)]
+    farthest: f64,
+    #[serde(skip)]
+    file: String,
+}
+
+/// The share of the farthest distance that coordinates may be rounded by without a warning: f32 does with coordinates as
+/// large as that distance.
+const ROUNDING: f64 = 1e-6;
+
+impl Cloud {
+    /// The cloud that was written to `path`.
+    pub(super) fn new(path: &Path, CloudSummary { points, left_out, rounding, farthest }: CloudSummary) -> Self {
+        Self { points, left_out, rounding, farthest, file: path.display().to_string() }
+    }
+
+    /// What was left out.
+    pub(super) fn words(&self) -> String {
+        let Self { points, left_out, file, .. } = self;
+        match left_out {
+            0 => format!("{file} has {}", count(*points, "point")),
+            n => format!("{file} has {}; {} without a hit left out", count(*points, "point"), count(*n, "ray")),
+        }
+    }
+
+    /// That coordinates far from the origin lost what matters at the scanner.
+    pub(super) fn warning(&self) -> Option<String> {
+        let Self { rounding, file, .. } = self;
+        (*rounding > ROUNDING * self.farthest).then(|| {
+            let rounding = number(*rounding, 2);
+            format!("the coordinates in {file} are rounded by up to {rounding}; use .ply, whose coordinates are f64")
+        })
+    }
+}
+
 impl TraceReport {
     /// The report of what was counted.
     pub(super) fn new(tracer: &Tracer<'_>, tally: Tally, any: bool) -> Self {
@@ -157,6 +205,7 @@ impl TraceReport {
             hits: tally.hits,
             invalid: tally.invalid,
             pattern: None,
+            cloud: None,
             adapter: tracer.adapter().to_owned(),
             driver: tracer.driver(),
             backend: if tracer.is_gpu() { "gpu" } else { "cpu" },

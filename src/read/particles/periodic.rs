@@ -1,13 +1,21 @@
 //! Particles and the periodic cell: wrapping them into it, and making whole what it cuts. A move is a whole number of
 //! edges, so particles that stay keep every bit of their coordinates.
 
+mod bonds;
+mod edges;
+mod join;
+
+use super::infer::{ResidueClass, class};
 use super::{Column, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check;
-use crate::scene::Cell;
-use glam::{DMat3, DVec3};
+use crate::quote::count;
+use crate::read::style::elements::element;
+use bonds::bonds;
+use edges::Edges;
+use glam::DVec3;
+use join::{Endless, Joined, join};
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// What is done about the particles of a periodic cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -17,8 +25,8 @@ pub enum Periodic {
     AsListed,
     /// Each particle is moved into the cell: its fractions of the three edges are in [0, 1).
     Wrap,
-    /// Molecules that the cell cuts are made whole: by image flags, or by moving the particles of each molecule or residue
-    /// to the image that is nearest to the first.
+    /// Molecules that the cell cuts are made whole: by image flags; else along bonds, which are found by distance where elements
+    /// are known, and by moving the parts of each molecule or residue to the image that is nearest to its first particle.
     Unwrap,
 }
 
@@ -30,6 +38,9 @@ const MOLECULES: [&str; 2] = ["mol", "molecule"];
 
 /// Columns that distinguish residues, which are consecutive in a file.
 const RESIDUES: [&str; 7] = ["residue", "resid", "resnum", "icode", "resname", "chain", "segid"];
+
+/// Bytes per particle while they are moved: positions, edges, cells and bonds.
+const WORK: u64 = 160;
 
 /// The columns that [`Periodic::Unwrap`] reads, as far as the file has them.
 pub(in crate::read) fn columns() -> impl Iterator<Item = &'static str> {
@@ -53,8 +64,8 @@ pub(in crate::read) fn apply(periodic: Periodic, particles: &mut Particles) -> R
         let problem = format!("{what} needs a cell with a volume, but the edges of the cell are {:?}", cell.edges);
         return Err(Error::settings(problem, format!("remove {option}, or use a file with three independent edges")));
     };
-    let count = particles.positions.len();
-    check(48 * count as u64, || format!("{what} {count} particles"))?;
+    let number = particles.positions.len();
+    check(WORK * number as u64, || format!("{what} {number} particles"))?;
     let moved: Vec<[f64; 3]> = match periodic {
         Periodic::Unwrap => unwrapped(&frame, particles)?,
         _ => particles.positions.par_iter().map(|position| frame.wrapped(*position)).collect(),
@@ -80,60 +91,8 @@ pub(in crate::read) fn no_cell(option: &str) -> Error {
     Error::settings(problem, "use a file with a cell: Lattice, CRYST1, BOX BOUNDS, a box line")
 }
 
-/// The edges of a cell and their inverse.
-struct Edges {
-    origin: DVec3,
-    edges: DMat3,
-    inverse: DMat3,
-}
-
-impl Edges {
-    /// `None` where the edges span no volume.
-    fn of(cell: &Cell) -> Option<Self> {
-        let edges = DMat3::from_cols_array_2d(&cell.edges);
-        let inverse = edges.inverse();
-        let volume = edges.determinant();
-        let usable = volume != 0.0 && volume.is_finite() && inverse.is_finite();
-        usable.then(|| Self { origin: DVec3::from_array(cell.origin), edges, inverse })
-    }
-
-    /// A vector as fractions of the edges. Where the first edge is along x and the second in the xy plane, as programs
-    /// write cells, one division gives each, so that a whole edge is exactly 1.
-    fn fractions(&self, vector: DVec3) -> DVec3 {
-        let [a, b, c] = [self.edges.x_axis, self.edges.y_axis, self.edges.z_axis];
-        if [a.y, a.z, b.z] != [0.0; 3] {
-            return self.inverse * vector;
-        }
-        let z = vector.z / c.z;
-        let y = (vector.y - z * c.y) / b.y;
-        DVec3::new((vector.x - z * c.x - y * b.x) / a.x, y, z)
-    }
-
-    /// The position in the cell: its fractions of the edges are in [0, 1), as far as f64 can tell.
-    fn wrapped(&self, position: [f64; 3]) -> [f64; 3] {
-        let mut point = DVec3::from_array(position);
-        // A fraction that is negative by less than a rounding becomes 1, which a second move makes 0.
-        for _ in 0..3 {
-            let images = self.fractions(point - self.origin).floor();
-            if images == DVec3::ZERO {
-                break;
-            }
-            point -= self.edges * images;
-        }
-        point.to_array()
-    }
-
-    /// The image of a position that is nearest to another one: its fractions differ by at most a half. It is the nearest
-    /// one wherever the distance is below half of the least height of the cell.
-    fn beside(&self, position: [f64; 3], first: [f64; 3]) -> [f64; 3] {
-        let point = DVec3::from_array(position);
-        let apart = self.fractions(point - DVec3::from_array(first));
-        (point - self.edges * (apart + 0.5).floor()).to_array()
-    }
-}
-
 /// The positions of molecules that the cell does not cut.
-fn unwrapped(frame: &Edges, particles: &Particles) -> Result<Vec<[f64; 3]>> {
+fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> {
     let positions = &particles.positions;
     let column = |name: &str| particles.columns.iter().find(|column| column.name == name);
     let has = |name: &str| particles.has.iter().any(|known| known == name);
@@ -144,35 +103,85 @@ fn unwrapped(frame: &Edges, particles: &Particles) -> Result<Vec<[f64; 3]>> {
     }
     if let [Some(x), Some(y), Some(z)] = FLAGS.map(column) {
         let image = |n: usize| DVec3::new(x.values[n], y.values[n], z.values[n]);
-        let moved =
-            |(n, position): (usize, &[f64; 3])| (DVec3::from_array(*position) + frame.edges * image(n)).to_array();
+        let moved = |(n, position): (usize, &[f64; 3])| frame.back(*position, -image(n));
         return Ok(positions.par_iter().enumerate().map(moved).collect());
     }
-    if let Some(molecules) = MOLECULES.into_iter().find_map(column) {
-        // Molecules are numbered, and their atoms may be anywhere in the file.
-        let mut first: HashMap<u64, usize> = HashMap::new();
-        let moved = positions.iter().enumerate().map(|(n, position)| match molecules.values[n] {
-            0.0 => *position,
-            number => frame.beside(*position, positions[*first.entry(number.to_bits()).or_insert(n)]),
-        });
-        return Ok(moved.collect());
-    }
-    let residues: Vec<&Column> = RESIDUES.into_iter().filter_map(column).collect();
-    if residues.is_empty() {
-        let problem =
-            "--unwrap needs image flags (ix, iy, iz), molecules (mol) or residues, but the file has none of them";
+    let (groups, are_residues) = match MOLECULES.into_iter().find_map(column) {
+        // Molecules are numbered, and their atoms may be anywhere in the file; 0 is none.
+        Some(molecules) => (molecules.values.iter().map(|n| (*n != 0.0).then(|| n.to_bits())).collect(), false),
+        None => (residues(particles), true),
+    };
+    let (radii, has_elements) = bond_radii(particles);
+    if groups.is_empty() && !has_elements {
+        let problem = "--unwrap needs image flags (ix, iy, iz), molecules (mol), residues or elements, but the file has none of \
+                       them";
         return Err(Error::settings(problem, "use a file with one of them, or remove --unwrap"));
     }
-    let same =
-        |a: usize, b: usize| residues.iter().all(|column| column.values[a].to_bits() == column.values[b].to_bits());
-    let mut first = 0;
-    let moved = positions.iter().enumerate().map(|(n, position)| {
-        if !same(first, n) {
-            first = n;
+    let Joined { images, endless } = join(frame, positions, &bonds(frame, positions, &radii), &groups);
+    let moved = positions.par_iter().zip(&images).map(|(position, images)| frame.back(*position, *images)).collect();
+    let mut said = Vec::new();
+    if let Some(Endless { first, size }) = endless.first() {
+        let whole = if endless.len() == 1 { "it" } else { "them" };
+        said.push(format!(
+            "--unwrap: {} bonded to an own image across the cell, so nothing makes {whole} whole; the first has {}, from particle \
+             {first} on",
+            are(endless.len() as u64, "molecule"),
+            count(*size, "particle"),
+        ));
+    }
+    if are_residues && !has_elements && !positions.is_empty() {
+        said.push(
+            "--unwrap: no element is known, so each residue is whole, but chains of them may stay cut".to_owned(),
+        );
+    }
+    particles.skipped.assumed.extend(said);
+    Ok(moved)
+}
+
+/// `1 molecule is`, `2 molecules are`.
+fn are(n: u64, noun: &str) -> String {
+    format!("{} {}", count(n, noun), if n == 1 { "is" } else { "are" })
+}
+
+/// The number of each particle's residue: particles that follow each other and do not differ in any of [`RESIDUES`]. Empty
+/// where the file has none of them.
+fn residues(particles: &Particles) -> Vec<Option<u64>> {
+    let column = |name: &str| particles.columns.iter().find(|column| column.name == name);
+    let columns: Vec<&Column> = RESIDUES.into_iter().filter_map(column).collect();
+    if columns.is_empty() {
+        return Vec::new();
+    }
+    let (mut first, mut number) = (0, 0);
+    let residue = |n: usize| {
+        if !columns.iter().all(|column| column.values[first].to_bits() == column.values[n].to_bits()) {
+            (first, number) = (n, number + 1);
         }
-        frame.beside(*position, positions[first])
-    });
-    Ok(moved.collect())
+        Some(number)
+    };
+    (0..particles.positions.len()).map(residue).collect()
+}
+
+/// The covalent radius of each particle that may be bonded, else 0; and whether any element is known. Waters are whole by their
+/// residue. Alkali and alkaline earth metals are ions in what others surround them with, not atoms of its molecules.
+fn bond_radii(particles: &Particles) -> (Vec<f32>, bool) {
+    const IONS: [u8; 10] = [3, 11, 12, 19, 20, 37, 38, 55, 56, 88];
+    let covalent = |number: &u8| element(*number).and_then(|element| element.covalent);
+    let has_elements = particles.elements.par_iter().any(|number| covalent(number).is_some());
+    let table: Vec<f32> = (0..=u8::MAX)
+        .map(|number| covalent(&number).filter(|_| !IONS.contains(&number)).map_or(0.0, |radius| radius as f32))
+        .collect();
+    let mut radii: Vec<f32> = particles.elements.par_iter().map(|number| table[usize::from(*number)]).collect();
+    let names = particles.columns.iter().find(|column| column.name == "resname");
+    if let Some((column, names)) = names.and_then(|column| Some((column, particles.labels.get(&column.name)?))) {
+        let is_water = |name: &String| class(name.trim().to_ascii_uppercase().as_bytes()) == Some(ResidueClass::Water);
+        let waters: Vec<bool> = names.iter().map(is_water).collect();
+        radii.par_iter_mut().zip(&column.values).for_each(|(radius, name)| {
+            if waters.get(*name as usize) == Some(&true) {
+                *radius = 0.0;
+            }
+        });
+    }
+    (radii, has_elements)
 }
 
 #[cfg(test)]
@@ -237,6 +246,96 @@ mod tests {
         // Coordinates of a dump that are not wrapped have no use for flags.
         assert_eq!(unwrap(&[("xu", ix), ("ix", ix), ("iy", iy), ("iz", iz)]).expect("unwrapped"), cut);
         assert!(matches!(unwrap(&[("charge", ix)]), Err(Error::Settings { .. })));
+    }
+
+    /// A chain of carbon atoms at distances of 1.5 from a start, each step in one of the directions in turn.
+    fn chain(start: [f64; 3], steps: &[[f64; 3]], count: usize) -> Vec<[f64; 3]> {
+        let mut at = DVec3::from_array(start);
+        let step = |n: usize| {
+            let here = at;
+            at += DVec3::from_array(steps[n % steps.len()]) * 1.5;
+            here.to_array()
+        };
+        (0..count).map(step).collect()
+    }
+
+    /// The chains in a tilted cell, wrapped into it.
+    fn cut(chains: &[Vec<[f64; 3]>], columns: &[(&str, &[f64])]) -> Particles {
+        let cell = Cell { origin: [-1.0, 2.0, 0.5], edges: [[20.0, 0.0, 0.0], [6.0, 24.0, 0.0], [-3.0, 5.0, 18.0]] };
+        let mut p = Particles { cell: Some(cell), ..particles(&chains.concat(), columns) };
+        p.elements = vec![6; p.positions.len()];
+        apply(Periodic::Wrap, &mut p).expect("a cell");
+        p
+    }
+
+    /// Chains longer than the cell, nowhere near each other or their own images, which residues alone would leave in pieces.
+    #[test]
+    fn chains_are_joined_along_their_bonds() {
+        let long = chain([3.0, 4.0, 5.0], &[[0.8, 0.6, 0.0], [0.0, 0.6, 0.8]], 60);
+        let far = chain([1.0, 20.0, 9.0], &[[0.6, 0.0, -0.8]], 30);
+        let whole = [long.clone(), far.clone()];
+        let residue: Vec<f64> = (0..90).map(|n| f64::from(n / 7)).collect();
+        for columns in [&[][..], &[("residue", &residue[..])]] {
+            let mut p = cut(&whole, columns);
+            let listed = p.positions.clone();
+            apply(Periodic::Unwrap, &mut p).expect("bonds");
+            assert!(p.skipped.assumed.is_empty(), "{:?}", p.skipped.assumed);
+            let mut first = 0;
+            for chain in &whole {
+                // The first atom stays, and the others are where they are from it. Each move is rounded once, 2^-50 of 100.
+                let moved = DVec3::from_array(listed[first]) - DVec3::from_array(chain[0]);
+                for (n, place) in chain.iter().enumerate() {
+                    let error =
+                        (DVec3::from_array(p.positions[first + n]) - DVec3::from_array(*place) - moved).length();
+                    assert!(error < 1e-12, "atom {n} is off by {error}");
+                }
+                first += chain.len();
+            }
+        }
+        // Without elements, each residue is whole by itself, which is said.
+        let mut p = cut(&whole, &[("residue", &residue)]);
+        p.elements.clear();
+        apply(Periodic::Unwrap, &mut p).expect("residues");
+        assert!(p.skipped.assumed[0].contains("chains of them may stay cut"), "{:?}", p.skipped.assumed);
+        let steps = p.positions.windows(2).map(|two| (DVec3::from(two[1]) - DVec3::from(two[0])).length());
+        assert!(steps.filter(|length| *length > 1.6).count() > 3, "cut between residues");
+    }
+
+    /// Parts of a residue without a bond between them stay together, with all that is bonded to them.
+    #[test]
+    fn what_has_no_bond_follows_its_residue() {
+        let chain = chain([3.0, 4.0, 5.0], &[[0.8, 0.6, 0.0], [0.0, 0.6, 0.8]], 40);
+        // Beyond every bond of the last atom of the chain.
+        let ligand = chain[39].map(|x| x + 2.0);
+        let mut whole = chain.clone();
+        whole.push(ligand);
+        let residue: Vec<f64> = (0..41).map(|n| f64::from(n / 8)).collect();
+        let last: Vec<f64> = residue.iter().enumerate().map(|(n, r)| if n >= 39 { 9.0 } else { *r }).collect();
+        let mut p = cut(&[whole.clone()], &[("residue", &last)]);
+        apply(Periodic::Unwrap, &mut p).expect("bonds");
+        let step = DVec3::from_array(p.positions[40]) - DVec3::from_array(p.positions[39]);
+        assert!((step - DVec3::splat(2.0)).length() < 1e-12, "{step}");
+        // Ions and waters are bonded to nothing, however near.
+        let mut p = cut(&[whole], &[("residue", &residue)]);
+        p.elements = vec![11; 41];
+        let listed = p.positions.clone();
+        apply(Periodic::Unwrap, &mut p).expect("residues");
+        assert_eq!(p.positions[8], listed[8], "the first of a residue stays");
+    }
+
+    /// A chain from one face to the opposite one has no end, and stays as it is; another one is made whole beside it.
+    #[test]
+    fn a_molecule_that_is_bonded_to_its_own_image_is_said() {
+        let endless: Vec<[f64; 3]> = (0..14).map(|n| [f64::from(n) * 20.0 / 14.0, 3.0, 2.0]).collect();
+        let other = chain([18.0, 15.0, 9.0], &[[1.0, 0.0, 0.0]], 8);
+        let mut p = cut(&[endless, other], &[]);
+        let listed = p.positions.clone();
+        apply(Periodic::Unwrap, &mut p).expect("bonds");
+        assert_eq!(p.positions[..14], listed[..14]);
+        assert_ne!(p.positions[14..], listed[14..]);
+        let said = &p.skipped.assumed;
+        assert!(said.len() == 1 && said[0].contains("1 molecule is bonded to an own image"), "{said:?}");
+        assert!(said[0].contains("14 particles, from particle 0 on"), "{said:?}");
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub(super) type Mask = Vec<bool>;
 pub(super) struct Evaluator<'a> {
     particles: &'a Particles,
     selection: &'a Selection,
+    /// Whether the part is evaluated for what it does not select, so that nothing is what it may select.
+    is_negated: bool,
     /// Words that select nothing, and what the file has instead.
     pub(super) notes: Vec<String>,
 }
@@ -35,7 +37,7 @@ enum Data<'a> {
 
 impl<'a> Evaluator<'a> {
     pub(super) fn new(particles: &'a Particles, selection: &'a Selection) -> Self {
-        Self { particles, selection, notes: Vec::new() }
+        Self { particles, selection, is_negated: false, notes: Vec::new() }
     }
 
     /// Which particles are selected.
@@ -57,7 +59,10 @@ impl<'a> Evaluator<'a> {
             Node::None => Ok(vec![false; self.len()]),
             Node::Group(inner) => self.node(inner),
             Node::Not(inner) => {
-                let mut mask = self.node(inner)?;
+                self.is_negated = !self.is_negated;
+                let mask = self.node(inner);
+                self.is_negated = !self.is_negated;
+                let mut mask = mask?;
                 mask.par_iter_mut().for_each(|flag| *flag = !*flag);
                 Ok(mask)
             }
@@ -313,7 +318,9 @@ impl<'a> Evaluator<'a> {
     }
 
     fn note(&mut self, word: &str, what: &str) {
-        self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection.brief()));
+        if !self.is_negated {
+            self.notes.push(format!("{} in the selection `{}`: {what}", quote(word), self.selection.brief()));
+        }
     }
 }
 

@@ -107,11 +107,16 @@ fn words_that_select_nothing_are_reported_with_what_the_file_has() {
         ("nucleic", "no particle is selected by it; the residues of the file are ALA"),
         ("name N or name CA and resname GLY", "VMD combines `and` first"),
         ("within 3 of name N and protein", "`within` applies to the next word only"),
+        ("not (not nucleic)", "no particle is selected by it"),
+        ("not protein or nucleic", "no particle is selected by it"),
     ] {
         let (_, notes) = select(text).expect(text);
         assert!(notes.iter().any(|note| note.contains(told)), "{text}: {notes:?}");
     }
-    for quiet in ["within 3 of (name N) and protein", "name N and name CA or resname GLY", "not resname HEM"] {
+    for quiet in ["within 3 of (name N) and protein", "name N and name CA or resname GLY", "not resname HEM"]
+        .into_iter()
+        .chain(["not nucleic", "protein and not (resname HEC or element Zn)", "not resid 7:9"])
+    {
         assert_eq!(select(quiet).expect(quiet).1, Vec::<String>::new(), "{quiet}");
     }
 }

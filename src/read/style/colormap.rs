@@ -112,9 +112,22 @@ impl ColorMap {
     }
 }
 
+/// Maps of other programs that go through all hues (D. Borland and R. M. Taylor, Rainbow Color Map (Still) Considered
+/// Harmful, IEEE Computer Graphics and Applications 27(2), 2007).
+const UNEVEN: [&str; 4] = ["jet", "rainbow", "hsv", "gist_rainbow"];
+
 impl FromStr for ColorMap {
     type Err = Error;
     fn from_str(name: &str) -> Result<Self> {
+        if let Some(known) = UNEVEN.iter().find(|known| known.eq_ignore_ascii_case(name)) {
+            let problem = format!(
+                "{known} is not among the colour maps: its lightness goes up and down, which shows edges where the numbers have \
+                 none, and not all people can tell its colours apart"
+            );
+            let mend =
+                "use turbo, which has the same colours with smoother lightness, or viridis, whose lightness is even";
+            return Err(Error::settings(problem, mend));
+        }
         crate::error::by_name("colour map", name, Self::ALL, Self::name)
     }
 }
@@ -122,6 +135,17 @@ impl FromStr for ColorMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn uneven_maps_are_refused_with_an_even_one() {
+        for name in ["jet", "rainbow", "Jet"] {
+            let error = name.parse::<ColorMap>().expect_err(name).to_string();
+            let known = name.to_lowercase();
+            for told in [&known, "lightness", "edges", "turbo", "viridis"] {
+                assert!(error.contains(told), "{told}: {error}");
+            }
+        }
+    }
 
     #[test]
     fn maps_run_from_dark_to_bright() {

@@ -1,0 +1,161 @@
+//! Bonds by distance: two atoms are bonded where the nearest images of their centres are little farther apart than their
+//! covalent radii together.
+
+use super::edges::Edges;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The longest bond, in sums of covalent radii. Vibrations stretch bonds by less; the closest atoms without a bond are the
+/// ends of a hydrogen bond, 1.5 times their sum apart.
+const LONGEST: f64 = 1.2;
+
+/// The pairs of bonded atoms, each once, the lower index first, in ascending order. An atom with the radius 0 has no bonds.
+/// The time is that of the atoms and their neighbours: cells as wide as the longest bond hold few of them.
+pub(super) fn bonds(frame: &Edges, positions: &[[f64; 3]], radii: &[f32]) -> Vec<[u32; 2]> {
+    let largest = radii.par_iter().copied().reduce(|| 0.0, f32::max);
+    if largest <= 0.0 {
+        return Vec::new();
+    }
+    let grid = Grid::new(frame, positions, radii, LONGEST * 2.0 * f64::from(largest));
+    let of = |a: usize| {
+        let others = grid.around(a).filter(move |b| *b > a as u32);
+        let is_bonded = |b: &u32| {
+            let apart = grid.fractions[*b as usize] - grid.fractions[a];
+            let apart = frame.edges * (apart - apart.round());
+            let longest = LONGEST * f64::from(radii[a] + radii[*b as usize]);
+            apart.length_squared() <= longest * longest
+        };
+        let mut found: Vec<u32> = others.filter(is_bonded).collect();
+        found.sort_unstable();
+        found.into_iter().map(move |b| [a as u32, b])
+    };
+    (0..positions.len()).into_par_iter().filter(|a| radii[*a] > 0.0).flat_map_iter(of).collect()
+}
+
+/// Atoms by their cell of a grid in the periodic cell.
+struct Grid {
+    /// Cells along each edge.
+    sides: [usize; 3],
+    /// The positions as fractions of the edges, in [0, 1].
+    fractions: Vec<DVec3>,
+    /// For each cell the place of its first atom in `atoms`, and the end.
+    starts: Vec<u32>,
+    /// The atoms that have bonds, cell by cell.
+    atoms: Vec<u32>,
+}
+
+impl Grid {
+    /// With cells that are at least `width` across.
+    fn new(frame: &Edges, positions: &[[f64; 3]], radii: &[f32], width: f64) -> Self {
+        let fraction = |position: &[f64; 3]| {
+            let fractions = frame.fractions(DVec3::from_array(*position) - frame.origin);
+            fractions - fractions.floor()
+        };
+        let fractions: Vec<DVec3> = positions.par_iter().map(fraction).collect();
+        // A sparse cell needs no more cells than it has atoms.
+        let most = (2.0 * (positions.len() as f64).cbrt()).ceil().max(1.0);
+        let sides = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, most) as usize);
+        let mut grid =
+            Self { sides, fractions, starts: vec![0; sides.iter().product::<usize>() + 1], atoms: Vec::new() };
+        let bonded = || (0..positions.len()).filter(|n| radii[*n] > 0.0);
+        for n in bonded() {
+            let cell = grid.index(grid.cell(n));
+            grid.starts[cell + 1] += 1;
+        }
+        for cell in 1..grid.starts.len() {
+            grid.starts[cell] += grid.starts[cell - 1];
+        }
+        let mut next = grid.starts.clone();
+        grid.atoms = vec![0; *grid.starts.last().unwrap_or(&0) as usize];
+        for n in bonded() {
+            let place = &mut next[grid.index(grid.cell(n))];
+            grid.atoms[*place as usize] = n as u32;
+            *place += 1;
+        }
+        grid
+    }
+
+    fn cell(&self, n: usize) -> [usize; 3] {
+        let fractions = self.fractions[n].to_array();
+        // The cast saturates.
+        [0, 1, 2].map(|axis| ((fractions[axis] * self.sides[axis] as f64) as usize).min(self.sides[axis] - 1))
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.sides[1] + y) * self.sides[0] + x
+    }
+
+    /// The atoms in the cell of an atom and in those beside it, each once.
+    fn around(&self, n: usize) -> impl Iterator<Item = u32> {
+        let cell = self.cell(n);
+        // Two cells are on both sides of each other.
+        let beside = |axis: usize| {
+            let (side, at) = (self.sides[axis], cell[axis]);
+            (0..side.min(3)).map(move |step| (at + side - 1 + step.min(side - 1)) % side)
+        };
+        let (xs, ys, zs) = (beside(0), beside(1), beside(2));
+        zs.flat_map(move |z| {
+            let xs = xs.clone();
+            ys.clone().flat_map(move |y| xs.clone().map(move |x| [x, y, z]))
+        })
+        .flat_map(move |place| {
+            let cell = self.index(place);
+            self.atoms[self.starts[cell] as usize..self.starts[cell + 1] as usize].iter().copied()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Cell;
+
+    /// All pairs, all images.
+    fn by_all_pairs(cell: &Cell, positions: &[[f64; 3]], radii: &[f32]) -> Vec<[u32; 2]> {
+        let steps = || (-2..=2).map(f64::from);
+        let mut found = Vec::new();
+        for a in 0..positions.len() {
+            for b in a + 1..positions.len() {
+                let near = |shift: [f64; 3]| {
+                    let square: f64 = (0..3)
+                        .map(|k| {
+                            let moved = (0..3).map(|edge| shift[edge] * cell.edges[edge][k]).sum::<f64>();
+                            (positions[b][k] + moved - positions[a][k]).powi(2)
+                        })
+                        .sum();
+                    radii[a] > 0.0 && radii[b] > 0.0 && square.sqrt() <= 1.2 * f64::from(radii[a] + radii[b])
+                };
+                if steps().any(|x| steps().any(|y| steps().any(|z| near([x, y, z])))) {
+                    found.push([a as u32, b as u32]);
+                }
+            }
+        }
+        found
+    }
+
+    /// Cells from one to many grid cells across; the longest bond is below half of the least height.
+    #[test]
+    fn the_grid_finds_the_bonds_of_all_pairs() {
+        let mut state = 11_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for (edges, count) in [
+            ([[4.0, 0.0, 0.0], [1.0, 4.5, 0.0], [0.5, -1.0, 4.2]], 12),
+            ([[8.0, 0.0, 0.0], [-2.0, 5.0, 0.0], [1.0, 1.0, 14.0]], 60),
+            ([[15.0, 1.0, 2.0], [3.0, 16.0, -4.0], [0.0, 2.0, 12.0]], 300),
+        ] {
+            let cell = Cell { origin: [3.0, -2.0, 1.0], edges };
+            let frame = Edges::of(&cell).expect("a volume");
+            // Over the faces too.
+            let positions: Vec<_> =
+                (0..count).map(|_| cell.place([next(), next(), next()].map(|x| 3.0 * x - 1.0))).collect();
+            let radii: Vec<f32> = (0..count).map(|n| [0.76, 0.31, 0.66, 0.0][n % 4]).collect();
+            let wrapped: Vec<_> = positions.iter().map(|position| frame.wrapped(*position)).collect();
+            let expected = by_all_pairs(&cell, &wrapped, &radii);
+            assert!(expected.len() > 3, "{} bonds", expected.len());
+            assert_eq!(bonds(&frame, &positions, &radii), expected);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Hits as an archive of arrays. It has its columns one after the other, so until the last row each is in an anonymous
+//! file.
+
+use super::rows::{Query, Rows};
+use crate::npy::Header;
+use crate::progress::Watch;
+use crate::write::atomic::scratch;
+use crate::write::npz::Archive;
+use std::fs::File;
+use std::io::{self, Read, Seek, Write};
+use std::path::Path;
+
+/// The columns of an archive, until all rows are known.
+pub(super) struct Spool {
+    columns: Vec<File>,
+    rows: u64,
+}
+
+/// Bytes that are copied between two checks for cancellation.
+const COPIED: u64 = 8 << 20;
+
+impl Spool {
+    /// No rows yet, of an archive at `path`.
+    pub(super) fn new(path: &Path, query: Query) -> io::Result<Self> {
+        let columns = query.columns().iter().map(|_| scratch(path)).collect::<io::Result<_>>()?;
+        Ok(Self { columns, rows: 0 })
+    }
+
+    pub(super) fn add(&mut self, rows: &Rows<'_>) -> io::Result<()> {
+        self.rows += rows.len() as u64;
+        self.columns.iter_mut().zip(rows.columns()).try_for_each(|(file, bytes)| file.write_all(&bytes))
+    }
+
+    /// Copies the columns into an archive; the rows of a scan are in its rings and columns.
+    pub(super) fn write(
+        &mut self,
+        query: Query,
+        scan: Option<[u32; 2]>,
+        archive: &mut Archive<'_>,
+        watch: &Watch,
+    ) -> io::Result<()> {
+        let sides = match scan {
+            Some(sides) => sides.map(u64::from).to_vec(),
+            None => vec![self.rows],
+        };
+        for (file, column) in self.columns.iter_mut().zip(query.columns()) {
+            let mut shape = sides.clone();
+            shape.extend((column.numbers > 1).then_some(column.numbers));
+            let header = Header::bytes(column.dtype, &shape);
+            let mut left = self.rows * column.size;
+            let out = archive.member(&format!("{}.npy", column.name), header.len() as u64 + left)?;
+            out.write_all(&header)?;
+            file.rewind()?;
+            while left > 0 {
+                watch.check().map_err(io::Error::other)?;
+                let copied = io::copy(&mut file.take(left.min(COPIED)), out)?;
+                if copied == 0 {
+                    return Err(io::ErrorKind::UnexpectedEof.into());
+                }
+                left -= copied;
+            }
+        }
+        Ok(())
+    }
+}

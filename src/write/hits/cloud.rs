@@ -1,0 +1,164 @@
+//! Hits as a point cloud: a point for each hit, in the order of the rays; misses are left out. The number of points and
+//! their bounds are in the header, so until the last row the points are in an anonymous file.
+
+use super::las::LasGrid;
+use super::point::Point;
+use super::rows::Rows;
+use super::{pcd, ply};
+use crate::error::{Error, Result};
+use crate::progress::Watch;
+use crate::scene::{DEFAULT_COLOR, Spheres};
+use crate::write::atomic::scratch;
+use std::fs::File;
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// The formats of point clouds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CloudFormat {
+    Ply,
+    Pcd,
+    Las,
+}
+
+/// What a point cloud contains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CloudSummary {
+    /// The number of points, one for each ray that hits.
+    pub points: u64,
+    /// The number of rays without a hit, which are left out.
+    pub left_out: u64,
+    /// The largest difference between a coordinate of the file and that of the hit in f64; 0 in PLY.
+    pub rounding: f64,
+    /// The largest distance of a hit from the origin of its ray; 0 without hits.
+    pub farthest: f64,
+}
+
+/// The points, until all rows are known.
+pub(super) struct Cloud {
+    path: PathBuf,
+    format: CloudFormat,
+    scan: Option<[u32; 2]>,
+    file: File,
+    rows: u64,
+    summary: CloudSummary,
+    /// The least and the largest coordinates.
+    bounds: [[f64; 3]; 2],
+}
+
+/// How the points are encoded.
+enum Encoding {
+    Ply,
+    Pcd,
+    Las(LasGrid),
+}
+
+/// Points that are encoded between two checks for cancellation.
+const BLOCK: usize = 1 << 16;
+
+impl Cloud {
+    /// No points yet, of a cloud at `path`; the rays of a scan come in rings of columns.
+    pub(super) fn new(path: &Path, format: CloudFormat, scan: Option<[u32; 2]>) -> io::Result<Self> {
+        let summary = CloudSummary { points: 0, left_out: 0, rounding: 0.0, farthest: 0.0 };
+        let (file, bounds) = (scratch(path)?, [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]);
+        Ok(Self { path: path.to_path_buf(), format, scan, file, rows: 0, summary, bounds })
+    }
+
+    /// Adds the hits of a block.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] for a hit whose coordinates are beyond f64, and for rays that 32 bits cannot number;
+    /// [`Error::Io`].
+    pub(super) fn add(&mut self, rows: &Rows<'_>) -> Result<()> {
+        let Rows::Nearest { id, distance, position, .. } = rows else { return Ok(()) };
+        let mut points = Vec::new();
+        for row in (0..rows.len()).filter(|row| id[*row] >= 0) {
+            let point = Point::new(position[row], distance[row], id[row], self.place(self.rows + row as u64)?);
+            if !point.position.iter().all(|x| x.is_finite()) {
+                let problem = format!("the hit of ray {} is beyond the range of f64", self.rows + row as u64);
+                return Err(Error::Limits { problem, mend: "use .npz, whose t and distance are finite".into() });
+            }
+            for (axis, x) in point.position.into_iter().enumerate() {
+                self.bounds[0][axis] = self.bounds[0][axis].min(x);
+                self.bounds[1][axis] = self.bounds[1][axis].max(x);
+            }
+            self.summary.farthest = self.summary.farthest.max(point.distance);
+            points.push(point);
+        }
+        self.rows += rows.len() as u64;
+        self.summary.points += points.len() as u64;
+        self.summary.left_out = self.rows - self.summary.points;
+        self.file.write_all(bytemuck::cast_slice(&points)).map_err(|error| Error::write(&self.path, error))
+    }
+
+    /// The ring and the column of a row, or its number.
+    fn place(&self, row: u64) -> Result<[u32; 2]> {
+        let number = |n: u64| {
+            u32::try_from(n).map_err(|_| Error::Limits {
+                problem: format!("the rays of {} are more than 32 bits can number", self.path.display()),
+                mend: "divide the rays among several files, or use .npz".into(),
+            })
+        };
+        match self.scan {
+            Some([_, columns]) => Ok([number(row / u64::from(columns))?, number(row % u64::from(columns))?]),
+            None => Ok([number(row)?, 0]),
+        }
+    }
+
+    /// Writes the cloud, coloured by the spheres.
+    pub(super) fn write(mut self, spheres: &Spheres, out: &mut dyn Write, watch: &Watch) -> Result<CloudSummary> {
+        let failed = |path: &Path, error| Error::write(path, error);
+        let encoding = self.encoding()?;
+        let (count, is_scan) = (self.summary.points, self.scan.is_some());
+        let header = match &encoding {
+            Encoding::Ply => ply::header(count, is_scan),
+            Encoding::Pcd => pcd::header(count, is_scan),
+            Encoding::Las(grid) => grid.header(count, is_scan),
+        };
+        out.write_all(&header).map_err(|error| failed(&self.path, error))?;
+        self.file.rewind().map_err(|error| failed(&self.path, error))?;
+        let (mut points, mut bytes, mut left) = (vec![Point::default(); BLOCK], Vec::new(), count);
+        while left > 0 {
+            watch.check()?;
+            let size = left.min(BLOCK as u64) as usize;
+            let read = self.file.read_exact(bytemuck::cast_slice_mut(&mut points[..size]));
+            read.map_err(|error| failed(&self.path, error))?;
+            bytes.clear();
+            for point in &points[..size] {
+                let color = spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[point.id as usize]);
+                let written = match &encoding {
+                    Encoding::Ply => ply::point(point, color, is_scan, &mut bytes),
+                    Encoding::Pcd => pcd::point(point, color, is_scan, &mut bytes),
+                    Encoding::Las(grid) => grid.point(point, color, is_scan, &mut bytes),
+                };
+                for (written, exact) in written.into_iter().zip(point.position) {
+                    self.summary.rounding = self.summary.rounding.max((written - exact).abs());
+                }
+            }
+            out.write_all(&bytes).map_err(|error| failed(&self.path, error))?;
+            left -= size as u64;
+        }
+        Ok(self.summary)
+    }
+
+    /// The encoding, if its numbers can hold these points.
+    fn encoding(&self) -> Result<Encoding> {
+        let beyond = |what: &str| {
+            let problem = format!("{} cannot hold the hits: {what}", self.path.display());
+            Error::settings(problem, "use .ply, whose coordinates are f64")
+        };
+        match self.format {
+            CloudFormat::Ply => Ok(Encoding::Ply),
+            CloudFormat::Pcd => {
+                let largest = self.bounds.iter().flatten().fold(self.summary.farthest, |most, x| most.max(x.abs()));
+                let fits = self.summary.points == 0 || (largest as f32).is_finite();
+                let why = || beyond(&format!("{largest:e} is beyond the range of its f32"));
+                fits.then_some(Encoding::Pcd).ok_or_else(why)
+            }
+            CloudFormat::Las => {
+                let grid = LasGrid::of(self.bounds);
+                grid.map(Encoding::Las).ok_or_else(|| beyond("they are farther apart than f64 can number"))
+            }
+        }
+    }
+}
