@@ -96,7 +96,7 @@ impl HeldCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::FrameTime;
+    use crate::read::{Columns, FrameTime};
     use crate::scene::{Framing, ImagePlane, Scene, Skipped, Spheres};
 
     /// A frame with spheres of radius 1 at these places on the x axis.
@@ -111,7 +111,7 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, legend: None, cell: None, instances: None, when }
+        SceneFrame { number, scene, has_camera: false, legend: None, columns: Columns::default(), cell: None, instances: None, when }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

@@ -1,8 +1,9 @@
 //! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
 
+use super::columns::Columns;
 use super::format::Format;
 use super::input::Input;
-use super::options::{Hold, ReadOptions};
+use super::options::{Hold, Keep, ReadOptions};
 use super::particles::periodic::no_cell;
 use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
@@ -10,7 +11,7 @@ use super::source::SceneSource;
 use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
-use crate::quote::count;
+use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
 use crate::scene::instances::Instances;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
@@ -49,6 +50,8 @@ pub struct SceneFrame {
     pub has_camera: bool,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
+    /// The columns of the particles that [`ReadOptions::keep`] keeps, in the order of the spheres.
+    pub columns: Columns,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
     /// The spheres, where an assembly is kept as operators ([`ReadOptions::as_operators`]). The scene then has none.
@@ -163,6 +166,7 @@ impl Sequence {
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }
+        let columns = self.columns(&mut particles)?;
         let spacing = self.options.style.spacing_of(&particles);
         let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
         let hold = self.options.hold;
@@ -190,7 +194,25 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when })
+        Ok(SceneFrame { number, scene, has_camera: false, legend, columns, cell, instances: None, when })
+    }
+
+    /// The columns that the scene of these particles keeps.
+    fn columns(&self, particles: &mut Particles) -> Result<Columns> {
+        if self.options.keep == Keep::Nothing {
+            return Ok(Columns::default());
+        }
+        let texts = std::mem::take(&mut particles.mixed).into_counts();
+        let mixed = texts.keys().map(|column| quote(&particles.columns[*column].name).to_string());
+        particles.skipped.assumed.extend(mixed.map(|name| {
+            format!("the column {name} has texts among its numbers, which are kept as NaN")
+        }));
+        let columns = Columns::of(particles)?;
+        // A frame without particles may have no columns either.
+        if let (Keep::Named(words), false) = (&self.options.keep, particles.positions.is_empty()) {
+            words.iter().try_for_each(|word| columns.get(word).map(drop))?;
+        }
+        Ok(columns)
     }
 
     /// The same for particles with copies, which are one frame.
@@ -205,7 +227,8 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell: None, instances: Some(instances), when })
+        let columns = Columns::default();
+        Ok(SceneFrame { number, scene, has_camera: false, legend, columns, cell: None, instances: Some(instances), when })
     }
 
     /// The next selected frame; `None` after the last.
@@ -225,8 +248,9 @@ impl Sequence {
                     if wanted {
                         let (scene, has_camera) = (*scene, true);
                         let when = FrameTime::default();
-                        let (legend, cell, instances) = (None, None, None);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend, cell, instances, when }));
+                        let (legend, columns, cell, instances) = (None, Columns::default(), None, None);
+                        let frame = SceneFrame { number, scene, has_camera, legend, columns, cell, instances, when };
+                        return Ok(Some(frame));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

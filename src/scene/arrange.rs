@@ -70,6 +70,29 @@ impl Arrangement {
         Ok(())
     }
 
+    /// The spheres that [`Arrangement::apply`] makes of `spheres`, in their order: for each the index of the one that it is a
+    /// copy of. The beads of an outline follow them and are left out.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where copies need a cell and there is none; [`Error::Limits`], [`Error::Interrupted`].
+    pub fn rows(&self, spheres: &Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<Vec<u32>> {
+        let lattice = self.lattice(cell)?;
+        let total = lattice.count().saturating_mul(spheres.len() as u64);
+        check(total.saturating_mul(2 * size_of::<u32>() as u64), || format!("the rows of {total} spheres"))?;
+        let mut rows = Vec::new();
+        for copy in 0..lattice.count() {
+            watch.check()?;
+            let shift = lattice.shift(lattice.place(copy));
+            let stays = |center: &[f64; 3]| {
+                let center = DVec3::from_array(*center) + shift;
+                self.clip.iter().all(|plane| is_kept(*plane, center))
+            };
+            let all = spheres.centers.par_iter().enumerate();
+            rows.par_extend(all.filter(|(_, center)| stays(center)).map(|(row, _)| row as u32));
+        }
+        Ok(rows)
+    }
+
     /// The copies of `spheres` that the clip planes keep, numbered as by [`Arrangement::apply`], without holding them in
     /// memory. The outline is left out.
     ///
@@ -271,6 +294,25 @@ mod tests {
         assert!(!far.leaves_nothing(&Spheres::default(), None, &Watch::default()).expect("no spheres"));
         let many = Arrangement { copies: [1 << 20; 3], ..far };
         assert!(matches!(many.leaves_nothing(&two(), Some(&CELL), &Watch::default()), Err(Error::Limits { .. })));
+    }
+
+    #[test]
+    fn rows_are_the_spheres_that_copies_are_made_of() {
+        for (copies, clip) in [
+            ([1; 3], Vec::new()),
+            ([2, 1, 3], Vec::new()),
+            ([1; 3], vec![[1.0, 0.0, 0.0, 0.5]]),
+            ([3, 2, 1], vec![[-1.0, 0.0, 0.0, -3.0], [0.0, 1.0, 0.0, 3.5]]),
+        ] {
+            let arrangement = Arrangement { copies, clip, outline: None };
+            // The radius of each sphere says which one it is a copy of.
+            let mut spheres = two();
+            let rows = arrangement.rows(&spheres, Some(&CELL), &Watch::default()).expect("room");
+            let radii = spheres.radii.to_vec();
+            arrangement.apply(&mut spheres, Some(&CELL), &Watch::default()).expect("room");
+            let expected: Vec<f64> = rows.iter().map(|row| radii[*row as usize]).collect();
+            assert_eq!(spheres.radii.to_vec(), expected, "{arrangement:?}");
+        }
     }
 
     #[test]
