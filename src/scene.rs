@@ -148,7 +148,8 @@ impl Spheres {
     /// [`Error::Limits`] where memory is short.
     pub(crate) fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
         let n = self.len();
-        let room = |capacity: usize| capacity - n >= more;
+        // The capacity of a shared list is 0: it is copied before it grows.
+        let room = |capacity: usize| capacity.saturating_sub(n) >= more;
         let colored = colored || self.colors.is_some();
         let colors = self.colors.as_ref().map_or(0, List::capacity);
         if room(self.centers.capacity()) && room(self.radii.capacity()) && (!colored || colors >= n + more) {

@@ -323,6 +323,12 @@ mod tests {
         for corner in [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 6.0, 0.0], [5.0, 6.0, 4.0]] {
             assert!(spheres.centers[4..].contains(&corner), "{corner:?}");
         }
+        // Shared spheres are copied, and the others stay as they are.
+        let mut shared = two();
+        shared.share();
+        let others = shared.clone();
+        outline.apply(&mut shared, Some(&CELL), &Watch::default()).expect("a cell");
+        assert!(shared.len() > 4 && others.len() == 2);
         let none = Arrangement { outline: Some(Bead::Radius(0.0)), ..Arrangement::default() };
         none.apply(&mut spheres, Some(&CELL), &Watch::default()).expect_err("no bead");
     }
