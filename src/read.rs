@@ -2,6 +2,7 @@
 //! spheres. Given rays are read block by block.
 
 pub mod cameras;
+mod columns;
 mod csv;
 mod detect;
 mod foreign;
@@ -26,10 +27,11 @@ use crate::error::Result;
 use crate::scene::Scene;
 use std::path::Path;
 
+pub use columns::{Codes, ColumnValues, Columns};
 pub use format::Format;
 pub use held::HeldCamera;
 pub use info::info;
-pub use options::{Altloc, ColumnNames, FrameRange, Hold, ReadOptions};
+pub use options::{Altloc, ColumnNames, FrameRange, Hold, Keep, ReadOptions};
 pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};
 pub use select::selection::Selection;
 pub use sequence::{SceneFrame, Sequence};

@@ -23,8 +23,8 @@ pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub(crate) use check::{is_center, is_radius};
 pub use fit::{Framing, Reach, middle};
-pub(crate) use gradient::{Gradient, SkyLight};
 pub use gradient::SkyColors;
+pub(crate) use gradient::{Gradient, SkyLight};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
@@ -151,7 +151,8 @@ impl Spheres {
     /// [`Error::Limits`] where memory is short.
     pub(crate) fn grow(&mut self, more: usize, colored: bool) -> Result<()> {
         let n = self.len();
-        let room = |capacity: usize| capacity - n >= more;
+        // The capacity of a shared list is 0: it is copied before it grows.
+        let room = |capacity: usize| capacity.saturating_sub(n) >= more;
         let colored = colored || self.colors.is_some();
         let colors = self.colors.as_ref().map_or(0, List::capacity);
         if room(self.centers.capacity()) && room(self.radii.capacity()) && (!colored || colors >= n + more) {

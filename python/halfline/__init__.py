@@ -12,14 +12,16 @@ It says how far from exact every answer can be.
 >>> frame.report["hits"] == (frame["id"] >= 0).sum()
 np.True_
 
-Scenes: `Scene`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras: `Camera`,
-`read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. This machine and files: `adapters`, `info`.
+Scenes: `Scene`, `Columns`, `read`, `read_frames`, `from_ase`, `from_mdanalysis`. Cameras:
+`Camera`, `read_cameras`. Rendering: `Renderer`, `Frame`, `Hits`. This machine and files:
+`adapters`, `info`.
 Errors: `AccuracyError`, `AdapterError`, and ValueError, OSError, MemoryError, KeyboardInterrupt.
 """
 
 from ._halfline import AccuracyError, AdapterError, __version__
 from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
+from .columns import Columns
 from .frame import Frame
 from .renderer import Aov, Hits, Occlusion, Options, Renderer, measure, plan, render, trace
 from .reports import adapters, info
@@ -30,6 +32,7 @@ __all__ = [
     "AdapterError",
     "Aov",
     "Camera",
+    "Columns",
     "Frame",
     "Hits",
     "Occlusion",

@@ -18,15 +18,18 @@ Reporter = Callback | None
 
 @contextmanager
 def reporter(progress: bool | Callback) -> Iterator[Reporter]:
-    """The function to call: that of the caller, a bar for ``True``, or none."""
+    """The function to call: that of the caller, a bar for ``True`` where somebody sees it, or
+    none.
+    """
     if callable(progress):
         yield progress
     elif progress is True:
-        bar = _Bar()
+        bar = _Bar() if _is_seen() else None
         try:
             yield bar
         finally:
-            bar.close()
+            if bar is not None:
+                bar.close()
     elif progress is False or progress is None:
         yield None
     else:
@@ -35,13 +38,26 @@ def reporter(progress: bool | Callback) -> Iterator[Reporter]:
         )
 
 
+def _is_seen() -> bool:
+    """Whether a terminal or a notebook shows standard error; a log is no place for a bar."""
+    return _in_notebook() or (sys.stderr is not None and sys.stderr.isatty())
+
+
+def _in_notebook() -> bool:
+    ipython: Any = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return shell is not None and hasattr(shell, "kernel")
+
+
 class _Bar:
-    """A bar by tqdm, or a line on standard error without it."""
+    """One bar for all steps, by tqdm, or a line on standard error without it; it is gone at the
+    end.
+    """
 
     def __init__(self) -> None:
         self._bar: Any = None
         self._step = ""
-        self._line = False
+        self._width = 0
         try:
             self._tqdm: Any = import_module("tqdm.auto").tqdm
         except ImportError:
@@ -49,23 +65,28 @@ class _Bar:
 
     def __call__(self, step: str, done: int, total: int, unit: str) -> None:
         if self._tqdm is None:
-            self._line = True
-            print(f"\r{step}: {done} of {total} {unit}\x1b[K", end="", file=sys.stderr, flush=True)
+            self._show(f"{step}: {done} of {total} {unit}")
             return
-        if step != self._step:
-            self._end()
-            self._step = step
+        if self._bar is None:
             self._bar = self._tqdm(
-                total=total or None, desc=step, unit=f" {unit}", unit_scale=True
+                total=total or None, desc=step, unit=f" {unit}", unit_scale=True, leave=False
             )
+        elif step != self._step:
+            self._bar.unit = f" {unit}"
+            self._bar.set_description(step, refresh=False)
+            self._bar.reset(total=total or None)
+        self._step = step
         self._bar.n = done
         self._bar.refresh()
 
-    def _end(self) -> None:
-        if self._bar is not None:
-            self._bar.close()
+    def _show(self, line: str) -> None:
+        # Blanks over the longer line before it: notebooks do not know the codes of terminals.
+        print(f"\r{line}{' ' * (self._width - len(line))}", end="", file=sys.stderr, flush=True)
+        self._width = len(line)
 
     def close(self) -> None:
-        self._end()
-        if self._line:
-            print(file=sys.stderr)
+        if self._bar is not None:
+            self._bar.close()
+        if self._width:
+            self._show("")
+            print("\r", end="", file=sys.stderr, flush=True)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -88,6 +89,7 @@ class Camera:
             values["distance"] = lens[-1]
         self._words = ", ".join(f"{name}={value}" for name, value in values.items())
 
+    @overload
     @classmethod
     def from_intrinsics(
         cls,
@@ -101,6 +103,35 @@ class Camera:
         *,
         pixel_center: float = 0.5,
         convention: Literal["opencv", "opengl"] = "opencv",
+    ) -> Camera: ...
+
+    @overload
+    @classmethod
+    def from_intrinsics(
+        cls,
+        *,
+        K: ArrayLike,  # noqa: N803
+        width: int,
+        height: int,
+        pose: ArrayLike | None = None,
+        pixel_center: float = 0.5,
+        convention: Literal["opencv", "opengl"] = "opencv",
+    ) -> Camera: ...
+
+    @classmethod
+    def from_intrinsics(
+        cls,
+        fx: Any = None,
+        fy: Any = None,
+        cx: Any = None,
+        cy: Any = None,
+        width: Any = None,
+        height: Any = None,
+        pose: ArrayLike | None = None,
+        *,
+        K: ArrayLike | None = None,  # noqa: N803
+        pixel_center: float = 0.5,
+        convention: Literal["opencv", "opengl"] = "opencv",
     ) -> Camera:
         """A camera of computer vision, for images of ``width`` x ``height`` pixels.
 
@@ -111,6 +142,8 @@ class Camera:
             cy: Row of the principal point, from the top, in pixels.
             width: Columns of the image.
             height: Rows of the image.
+            K: The matrix (3, 3) of ``fx, 0, cx; 0, fy, cy; 0, 0, 1`` in place of the four numbers.
+                A skew is refused, since pixels are rectangles here.
             pose: Matrix (4, 4) or (3, 4) from camera to world: its columns are the axes of
                 ``convention`` and the eye. The axes are perpendicular, of length 1 and not
                 mirrored, to 1 in 1000. The default is the identity.
@@ -126,7 +159,21 @@ class Camera:
         >>> import halfline as hl
         >>> hl.Camera.from_intrinsics(525, 525, 320, 240, 640, 480).size
         (640, 480)
+        >>> hl.Camera.from_intrinsics(K=[[525, 0, 320], [0, 525, 240], [0, 0, 1]], width=640,
+        ...     height=480).record()["intrinsics"]
+        {'fx': 525.0, 'fy': 525.0, 'cx': 320.0, 'cy': 240.0}
         """
+        given = {"fx": fx, "fy": fy, "cx": cx, "cy": cy}
+        if K is not None:
+            twice = ", ".join(name for name, value in given.items() if value is not None)
+            if twice:
+                raise ValueError(f"K and {twice} exclude each other; give one of them")
+            given = _intrinsics_of(K)
+        missing = [name for name, value in given.items() if value is None]
+        if missing:
+            raise TypeError(f"from_intrinsics needs {', '.join(missing)}, or K=")
+        if width is None or height is None:
+            raise TypeError("from_intrinsics needs width and height, the pixels of the image")
         matrix = np.eye(4) if pose is None else np.asarray(pose)
         if matrix.shape not in ((4, 4), (3, 4)) or matrix.dtype.kind not in "fiu":
             raise ValueError(
@@ -137,10 +184,10 @@ class Camera:
         matrix = matrix.astype(np.float64)
         shift = 0.5 - number("pixel_center", pixel_center)
         lens = [
-            number("fx", fx),
-            number("fy", fy),
-            number("cx", cx) + shift,
-            number("cy", cy) + shift,
+            number("fx", given["fx"]),
+            number("fy", given["fy"]),
+            number("cx", given["cx"]) + shift,
+            number("cy", given["cy"]) + shift,
         ]
         image = checked_size("(width, height)", (width, height))
         if convention not in ("opencv", "opengl"):
@@ -231,7 +278,16 @@ class Camera:
         if self._words is not None:
             return f"Camera({self._words})"
         record = self.record()
-        words = (f"{name}={tuple(record[name])}" for name in ("eye", "view", "up"))
+        words = [f"{name}={tuple(record[name])}" for name in ("eye", "view", "up")]
+        height = record["viewport"][1]
+        if self.size is not None:
+            words.append(f"size={self.size}")
+        elif record["distance"] is None:
+            words.append(f"height={height:.6g}")
+        else:
+            words.append(
+                f"vfov={math.degrees(2 * math.atan2(height / 2, record['distance'])):.6g}"
+            )
         return f"Camera({', '.join(words)})"
 
 
@@ -262,6 +318,29 @@ def read_cameras(
     return [
         Camera._of(native, None) for native in _halfline.read_cameras(path, given, angle, image)
     ]
+
+
+def _intrinsics_of(matrix: ArrayLike) -> dict[str, Any]:
+    """fx, fy, cx and cy of a matrix of intrinsics."""
+    try:
+        found = np.asarray(matrix)
+    except ValueError:
+        found = np.empty(0)
+    if found.shape != (3, 3) or found.dtype.kind not in "fiu":
+        raise ValueError(f"K has the shape {found.shape}; give a matrix of shape (3, 3)")
+    if not np.array_equal(found[2], (0, 0, 1)):
+        raise ValueError(
+            f"the last row of K is {found[2]}; give 0, 0, 1 (divide K by its last number)"
+        )
+    if found[0, 1] != 0:
+        raise ValueError(
+            f"K has the skew {found[0, 1]} (row 0, column 1), and pixels are rectangles here; "
+            "undistort the images to a K without skew, or trace the rays yourself"
+        )
+    if found[1, 0] != 0:
+        raise ValueError(f"row 1, column 0 of K is {found[1, 0]}; give 0, or transpose K")
+    (fx, _, cx), (_, fy, cy) = found[:2]
+    return {"fx": float(fx), "fy": float(fy), "cx": float(cx), "cy": float(cy)}
 
 
 def _native_scene(scene: Any) -> _halfline.Scene:

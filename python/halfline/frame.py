@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from os import PathLike
 from typing import Any, Literal
@@ -16,12 +16,13 @@ from ._arrays import number, words
 from ._colors import picture
 
 
-class Frame:
-    """A rendered frame. Row 0 is the top row.
+class Frame(Mapping[str, NDArray[Any]]):
+    """A rendered frame: a mapping from the names of buffers to arrays. Row 0 is the top row.
 
     ``frame["depth"]`` is a buffer as an array. Arrays are read-only, since they are the memory
     that `save` writes; an array keeps the memory as long as it lives, and ``.copy()`` gives one to
-    write to.
+    write to. With ``dtype="float32"`` distance, depth and position are arrays of the nearest
+    float32 instead, which are made once.
 
     | buffer | shape | dtype | meaning | on a miss |
     |---|---|---|---|---|
@@ -43,6 +44,10 @@ class Frame:
 
     _native: _halfline.Frame
     _report: dict[str, Any] | None
+
+    # A mapping compares values, and those of arrays have no single truth.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
     def __init__(self) -> None:
         raise TypeError("a Frame is made by Renderer.render")
@@ -67,10 +72,6 @@ class Frame:
 
     def __len__(self) -> int:
         return len(self._native.names)
-
-    def keys(self) -> list[str]:
-        """The names of the buffers."""
-        return self._native.names
 
     def __repr__(self) -> str:
         width, height = self.size
@@ -99,8 +100,8 @@ class Frame:
 
     @property
     def image(self) -> NDArray[np.uint8]:
-        """The picture in 8-bit sRGB, shape (H, W, 3), uint8, in an array of its own; needs the
-        buffer color.
+        """The picture in 8-bit sRGB, shape (H, W, 3), uint8, in an array of its own, with legend,
+        label and scale bar; needs the buffer color.
         """
         return self._native.image()
 
@@ -117,11 +118,10 @@ class Frame:
         (4, 4, 3)
         """
         if name is None:
-            names = self.keys()
             name = (
                 "color"
-                if "color" in names
-                else next((other for other in names if other != "id"), "id")
+                if "color" in self
+                else next((other for other in self if other != "id"), "id")
             )
         return self.image if name == "color" else picture(name, self[name])
 
@@ -135,6 +135,9 @@ class Frame:
         no_return: Literal["inf", "nan", "zero"] = "inf",
     ) -> None:
         """Writes a file, completely or not at all, with the provenance of the frame.
+
+        Legend, label and scale bar are in the color of .png and .exr. Numbers are those that were
+        computed: float64, also with ``dtype="float32"``.
 
         Args:
             path: The file; its extension is the format: .png, .exr, .npy, .npz, .pfm (see

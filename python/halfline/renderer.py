@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from os import PathLike, fspath
 from typing import Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _halfline
-from ._arrays import array, color, number, vector, whole, wholes, word, words
+from ._arrays import array, cell_radius, color, number, shown, vector, whole, wholes, word, words
 from ._arrays import size as checked_size
 from ._progress import Callback, reporter
 from .camera import Camera, _native_scene
@@ -95,6 +96,28 @@ class Options(TypedDict, total=False):
     """Spheres farther than this from a point hide nothing of the sky; scene units."""
     bounces: int | None
     """The most bounces of a ray at mirrors and in glass."""
+    legend: bool | str | PathLike[str]
+    """The legend of the colours of a scene that was read with ``color_by``: ``True`` draws it into
+    the picture on the right, ``"top-left"``, ``"top-right"``, ``"bottom-left"``,
+    ``"bottom-right"`` in a corner; a file name (.svg, .png) writes it to a file of its own.
+    """
+    label: str | None
+    """A text at the top left of the picture; ``{frame}``, ``{file}``, ``{count}``, ``{time}`` and
+    ``{step}`` stand for the frame's number, the file's name, the number of spheres, and the
+    frame's time and step.
+    """
+    scale_bar: bool | str
+    """A bar of a round length at the bottom left of the picture, with this unit in its label; with
+    a perspective camera the length is that at the distance of the middle of all spheres.
+    """
+    cell: bool | float
+    """Whether the edges of the periodic cell are drawn, or the radius of the beads that draw them;
+    their ids are ``len(scene)`` and more.
+    """
+    dtype: Literal["float32", "float64"]
+    """The type of the arrays distance, depth and position: float64, or the nearest float32 (ties
+    to even; a miss is still +inf or NaN, and so +inf is what exceeds 3.4e38). Files hold float64.
+    """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,6 +142,9 @@ class Hits:
         """Whether a sphere is hit."""
         return self.id >= 0
 
+    def __repr__(self) -> str:
+        return _summary(self, self.hit)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Occlusion:
@@ -128,6 +154,18 @@ class Occlusion:
     """Whether some sphere is hit at 0 < t < tmax."""
     certainty: NDArray[np.uint8]
     """As that of `Hits`."""
+
+    def __repr__(self) -> str:
+        return _summary(self, self.hit)
+
+
+def _summary(answers: Hits | Occlusion, hit: NDArray[np.bool_]) -> str:
+    """Counts, and the arrays by name, type and shape."""
+    found = int(np.count_nonzero(hit))
+    arrays = ((field.name, getattr(answers, field.name)) for field in fields(answers))
+    listed = ", ".join(f"{name} {values.dtype} {values.shape}" for name, values in arrays)
+    rays = f"{hit.size} ray{'' if hit.size == 1 else 's'}"
+    return f"{type(answers).__name__}({found} of {rays} hit\n  {listed})"
 
 
 class Renderer:
@@ -206,9 +244,10 @@ class Renderer:
             scene: The scene.
             camera: The camera; by default that of the scene's file, else one that shows all
                 spheres.
-            progress: ``True`` for a bar (by tqdm, if it is installed), or a function that is
-                called with ``step, done, total, unit`` some 20 times a second from the calling
-                thread; an exception that it raises ends the frame.
+            progress: ``True`` for a bar in a terminal or a notebook (by tqdm, if it is
+                installed), which is gone at the end, or a function that is called with ``step,
+                done, total, unit`` some 20 times a second from the calling thread; an exception
+                that it raises ends the frame.
             **options: See `Options`.
 
         Returns:
@@ -245,7 +284,7 @@ class Renderer:
         Args:
             scene: The scene.
             cameras: The cameras.
-            progress: As for `render`; it counts frames.
+            progress: As for `render`, in one bar for all cameras, which counts frames.
             **options: See `Options`.
 
         Yields:
@@ -534,6 +573,9 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         "occlusion": rays,
         "reach": None if reach is None else number("reach", reach),
         "bounces": None if bounces is None else whole("bounces", bounces),
+        "cell": cell_radius(given.get("cell", False)),
+        "insets": _insets(given),
+        "single": _is_single(given.get("dtype", "float64")),
     }
     accurate = _accurate(
         given.get("accuracy", "auto"),
@@ -542,3 +584,46 @@ def _checked(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
         given.get("tolerance"),
     )
     return picture, accurate
+
+
+def _insets(given: dict[str, Any]) -> dict[str, Any]:
+    """What is drawn into the picture."""
+    legend, label, bar = given.get("legend"), given.get("label"), given.get("scale_bar")
+    corner: str | None = None
+    file: str | None = None
+    if isinstance(legend, bool) or legend is None:
+        corner = "right" if legend else None
+    elif isinstance(legend, str) and legend in _CORNERS:
+        corner = legend
+    elif isinstance(legend, (str, PathLike)):
+        file = fspath(legend)
+        if not isinstance(file, str) or not file.lower().endswith((".svg", ".png")):
+            raise ValueError(
+                f"legend is {shown(legend)}; give True, one of {', '.join(_CORNERS)}, or a file "
+                "name that ends in .svg or .png"
+            )
+    else:
+        raise ValueError(f"legend is {shown(legend)}; give True, a corner or a file name")
+    if bar is not None and not isinstance(bar, (bool, str)):
+        raise ValueError(f"scale_bar is {shown(bar)}; give True, or the unit as a text")
+    return {
+        "legend": corner,
+        "legend_file": file,
+        "label": None if label is None else word("label", label),
+        "scale_bar": "" if bar is True else bar or None,
+    }
+
+
+_CORNERS = ("right", "top-left", "top-right", "bottom-left", "bottom-right")
+
+
+def _is_single(dtype: Any) -> bool:
+    """Whether lengths are float32."""
+    name: str
+    try:
+        name = np.dtype(dtype).name
+    except TypeError:
+        name = ""
+    if dtype is None or name not in ("float32", "float64"):
+        raise ValueError(f"dtype is {shown(dtype)}; give 'float32' or 'float64'")
+    return name == "float32"

@@ -10,13 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _halfline
-from ._arrays import array, number, shown, whole, wholes, word, words
+from ._arrays import array, cell_radius, number, positive, shown, whole, wholes, word, words
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
 from .camera import Camera
+from .columns import Columns
 
 Color = str | ArrayLike
 Path = str | PathLike[str]
+
+# The longer side of the picture in a notebook, pixels.
+_PREVIEW = 320
 
 
 class Scene:
@@ -93,7 +97,32 @@ class Scene:
 
     def __repr__(self) -> str:
         count = len(self)
-        return f"Scene({count} sphere{'' if count == 1 else 's'})"
+        columns = "".join(f", {name}" for name in self._native.column_names)
+        of_file = f"; columns{columns[1:]}" if columns else ""
+        return f"Scene({count} sphere{'' if count == 1 else 's'}{of_file})"
+
+    def _repr_png_(self) -> bytes | None:
+        """A small picture for notebooks, by the CPU path; nothing where none can be made."""
+        from .renderer import Renderer
+
+        width, height = self.size
+        shrink = _PREVIEW / max(width, height)
+        size = max(round(width * shrink), 1), max(round(height * shrink), 1)
+        try:
+            return Renderer("cpu").render(self, size=size)._repr_png_()
+        except Exception:
+            # A notebook then shows the text.
+            return None
+
+    @property
+    def columns(self) -> Columns:
+        """What the file says of each sphere: chain, residue, element, any column of the file, as
+        arrays in the order of ids.
+
+        ``scene.columns["chain"][ids]`` are the chains of ids that are not -1. Scenes of arrays,
+        TOML and NFF have none; `read` says which columns are kept.
+        """
+        return Columns._of(self._native)
 
     @property
     def centers(self) -> NDArray[np.float64]:
@@ -190,6 +219,7 @@ def read(
     clip: Iterable[tuple[float, float, float, float]] = (),
     cell: bool | float = False,
     hold: Literal["first", "none"] = "first",
+    keep: bool | str | Iterable[str] | None = None,
 ) -> Scene:
     """Reads one scene. The keywords are the options of ``halfline render``, with underscores.
 
@@ -229,6 +259,10 @@ def read(
         cell: Whether the edges of the cell are drawn, or the radius of the beads that draw them.
         hold: Where default radii and the range of colours come from: the first frame of the file,
             or each frame itself.
+        keep: The columns in `Scene.columns`: ``True`` for all, names or words of selections such
+            as ``["speed"]``, ``False`` for none. By default all of a molecule (PDB, PQR, PDBQT,
+            mmCIF, GRO, also as the topology of a trajectory), which takes some 40 bytes per atom,
+            and of other files those that colours and selections read, 8 bytes per number.
 
     Raises:
         OSError: if the file cannot be read.
@@ -307,7 +341,7 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
     if limits is not None or given["log"] or given["map"] is not None:
         if color_by is None:
             raise ValueError("map, range and log belong to color_by; give a column with color_by=")
-    radius, color, cell = given["radius"], given["color"], given["cell"]
+    radius, color = given["radius"], given["color"]
     sizes = dict(radius) if isinstance(radius, Mapping) else {}
     paints = dict(color) if isinstance(color, Mapping) else {}
     planes = [
@@ -329,6 +363,7 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
             for name in ("format", "map")
         },
         "columns": None if columns is None else word("columns", columns),
+        "keep": _kept(given["keep"]),
         "topology": given["topology"],
         "model": None if model is None else whole("model", model, -(2**63), 2**63 - 1),
         "assembly": None if given["assembly"] is None else str(given["assembly"]),
@@ -338,7 +373,7 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         if radius is None or isinstance(radius, Mapping)
         else number("radius", radius),
         "radius_of": [
-            (word("radius", key), _positive(f"radius[{key!r}]", value))
+            (word("radius", key), positive(f"radius[{key!r}]", value))
             for key, value in sizes.items()
         ],
         "radius_scale": number("radius_scale", given["radius_scale"]),
@@ -353,18 +388,15 @@ def _checked(given: Mapping[str, Any]) -> dict[str, Any]:
         "range": limits,
         "copies": None if copies is None else list(wholes("copies", copies, 3, 1)),
         "clip": planes,
-        # An infinite radius stands for the default one.
-        "cell": (float("inf") if cell else None)
-        if isinstance(cell, bool)
-        else _positive("cell", cell),
+        "cell": cell_radius(given["cell"]),
     }
 
 
-def _positive(name: str, value: Any) -> float:
-    found = number(name, value)
-    if found <= 0:
-        raise ValueError(f"{name} is {found}; give a positive number")
-    return found
+def _kept(keep: Any) -> tuple[str, list[str]]:
+    """The columns to keep: a kind, and the names of the kind ``named``."""
+    if keep is None or isinstance(keep, bool):
+        return {None: "molecules", True: "all", False: "nothing"}[keep], []
+    return "named", words("keep", keep)
 
 
 def _several(name: str, values: Any, count: int) -> list[Any]:

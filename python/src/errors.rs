@@ -49,8 +49,20 @@ fn system_words(error: &std::io::Error) -> String {
     text.split(" (os error").next().unwrap_or_default().to_owned()
 }
 
+/// Options of the command that have another name here.
+const RENAMED: [(&str, &str); 8] = [
+    ("aov", "aovs"),
+    ("eye", "Camera(eye)"),
+    ("fit", "Camera.fit"),
+    ("frames", "frame"),
+    ("legend-in", "legend"),
+    ("ortho", "Camera(height=)"),
+    ("tile", "crop"),
+    ("vfov", "Camera(vfov=)"),
+];
+
 /// The text with keywords of Python in place of options of the command: `--color-by` is `color_by`.
-fn keywords(text: &str) -> String {
+pub(crate) fn keywords(text: &str) -> String {
     let mut words = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(start) = rest.find("--") {
@@ -59,8 +71,10 @@ fn keywords(text: &str) -> String {
         words.push_str(&rest[..start]);
         if is_name {
             let end = option.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(option.len());
-            let name = if &option[..end] == "aov" { "aovs" } else { &option[..end] };
-            words.push_str(&name.replace('-', "_"));
+            match RENAMED.iter().find(|(name, _)| *name == &option[..end]) {
+                Some((_, name)) => words.push_str(name),
+                None => words.push_str(&option[..end].replace('-', "_")),
+            }
             rest = &option[end..];
         } else {
             words.push_str("--");

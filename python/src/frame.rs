@@ -1,11 +1,12 @@
 //! Frames: their buffers as arrays, their report, their files.
 
 use crate::arrays::shown;
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, keywords};
 use crate::renderer::{Shared, keep_if_forked};
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
+use halfline::measure::plot::inset::Panels;
 use halfline::render::origin;
 use halfline::settings::Settings;
 use halfline::write::file::Target;
@@ -14,7 +15,9 @@ use halfline::{Aov, Frame as Exact, Scene};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 /// A frame. Its buffers do not change; when the last array of them is gone, the renderer gets their memory back.
 #[pyclass(frozen)]
@@ -24,11 +27,47 @@ pub(crate) struct Frame {
     scene: Scene,
     settings: Settings,
     renderer: Shared,
+    /// What is drawn into its pictures.
+    panels: Option<Panels>,
+    /// Lengths rounded to float32, where they are requested so, once they were.
+    rounded: Option<Rounded>,
+}
+
+/// A rendered scene.
+pub(crate) struct Rendered {
+    pub(crate) scene: Scene,
+    pub(crate) frame: Exact,
+    pub(crate) panels: Option<Panels>,
+}
+
+/// Distance, depth and position in float32.
+#[derive(Default)]
+struct Rounded([OnceLock<Vec<f32>>; 3]);
+
+impl Rounded {
+    /// The nearest float32 of each value, ties to even; beyond the largest one infinity. `None` for other buffers.
+    fn of(&self, aov: Aov, values: &[f64]) -> Option<&[f32]> {
+        let place = [Aov::Distance, Aov::Depth, Aov::Position].iter().position(|known| *known == aov)?;
+        Some(self.0[place].get_or_init(|| values.par_iter().map(|value| *value as f32).collect()))
+    }
 }
 
 impl Frame {
-    pub(crate) fn new(frame: Exact, scene: Scene, settings: Settings, renderer: Shared) -> Self {
-        Self { frame: Some(frame), scene, settings, renderer }
+    pub(crate) fn new(rendered: Rendered, single: bool, settings: Settings, renderer: Shared) -> Self {
+        let Rendered { scene, frame, panels } = rendered;
+        Self { frame: Some(frame), scene, settings, renderer, panels, rounded: single.then(Rounded::default) }
+    }
+
+    /// A copy of these buffers of the frame, with the panels in its colour.
+    fn drawn(&self, panels: &Panels, aovs: &[Aov]) -> Result<Exact> {
+        let exact = self.exact()?;
+        let mut frame = Exact {
+            buffers: exact.buffers.iter().filter(|buffer| aovs.contains(&buffer.aov)).cloned().collect(),
+            report: exact.report.clone(),
+            ..*exact
+        };
+        panels.draw(&mut frame, false);
+        Ok(frame)
     }
 
     fn exact(&self) -> Result<&Exact> {
@@ -88,16 +127,23 @@ impl Frame {
 
     /// A buffer as a read-only array that keeps the frame alive.
     fn array<'py>(this: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let aov = name.parse::<Aov>().or_raise()?;
+        let aov = name.parse::<Aov>().map_err(|error| PyKeyError::new_err(keywords(&error.to_string())))?;
         let frame = this.get().exact().or_raise()?;
         let Some(buffer) = frame.get(aov) else {
             let problem = format!("the frame has no buffer {name}; ask for it with aovs=['{name}']");
             return Err(PyKeyError::new_err(problem));
         };
         let owner = this.clone().into_any();
+        let rounded = match (&this.get().rounded, &buffer.data) {
+            (Some(rounded), Data::F64(values)) => this.py().detach(|| rounded.of(aov, values)),
+            _ => None,
+        };
         #[expect(unsafe_code, reason = "arrays of the memory of this frame")]
         // SAFETY: a frame is frozen, its buffers move only when it is dropped, and the array keeps it alive.
         unsafe {
+            if let Some(values) = rounded {
+                return shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<f32>>::into_any);
+            }
             match &buffer.data {
                 Data::F32(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<f32>>::into_any),
                 Data::F64(values) => shown(values, &buffer.shape, owner).map(Bound::<PyArrayDyn<f64>>::into_any),
@@ -113,7 +159,8 @@ impl Frame {
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<u8>>> {
         begin()?;
         let frame = self.exact().or_raise()?;
-        let Some(image) = frame.image() else {
+        let drawn = self.panels.as_ref().map(|panels| self.drawn(panels, &[Aov::Color])).transpose().or_raise()?;
+        let Some(image) = drawn.as_ref().unwrap_or(frame).image() else {
             return Err(Error::settings("the frame has no colour", "add color to aovs")).or_raise();
         };
         let bytes = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
@@ -141,13 +188,21 @@ impl Frame {
             no_return: no_return.parse().or_raise()?,
             ..FormatOptions::default()
         };
-        let target = self.target(path, aovs, style).or_raise()?;
+        let mut target = self.target(path, aovs, style).or_raise()?;
+        // As in files of the command: numbers are those of the scene, and pictures show what is drawn into them.
+        let is_picture =
+            matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
+        let panels = self.panels.as_ref().filter(|_| is_picture);
+        if let Some(panels) = panels {
+            target.set_drawn(panels.words());
+        }
         let job = Job::default();
         job.run(py, None, || {
             target.check()?;
             let frame = self.exact()?;
             let origin = origin(&self.scene, &self.settings, &frame.report, frame.window);
-            target.write_while(frame, &origin, &|| !job.cancel.is_cancelled())
+            let drawn = panels.map(|panels| self.drawn(panels, target.aovs())).transpose()?;
+            target.write_while(drawn.as_ref().unwrap_or(frame), &origin, &|| !job.cancel.is_cancelled())
         })
     }
 }

@@ -9,6 +9,7 @@ mod cli;
 mod command;
 mod errors;
 mod frame;
+mod insets;
 mod many;
 mod measure;
 mod options;

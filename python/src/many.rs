@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::errors::{OrRaise, exception};
-use crate::frame::Frame;
+use crate::frame::{Frame, Rendered};
 use crate::options::Picture;
 use crate::renderer::{Shared, keep_if_forked, with};
 use crate::scene::Scene;
@@ -13,15 +13,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
-type Rendered = halfline::Result<(halfline::Scene, halfline::Frame)>;
-
 /// The frames of many cameras, one ahead of the caller.
 #[pyclass(frozen)]
 pub(crate) struct Frames {
-    frames: Mutex<Option<Receiver<Rendered>>>,
+    frames: Mutex<Option<Receiver<halfline::Result<Rendered>>>>,
     worker: Mutex<Option<JoinHandle<()>>>,
     job: Job,
     settings: Settings,
+    single: bool,
     renderer: Shared,
     #[pyo3(get)]
     count: usize,
@@ -37,24 +36,25 @@ impl Frames {
         settings: Settings,
     ) -> PyResult<Self> {
         begin()?;
+        let outlined = py.detach(|| picture.begin(scene.get())).or_raise()?;
+        let scene = outlined.map_or(Ok(scene), |outlined| Py::new(py, outlined))?;
         // The first one is checked at once, so that an error has the caller's line.
         if let Some(first) = cameras.first() {
             picture.scene(scene.get(), Some(first)).and_then(|scene| py.detach(|| scene.check())).or_raise()?;
         }
         // A frame is handed over when the one before it is done, so there are at most two.
         let (sender, frames) = sync_channel(0);
-        let (job, count, look) = (Job::default(), cameras.len(), picture.look(scene.get()).or_raise()?);
+        let (job, count, single) = (Job::default(), cameras.len(), picture.single);
         let (own, shared, same) = (job.clone(), Arc::clone(&renderer), settings.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
-                let render = || {
-                    let scene = picture.scene(scene.get(), Some(camera))?;
-                    let mut frame = with(&shared, &own, |renderer| renderer.render(&scene, &same))?;
-                    frame.report.number = number;
-                    frame.report.look = look;
-                    Ok((scene, frame))
-                };
-                let rendered = render();
+                let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
+                    with(&shared, &own, |renderer| renderer.render(exact, &same))
+                });
+                // All frames have the same legend.
+                if number == 1 {
+                    rendered = rendered.and_then(|rendered| picture.insets.write(scene.get()).map(|()| rendered));
+                }
                 let is_last = rendered.is_err();
                 if sender.send(rendered).is_err() || is_last {
                     return;
@@ -63,7 +63,7 @@ impl Frames {
         };
         let worker = Builder::new().name("halfline".into()).spawn(work).map_err(|e| exception(no_thread(&e)))?;
         let (frames, worker) = (Mutex::new(Some(frames)), Mutex::new(Some(worker)));
-        Ok(Self { frames, worker, job, settings, renderer, count })
+        Ok(Self { frames, worker, job, settings, single, renderer, count })
     }
 
     /// Cancels the work and waits for its end; a panic of the work goes on here.
@@ -96,9 +96,9 @@ impl Frames {
                 frames.as_ref().map(|frames| frames.recv_timeout(SLICE))
             });
             match next {
-                Some(Ok(Ok((scene, frame)))) => {
+                Some(Ok(Ok(rendered))) => {
                     let (settings, renderer) = (self.settings.clone(), Arc::clone(&self.renderer));
-                    return Ok(Some(Frame::new(frame, scene, settings, renderer)));
+                    return Ok(Some(Frame::new(rendered, self.single, settings, renderer)));
                 }
                 Some(Ok(Err(error))) => {
                     self.stop(py);

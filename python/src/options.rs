@@ -1,5 +1,7 @@
 //! The settings of a rendering from keywords, which have the names and values of the command's options.
 
+use crate::frame::Rendered;
+use crate::insets::Insets;
 use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
@@ -53,9 +55,20 @@ pub(crate) struct Picture {
     occlusion: Option<u32>,
     reach: Option<f64>,
     bounces: Option<u32>,
+    /// The radius of the beads that draw the edges of the cell; infinite for the default one.
+    cell: Option<f64>,
+    pub(crate) insets: Insets,
+    /// Whether lengths are float32.
+    pub(crate) single: bool,
 }
 
 impl Picture {
+    /// Checks the scene for what is drawn into the picture, and gives the one with the edges of its cell, if they are drawn.
+    pub(crate) fn begin(&self, scene: &Scene) -> Result<Option<Scene>> {
+        self.insets.check(scene, self.crop.is_some(), self.aovs()?.contains(&Aov::Color))?;
+        self.cell.map(|radius| scene.with_cell(radius)).transpose()
+    }
+
     /// The settings of a picture of `scene` with those of the picture.
     pub(crate) fn settings(&self, scene: &Scene, accurate: Settings, backend: Backend) -> Result<Settings> {
         let aovs = self.aovs()?;
@@ -76,6 +89,24 @@ impl Picture {
             window: crop,
             ..accurate
         })
+    }
+
+    /// Renders the scene with this camera; what is drawn into the picture is decided before.
+    pub(crate) fn render(
+        &self,
+        scene: &Scene,
+        camera: Option<&crate::camera::Camera>,
+        number: u64,
+        render: impl FnOnce(&halfline::Scene) -> Result<halfline::Frame>,
+    ) -> Result<Rendered> {
+        let exact = self.scene(scene, camera)?;
+        exact.check()?;
+        let panels = self.insets.panels(scene, &exact, number)?;
+        let mut frame = render(&exact)?;
+        frame.report.number = number;
+        frame.report.look = self.look(scene)?;
+        frame.report.warnings.extend(self.insets.warnings(scene, panels.as_ref()));
+        Ok(Rendered { scene: exact, frame, panels })
     }
 
     /// The scene with this camera, size, background and light.

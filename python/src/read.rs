@@ -1,14 +1,15 @@
 //! Reading of scene and particle files, with the options of the command.
 
 use crate::errors::OrRaise;
-use crate::scene::Scene;
+use crate::scene::{Scene, bead};
 use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, Coloring, Scale};
 use halfline::read::{
-    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Periodic, ReadOptions, SceneFrame, Selection, Style,
+    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
+    Style,
 };
-use halfline::scene::arrange::{Arrangement, Bead};
+use halfline::scene::arrange::Arrangement;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -46,6 +47,8 @@ pub(crate) struct Options {
     copies: Option<[u32; 3]>,
     clip: Vec<[f64; 4]>,
     cell: Option<f64>,
+    /// `nothing`, `molecules`, `named` or `all`, and the words of `named`.
+    keep: (String, Vec<String>),
 }
 
 /// The value of a text, if there is one.
@@ -115,13 +118,18 @@ impl Options {
                 sizes: rules(&self.radius_of)?,
                 ..Style::default()
             },
+            keep: match self.keep.0.as_str() {
+                "all" => Keep::All,
+                "molecules" => Keep::Molecules,
+                "named" => Keep::Named(self.keep.1.clone()),
+                _ => Keep::Nothing,
+            },
             survey: None,
             watch: job.watch(),
         })
     }
 
     fn arrangement(&self) -> Arrangement {
-        let bead = |radius: f64| if radius.is_finite() { Bead::Radius(radius) } else { Bead::Thin };
         Arrangement { copies: self.copies.unwrap_or([1; 3]), clip: self.clip.clone(), outline: self.cell.map(bead) }
     }
 }
@@ -133,6 +141,7 @@ pub(crate) struct Sequence(Mutex<Opened>);
 struct Opened {
     sequence: halfline::read::Sequence,
     arrangement: Arrangement,
+    file: Option<String>,
     job: Job,
     size: Option<(u32, u32)>,
     held: HeldCamera,
@@ -161,7 +170,15 @@ impl Opened {
             size(image, whole);
             point(whole)
         })?;
-        self.arrangement.apply(&mut frame.scene.spheres, frame.cell.as_ref(), &watch)?;
+        let (spheres, cell) = (&mut frame.scene.spheres, frame.cell.as_ref());
+        let rows = match frame.columns.is_empty() || self.arrangement == Arrangement::default() {
+            true => None,
+            false => Some(self.arrangement.rows(spheres, cell, &watch)?),
+        };
+        self.arrangement.apply(spheres, cell, &watch)?;
+        if let Some(rows) = rows {
+            frame.columns = frame.columns.rearranged(&rows, spheres.len().saturating_sub(rows.len()))?;
+        }
         size(image, frame);
         self.held.apply(frame, point)
     }
@@ -176,7 +193,7 @@ impl Opened {
         self.any = true;
         self.prepare(&mut frame)?;
         let held = frame.has_camera || self.held.camera().is_some();
-        Ok(Some(Scene::of_file(frame, held)))
+        Ok(Some(Scene::of_file(frame, self.file.clone(), &self.arrangement, held)))
     }
 }
 
@@ -194,7 +211,8 @@ impl Sequence {
         let held = HeldCamera::new(holds && read.hold != Hold::None);
         let sequence = job.run(py, None, || halfline::read::Sequence::open(&path, &read))?;
         let arrangement = options.arrangement();
-        Ok(Self(Mutex::new(Opened { sequence, arrangement, job, size, held, any: false })))
+        let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        Ok(Self(Mutex::new(Opened { sequence, arrangement, file, job, size, held, any: false })))
     }
 
     fn __iter__(this: Bound<'_, Self>) -> Bound<'_, Self> {

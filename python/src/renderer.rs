@@ -96,16 +96,16 @@ impl Renderer {
     ) -> PyResult<Frame> {
         let settings = self.settings(scene, &picture, &accurate)?;
         let job = Job::default();
-        let (number, look) = (scene.number, picture.look(scene).or_raise()?);
-        let (scene, frame) = job.run(py, progress.as_ref(), || {
-            let scene = picture.scene(scene, camera)?;
-            scene.check()?;
-            let mut frame = with(&self.shared, &job, |renderer| renderer.render(&scene, &settings))?;
-            frame.report.number = number;
-            frame.report.look = look;
-            Ok((scene, frame))
+        let rendered = job.run(py, progress.as_ref(), || {
+            let outlined = picture.begin(scene)?;
+            let scene = outlined.as_ref().unwrap_or(scene);
+            let rendered = picture.render(scene, camera, scene.number, |exact| {
+                with(&self.shared, &job, |renderer| renderer.render(exact, &settings))
+            })?;
+            picture.insets.write(scene)?;
+            Ok(rendered)
         })?;
-        Ok(Frame::new(frame, scene, settings, Arc::clone(&self.shared)))
+        Ok(Frame::new(rendered, picture.single, settings, Arc::clone(&self.shared)))
     }
 
     /// Renders a picture for each camera, one ahead of the caller.
@@ -133,7 +133,8 @@ impl Renderer {
         let settings = self.settings(scene, &picture, &accurate)?;
         let job = Job::default();
         let plan = job.run(py, None, || {
-            let scene = picture.scene(scene, camera)?;
+            let outlined = picture.begin(scene)?;
+            let scene = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
             with(&self.shared, &job, |renderer| renderer.explain(&scene, &settings))
         })?;
         crate::reports::json(&plan)

@@ -1,13 +1,18 @@
 //! Scenes.
 
-use crate::arrays::{list, shown};
+use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
-use crate::errors::OrRaise;
+use crate::errors::{OrRaise, keywords};
 use crate::work::begin;
-use halfline::scene::{ImagePlane, check_color};
+use halfline::progress::Watch;
+use halfline::read::style::Legend;
+use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame};
+use halfline::scene::arrange::{Arrangement, Bead};
+use halfline::scene::{Cell, ImagePlane, check_color};
 use halfline::settings::FileLook;
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -29,11 +34,20 @@ pub(crate) struct Scene {
     /// The periodic cell: a corner and three edges.
     #[pyo3(get)]
     cell: Option<([f64; 3], [[f64; 3]; 3])>,
+    /// The periodic copies along its edges, and whether the edges are drawn.
+    copies: [u32; 3],
+    outlined: bool,
+    /// The name of its file.
+    pub(crate) file: Option<String>,
+    /// The legend of its colours.
+    pub(crate) legend: Option<Arc<Legend>>,
+    /// What the file says of its spheres.
+    columns: Arc<Columns>,
 }
 
 impl Scene {
     /// The scene of a file.
-    pub(crate) fn of_file(frame: halfline::read::SceneFrame, held: bool) -> Self {
+    pub(crate) fn of_file(frame: SceneFrame, file: Option<String>, arrangement: &Arrangement, held: bool) -> Self {
         let mut scene = frame.scene;
         scene.spheres.share();
         Self {
@@ -44,7 +58,45 @@ impl Scene {
             time: frame.when.time,
             step: frame.when.step,
             cell: frame.cell.map(|cell| (cell.origin, cell.edges)),
+            copies: arrangement.copies,
+            outlined: arrangement.outline.is_some(),
+            file,
+            legend: frame.legend.map(Arc::new),
+            columns: Arc::new(frame.columns),
         }
+    }
+
+    /// The same spheres, of which there may be more, with everything that is known of them.
+    fn with(&self, scene: ExactScene) -> Self {
+        Self {
+            scene: Arc::new(scene),
+            legend: self.legend.clone(),
+            columns: Arc::clone(&self.columns),
+            file: self.file.clone(),
+            ..*self
+        }
+    }
+
+    /// The scene with the edges of its cell as beads of this radius, after all other spheres; infinite for the default one.
+    pub(crate) fn with_cell(&self, radius: f64) -> halfline::Result<Self> {
+        let mut scene = (*self.scene).clone();
+        if !self.outlined {
+            // The copies are made, and the edges are those of all of them together.
+            let grown = |edge: [f64; 3], count: u32| edge.map(|x| x * f64::from(count));
+            let cell = self.cell.map(|(origin, [a, b, c])| {
+                let [along, across, up] = self.copies;
+                Cell { origin, edges: [grown(a, along), grown(b, across), grown(c, up)] }
+            });
+            let arrangement = Arrangement { outline: Some(bead(radius)), ..Arrangement::default() };
+            arrangement.apply(&mut scene.spheres, cell.as_ref(), &Watch::default())?;
+            scene.spheres.share();
+        }
+        Ok(Self { outlined: true, ..self.with(scene) })
+    }
+
+    /// The time and the step.
+    pub(crate) fn when(&self) -> FrameTime {
+        FrameTime { time: self.time, step: self.step }
     }
 
     /// The spheres.
@@ -113,8 +165,20 @@ impl Scene {
             skipped: Default::default(),
             lighting: Default::default(),
         };
-        let look = FileLook::default();
-        Ok(Self { scene: Arc::new(scene), held: false, look, number: 1, time: None, step: None, cell: None })
+        Ok(Self {
+            scene: Arc::new(scene),
+            held: false,
+            look: FileLook::default(),
+            number: 1,
+            time: None,
+            step: None,
+            cell: None,
+            copies: [1; 3],
+            outlined: false,
+            file: None,
+            legend: None,
+            columns: Arc::default(),
+        })
     }
 
     /// The same spheres with what another program says of them.
@@ -128,7 +192,34 @@ impl Scene {
     ) -> Self {
         let mut scene = (*self.scene).clone();
         scene.skipped.assumed.extend(warnings);
-        Self { scene: Arc::new(scene), held: self.held, look: self.look, number, time, step, cell }
+        Self { number, time, step, cell, ..self.with(scene) }
+    }
+
+    /// The names of the columns.
+    #[getter]
+    fn column_names(&self) -> Vec<String> {
+        self.columns.names().map(str::to_owned).collect()
+    }
+
+    /// The numbers of a column, by the word of a selection; of a column of texts the number of each, and the texts.
+    fn column<'py>(this: &Bound<'py, Self>, word: &str) -> PyResult<(Bound<'py, PyAny>, Option<Vec<String>>)> {
+        let columns = &this.get().columns;
+        let (_, values) = columns.get(word).map_err(|error| PyKeyError::new_err(keywords(&error.to_string())))?;
+        let (owner, py) = (this.clone().into_any(), this.py());
+        #[expect(unsafe_code, reason = "arrays of the memory of this scene")]
+        // SAFETY: a scene is frozen, and the array keeps it alive.
+        let array = unsafe {
+            match values {
+                ColumnValues::Numbers(values) => shown(values, &[values.len()], owner)?.into_any(),
+                ColumnValues::Whole(values) => shown(values, &[values.len()], owner)?.into_any(),
+                ColumnValues::Order(count) => owned(py, (0..*count as i32).collect(), &[*count])?.into_any(),
+                ColumnValues::Texts(Codes::U8(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
+                ColumnValues::Texts(Codes::U16(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
+                ColumnValues::Texts(Codes::U32(codes), _) => shown(codes, &[codes.len()], owner)?.into_any(),
+            }
+        };
+        let texts = if let ColumnValues::Texts(_, texts) = values { Some(texts.clone()) } else { None };
+        Ok((array, texts))
     }
 
     fn __len__(&self) -> usize {
@@ -195,6 +286,11 @@ impl Scene {
         begin()?;
         Ok(py.detach(|| self.scene.fingerprint()))
     }
+}
+
+/// The beads of a radius; infinite for the default one.
+pub(crate) fn bead(radius: f64) -> Bead {
+    if radius.is_finite() { Bead::Radius(radius) } else { Bead::Thin }
 }
 
 /// Checks the spheres; an error names the argument and the row.

@@ -64,6 +64,13 @@ for other in renderer.render_many(scene, [camera], aovs="depth"):
     other.save("x.npy")
 hits = renderer.trace(scene, (0, 0, 5), np.zeros((4, 3)) - 1)
 t: NDArray[np.float64] = hits.t
+for name, values in frame.items():
+    print(name, values.dtype)
+single = renderer.render(scene, camera, aovs="depth", dtype="float32", label="x", scale_bar="m")
+K = np.eye(3)
+hl.Camera.from_intrinsics(K=K, width=4, height=3, pose=np.eye(4))
+chains: NDArray[np.str_] = scene.columns["chain"]
+numbers, texts = scene.columns.categories("chain")
 nearest: bool = bool(renderer.trace(scene, (0, 0, 5), [[0, 0, 1]], any=True).hit[0])
 """
 

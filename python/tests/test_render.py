@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import sys
 from pathlib import Path
 from typing import Any, Final
 
@@ -430,13 +429,6 @@ def test_methods_are_measured(cloud: hl.Scene) -> None:
     assert record["schema"] == "halfline-measure", record.keys()
     with pytest.raises(ValueError, match="nonsense"):
         hl.measure(cloud, methods="nonsense")
-
-
-def test_progress_is_a_bar_or_a_line(
-    cpu: hl.Renderer, cloud: hl.Scene, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cpu.render(cloud, size=(16, 16), progress=True).size == (16, 16)
-    assert "of" in capsys.readouterr().err or "tqdm" in sys.modules
 
 
 def test_pictures_and_datasets(cpu: hl.Renderer, cloud: hl.Scene, tmp_path: Path) -> None:

@@ -308,6 +308,11 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "bounces",
         "progress",
         "depth_cue",
+        "legend",
+        "label",
+        "scale_bar",
+        "cell",
+        "dtype",
     ]
     reading = [
         "frame",
@@ -321,6 +326,7 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         "color_by",
         "range",
         "clip",
+        "keep",
     ]
 
     def odd() -> Any:
@@ -358,6 +364,10 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         lambda: hl.read_cameras(odd(), intrinsics=odd()),
         lambda: hl.Renderer(odd(), adapter=dice.choice([None, odd()])),
         lambda: cpu.render(cloud, size=(4, 4))[odd()],
+        lambda: cpu.render(cloud, size=(4, 4)).get(odd()),
+        lambda: hl.Camera.from_intrinsics(K=odd(), width=odd(), height=4, pose=odd()),
+        lambda: cloud.columns[odd()],
+        lambda: cloud.columns.categories(odd()),
         lambda: cpu.render(cloud, size=(4, 4)).save(odd(), aovs=odd(), unit=odd()),
     ]
     raised = 0

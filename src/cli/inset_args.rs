@@ -3,10 +3,8 @@
 use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use clap::Args;
-use halfline::camera::Viewport;
 use halfline::error::{Error, Result};
-use halfline::measure::plot::inset::{Corner, Insets, MOST_LETTERS, Panels, ScaleBar};
-use halfline::quote::number;
+use halfline::measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use halfline::read::style::Legend;
 use halfline::scene::Scene;
 use halfline::write::file::is_standard_output;
@@ -23,7 +21,7 @@ pub(super) struct InsetArgs {
     legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
     /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
-    #[arg(long, value_name = "TEXT", value_parser = label)]
+    #[arg(long, value_name = "TEXT")]
     label: Option<Label>,
     /// Draws a bar of a round length in scene units at the bottom left, with this unit in its label. With a perspective
     /// camera the length is that at the distance of the scene's middle.
@@ -32,20 +30,6 @@ pub(super) struct InsetArgs {
 }
 
 const LEGEND_IN: &str = "--legend-in";
-
-/// The text of a label, in parts.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct Label(Vec<LabelPart>);
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum LabelPart {
-    Text(String),
-    Frame,
-    File,
-    Count,
-    Time,
-    Step,
-}
 
 impl InsetArgs {
     fn is_given(&self) -> bool {
@@ -88,14 +72,10 @@ impl InsetArgs {
         }
         let scene = &picture.scene;
         let legend = |legend: &Legend| self.legend_in.map(|corner| (legend.clone(), corner));
-        let scale_bar = self.scale_bar.as_ref().map(|unit| {
-            let unit = unit.clone();
-            per_pixel(scene).map(|per_pixel| ScaleBar { per_pixel, unit })
-        });
         let insets = Insets {
             legend: picture.legend.as_ref().and_then(legend),
-            label: self.label.as_ref().map(|label| label.text(args, picture)).transpose()?,
-            scale_bar: scale_bar.transpose()?,
+            label: self.label.as_ref().map(|label| label.text(&values(args, picture))).transpose()?,
+            scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
         };
         insets.panels(scene.image.width, scene.image.height).map(Some)
     }
@@ -108,60 +88,15 @@ impl InsetArgs {
     }
 }
 
-/// Scene units in a pixel: everywhere with an orthographic camera, else at the distance of the middle of all spheres.
-fn per_pixel(scene: &Scene) -> Result<f64> {
-    let Viewport { vw, d, .. } = scene.camera.viewport(scene.image.width, scene.image.height)?;
-    let pixel = vw / f64::from(scene.image.width);
-    if scene.camera.lens.is_orthographic() {
-        return Ok(pixel);
+/// What the names in braces of a label stand for.
+fn values(args: &SceneArgs, picture: &Numbered) -> LabelValues {
+    let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
+    LabelValues {
+        frame: picture.number,
+        file: Some(name.to_string_lossy().into_owned()),
+        count: picture.scene.spheres.len(),
+        when: picture.when,
     }
-    let basis = scene.camera.basis()?;
-    let depth = (basis.e - scene.spheres.middle()).dot(basis.w);
-    if depth > 0.0 {
-        return Ok(pixel * depth / d);
-    }
-    let problem = "--scale-bar needs the middle of all spheres in front of the camera";
-    Err(Error::settings(problem, "use --ortho or another camera, or remove --scale-bar"))
-}
-
-impl Label {
-    fn text(&self, args: &SceneArgs, picture: &Numbered) -> Result<String> {
-        let part = |part: &LabelPart| {
-            Ok(match part {
-                LabelPart::Text(text) => text.clone(),
-                LabelPart::Frame => picture.number.to_string(),
-                LabelPart::File => {
-                    let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
-                    name.to_string_lossy().into_owned()
-                }
-                LabelPart::Count => picture.scene.spheres.len().to_string(),
-                LabelPart::Time => {
-                    let found = picture.when.time.map(brief);
-                    found.ok_or_else(|| lacking("{time}", "time", picture.when.step.map(|_| "{step}")))?
-                }
-                LabelPart::Step => {
-                    let found = picture.when.step.map(|step| step.to_string());
-                    found.ok_or_else(|| lacking("{step}", "step", picture.when.time.map(|_| "{time}")))?
-                }
-            })
-        };
-        self.0.iter().map(part).collect()
-    }
-}
-
-/// A time with seven significant digits, which a number of 32 bits has, and without zeros at its end.
-fn brief(time: f64) -> String {
-    let text = number(time, 7);
-    if text.contains('e') || !text.contains('.') {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// The error for a name in braces that the frame has no number for; `other` is one that it has.
-fn lacking(name: &str, what: &str, other: Option<&str>) -> Error {
-    let other = other.map_or(String::new(), |other| format!(", or use {other}"));
-    Error::settings(format!("--label has {name}, but the frame has no {what}"), format!("remove {name}{other}"))
 }
 
 /// The words of a command line in which the name of a corner behind `--legend-in` and a blank is joined to it by `=`, up
@@ -177,30 +112,6 @@ pub(super) fn joined(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
         }
     }
     all
-}
-
-fn label(text: &str) -> Result<Label, String> {
-    if text.trim().is_empty() || text.chars().count() > MOST_LETTERS {
-        return Err(format!("expected a text of 1 to {MOST_LETTERS} letters"));
-    }
-    let wrong = || "expected {frame}, {file}, {count}, {time} or {step} in braces".to_owned();
-    let (mut parts, mut rest) = (Vec::new(), text);
-    while let Some(start) = rest.find(['{', '}']) {
-        let (before, from) = rest.split_at(start);
-        let (name, after) = from.strip_prefix('{').and_then(|from| from.split_once('}')).ok_or_else(wrong)?;
-        parts.push(LabelPart::Text(before.to_owned()));
-        parts.push(match name {
-            "frame" => LabelPart::Frame,
-            "file" => LabelPart::File,
-            "count" => LabelPart::Count,
-            "time" => LabelPart::Time,
-            "step" => LabelPart::Step,
-            _ => return Err(wrong()),
-        });
-        rest = after;
-    }
-    parts.push(LabelPart::Text(rest.to_owned()));
-    Ok(Label(parts))
 }
 
 #[cfg(test)]
@@ -219,19 +130,6 @@ mod tests {
         ] {
             let typed = joined(typed.split(' ').map(OsString::from));
             assert_eq!(typed.join(" ".as_ref()), words);
-        }
-    }
-
-    #[test]
-    fn labels_are_text_with_names_in_braces() {
-        let text = |text: &str| LabelPart::Text(text.into());
-        assert_eq!(label("t"), Ok(Label(vec![text("t")])));
-        let parts = vec![text("a "), LabelPart::Frame, text("/"), LabelPart::Count, text("")];
-        assert_eq!(label("a {frame}/{count}"), Ok(Label(parts)));
-        let times = [0.0, 100.00000762939453, 2.5, 0.1f32.into(), -3.0, 1e9].map(brief);
-        assert_eq!(times, ["0", "100", "2.5", "0.1", "-3", "1.000000e9"]);
-        for bad in ["", " ", "{", "}", "{x}", "{frame", "a}b", "{{frame}", "{}", &"x".repeat(1001)] {
-            label(bad).expect_err(bad);
         }
     }
 }

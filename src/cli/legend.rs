@@ -6,18 +6,13 @@ use super::scene_frames::{check_pattern, numbered};
 use halfline::error::{Error, Result};
 use halfline::read::Hold;
 use halfline::read::style::Legend;
-use halfline::write::file::{check_writable, write_atomically};
+use halfline::write::file::check_writable;
 use std::path::{Path, PathBuf};
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
-    if !is_png(path) && !ends_in(path, "svg") {
-        return Err(Error::settings(
-            format!("a legend cannot be written to {}", path.display()),
-            "use the file name extension .svg or .png",
-        ));
-    }
+    Legend::check_file(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "use another file for the legend"));
@@ -42,17 +37,6 @@ pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<Strin
     args.color.legend.as_deref().filter(|path| is_png(path)).and(legend).and_then(Legend::warning)
 }
 
-/// Writes a legend atomically.
-pub(super) fn write(legend: &Legend, path: &Path) -> Result<()> {
-    let plot = legend.plot()?;
-    let bytes = if is_png(path) { plot.png } else { plot.svg.into_bytes() };
-    write_atomically(path, |out| out.write_all(&bytes))
-}
-
 fn is_png(path: &Path) -> bool {
-    ends_in(path, "png")
-}
-
-fn ends_in(path: &Path, ending: &str) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case("png"))
 }

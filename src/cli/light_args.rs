@@ -139,7 +139,9 @@ impl PictureLook {
             Look::Soft => {
                 let light = "a light from above left without shadows if the scene has no light";
                 let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
-                format!("--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}")
+                format!(
+                    "--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}"
+                )
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

@@ -9,8 +9,8 @@ use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
-use halfline::quote::{count, number};
 use halfline::frame::tone::Tone;
+use halfline::quote::{count, number};
 use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
 

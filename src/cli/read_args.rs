@@ -5,7 +5,7 @@ use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Periodic, ReadOptions, Selection, Style};
+use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
 use std::path::PathBuf;
 
@@ -146,6 +146,7 @@ impl ReadArgs {
             },
             select: self.select.clone(),
             hide: self.hide.clone(),
+            keep: Keep::Nothing,
             survey: None,
             style: Style {
                 radii: self.radii,

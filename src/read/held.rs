@@ -96,7 +96,7 @@ impl HeldCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::FrameTime;
+    use crate::read::{Columns, FrameTime};
     use crate::scene::{Framing, ImagePlane, Scene, Skipped, Spheres};
     use crate::settings::FileLook;
 
@@ -112,7 +112,17 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, look: FileLook::PARTICLES, legend: None, cell: None, instances: None, when }
+        SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            look: FileLook::PARTICLES,
+            legend: None,
+            columns: Columns::default(),
+            cell: None,
+            instances: None,
+            when,
+        }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

@@ -4,10 +4,12 @@ mod named;
 
 use super::format::Format;
 use super::particles::{EVERY, Periodic, Survey, periodic};
+use super::select::candidates;
 use super::select::selection::Selection;
 use super::style::Style;
 use crate::error::{Error, Result};
 use crate::progress::Watch;
+use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -51,6 +53,8 @@ pub struct ReadOptions {
     pub hide: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
+    /// The columns that the scene keeps ([`SceneFrame::columns`](crate::read::SceneFrame::columns)).
+    pub keep: Keep,
     /// Counts the particles with all columns, or passes them on in parts, instead of keeping them; see
     /// [`info`](fn@crate::read::info) and [`SphereBlocks`](crate::read::SphereBlocks).
     pub survey: Option<Survey>,
@@ -63,6 +67,9 @@ impl ReadOptions {
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
         if self.survey.as_ref().is_some_and(Survey::is_counting) {
+            return vec![EVERY.to_owned()];
+        }
+        if self.keep == Keep::All {
             return vec![EVERY.to_owned()];
         }
         let mut columns: Vec<String> = self.style.columns().to_vec();
@@ -82,8 +89,39 @@ impl ReadOptions {
                     .collect::<Vec<_>>(),
             );
         }
+        if let Keep::Named(words) = &self.keep {
+            for name in words.iter().flat_map(|word| candidates(word)) {
+                if !columns.iter().any(|known| known.eq_ignore_ascii_case(&name)) {
+                    columns.push(name);
+                }
+            }
+        }
         columns
     }
+
+    /// The options for a file of this format: of molecules all columns are kept.
+    pub(super) fn of_format(&self, format: Format) -> Cow<'_, Self> {
+        use Format::{Gro, Mmcif, Pdb, Pdbqt, Pqr};
+        match self.keep == Keep::Molecules && matches!(format, Pdb | Pqr | Pdbqt | Mmcif | Gro) {
+            true => Cow::Owned(Self { keep: Keep::All, ..self.clone() }),
+            false => Cow::Borrowed(self),
+        }
+    }
+}
+
+/// The columns of particles that a scene keeps.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// None.
+    #[default]
+    Nothing,
+    /// All of a molecule (PDB, PQR, PDBQT, mmCIF, GRO, and a trajectory with such a topology); of other files those that
+    /// colours and selections read.
+    Molecules,
+    /// Those that these words of selections read, and those that colours and selections read.
+    Named(Vec<String>),
+    /// All.
+    All,
 }
 
 /// Where default radii and ranges of colours come from, so that the frames of a film do not flicker.

@@ -57,6 +57,7 @@ pub(super) fn open(source: SceneSource, options: &ReadOptions) -> Result<Result<
         let problem = format!("--columns names the columns of tables, but the file is {}", source.format.name());
         return Err(Error::settings(problem, "remove it, or add --format csv if the file is a table"));
     }
+    let options = &*options.of_format(source.format);
     let trajectory = matches!(source.format, Format::Xtc | Format::Trr | Format::Dcd);
     let topology = match &options.topology {
         None => None,

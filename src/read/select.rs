@@ -13,6 +13,7 @@ pub(super) mod selection;
 mod values;
 
 pub(super) use apply::{add_selected, apply};
+pub(super) use columns::candidates;
 
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,9 @@
 //! Scenes in sequence: the frames of a trajectory, or the single scene of a file.
 
+use super::columns::Columns;
 use super::format::Format;
 use super::input::Input;
-use super::options::{Hold, ReadOptions};
+use super::options::{Hold, Keep, ReadOptions};
 use super::particles::periodic::no_cell;
 use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
@@ -10,7 +11,7 @@ use super::source::SceneSource;
 use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
-use crate::quote::count;
+use crate::quote::{count, quote};
 use crate::scene::camera::Camera;
 use crate::scene::instances::Instances;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
@@ -52,6 +53,8 @@ pub struct SceneFrame {
     pub look: FileLook,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
+    /// The columns of the particles that [`ReadOptions::keep`] keeps, in the order of the spheres.
+    pub columns: Columns,
     /// The periodic cell, if the file has one.
     pub cell: Option<Cell>,
     /// The spheres, where an assembly is kept as operators ([`ReadOptions::as_operators`]). The scene then has none.
@@ -167,6 +170,7 @@ impl Sequence {
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }
+        let columns = self.columns(&mut particles)?;
         let spacing = self.options.style.spacing_of(&particles);
         let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
         let hold = self.options.hold;
@@ -195,7 +199,26 @@ impl Sequence {
         };
         scene.frame_all(&Framing::default())?;
         let look = FileLook::PARTICLES;
-        Ok(SceneFrame { number, scene, has_camera: false, look, legend, cell, instances: None, when })
+        Ok(SceneFrame { number, scene, has_camera: false, look, legend, columns, cell, instances: None, when })
+    }
+
+    /// The columns that the scene of these particles keeps.
+    fn columns(&self, particles: &mut Particles) -> Result<Columns> {
+        if self.options.keep == Keep::Nothing {
+            return Ok(Columns::default());
+        }
+        let texts = std::mem::take(&mut particles.mixed).into_counts();
+        let mixed = texts.keys().map(|column| quote(&particles.columns[*column].name).to_string());
+        particles
+            .skipped
+            .assumed
+            .extend(mixed.map(|name| format!("the column {name} has texts among its numbers, which are kept as NaN")));
+        let columns = Columns::of(particles)?;
+        // A frame without particles may have no columns either.
+        if let (Keep::Named(words), false) = (&self.options.keep, particles.positions.is_empty()) {
+            words.iter().try_for_each(|word| columns.get(word).map(drop))?;
+        }
+        Ok(columns)
     }
 
     /// The same for particles with copies, which are one frame.
@@ -211,7 +234,18 @@ impl Sequence {
         };
         scene.frame_all(&Framing::default())?;
         let look = FileLook::PARTICLES;
-        Ok(SceneFrame { number, scene, has_camera: false, look, legend, cell: None, instances: Some(instances), when })
+        let columns = Columns::default();
+        Ok(SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            look,
+            legend,
+            columns,
+            cell: None,
+            instances: Some(instances),
+            when,
+        })
     }
 
     /// The next selected frame; `None` after the last.
@@ -231,8 +265,10 @@ impl Sequence {
                     if wanted {
                         let ((scene, look), has_camera) = (*scene, true);
                         let when = FrameTime::default();
-                        let (legend, cell, instances) = (None, None, None);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, look, legend, cell, instances, when }));
+                        let (legend, columns, cell, instances) = (None, Columns::default(), None, None);
+                        let frame =
+                            SceneFrame { number, scene, has_camera, look, legend, columns, cell, instances, when };
+                        return Ok(Some(frame));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

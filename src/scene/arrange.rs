@@ -70,6 +70,29 @@ impl Arrangement {
         Ok(())
     }
 
+    /// The spheres that [`Arrangement::apply`] makes of `spheres`, in their order: for each the index of the one that it is a
+    /// copy of. The beads of an outline follow them and are left out.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where copies need a cell and there is none; [`Error::Limits`], [`Error::Interrupted`].
+    pub fn rows(&self, spheres: &Spheres, cell: Option<&Cell>, watch: &Watch) -> Result<Vec<u32>> {
+        let lattice = self.lattice(cell)?;
+        let total = lattice.count().saturating_mul(spheres.len() as u64);
+        check(total.saturating_mul(2 * size_of::<u32>() as u64), || format!("the rows of {total} spheres"))?;
+        let mut rows = Vec::new();
+        for copy in 0..lattice.count() {
+            watch.check()?;
+            let shift = lattice.shift(lattice.place(copy));
+            let stays = |center: &[f64; 3]| {
+                let center = DVec3::from_array(*center) + shift;
+                self.clip.iter().all(|plane| is_kept(*plane, center))
+            };
+            let all = spheres.centers.par_iter().enumerate();
+            rows.par_extend(all.filter(|(_, center)| stays(center)).map(|(row, _)| row as u32));
+        }
+        Ok(rows)
+    }
+
     /// The copies of `spheres` that the clip planes keep, numbered as by [`Arrangement::apply`], without holding them in
     /// memory. The outline is left out.
     ///
@@ -274,6 +297,25 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_the_spheres_that_copies_are_made_of() {
+        for (copies, clip) in [
+            ([1; 3], Vec::new()),
+            ([2, 1, 3], Vec::new()),
+            ([1; 3], vec![[1.0, 0.0, 0.0, 0.5]]),
+            ([3, 2, 1], vec![[-1.0, 0.0, 0.0, -3.0], [0.0, 1.0, 0.0, 3.5]]),
+        ] {
+            let arrangement = Arrangement { copies, clip, outline: None };
+            // The radius of each sphere says which one it is a copy of.
+            let mut spheres = two();
+            let rows = arrangement.rows(&spheres, Some(&CELL), &Watch::default()).expect("room");
+            let radii = spheres.radii.to_vec();
+            arrangement.apply(&mut spheres, Some(&CELL), &Watch::default()).expect("room");
+            let expected: Vec<f64> = rows.iter().map(|row| radii[*row as usize]).collect();
+            assert_eq!(spheres.radii.to_vec(), expected, "{arrangement:?}");
+        }
+    }
+
+    #[test]
     fn an_outline_reaches_every_corner() {
         let mut spheres = two();
         let outline = Arrangement { outline: Some(Bead::Radius(0.1)), copies: [1, 2, 1], ..Arrangement::default() };
@@ -281,6 +323,12 @@ mod tests {
         for corner in [[1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 6.0, 0.0], [5.0, 6.0, 4.0]] {
             assert!(spheres.centers[4..].contains(&corner), "{corner:?}");
         }
+        // Shared spheres are copied, and the others stay as they are.
+        let mut shared = two();
+        shared.share();
+        let others = shared.clone();
+        outline.apply(&mut shared, Some(&CELL), &Watch::default()).expect("a cell");
+        assert!(shared.len() > 4 && others.len() == 2);
         let none = Arrangement { outline: Some(Bead::Radius(0.0)), ..Arrangement::default() };
         none.apply(&mut spheres, Some(&CELL), &Watch::default()).expect_err("no bead");
     }

@@ -152,7 +152,7 @@ impl Render {
 
     fn write_legend(&self, numbered: &Numbered) -> Result<()> {
         match (legend::file(&self.args, numbered.number)?, &numbered.legend) {
-            (Some(path), Some(legend)) => legend::write(legend, &path),
+            (Some(path), Some(legend)) => legend.write(&path),
             _ => Ok(()),
         }
     }

@@ -12,7 +12,7 @@ use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::quote::count;
 use halfline::read::style::{Coloring, Legend};
-use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
+use halfline::read::{Columns, FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
@@ -142,7 +142,18 @@ impl<'a> Source<'a> {
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
         let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let mut frame = SceneFrame { number: 1, scene, has_camera: false, look: FileLook::PARTICLES, legend, cell, instances, when };
+        let columns = Columns::default();
+        let mut frame = SceneFrame {
+            number: 1,
+            scene,
+            has_camera: false,
+            look: FileLook::PARTICLES,
+            legend,
+            columns,
+            cell,
+            instances,
+            when,
+        };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),

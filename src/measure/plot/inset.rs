@@ -1,7 +1,9 @@
 //! What is drawn inside a picture: the legend of its colours, a label, a scale bar. Each is dark on a translucent white
 //! panel, which is readable on dark and on light backgrounds, with letters whose size follows the picture's.
 
+mod label;
 mod page;
+mod scale;
 
 use super::canvas::plain;
 use super::raster::{missing, warning};
@@ -11,6 +13,8 @@ use crate::read::style::{Legend, linear};
 use page::Page;
 use std::collections::BTreeSet;
 use tiny_skia::Pixmap;
+
+pub use label::{Label, LabelValues};
 
 /// Where the legend is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -7,9 +7,11 @@ use super::look::{Drawn, INK, bold, centered, font};
 use super::raster::{missing, warning};
 use crate::error::{Error, Result};
 use crate::read::style::Legend;
+use crate::write::file::write_atomically;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::io;
+use std::path::Path;
 
 /// Width of the picture; left, top, width and height of the bar in it.
 const WIDTH: i32 = 960;
@@ -31,6 +33,11 @@ const LABELS: usize = 120;
 
 /// Height of a label.
 const SIZE: i32 = 24;
+
+/// Whether a file name has this extension.
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
 
 impl Legend {
     /// The number at a fraction of the bar.
@@ -55,6 +62,28 @@ impl Legend {
     pub fn warning(&self) -> Option<String> {
         let labels = self.labels().into_iter().flat_map(|label| missing(&plain(&label), false).collect::<Vec<_>>());
         warning(&missing(&plain(&self.name), true).chain(labels).collect())
+    }
+
+    /// Checks that the name of a file is one of a legend, for use before the work begins.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for an extension other than .svg and .png.
+    pub fn check_file(path: &Path) -> Result<()> {
+        if !ends_in(path, "png") && !ends_in(path, "svg") {
+            let problem = format!("a legend cannot be written to {}", path.display());
+            return Err(Error::settings(problem, "use the file name extension .svg or .png"));
+        }
+        Ok(())
+    }
+
+    /// Writes the legend to a file, completely or not at all, in the format of its extension.
+    ///
+    /// # Errors
+    /// Those of [`Legend::plot`] and of writing.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let plot = self.plot()?;
+        let bytes = if ends_in(path, "png") { plot.png } else { plot.svg.into_bytes() };
+        write_atomically(path, |out| out.write_all(&bytes))
     }
 
     fn title(&self, area: &Area<'_>) -> Drawn {

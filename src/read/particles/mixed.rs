@@ -43,7 +43,7 @@ impl Mixed {
     }
 
     /// The texts of each column that has some.
-    pub(super) fn into_counts(self) -> BTreeMap<usize, BTreeMap<String, u64>> {
+    pub(in crate::read) fn into_counts(self) -> BTreeMap<usize, BTreeMap<String, u64>> {
         self.counts
     }
 }

@@ -187,6 +187,7 @@ fn bond_radii(particles: &Particles) -> (Vec<f32>, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Cell;
 
     /// A tilted cell whose numbers and inverse are dyadic, so that all results are exact.
     const CELL: Cell = Cell { origin: [-1.0, 0.0, 0.5], edges: [[4.0, 0.0, 0.0], [2.0, 8.0, 0.0], [0.0, 4.0, 2.0]] };

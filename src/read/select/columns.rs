@@ -64,6 +64,16 @@ impl Key {
     }
 }
 
+/// The columns that a word reads, of which the first that is there counts.
+pub(in crate::read) fn candidates(word: &str) -> Vec<String> {
+    match Key::of(word) {
+        Key::Index(0) => vec!["index".into()],
+        Key::Resid | Key::Residue => NUMBERS.map(str::to_owned).to_vec(),
+        Key::Columns(columns) => columns,
+        Key::Index(_) | Key::Axis(_) | Key::Radius | Key::Element | Key::Kind(_) => vec![word.to_lowercase()],
+    }
+}
+
 /// The columns that a reader must keep for this key, as far as the file has them.
 pub(super) fn keys(key: &Key) -> Vec<String> {
     let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect();

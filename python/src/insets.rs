@@ -1,0 +1,91 @@
+//! What is drawn inside the pictures of a frame: legend, label, scale bar.
+
+use crate::scene::Scene;
+use halfline::error::{Error, Result};
+use halfline::measure::plot::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
+use halfline::read::style::Legend;
+use halfline::write::file::check_writable;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// The keywords for it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Insets {
+    /// The name of a corner.
+    legend: Option<String>,
+    /// The file of the legend.
+    legend_file: Option<PathBuf>,
+    label: Option<String>,
+    /// The unit; empty for none.
+    scale_bar: Option<String>,
+}
+
+impl Insets {
+    /// Whether anything is drawn into the picture.
+    fn is_given(&self) -> bool {
+        self.legend.is_some() || self.label.is_some() || self.scale_bar.is_some()
+    }
+
+    /// Checks what does not depend on a camera; `cropped` says whether a part of the picture is rendered, `colored` whether
+    /// there is a picture.
+    pub(crate) fn check(&self, scene: &Scene, cropped: bool, colored: bool) -> Result<()> {
+        let refuse = |problem: &str, mend: &str| {
+            Err(Error::settings(format!("legend, label and scale_bar are drawn into {problem}"), mend))
+        };
+        self.label()?;
+        if let Some(path) = &self.legend_file {
+            Legend::check_file(path)?;
+            check_writable(path)?;
+        }
+        if self.legend.is_some() || self.legend_file.is_some() {
+            self.legend_of(scene)?;
+        }
+        match (self.is_given(), cropped, colored) {
+            (true, true, _) => refuse("whole pictures, because parts would not merge", "remove crop"),
+            (true, _, false) => refuse("the picture, and the frame has none", "add 'color' to aovs"),
+            _ => Ok(()),
+        }
+    }
+
+    fn label(&self) -> Result<Option<Label>> {
+        self.label.as_deref().map(str::parse).transpose()
+    }
+
+    fn legend_of<'a>(&self, scene: &'a Scene) -> Result<&'a Legend> {
+        scene.legend.as_deref().ok_or_else(|| {
+            let problem = "legend: the colours of this scene have no legend";
+            Error::settings(problem, "read the file with color_by=, such as color_by='element', or remove legend")
+        })
+    }
+
+    /// Writes the file of the legend, if one is requested.
+    pub(crate) fn write(&self, scene: &Scene) -> Result<()> {
+        self.legend_file.as_deref().map_or(Ok(()), |path| self.legend_of(scene)?.write(path))
+    }
+
+    /// What is drawn into the picture of this scene with this number.
+    pub(crate) fn panels(&self, scene: &Scene, exact: &halfline::Scene, number: u64) -> Result<Option<Panels>> {
+        if !self.is_given() {
+            return Ok(None);
+        }
+        let values =
+            LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), when: scene.when() };
+        let corner = self.legend.as_deref().map(str::parse::<Corner>).transpose()?;
+        let insets = Exact {
+            legend: corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()?,
+            label: self.label()?.map(|label| label.text(&values)).transpose()?,
+            scale_bar: self.scale_bar.as_deref().map(|unit| ScaleBar::of(exact, unit)).transpose()?,
+        };
+        insets.panels(exact.image.width, exact.image.height).map(Some)
+    }
+
+    /// What the panels and the file of the legend do not show as it is written, in whole sentences.
+    pub(crate) fn warnings(&self, scene: &Scene, panels: Option<&Panels>) -> Vec<String> {
+        let is_png = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        let of_file = self.legend_file.as_ref().filter(|path| is_png(path)).and(scene.legend.as_deref());
+        let mut all: Vec<String> = panels.and_then(Panels::warning).into_iter().collect();
+        all.extend(of_file.and_then(Legend::warning).filter(|words| !all.contains(words)));
+        all
+    }
+}
