@@ -133,13 +133,15 @@ impl PictureLook {
 
     /// The options that the look stands for, in a sentence; `None` for the plain one.
     pub(super) fn words(&self) -> Option<String> {
-        let ChosenLook { look, is_default, .. } = self.chosen;
+        let ChosenLook { look, samples, is_default } = self.chosen;
         let stands_for = match look {
             Look::Plain => return None,
             Look::Soft => {
                 let light = "a light from above left without shadows if the scene has no light";
-                let (rays, samples) = (Sky::AT_CENTERS.rays, look.samples());
-                format!("--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}")
+                let rays = Sky::AT_CENTERS.rays;
+                format!(
+                    "--occlusion {rays} at every second pixel's centre, --silhouette --samples {samples}, and {light}"
+                )
             }
             Look::Figure => "--shade flat --silhouette --depth-cue".to_owned(),
         };

@@ -7,8 +7,8 @@ use super::scene_frames::Numbered;
 use super::{note, print, say};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
-use halfline::quote::{count, number};
 use halfline::frame::tone::Tone;
+use halfline::quote::{count, number};
 use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
 

@@ -112,7 +112,16 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, look: FileLook::PARTICLES, legend: None, cell: None, instances: None, when }
+        SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            look: FileLook::PARTICLES,
+            legend: None,
+            cell: None,
+            instances: None,
+            when,
+        }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

@@ -146,7 +146,10 @@ mod tests {
         }
         let toward = |angle: f64| sky.toward(DVec3::new(angle.cos(), 0.0, angle.sin()));
         let rising: Vec<f64> = (0..=90).map(|angle| toward(f64::from(angle).to_radians()).z).collect();
-        assert!(rising.windows(2).all(|pair| pair[0] <= pair[1]) && rising[2] > 0.6, "most of the change is low: {rising:?}");
+        assert!(
+            rising.windows(2).all(|pair| pair[0] <= pair[1]) && rising[2] > 0.6,
+            "most of the change is low: {rising:?}"
+        );
     }
 
     /// Against the mean over a million independent directions.

@@ -97,7 +97,13 @@ impl FileLook {
     /// the file's; particles have the look `soft` unless a shading is asked for. Without a picture nothing of a look is
     /// computed.
     #[must_use]
-    pub fn choose(self, has_picture: bool, look: Option<Look>, samples: Option<u32>, shade: Option<Shade>) -> ChosenLook {
+    pub fn choose(
+        self,
+        has_picture: bool,
+        look: Option<Look>,
+        samples: Option<u32>,
+        shade: Option<Shade>,
+    ) -> ChosenLook {
         let asked = look.or(self.look);
         let is_default = asked.is_none() && self.is_particles && shade.is_none() && has_picture;
         let look = asked.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });

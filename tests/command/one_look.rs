@@ -159,7 +159,8 @@ fn what_exceeds_one_keeps_its_shape_in_pictures_of_levels() {
     for bad in ["--exposure 33", "--exposure nan", "--tone warm"] {
         dir.refused_render(2, &format!("red.toml -o x.png {bad}"), &[bad.split(' ').next().expect("an option")]);
     }
-    let (seen, err) = (dir.good("plan red.toml -o p.png --exposure 0.5"), "soft: colours beyond 1 become whiter, exposure 0.5 stops");
+    let (seen, err) =
+        (dir.good("plan red.toml -o p.png --exposure 0.5"), "soft: colours beyond 1 become whiter, exposure 0.5 stops");
     assert!(seen.text().contains(err), "{}", seen.text());
     let variables = [("HALFLINE_TONE", "linear"), ("HALFLINE_EXPOSURE", "0")];
     assert_eq!(dir.run_with("render red.toml -o p.png --samples 4 --backend cpu", &variables).code, 0);

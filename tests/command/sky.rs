@@ -115,7 +115,12 @@ fn parts_of_a_frame_have_the_bytes_of_the_frame() {
     // The keys of the file are defaults of the options.
     let plan = |options: &str| {
         let plan = dir.good(&format!("plan m.toml -o p.png --backend cpu --json {options}")).json();
-        (plan["samples"].as_u64(), plan["silhouette"].as_bool(), plan["occlusion"]["rays"].as_u64(), plan["lights"].as_u64())
+        (
+            plan["samples"].as_u64(),
+            plan["silhouette"].as_bool(),
+            plan["occlusion"]["rays"].as_u64(),
+            plan["lights"].as_u64(),
+        )
     };
     assert_eq!(plan(""), (Some(4), Some(true), Some(4), Some(1)));
     assert_eq!(plan("--look plain --samples 9"), (Some(9), Some(false), Some(4), Some(0)));

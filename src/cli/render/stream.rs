@@ -133,7 +133,16 @@ impl<'a> Source<'a> {
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
         let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let mut frame = SceneFrame { number: 1, scene, has_camera: false, look: FileLook::PARTICLES, legend, cell, instances, when };
+        let mut frame = SceneFrame {
+            number: 1,
+            scene,
+            has_camera: false,
+            look: FileLook::PARTICLES,
+            legend,
+            cell,
+            instances,
+            when,
+        };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
