@@ -130,7 +130,7 @@ pub(super) struct ImageArgs {
     #[arg(long, value_name = "I/N", value_parser = tile, conflicts_with = "crop")]
     tile: Option<(u32, u32)>,
     /// Shading: flat (the sphere's colour), normal (as a colour), headlight (lights, or a light at the eye in a scene
-    /// without any) [default: headlight; see --look].
+    /// without any). A picture of particles then has the look plain [default: headlight; see --look].
     // After the lights, to which it belongs.
     #[arg(long, help_heading = "Light", display_order = 1000, value_name = "S")]
     shade: Option<Shade>,

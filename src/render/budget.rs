@@ -75,7 +75,9 @@ impl Need {
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some() || plan.wanted.color);
-            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4
+            // The spheres at the centres of pixels, and the light of the sky there.
+            let shared = plan.wanted.color && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
+            bytes_per_pixel(&kernel, &[], 0, gpu) + (24 + 12) * colors + 4 + 4 + if shared { 4 + 12 } else { 0 }
         });
         let kernel = bytes_per_pixel(&plan.kernel, &[], 0, gpu);
         // The exact answer of every pixel, twice while the threads' lists are joined.
