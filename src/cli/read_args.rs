@@ -280,7 +280,7 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| match (text.parse::<f64>(), word_after(text)) {
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| match (text.parse::<f64>(), word_after_range()) {
         (Ok(_), Some(next)) if next.parse::<f64>().is_ok() => {
             format!("expected two numbers with a comma between them and no blank: --range {text},{next}")
         }
@@ -288,9 +288,14 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     })
 }
 
-/// The argument that follows the first one with this text.
-fn word_after(text: &str) -> Option<&'static str> {
-    arguments().skip_while(|word| *word != text).nth(1)?.to_str()
+/// The argument behind the value of --range.
+fn word_after_range() -> Option<&'static str> {
+    let words = arguments().filter_map(|word| word.to_str()).skip_while(|word| !word.starts_with("--range"));
+    match words.take(3).collect::<Vec<_>>()[..] {
+        ["--range", _, next] => Some(next),
+        [range, next, ..] if range != "--range" => Some(next),
+        _ => None,
+    }
 }
 
 fn plane(text: &str) -> Result<[f64; 4], String> {

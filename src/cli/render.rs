@@ -252,11 +252,11 @@ impl Render {
 
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
-        let targets = self.args.files.targets(1)?;
         if let Some(film) = self.args.files.film() {
             film.check(&self.args, self.resume)?;
         }
         self.args.files.check_fps()?;
+        let targets = self.args.files.targets(1)?;
         if self.args.is_many() {
             self.args.files.check_many()?;
         }

@@ -221,7 +221,7 @@ fn coordinates_that_a_format_cannot_hold_are_said() {
     assert_eq!((said(&ply), said(&las)), (String::new(), String::new()));
     assert!(las["cloud"]["rounding"].as_f64().is_some_and(|x| x < 1e-8), "{las}");
     // Beyond f32, and farther apart than f64 can number.
-    dir.put("far.toml", scene(0.0).replace("[5.0, 0.0, 0.0]\nradius = 1.25", "[1e39, 0.0, 0.0]\nradius = 1e38"));
+    dir.put("far.toml", scene(0.0).replace("[5, 0.0, 0.0]\nradius = 1.25", "[1e39, 0.0, 0.0]\nradius = 1e38"));
     let trace = |words: &str| format!("trace far.toml --backend cpu {PATTERN} {words}");
     dir.refused(2, &trace("-o a.pcd"), &["a.pcd cannot hold the hits", "use .ply"]);
     dir.good(&trace("-o a.las"));

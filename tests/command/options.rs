@@ -5,6 +5,7 @@ use crate::nff;
 use crate::test_dir::{SCENE, SPHERE, TestDir};
 use halfline::measure::Array;
 use halfline::write::{npy, png};
+use serde_json::Value;
 
 const NFF: &str = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 30\nhither 0.1\nresolution 32 24\nf 1 0.5 0 1 0 0 0 1
 s 0 0 0 1\np 3\n0 0 0\n1 0 0\n0 1 0\n";
@@ -220,4 +221,16 @@ fn zoom_narrows_the_viewport_and_keeps_the_eye() {
         dir.refused_render(2, &format!("s.toml -o c.png --zoom={bad}"), &["--zoom", bad, "positive"]);
     }
     dir.refused_render(3, "s.toml -o c.png --zoom 1e-320", &["camera.viewport", "positive finite"]);
+}
+
+#[test]
+fn a_plan_without_an_output_is_that_of_a_picture() {
+    let dir = TestDir::new(&[("s.toml", SCENE)]);
+    let plan = |options: &str| dir.good(&format!("plan s.toml --backend cpu --json {options}")).json();
+    let left_out = |plan: &Value| plan["left_out"].to_string().contains("no picture is requested");
+    let keys = |plan: &Value| ["frame", "left_out", "rays_per_pixel", "samples"].map(|key| plan[key].clone());
+    assert_eq!(keys(&plan("")), keys(&plan("-o a.png")));
+    assert!(!left_out(&plan("")) && !left_out(&plan("--samples 4")) && !left_out(&plan("--dpi 300")));
+    assert!(left_out(&plan("--aov depth=z.npy")), "what is requested is all");
+    assert!(dir.files().len() == 1, "nothing is written");
 }

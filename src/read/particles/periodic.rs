@@ -1,20 +1,20 @@
 //! Particles and the periodic cell: wrapping them into it, and making whole what it cuts. A move is a whole number of
 //! edges, so particles that stay keep every bit of their coordinates.
 
-mod bonds;
+mod atoms;
 mod edges;
 mod join;
+mod pairs;
 
-use super::infer::{ResidueClass, class};
 use super::{Column, Particles};
 use crate::error::{Error, Result};
 use crate::memory::check;
 use crate::quote::count;
-use crate::read::style::elements::element;
-use bonds::bonds;
+use atoms::Atoms;
 use edges::Edges;
 use glam::DVec3;
-use join::{Endless, Joined, join};
+use join::{Endless, Joined};
+use pairs::pairs;
 use rayon::prelude::*;
 
 /// What is done about the particles of a periodic cell.
@@ -26,7 +26,8 @@ pub enum Periodic {
     /// Each particle is moved into the cell: its fractions of the three edges are in [0, 1).
     Wrap,
     /// Molecules that the cell cuts are made whole: by image flags; else along bonds, which are found by distance where elements
-    /// are known, and by moving the parts of each molecule or residue to the image that is nearest to its first particle.
+    /// are known, then by moving the parts of each molecule or residue to the image that is nearest to its first particle, then
+    /// what touches a protein or nucleic acid to it.
     Unwrap,
 }
 
@@ -111,13 +112,17 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
         Some(molecules) => (molecules.values.iter().map(|n| (*n != 0.0).then(|| n.to_bits())).collect(), false),
         None => (residues(particles), true),
     };
-    let (radii, has_elements) = bond_radii(particles);
-    if groups.is_empty() && !has_elements {
+    let atoms = Atoms::of(particles);
+    if groups.is_empty() && !atoms.has_elements {
         let problem = "--unwrap needs image flags (ix, iy, iz), molecules (mol), residues or elements, but the file has none of \
                        them";
         return Err(Error::settings(problem, "use a file with one of them, or remove --unwrap"));
     }
-    let Joined { images, endless } = join(frame, positions, &bonds(frame, positions, &radii), &groups);
+    let mut joined = Joined::along(frame, positions, &pairs(frame, positions, &atoms.bonds, |_, _| true));
+    joined.link(frame, positions, &joined.links(&groups));
+    let touch = |a, b| atoms.may_touch(a, b) && joined.are_apart(a, b);
+    joined.link(frame, positions, &pairs(frame, positions, &atoms.contacts, touch));
+    let Joined { images, endless, .. } = joined;
     let moved = positions.par_iter().zip(&images).map(|(position, images)| frame.back(*position, *images)).collect();
     let mut said = Vec::new();
     if let Some(Endless { first, size }) = endless.first() {
@@ -129,7 +134,7 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
             count(*size, "particle"),
         ));
     }
-    if are_residues && !has_elements && !positions.is_empty() {
+    if are_residues && !atoms.has_elements && !positions.is_empty() {
         said.push(
             "--unwrap: no element is known, so each residue is whole, but chains of them may stay cut".to_owned(),
         );
@@ -159,29 +164,6 @@ fn residues(particles: &Particles) -> Vec<Option<u64>> {
         Some(number)
     };
     (0..particles.positions.len()).map(residue).collect()
-}
-
-/// The covalent radius of each particle that may be bonded, else 0; and whether any element is known. Waters are whole by their
-/// residue. Alkali and alkaline earth metals are ions in what others surround them with, not atoms of its molecules.
-fn bond_radii(particles: &Particles) -> (Vec<f32>, bool) {
-    const IONS: [u8; 10] = [3, 11, 12, 19, 20, 37, 38, 55, 56, 88];
-    let covalent = |number: &u8| element(*number).and_then(|element| element.covalent);
-    let has_elements = particles.elements.par_iter().any(|number| covalent(number).is_some());
-    let table: Vec<f32> = (0..=u8::MAX)
-        .map(|number| covalent(&number).filter(|_| !IONS.contains(&number)).map_or(0.0, |radius| radius as f32))
-        .collect();
-    let mut radii: Vec<f32> = particles.elements.par_iter().map(|number| table[usize::from(*number)]).collect();
-    let names = particles.columns.iter().find(|column| column.name == "resname");
-    if let Some((column, names)) = names.and_then(|column| Some((column, particles.labels.get(&column.name)?))) {
-        let is_water = |name: &String| class(name.trim().to_ascii_uppercase().as_bytes()) == Some(ResidueClass::Water);
-        let waters: Vec<bool> = names.iter().map(is_water).collect();
-        radii.par_iter_mut().zip(&column.values).for_each(|(radius, name)| {
-            if waters.get(*name as usize) == Some(&true) {
-                *radius = 0.0;
-            }
-        });
-    }
-    (radii, has_elements)
 }
 
 #[cfg(test)]
@@ -322,6 +304,23 @@ mod tests {
         let listed = p.positions.clone();
         apply(Periodic::Unwrap, &mut p).expect("residues");
         assert_eq!(p.positions[8], listed[8], "the first of a residue stays");
+    }
+
+    /// Two chains of a protein that touch across a face are one picture; what is no protein stays.
+    #[test]
+    fn chains_of_a_protein_that_touch_come_together() {
+        let first = chain([17.0, 5.0, 5.0], &[[0.0, 1.0, 0.0]], 6);
+        // 3.5 beside it, across the face at the end of the first edge.
+        let second = chain([20.5, 5.0, 5.0], &[[0.0, 1.0, 0.0]], 6);
+        for (name, are_together) in [("ALA", true), ("POPC", false)] {
+            let mut p = cut(&[first.clone(), second.clone()], &[("resname", &[0.0; 12])]);
+            p.labels.insert("resname".into(), vec![name.into()]);
+            // One group would join them too.
+            p.columns.push(Column { name: "resid".into(), values: (0..12).map(f64::from).collect() });
+            apply(Periodic::Unwrap, &mut p).expect("bonds");
+            let apart = (DVec3::from_array(p.positions[6]) - DVec3::from_array(p.positions[0])).length();
+            assert_eq!((apart - 3.5).abs() < 1e-12, are_together, "{name}: {apart}");
+        }
     }
 
     /// A chain from one face to the opposite one has no end, and stays as it is; another one is made whole beside it.

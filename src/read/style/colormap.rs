@@ -124,8 +124,11 @@ impl FromStr for ColorMap {
                 "{known} is not among the colour maps: its lightness goes up and down, which shows edges where the numbers have \
                  none, and not all people can tell its colours apart"
             );
-            let mend =
-                "use turbo, which has the same colours with smoother lightness, or viridis, whose lightness is even";
+            let names: Vec<_> = Self::ALL.iter().map(|map| map.name()).collect();
+            let mend = format!(
+                "use turbo, which has the same colours with smoother lightness, or viridis, whose lightness is even; the maps are {}",
+                names.join(", ")
+            );
             return Err(Error::settings(problem, mend));
         }
         crate::error::by_name("colour map", name, Self::ALL, Self::name)

@@ -1,4 +1,5 @@
-//! Joining the particles of molecules that the cell cuts: along bonds, then the parts of each group, a molecule or a residue.
+//! Joining the particles that the cell cuts: along bonds, and then parts by links between them. Where links of a part disagree,
+//! the first that is met counts.
 
 use super::edges::Edges;
 use glam::DVec3;
@@ -8,8 +9,12 @@ use std::collections::HashMap;
 pub(super) struct Joined {
     /// The edges that each is moved back by.
     pub(super) images: Vec<DVec3>,
-    /// The molecules that no move makes whole, in the order of their first particles.
+    /// What is bonded to its own image, and so stays as it is, in the order of the first particles.
     pub(super) endless: Vec<Endless>,
+    /// The number of the part that each particle belongs to.
+    parts: Vec<u32>,
+    /// Whether each part stays.
+    stays: Vec<bool>,
 }
 
 /// A molecule that is bonded to its own image.
@@ -24,92 +29,96 @@ pub(super) struct Endless {
 /// The number of a part that is not known yet.
 const NONE: u32 = u32::MAX;
 
-/// Moves what is bonded beside each other, and then the parts of each group beside its first particle. The first particle of
-/// what is joined stays, and so does what is bonded to its own image. Without groups, only bonds join.
-pub(super) fn join(frame: &Edges, positions: &[[f64; 3]], bonds: &[[u32; 2]], groups: &[Option<u64>]) -> Joined {
-    let mut joined = Joined { images: vec![DVec3::ZERO; positions.len()], endless: Vec::new() };
-    let (parts, stays) = along_bonds(frame, positions, bonds, &mut joined);
-    let links = links(groups, &parts);
-    let around = Neighbors::new(stays.len(), links.iter().map(|[a, b]| [*a, *b].map(|n| parts[n as usize])));
-    // What stays comes first, so that others are moved to it.
-    let roots = (0..stays.len()).filter(|part| stays[*part]).chain(0..stays.len());
-    let (mut moves, mut known) = (vec![DVec3::ZERO; stays.len()], stays.clone());
-    let mut waiting = Vec::new();
-    for root in roots {
-        if around.of(root).is_empty() || known[root] && !stays[root] {
-            continue;
+impl Joined {
+    /// Moves what is bonded beside each other; the first particle of each part stays.
+    pub(super) fn along(frame: &Edges, positions: &[[f64; 3]], bonds: &[[u32; 2]]) -> Self {
+        let around = Neighbors::new(positions.len(), bonds.iter().copied());
+        let mut joined = Self {
+            images: vec![DVec3::ZERO; positions.len()],
+            endless: Vec::new(),
+            parts: vec![NONE; positions.len()],
+            stays: Vec::new(),
+        };
+        let mut members = Vec::new();
+        for first in 0..positions.len() {
+            if joined.parts[first] != NONE {
+                continue;
+            }
+            let (part, mut is_endless, mut next) = (joined.stays.len() as u32, false, 0);
+            joined.parts[first] = part;
+            members.clear();
+            members.push(first);
+            while let Some(&a) = members.get(next) {
+                next += 1;
+                for bond in around.of(a) {
+                    let [low, high] = bonds[*bond as usize].map(|n| n as usize);
+                    let b = low + high - a;
+                    let beside = joined.images[a] + frame.images(positions[a], positions[b]);
+                    if joined.parts[b] == NONE {
+                        (joined.parts[b], joined.images[b]) = (part, beside);
+                        members.push(b);
+                    } else {
+                        is_endless |= joined.images[b] != beside;
+                    }
+                }
+            }
+            if is_endless {
+                members.iter().for_each(|n| joined.images[*n] = DVec3::ZERO);
+                joined.endless.push(Endless { first, size: members.len() as u64 });
+            }
+            joined.stays.push(is_endless);
         }
-        known[root] = true;
-        waiting.push(root);
-        while let Some(part) = waiting.pop() {
-            for link in around.of(part) {
-                let [a, b] = links[*link as usize].map(|n| n as usize);
-                let (here, there) = if parts[a] as usize == part { (a, b) } else { (b, a) };
-                let other = parts[there] as usize;
-                if !std::mem::replace(&mut known[other], true) {
-                    let beside = joined.images[here] + moves[part] + frame.images(positions[here], positions[there]);
-                    moves[other] = beside - joined.images[there];
-                    waiting.push(other);
+        joined
+    }
+
+    /// Whether two particles are of different parts.
+    pub(super) fn are_apart(&self, a: usize, b: usize) -> bool {
+        self.parts[a] != self.parts[b]
+    }
+
+    /// The first particle of each group with those of its other parts, in the order of the particles.
+    pub(super) fn links(&self, groups: &[Option<u64>]) -> Vec<[u32; 2]> {
+        let mut first: HashMap<u64, u32> = HashMap::new();
+        let link = |(n, group): (usize, &Option<u64>)| {
+            let first = *first.entry((*group)?).or_insert(n as u32);
+            self.are_apart(first as usize, n).then_some([first, n as u32])
+        };
+        groups.iter().enumerate().filter_map(link).collect()
+    }
+
+    /// Moves whole parts beside those that they are linked with: to parts that stay, else to the one with the lowest number.
+    pub(super) fn link(&mut self, frame: &Edges, positions: &[[f64; 3]], links: &[[u32; 2]]) {
+        let count = self.stays.len();
+        let around = Neighbors::new(count, links.iter().map(|[a, b]| [*a, *b].map(|n| self.parts[n as usize])));
+        // What stays comes first, so that others are moved to it.
+        let roots = (0..count).filter(|part| self.stays[*part]).chain((0..count).filter(|part| !self.stays[*part]));
+        let (mut moves, mut root_of) = (vec![DVec3::ZERO; count], vec![NONE; count]);
+        for root in roots {
+            if root_of[root] != NONE {
+                continue;
+            }
+            root_of[root] = root as u32;
+            let (mut members, mut next) = (vec![root], 0);
+            while let Some(&part) = members.get(next) {
+                next += 1;
+                for link in around.of(part) {
+                    let [a, b] = links[*link as usize].map(|n| n as usize);
+                    let (here, there) = if self.parts[a] as usize == part { (a, b) } else { (b, a) };
+                    let other = self.parts[there] as usize;
+                    if root_of[other] == NONE && !self.stays[other] {
+                        root_of[other] = root as u32;
+                        let beside = self.images[here] + moves[part] + frame.images(positions[here], positions[there]);
+                        moves[other] = beside - self.images[there];
+                        members.push(other);
+                    }
                 }
             }
         }
+        for (images, part) in self.images.iter_mut().zip(&mut self.parts) {
+            *images += moves[*part as usize];
+            *part = root_of[*part as usize];
+        }
     }
-    joined.images.iter_mut().zip(&parts).for_each(|(images, part)| *images += moves[*part as usize]);
-    joined
-}
-
-/// Joins along bonds; the number of the part that each particle belongs to, and for each part whether it is bonded to its own
-/// image and so stays.
-fn along_bonds(
-    frame: &Edges,
-    positions: &[[f64; 3]],
-    bonds: &[[u32; 2]],
-    joined: &mut Joined,
-) -> (Vec<u32>, Vec<bool>) {
-    let around = Neighbors::new(positions.len(), bonds.iter().copied());
-    let (mut parts, mut stays) = (vec![NONE; positions.len()], Vec::new());
-    let mut members = Vec::new();
-    for first in 0..positions.len() {
-        if parts[first] != NONE {
-            continue;
-        }
-        let (part, mut is_endless) = (stays.len() as u32, false);
-        parts[first] = part;
-        members.clear();
-        members.push(first);
-        let mut next = 0;
-        while let Some(&a) = members.get(next) {
-            next += 1;
-            for bond in around.of(a) {
-                let [low, high] = bonds[*bond as usize].map(|n| n as usize);
-                let b = low + high - a;
-                let beside = joined.images[a] + frame.images(positions[a], positions[b]);
-                if parts[b] == NONE {
-                    parts[b] = part;
-                    joined.images[b] = beside;
-                    members.push(b);
-                } else {
-                    is_endless |= joined.images[b] != beside;
-                }
-            }
-        }
-        if is_endless {
-            members.iter().for_each(|n| joined.images[*n] = DVec3::ZERO);
-            joined.endless.push(Endless { first, size: members.len() as u64 });
-        }
-        stays.push(is_endless);
-    }
-    (parts, stays)
-}
-
-/// The first particle of each group with one of every other part, in the order of the particles.
-fn links(groups: &[Option<u64>], parts: &[u32]) -> Vec<[u32; 2]> {
-    let mut first: HashMap<u64, u32> = HashMap::new();
-    let link = |(n, group): (usize, &Option<u64>)| {
-        let first = *first.entry((*group)?).or_insert(n as u32);
-        (parts[first as usize] != parts[n]).then_some([first, n as u32])
-    };
-    groups.iter().enumerate().filter_map(link).collect()
 }
 
 /// For each node of a graph the numbers of its edges, in ascending order.

@@ -1,35 +1,36 @@
-//! Bonds by distance: two atoms are bonded where the nearest images of their centres are little farther apart than their
-//! covalent radii together.
+//! Pairs of atoms that are near each other, across the faces of the cell too.
 
 use super::edges::Edges;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The longest bond, in sums of covalent radii. Vibrations stretch bonds by less; the closest atoms without a bond are the
-/// ends of a hydrogen bond, 1.5 times their sum apart.
-const LONGEST: f64 = 1.2;
-
-/// The pairs of bonded atoms, each once, the lower index first, in ascending order. An atom with the radius 0 has no bonds.
-/// The time is that of the atoms and their neighbours: cells as wide as the longest bond hold few of them.
-pub(super) fn bonds(frame: &Edges, positions: &[[f64; 3]], radii: &[f32]) -> Vec<[u32; 2]> {
-    let largest = radii.par_iter().copied().reduce(|| 0.0, f32::max);
+/// The pairs of atoms whose nearest images are at most the sum of their reaches apart, as far as they are wanted: each once,
+/// the lower index first, in ascending order. An atom with the reach 0 is in none. The time is that of the atoms and their
+/// neighbours: cells as wide as the longest reach hold few of them.
+pub(super) fn pairs(
+    frame: &Edges,
+    positions: &[[f64; 3]],
+    reaches: &[f32],
+    is_wanted: impl Fn(usize, usize) -> bool + Sync,
+) -> Vec<[u32; 2]> {
+    let largest = reaches.par_iter().copied().reduce(|| 0.0, f32::max);
     if largest <= 0.0 {
         return Vec::new();
     }
-    let grid = Grid::new(frame, positions, radii, LONGEST * 2.0 * f64::from(largest));
+    let grid = Grid::new(frame, positions, reaches, 2.0 * f64::from(largest));
     let of = |a: usize| {
-        let others = grid.around(a).filter(move |b| *b > a as u32);
-        let is_bonded = |b: &u32| {
-            let apart = grid.fractions[*b as usize] - grid.fractions[a];
+        let is_near = |b: &u32| {
+            let b = *b as usize;
+            let apart = grid.fractions[b] - grid.fractions[a];
             let apart = frame.edges * (apart - apart.round());
-            let longest = LONGEST * f64::from(radii[a] + radii[*b as usize]);
-            apart.length_squared() <= longest * longest
+            let most = f64::from(reaches[a] + reaches[b]);
+            b > a && apart.length_squared() <= most * most && is_wanted(a, b)
         };
-        let mut found: Vec<u32> = others.filter(is_bonded).collect();
+        let mut found: Vec<u32> = grid.around(a).filter(is_near).collect();
         found.sort_unstable();
         found.into_iter().map(move |b| [a as u32, b])
     };
-    (0..positions.len()).into_par_iter().filter(|a| radii[*a] > 0.0).flat_map_iter(of).collect()
+    (0..positions.len()).into_par_iter().filter(|a| reaches[*a] > 0.0).flat_map_iter(of).collect()
 }
 
 /// Atoms by their cell of a grid in the periodic cell.
@@ -40,13 +41,13 @@ struct Grid {
     fractions: Vec<DVec3>,
     /// For each cell the place of its first atom in `atoms`, and the end.
     starts: Vec<u32>,
-    /// The atoms that have bonds, cell by cell.
+    /// The atoms with a reach, cell by cell.
     atoms: Vec<u32>,
 }
 
 impl Grid {
     /// With cells that are at least `width` across.
-    fn new(frame: &Edges, positions: &[[f64; 3]], radii: &[f32], width: f64) -> Self {
+    fn new(frame: &Edges, positions: &[[f64; 3]], reaches: &[f32], width: f64) -> Self {
         let fraction = |position: &[f64; 3]| {
             let fractions = frame.fractions(DVec3::from_array(*position) - frame.origin);
             fractions - fractions.floor()
@@ -57,8 +58,8 @@ impl Grid {
         let sides = (frame.heights() / width).to_array().map(|side| side.floor().clamp(1.0, most) as usize);
         let mut grid =
             Self { sides, fractions, starts: vec![0; sides.iter().product::<usize>() + 1], atoms: Vec::new() };
-        let bonded = || (0..positions.len()).filter(|n| radii[*n] > 0.0);
-        for n in bonded() {
+        let all = || (0..positions.len()).filter(|n| reaches[*n] > 0.0);
+        for n in all() {
             let cell = grid.index(grid.cell(n));
             grid.starts[cell + 1] += 1;
         }
@@ -67,7 +68,7 @@ impl Grid {
         }
         let mut next = grid.starts.clone();
         grid.atoms = vec![0; *grid.starts.last().unwrap_or(&0) as usize];
-        for n in bonded() {
+        for n in all() {
             let place = &mut next[grid.index(grid.cell(n))];
             grid.atoms[*place as usize] = n as u32;
             *place += 1;
@@ -111,7 +112,7 @@ mod tests {
     use crate::scene::Cell;
 
     /// All pairs, all images.
-    fn by_all_pairs(cell: &Cell, positions: &[[f64; 3]], radii: &[f32]) -> Vec<[u32; 2]> {
+    fn by_all_pairs(cell: &Cell, positions: &[[f64; 3]], reaches: &[f32]) -> Vec<[u32; 2]> {
         let steps = || (-2..=2).map(f64::from);
         let mut found = Vec::new();
         for a in 0..positions.len() {
@@ -123,7 +124,7 @@ mod tests {
                             (positions[b][k] + moved - positions[a][k]).powi(2)
                         })
                         .sum();
-                    radii[a] > 0.0 && radii[b] > 0.0 && square.sqrt() <= 1.2 * f64::from(radii[a] + radii[b])
+                    reaches[a] > 0.0 && reaches[b] > 0.0 && square.sqrt() <= f64::from(reaches[a] + reaches[b])
                 };
                 if steps().any(|x| steps().any(|y| steps().any(|z| near([x, y, z])))) {
                     found.push([a as u32, b as u32]);
@@ -133,9 +134,9 @@ mod tests {
         found
     }
 
-    /// Cells from one to many grid cells across; the longest bond is below half of the least height.
+    /// Cells from one to many grid cells across; the longest reach is below half of the least height.
     #[test]
-    fn the_grid_finds_the_bonds_of_all_pairs() {
+    fn the_grid_finds_what_all_pairs_give() {
         let mut state = 11_u64;
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -151,11 +152,13 @@ mod tests {
             // Over the faces too.
             let positions: Vec<_> =
                 (0..count).map(|_| cell.place([next(), next(), next()].map(|x| 3.0 * x - 1.0))).collect();
-            let radii: Vec<f32> = (0..count).map(|n| [0.76, 0.31, 0.66, 0.0][n % 4]).collect();
+            let reaches: Vec<f32> = (0..count).map(|n| [0.91, 0.37, 0.79, 0.0][n % 4]).collect();
             let wrapped: Vec<_> = positions.iter().map(|position| frame.wrapped(*position)).collect();
-            let expected = by_all_pairs(&cell, &wrapped, &radii);
-            assert!(expected.len() > 3, "{} bonds", expected.len());
-            assert_eq!(bonds(&frame, &positions, &radii), expected);
+            let expected = by_all_pairs(&cell, &wrapped, &reaches);
+            assert!(expected.len() > 3, "{} pairs", expected.len());
+            assert_eq!(pairs(&frame, &positions, &reaches, |_, _| true), expected);
+            let even: Vec<_> = expected.into_iter().filter(|[a, b]| (a + b) % 2 == 0).collect();
+            assert_eq!(pairs(&frame, &positions, &reaches, |a, b| (a + b) % 2 == 0), even);
         }
     }
 }

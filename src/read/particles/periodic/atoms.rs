@@ -1,0 +1,71 @@
+//! How near atoms must be to be joined: by a bond, or by touching a protein or nucleic acid.
+
+use crate::read::particles::Particles;
+use crate::read::particles::infer::{ResidueClass, class};
+use crate::read::style::elements::element;
+use rayon::prelude::*;
+
+/// The longest bond, in sums of covalent radii. Vibrations stretch bonds by less; the closest atoms without a bond are the
+/// ends of a hydrogen bond, 1.5 times their sum apart.
+const LONGEST: f32 = 1.2;
+
+/// Half the distance within which two atoms other than hydrogen touch, ångström: a little more than their van der Waals radii.
+const TOUCH: f32 = 2.25;
+
+/// Alkali and alkaline earth metals: ions among what surrounds them, not atoms of its molecules.
+const IONS: [u8; 10] = [3, 11, 12, 19, 20, 37, 38, 55, 56, 88];
+
+/// The reach of each atom; two are joined where they are at most the sum of theirs apart.
+pub(super) struct Atoms {
+    /// By a bond; 0 for an atom that has none. Waters are whole by their residue.
+    pub(super) bonds: Vec<f32>,
+    /// By touching; 0 for hydrogen, water, lipids, and where nothing is a protein.
+    pub(super) contacts: Vec<f32>,
+    /// Whether it is of a protein or a nucleic acid.
+    are_polymers: Vec<bool>,
+    /// Whether any element is known.
+    pub(super) has_elements: bool,
+}
+
+impl Atoms {
+    pub(super) fn of(particles: &Particles) -> Self {
+        let covalent = |number: &u8| element(*number).and_then(|element| element.covalent);
+        let has_elements = particles.elements.par_iter().any(|number| covalent(number).is_some());
+        let reach = |number: u8| {
+            let radius = covalent(&number).filter(|_| !IONS.contains(&number));
+            radius.map_or(0.0, |radius| LONGEST * radius as f32)
+        };
+        let table: Vec<f32> = (0..=u8::MAX).map(reach).collect();
+        let classes = classes(particles);
+        let is = |n: usize, class: ResidueClass| classes.get(n).is_some_and(|found| *found == Some(class));
+        let atoms = || particles.elements.par_iter().enumerate();
+        let bond = |(n, number): (usize, &u8)| {
+            if is(n, ResidueClass::Water) { 0.0 } else { table[usize::from(*number)] }
+        };
+        let is_polymer = |n: usize| is(n, ResidueClass::Protein) || is(n, ResidueClass::Nucleic);
+        let are_polymers: Vec<bool> = atoms().map(|(n, _)| is_polymer(n)).collect();
+        let contact = |(n, number): (usize, &u8)| {
+            let touches = *number > 1 && (are_polymers[n] || classes.get(n) == Some(&None));
+            if touches { TOUCH } else { 0.0 }
+        };
+        let any = are_polymers.par_iter().any(|is_polymer| *is_polymer);
+        let contacts = if any { atoms().map(contact).collect() } else { Vec::new() };
+        Self { bonds: atoms().map(bond).collect(), contacts, are_polymers, has_elements }
+    }
+
+    /// Whether two atoms that touch are joined.
+    pub(super) fn may_touch(&self, a: usize, b: usize) -> bool {
+        self.are_polymers[a] || self.are_polymers[b]
+    }
+}
+
+/// The class of each particle's residue; empty where the file has no names of residues.
+fn classes(particles: &Particles) -> Vec<Option<ResidueClass>> {
+    let column = particles.columns.iter().find(|column| column.name == "resname");
+    let Some((column, names)) = column.and_then(|column| Some((column, particles.labels.get(&column.name)?))) else {
+        return Vec::new();
+    };
+    let of = |name: &String| class(name.trim().to_ascii_uppercase().as_bytes());
+    let known: Vec<_> = names.iter().map(of).collect();
+    column.values.par_iter().map(|name| known.get(*name as usize).copied().flatten()).collect()
+}
