@@ -130,7 +130,7 @@ impl Judge {
         let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
         let best = self.bench.hit_body(&rays, 0, &body)?;
         let hit = self.bench.hit_point(&rays, &best);
-        Some(asked.iter().map(|question| question.is_hidden(&hit)).collect())
+        Some(asked.iter().map(|question| question.answer(&hit)).collect())
     }
 
     fn ray(&self, i: u32, j: u32) -> RayForms {
