@@ -21,7 +21,7 @@ mod tests;
 use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::error::{Place, Result};
-use crate::scene::camera::{CentredFrame, Viewport};
+use crate::scene::camera::{CentredFrame, ExactViewport};
 use crate::scene::{Scene, Spheres, check_sphere};
 pub use answer::Truth;
 use answer::{DecidedHit, Path};
@@ -64,7 +64,7 @@ impl Judge {
     }
 
     /// The same for rays through the pixels of a frame with this viewport and size: rows and columns then refer to it.
-    pub(crate) fn in_frame(self, viewport: Viewport, size: [u32; 2]) -> Self {
+    pub(crate) fn in_frame(self, viewport: ExactViewport, size: [u32; 2]) -> Self {
         let frame = CentredFrame { viewport, size, step: 1, shift: [0; 2] };
         Self { lens: ExactLens::of(viewport, size), frame, ..self }
     }
@@ -130,7 +130,7 @@ impl Judge {
         let (rays, body) = (self.ray(i, j), self.bench.body(center, radius));
         let best = self.bench.hit_body(&rays, 0, &body)?;
         let hit = self.bench.hit_point(&rays, &best);
-        Some(asked.iter().map(|question| question.is_hidden(&hit)).collect())
+        Some(asked.iter().map(|question| question.answer(&hit)).collect())
     }
 
     fn ray(&self, i: u32, j: u32) -> RayForms {

@@ -23,7 +23,7 @@ use crate::error::{Error, Place, Result};
 use crate::exact::Judge;
 use crate::number::Number;
 use crate::scene::Scene;
-use crate::scene::camera::{Basis, CentredFrame, Viewport};
+use crate::scene::camera::{Basis, CentredFrame, ExactViewport};
 use crate::window::Window;
 use bytemuck::Zeroable;
 use glam::DVec3;
@@ -60,7 +60,7 @@ pub struct View {
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
     /// The viewport of the whole frame, of which the record has the size; `None` for given rays.
-    pub(crate) viewport: Option<Viewport>,
+    pub(crate) viewport: Option<ExactViewport>,
     /// The frame's unit of t is 2^unit: a hit lies at t 2^unit (u, v, -d), with u, v, d as scaled.
     pub unit: i32,
 }
@@ -305,12 +305,12 @@ pub(crate) fn size_from(eye: DVec3, center: [f64; 3], radius: f64) -> f64 {
 
 /// vw/(2W), vh/(2H), d times the power of two that brings the largest of vw/2, vh/2, d into [1, 2): in f64, in f32, and
 /// the rounding errors.
-fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32; 3], [f32; 3]) {
-    let largest = (viewport.vw / 2.0).max(viewport.vh / 2.0).max(viewport.d);
+fn scaled_pitch(viewport: &ExactViewport, width: u32, height: u32) -> ([f64; 3], [f32; 3], [f32; 3]) {
+    let largest = (viewport.vw / 2.0).max(viewport.height_over(0, 2.0)).max(viewport.d);
     let shift = -dd::exponent(largest);
     let pitch = [
         dd::ldexp(viewport.vw, shift) / (2.0 * f64::from(width)),
-        dd::ldexp(viewport.vh, shift) / (2.0 * f64::from(height)),
+        viewport.height_over(-shift, 2.0 * f64::from(height)),
         dd::ldexp(viewport.d, shift),
     ];
     (pitch, pitch.map(|x| x as f32), pitch.map(|x| (x - f64::from(x as f32)) as f32))
@@ -318,7 +318,7 @@ fn scaled_pitch(viewport: &Viewport, width: u32, height: u32) -> ([f64; 3], [f32
 
 /// vw/(2W), vh/(2H) in the frame's unit, and 1. Scaling comes first, since a subnormal number would lose bits in the
 /// quotient.
-fn parallel_pitch(viewport: &Viewport, width: u32, height: u32, unit: i32) -> [f64; 3] {
-    let part = |side: f64, count: u32| dd::ldexp(side, -unit) / (2.0 * f64::from(count));
-    [part(viewport.vw, width), part(viewport.vh, height), 1.0]
+fn parallel_pitch(viewport: &ExactViewport, width: u32, height: u32, unit: i32) -> [f64; 3] {
+    let [width, height] = [width, height].map(|count| 2.0 * f64::from(count));
+    [dd::ldexp(viewport.vw, -unit) / width, viewport.height_over(unit, height), 1.0]
 }

@@ -42,7 +42,7 @@ const FAINT: f64 = power_of_two(-20);
 /// A few roundings of the bounds themselves.
 const ROUNDED: f64 = 1.0 + power_of_two(-48);
 /// Products of the bounds of a start beside the origin.
-const SLACK: f64 = 1.0 + power_of_two(-7);
+pub(crate) const SLACK: f64 = 1.0 + power_of_two(-7);
 /// Far above what underflow may change in a product of two squares, and in a length.
 const TINY: f64 = power_of_two(-900);
 pub(crate) const SHORT: f64 = power_of_two(-500);

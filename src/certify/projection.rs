@@ -11,7 +11,7 @@ use super::answer::ProjectionRecord;
 use super::terms::Terms;
 use crate::double_double::{self as dd, Dd3};
 use crate::error::Result;
-use crate::scene::camera::{Basis, Camera};
+use crate::scene::camera::{Basis, Camera, ExactViewport};
 use crate::tile::TILE;
 use crate::view::View;
 use glam::DVec3;
@@ -152,15 +152,16 @@ pub(super) struct ProjectionBounds {
 impl ProjectionBounds {
     /// For the rays of a view of an image of this size.
     pub(super) fn new(camera: &Camera, view: &View, image: [u32; 2], terms: &Terms) -> Result<Self> {
-        let viewport = view.viewport.map_or_else(|| camera.viewport(image[0], image[1]), Ok)?;
+        let viewport =
+            view.viewport.map_or_else(|| camera.viewport(image[0], image[1]).map(ExactViewport::from), Ok)?;
         let corner = [view.record.shift_column, view.record.shift_row].map(f64::from);
         let [right, up, back] = camera.axes()?;
         let size = [f64::from(view.record.width), f64::from(view.record.height)];
         let parallel = viewport.is_parallel();
-        let extent = [viewport.vw, viewport.vh].map(|side| match parallel {
-            true => dd::ldexp(side, -view.unit),
-            false => side / viewport.d,
-        });
+        let extent = match parallel {
+            true => [dd::ldexp(viewport.vw, -view.unit), viewport.height_over(view.unit, 1.0)],
+            false => [viewport.vw / viewport.d, viewport.height_over(0, viewport.d)],
+        };
         let slope = [0, 1].map(|k| extent[k] / (2.0 * size[k]));
         let unit = dd::ldexp(1.0, dd::exponent(2.0 * slope[0].max(slope[1])));
         let step = slope.map(|s| 2.0 * s / unit);

@@ -3,7 +3,8 @@
 //! A point is its sphere's centre, an exact point of the world, and an offset of known error. So a scene far from the
 //! origin of the world loses nothing, and the sphere of the hit is decided by the side of its surface: no epsilon.
 
-use super::given::{Bounds, CertifiedRay, EPS, SHORT, dot};
+use super::given::{Bounds, CertifiedRay, EPS, SHORT, SLACK, dot};
+use crate::double_double as dd;
 use crate::exact::{Root, Toward, Truth};
 use crate::view::View;
 use crate::view::placement::Placement;
@@ -18,6 +19,11 @@ const START: f64 = 14.0 * EPS;
 const JUDGED: f64 = 4.0 * EPS;
 /// A point whose error is larger, of the radius, is not good enough: too many of its rays would be unsure.
 const BLURRED: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// In the tree's unit, the longest way whose square is within f64 beside others.
+const LONG: f64 = 1.0 / SHORT;
+/// A limit, in the tree's unit, beyond which a ray ends outside of every sphere that it starts from.
+const BEYOND: f64 = LONG * LONG;
 
 /// A point on a sphere of the scene, seen by the camera.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +42,39 @@ pub(crate) struct SurfacePoint {
     pub(crate) outside: bool,
     /// The unit normal against the viewing ray.
     pub(crate) normal: [f64; 3],
+}
+
+/// A way from a point.
+struct Away {
+    /// In a unit of 2^-k of the tree's.
+    vector: [f64; 3],
+    k: i32,
+    /// What the vector is off by, in that unit.
+    error: f64,
+}
+
+impl Away {
+    /// Of a point at `offset` from its centre; the end is at `from_center + aside`.
+    #[inline(always)]
+    fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], (offset, size, blur): ([f64; 3], f64, f64)) -> Self {
+        let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
+        let length = dot(vector, vector).sqrt();
+        // One rounding each of the difference from the centre, of the sum with `aside`, which is no longer than the vector
+        // and the offset, and of the vector.
+        let first = if aside == [0.0; 3] { 0.0 } else { dot(from_center, from_center).sqrt() };
+        Self { vector, k, error: EPS * first + 2.0 * EPS * (length + size) + blur + SHORT }
+    }
+}
+
+/// A sphere that shines, as a point sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shining {
+    /// Toward its centre.
+    pub(crate) away: DVec3,
+    /// In the same unit.
+    pub(crate) radius: f64,
+    /// Whether the point is in the sphere or on it, where f64 knows.
+    pub(crate) inside: Option<bool>,
 }
 
 /// The part that the sphere of the point itself has in hiding a light.
@@ -92,8 +131,8 @@ impl SurfacePoint {
     /// What the mirrored direction of a ray of length 1 is off by, if that of the ray is off by `tilt`: a mirror turns a
     /// direction twice as far as its normal is turned, once in each factor, and takes ten roundings.
     pub(crate) fn mirrored_tilt(&self, placement: &Placement, tilt: f64) -> f64 {
-        let normal = self.blur / placement.radius(self.radius) + 4.0 * EPS;
-        tilt + 4.0 * normal + 10.0 * EPS
+        let normal = self.blur / placement.radius(self.radius) + 5.0 * EPS;
+        (tilt + 4.0 * normal + 10.0 * EPS) * (1.0 + BLURRED)
     }
 
     /// The ray from here in a direction of length 1 that is off by `tilt`.
@@ -133,38 +172,91 @@ impl SurfacePoint {
         Self { offset: self.normal.map(|x| x * sign), size: r, blur: 0.0, ..self }
     }
 
-    /// In the world, rounded.
-    pub(crate) fn world(&self) -> DVec3 {
-        let outward = if self.outside { DVec3::from_array(self.normal) } else { -DVec3::from_array(self.normal) };
-        DVec3::from_array(self.center) + outward * self.radius
-    }
-
     /// Whether the error of the point is so small beside the radius that few of its rays are unsure.
     pub(crate) fn is_sharp(&self, placement: &Placement) -> bool {
         let r = placement.radius(self.radius);
         r > SHORT && self.blur <= BLURRED * r
     }
 
-    /// The ray from here, which ends at the light; `None` where its direction is not known.
+    /// The ray from here, which ends at the light; `None` where its direction is not known well enough for answers.
     #[inline(always)]
     pub(crate) fn ray(&self, placement: &Placement, toward: &Toward) -> Option<CertifiedRay> {
+        self.aim(placement, toward).filter(Self::is_known)
+    }
+
+    /// Whether the direction of a ray from here is known well enough for answers.
+    #[inline(always)]
+    pub(crate) fn is_known(ray: &CertifiedRay) -> bool {
+        ray.tilt() <= BLURRED * SLACK
+    }
+
+    /// The ray from here, however well its direction is known; `None` for a light at the very point.
+    #[inline(always)]
+    pub(crate) fn aim(&self, placement: &Placement, toward: &Toward) -> Option<CertifiedRay> {
         let ray = match *toward {
             Toward::Direction(direction) => CertifiedRay::new(placement, self.center, direction, f64::INFINITY),
             Toward::Within { direction, reach } => CertifiedRay::new(placement, self.center, direction, reach),
-            Toward::Point(point) => {
-                let l: [f64; 3] =
-                    std::array::from_fn(|n| placement.difference(point[n], self.center[n]) - self.offset[n]);
-                let (length, size) = (dot(l, l).sqrt(), self.size);
-                // Two roundings of l, and one of the offset in the difference that l is taken from.
-                let tilt = (2.0 * EPS * (length + size) + self.blur + SHORT) / length;
-                if !(tilt <= BLURRED && length <= 1.0 / SHORT) {
-                    return None;
-                }
-                let ray = CertifiedRay::in_unit(placement, self.center, l, 1.0, 0);
-                return Some(ray.beside(self.offset, self.blur, tilt));
-            }
+            Toward::Point(point) => return self.segment(placement, point, [0.0; 3]),
+            Toward::Beside { center, offset } => return self.segment(placement, center, offset),
         };
         Some(ray.beside(self.offset, self.blur, 0.0))
+    }
+
+    /// The ray from here to the exact sum of two vectors of the world; `None` if f64 does not tell it from here.
+    #[inline(always)]
+    fn segment(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3]) -> Option<CertifiedRay> {
+        let Away { vector, k, error } = self.away(placement, to, beside, 0.0);
+        let length = dot(vector, vector).sqrt();
+        if length.is_nan() || length <= 0.0 {
+            return None;
+        }
+        let ray = CertifiedRay::in_unit(placement, self.center, vector, 1.0, k);
+        Some(ray.beside(self.offset, self.blur, error / length))
+    }
+
+    /// From here to the exact sum of two vectors of the world, in a unit in which this and `extent` have squares within f64.
+    #[inline(always)]
+    fn away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
+        let from_center: [f64; 3] = std::array::from_fn(|n| placement.difference(to[n], self.center[n]));
+        let aside = beside.map(|x| placement.radius(x));
+        let all = from_center.iter().chain(&aside);
+        if all.map(|x| x.abs()).all(|x| x <= LONG) && placement.radius(extent) <= LONG {
+            return Away::new(0, from_center, aside, (self.offset, self.size, self.blur));
+        }
+        self.far_away(placement, to, beside, extent)
+    }
+
+    /// The same where the tree's unit is too short.
+    #[cold]
+    fn far_away(&self, placement: &Placement, to: [f64; 3], beside: [f64; 3], extent: f64) -> Away {
+        // The difference of halves is within f64. One of the numbers is above 2^500 of the tree's unit, so that what halving
+        // takes from subnormal numbers is below 2^-500 of it.
+        let from_center: [f64; 3] = std::array::from_fn(|n| 0.5 * to[n] - 0.5 * self.center[n]);
+        let aside = beside.map(|x| 0.5 * x);
+        let all = from_center.iter().chain(&aside).map(|x| x.abs());
+        let e = dd::exponent(all.fold(0.5 * extent, f64::max));
+        let scaled = |x: [f64; 3]| x.map(|x| dd::ldexp(x, -e));
+        // 2^(e + 1) in the world, where the tree's unit is 2^k.
+        let k = placement.k - e - 1;
+        let own = |x: f64| dd::ldexp(x, k);
+        let point = (self.offset.map(own), own(self.size), own(self.blur));
+        Away::new(k, scaled(from_center), scaled(aside), point)
+    }
+
+    /// What is seen from here of a sphere that shines.
+    pub(crate) fn shining(&self, placement: &Placement, center: [f64; 3], radius: f64) -> Shining {
+        let Away { vector, k, error } = self.away(placement, center, [0.0; 3], radius);
+        let r = if k == 0 { placement.radius(radius) } else { dd::ldexp(radius, k - placement.k) };
+        let (a2, r2) = (dot(vector, vector), r * r);
+        // The squares, their sum and the difference take four roundings.
+        let doubt = 8.0 * EPS * (a2 + r2) + 2.0 * error * (a2.sqrt() + error) * (1.0 + BLURRED) + SHORT * SHORT;
+        let inside = match sign(a2 - r2, doubt) {
+            _ if (center, radius) == (self.center, self.radius) => Some(true),
+            Own::Hides => Some(false),
+            Own::Open => Some(true),
+            Own::Unsure => None,
+        };
+        Shining { away: vector.into(), radius: r, inside }
     }
 
     /// The cosine between the normal and a ray from here, and whether it is positive for certain, or negative.
@@ -182,10 +274,10 @@ impl SurfacePoint {
         if self.outside {
             return sign(-along, doubt);
         }
-        let [low, high] = ray.limit;
-        if low == f64::INFINITY {
+        if ray.limit[0] == f64::INFINITY {
             return Own::Hides;
         }
+        let [low, high] = ray.limit.map(|limit| limit.min(BEYOND));
         // The power of the light: positive where the ray ends outside.
         let power = |limit: f64| limit * ray.a + 2.0 * along;
         let doubt = 2.0 * doubt + high * ray.a * (8.0 * EPS + 3.0 * ray.tilt());

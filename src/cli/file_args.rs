@@ -219,6 +219,16 @@ fn named(text: &str) -> Result<AovArgument, String> {
     if file == Some("") {
         return Err("expected a file name after '='".into());
     }
+    // A file's name may hold commas and equals signs, but not the name of a buffer between them.
+    let again = file.and_then(|file| {
+        file.split(',').skip(1).find(|part| part.split_once('=').is_some_and(|(name, _)| name.parse::<Aov>().is_ok()))
+    });
+    if let Some(again) = again {
+        return Err(format!(
+            "{again} is in the name of a file; use --aov once for each file, as in --aov {} --aov {again}",
+            text.split(',').next().unwrap_or(names)
+        ));
+    }
     let aovs = names.split(',').map(|name| name.parse().map_err(|e: Error| e.to_string())).collect::<Result<_, _>>()?;
     Ok((aovs, file.map(PathBuf::from)))
 }

@@ -28,6 +28,7 @@ mod scene_args;
 mod scene_frames;
 mod shell;
 mod signals;
+mod standard;
 mod threads;
 mod trace;
 
@@ -36,6 +37,7 @@ use config::Config;
 use failure::fail;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
+use halfline::write::file::refuse_standard_output;
 use messages::{note, say};
 use process::ExitCode;
 use signals::go_on;
@@ -69,6 +71,9 @@ enum Command {
 /// Runs the command with these arguments, the first of which is its name, and prints at most one error; the exit code.
 pub(crate) fn command(given: impl Iterator<Item = OsString>) -> u8 {
     process::start(given);
+    if standard::output_is_closed() {
+        refuse_standard_output();
+    }
     arguments().and_then(|arguments| run(&arguments)).unwrap_or_else(|error| fail(&error)).0
 }
 
@@ -99,7 +104,7 @@ fn end(told: &clap::Error) -> ! {
         std::process::exit(2);
     }
     failure::print_usage(told);
-    let arrived = told.print().and_then(|()| io::stdout().flush());
+    let arrived = told.print().and_then(|()| io::stdout().flush()).and_then(|()| check_output());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
 }
 
@@ -132,8 +137,19 @@ fn watch() -> Watch {
     Watch::default().while_true(go_on)
 }
 
+/// An error for a standard output that is closed.
+fn check_output() -> io::Result<()> {
+    match standard::output_is_closed() {
+        true => Err(io::Error::other("standard output is closed")),
+        false => Ok(()),
+    }
+}
+
 /// Prints a result on standard output; failing to do so is an error.
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::write("-", error))
+    check_output()
+        .and_then(|()| out.write_all(text.as_bytes()))
+        .and_then(|()| out.flush())
+        .map_err(|error| Error::write("-", error))
 }

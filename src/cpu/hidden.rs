@@ -7,7 +7,6 @@ use crate::certify::surface::{Own, SurfacePoint};
 use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
 use crate::search::tree::walk::{Test, may_pass, walk, walk_any};
 use crate::search::tree::{BoxRay, Tree};
-use crate::view::ray::NONE;
 
 /// A ray from a point to a light.
 #[derive(Clone, Copy)]
@@ -15,8 +14,8 @@ pub(crate) struct LightRay<'a> {
     pub(crate) tree: &'a Tree,
     pub(crate) point: &'a SurfacePoint,
     pub(crate) ray: &'a CertifiedRay,
-    /// The sphere that is the light; [`NONE`] for other lights.
-    pub(crate) light: u32,
+    /// Centre and radius of a light that is a sphere: it hides nothing of its own light, nor does a sphere equal to it.
+    pub(crate) light: Option<([f64; 3], f64)>,
 }
 
 impl LightRay<'_> {
@@ -60,8 +59,7 @@ impl LightRay<'_> {
     #[inline(always)]
     fn counts(&self, place: usize) -> bool {
         let [x, y, z, r] = self.tree.spheres[place];
-        ([x, y, z], r) != (self.point.center, self.point.radius)
-            && (self.light == NONE || self.tree.ids[place] != self.light)
+        ([x, y, z], r) != (self.point.center, self.point.radius) && Some(([x, y, z], r)) != self.light
     }
 }
 
@@ -77,8 +75,9 @@ impl Work for Others<'_> {
     fn work<L: Lanes>(self, lanes: L) {
         let Self { of, boxes, found } = self;
         let limit = boxes.limit(of.ray.limit[1]);
-        // The sphere that is the light hides nothing, however surely it is met.
-        let certain = if of.light == NONE { boxes.limit_below(of.ray.limit[0]) } else { 0.0 };
+        // A sphere that is the light hides nothing, and is never met for certain: the ray ends on its surface, and what is
+        // certain in f32 lies before the end with all of the sphere and the padding.
+        let certain = boxes.limit_below(of.ray.limit[0]);
         let mut search = HiddenSearch { lanes, of, boxes, limits: [certain, limit], found: AnyHit::Free };
         walk_any(lanes, of.tree, boxes, limit, &mut search);
         *found = search.found;

@@ -24,7 +24,7 @@
 
 use super::field::{Field, FieldBasis, FieldElement};
 use crate::dyadic::{self, Dyadic, Dyadic3};
-use crate::scene::camera::{Camera, Look, Viewport};
+use crate::scene::camera::{Camera, ExactViewport, Look};
 use std::cmp::Ordering;
 
 /// One of the two intersections of a line with a sphere.
@@ -129,23 +129,29 @@ pub(crate) fn power(p: &Dyadic3, radius: f64) -> Dyadic {
     &dyadic::dot(p, p) - &Dyadic::of(radius).square()
 }
 
-/// The lens in exact numbers: (2 j + 1 - W) vw H, (H - 1 - 2 i) vh W and 2 W H d are 2 W H times u, v and d.
+/// The lens in exact numbers: (2 j + 1 - W) vw H, (H - 1 - 2 i) vh W and 2 W H d are 2 W H times u, v and d. All are times
+/// fy too, where vh is `tall` fx / fy.
 #[derive(Debug, Clone)]
 pub(crate) struct ExactLens {
     wide: Dyadic,
     tall: Dyadic,
     /// `None` for parallel rays.
     deep: Option<Dyadic>,
+    /// The factor from u, v and d.
+    stretch: Dyadic,
     size: [i64; 2],
 }
 
 impl ExactLens {
-    pub(crate) fn of(viewport: Viewport, size: [u32; 2]) -> Self {
+    pub(crate) fn of(viewport: ExactViewport, size: [u32; 2]) -> Self {
         let size = size.map(i64::from);
         let [w, h] = size.map(Dyadic::from);
-        let (wide, tall) = (&Dyadic::of(viewport.vw) * &h, &Dyadic::of(viewport.vh) * &w);
-        let deep = (!viewport.is_parallel()).then(|| (&(&Dyadic::of(viewport.d) * &w) * &h).ldexp(1));
-        Self { wide, tall, deep, size }
+        let [fx, fy] = viewport.pitch.map(Dyadic::of);
+        let stretch = (&(&w * &h) * &fy).ldexp(1);
+        let wide = &(&Dyadic::of(viewport.vw) * &h) * &fy;
+        let tall = &(&Dyadic::of(viewport.tall) * &w) * &fx;
+        let deep = (!viewport.is_parallel()).then(|| &Dyadic::of(viewport.d) * &stretch);
+        Self { wide, tall, deep, stretch, size }
     }
 
     /// The ray through the centre of row i, column j, times [`Self::stretch`].
@@ -158,9 +164,9 @@ impl ExactLens {
         }
     }
 
-    /// 2 W H
+    /// 2 W H, or 2 W H fy.
     pub(crate) fn stretch(&self) -> Dyadic {
-        Dyadic::from(2 * self.size[0] * self.size[1])
+        self.stretch.clone()
     }
 }
 

@@ -26,7 +26,7 @@ use super::decide::{ExactFrame, Root, odds, power, root};
 use super::field::FieldBasis;
 use crate::double_double::{self as dd, Dd, Dd3};
 use crate::dyadic::{self, Dyadic};
-use crate::scene::camera::Viewport;
+use crate::scene::camera::ExactViewport;
 use std::cmp::Ordering;
 
 /// See the module's head.
@@ -193,9 +193,9 @@ pub(crate) struct FilterRay {
 }
 
 /// The exponent of the largest number of a lens.
-pub(crate) fn exponent(lens: &Viewport) -> i32 {
+pub(crate) fn exponent(lens: &ExactViewport) -> i32 {
     let depth = if lens.is_parallel() { 0.0 } else { lens.d };
-    dd::exponent(lens.vw.max(lens.vh).max(depth))
+    dd::exponent(lens.vw.max(lens.height_over(0, 1.0)).max(depth))
 }
 
 impl FilterRay {
@@ -212,12 +212,14 @@ impl FilterRay {
     }
 
     /// The ray through the centre of row i, column j.
-    pub(crate) fn through(lens: &Viewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
+    pub(crate) fn through(lens: &ExactViewport, [width, height]: [u32; 2], i: u32, j: u32) -> Self {
         let k = exponent(lens);
         let [columns, rows] = odds([width.into(), height.into()], i, j).map(|n| n as f64);
-        let part =
-            |n: f64, extent: f64, count: u32| Dd::product(n, dd::ldexp(extent, -k)) / Dd::from(2.0 * f64::from(count));
-        let [right, up] = [part(columns, lens.vw, width), part(rows, lens.vh, height)];
+        let part = |n: f64, [x, y, z]: [f64; 3], count: u32| {
+            Dd::product(n, x) * Dd::from(y) / Dd::product(z, 2.0 * f64::from(count))
+        };
+        let [right, up] =
+            [part(columns, [dd::ldexp(lens.vw, -k), 1.0, 1.0], width), part(rows, lens.height(k), height)];
         if lens.is_parallel() {
             let ahead = [0.0, 0.0, 1.0].map(Dd::from);
             return Self { from: Some(([right, up], k)), ..Self::new(ahead, 0) };

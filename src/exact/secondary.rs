@@ -82,6 +82,13 @@ impl TowerField<'_> {
 pub enum Toward {
     /// A point; what lies behind it does not count.
     Point([f64; 3]),
+    /// The same for a point that f64 need not hold: the exact sum of both.
+    Beside {
+        /// A point.
+        center: [f64; 3],
+        /// From there.
+        offset: [f64; 3],
+    },
     /// A direction of any length but zero, without end.
     Direction([f64; 3]),
     /// A direction, up to `reach` times its length, which is finite: a hit at t < reach counts.
@@ -143,6 +150,10 @@ impl<'a> HitPoint<'a> {
         };
         let (l, infinite) = match light {
             Toward::Point(point) => (self.to(&dyadic::vector(point)), false),
+            Toward::Beside { center, offset } => {
+                let [center, offset] = [center, offset].map(dyadic::vector);
+                (self.to(&std::array::from_fn(|n| &center[n] + &offset[n])), false)
+            }
             Toward::Direction(direction) => (scaled(direction, &Dyadic::from(1)), true),
             Toward::Within { direction, reach } => (scaled(direction, &Dyadic::of(reach)), false),
         };
@@ -171,6 +182,21 @@ impl<'a> HitPoint<'a> {
         self.field.sign(&b) == if self.root == Root::Near { Ordering::Greater } else { Ordering::Less }
     }
 
+    /// Whether the hit is outside of a sphere.
+    fn is_outside(&self, center: [f64; 3], radius: f64) -> bool {
+        if (center, radius) == (self.center, self.radius) {
+            return false;
+        }
+        let p = self.to(&dyadic::vector(center));
+        self.field.sign(&self.power(&p, radius)) == Ordering::Greater
+    }
+
+    /// a'^2 (|p|^2 - r^2) from a' p
+    fn power(&self, p: &[Tower; 3], radius: f64) -> Tower {
+        let r = self.a * &Dyadic::of(radius);
+        self.field.dot(p, p).minus(&Tower::of(r.square()))
+    }
+
     /// Whether another sphere hides the light.
     pub(super) fn is_hidden_by(&self, light: &Light, center: [f64; 3], radius: f64) -> bool {
         let field = &self.field;
@@ -181,8 +207,7 @@ impl<'a> HitPoint<'a> {
             return false;
         }
         let p = self.to(&dyadic::vector(center));
-        let r = self.a * &Dyadic::of(radius);
-        let power = field.dot(&p, &p).minus(&Tower::of(r.square()));
+        let power = self.power(&p, radius);
         let b = field.dot(&light.l, &p);
         let beyond = || field.sign(&power.minus(&b.clone().twice()).plus(&light.length2));
         match field.sign(&power) {
@@ -205,23 +230,32 @@ impl<'a> HitPoint<'a> {
     }
 }
 
-/// Whether a light is hidden from a hit by its own sphere or by some others.
+/// What is asked about a hit and a light.
 #[derive(Debug, Clone)]
-pub(crate) struct LightQuestion {
-    pub(crate) toward: Toward,
-    /// The direction is turned to the side of the normal against the viewing ray.
-    pub(crate) turned: bool,
-    /// The others.
-    pub(crate) among: Vec<([f64; 3], f64)>,
+pub(crate) enum LightQuestion {
+    /// Whether the light is hidden by the hit's own sphere or by some others.
+    Hidden {
+        toward: Toward,
+        /// The direction is turned to the side of the normal against the viewing ray.
+        turned: bool,
+        /// The others.
+        among: Vec<([f64; 3], f64)>,
+    },
+    /// Whether the hit is outside of a sphere that shines, neither in it nor on it.
+    Outside { center: [f64; 3], radius: f64 },
 }
 
 impl LightQuestion {
-    pub(super) fn is_hidden(&self, hit: &HitPoint<'_>) -> bool {
-        let mut light = hit.toward(self.toward);
-        if self.turned && hit.is_behind(&light) {
+    pub(super) fn answer(&self, hit: &HitPoint<'_>) -> bool {
+        let (toward, turned, among) = match self {
+            Self::Hidden { toward, turned, among } => (*toward, *turned, among),
+            Self::Outside { center, radius } => return hit.is_outside(*center, *radius),
+        };
+        let mut light = hit.toward(toward);
+        if turned && hit.is_behind(&light) {
             light.l = light.l.map(|l| Tower::of(Dyadic::ZERO).minus(&l));
         }
-        hit.hides_itself(&light) || self.among.iter().any(|(center, radius)| hit.is_hidden_by(&light, *center, *radius))
+        hit.hides_itself(&light) || among.iter().any(|(center, radius)| hit.is_hidden_by(&light, *center, *radius))
     }
 }
 

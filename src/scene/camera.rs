@@ -19,7 +19,7 @@
 mod centred;
 mod record;
 
-pub(crate) use centred::CentredFrame;
+pub(crate) use centred::{CentredFrame, ExactViewport};
 pub use record::{CameraRecord, Intrinsics};
 
 use crate::double_double::{Dd, Dd3};
@@ -218,7 +218,8 @@ impl Camera {
     }
 
     /// The viewport (vw, vh, d) for an image of `width` x `height` pixels. Its three numbers are exact from here on,
-    /// however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once.
+    /// however they were given: with an angle, vh = 2 d tan(angle/2) and vw = vh W/H are rounded here, once. Where fx and fy
+    /// differ, vh = H fx/fy is rounded for the caller alone; rays have the quotient itself.
     ///
     /// # Errors
     /// [`Error::Scene`] for a viewport, distance or angle that is not positive and finite, or an angle of 180 degrees
@@ -259,7 +260,13 @@ impl Camera {
                         ));
                     }
                 }
-                (f64::from(width), f64::from(height) * (fx / fy), fx)
+                let vh = f64::from(height) * (fx / fy);
+                if !(vh > 0.0 && vh.is_finite()) {
+                    let problem = format!("fx is {fx:?} and fy is {fy:?}, whose quotient is beyond f64");
+                    let mend = "give both focal lengths in pixels, such as 525";
+                    return Err(Error::scene(Place::field("camera.fx"), problem, mend));
+                }
+                (f64::from(width), vh, fx)
             }
             Lens::Vfov { degrees, distance } => {
                 let vh = tall("vfov", degrees, positive("distance", distance)?)?;

@@ -85,10 +85,10 @@ impl Tree {
         self.firsts.len() - 1
     }
 
-    /// All spheres but the one with this id.
-    pub(crate) fn others(&self, id: u32) -> Vec<([f64; 3], f64)> {
-        let others = self.spheres.iter().zip(&self.ids).filter(|(_, other)| **other != id);
-        others.map(|([x, y, z, r], _)| ([*x, *y, *z], *r)).collect()
+    /// All spheres but those that are equal to this one.
+    pub(crate) fn others(&self, than: Option<([f64; 3], f64)>) -> Vec<([f64; 3], f64)> {
+        let spheres = self.spheres.iter().map(|[x, y, z, r]| ([*x, *y, *z], *r));
+        spheres.filter(|sphere| Some(*sphere) != than).collect()
     }
 
     /// The places of a block's spheres in the order of the tree.

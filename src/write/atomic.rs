@@ -6,6 +6,7 @@ use stale::folder;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::NamedTempFile;
 
 mod stale;
@@ -24,6 +25,15 @@ pub fn is_standard_output(path: &Path) -> bool {
 /// Whether `path` is a pipe or a device, which is written directly and whose extension does not choose a format.
 pub fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+/// Whether the process has no standard output.
+static NO_OUTPUT: AtomicBool = AtomicBool::new(false);
+
+/// Makes writing to standard output an error, for a process that began without one: the standard library has opened /dev/null
+/// in its place, where everything is lost without an error.
+pub fn refuse_standard_output() {
+    NO_OUTPUT.store(true, Ordering::Relaxed);
 }
 
 /// Checks that a file can be created at `path`: its folder exists and is writable, and `path` is not a folder.
@@ -131,6 +141,9 @@ enum Destination {
 impl Destination {
     fn of(path: &Path) -> io::Result<Self> {
         match path {
+            path if is_standard_output(path) && NO_OUTPUT.load(Ordering::Relaxed) => {
+                Err(io::Error::other("standard output is closed"))
+            }
             path if is_standard_output(path) => Ok(Self::Standard),
             path if is_special(path) => Ok(Self::Special),
             path => followed(path).map(Self::File),

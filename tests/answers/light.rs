@@ -251,6 +251,33 @@ fn certified_shadows_and_skies_are_the_exact_ones() {
     }
 }
 
+/// Equal spheres count as one: a sphere that is equal to the light's hides nothing of it, whether the light is a sphere of the scene
+/// or stands by itself, and shines as the light's does.
+#[test]
+fn a_sphere_equal_to_the_light_is_the_light() {
+    let sun = ([0.0, 4.0, -3.0], 1.0, [1.0; 3], Material::default());
+    let ground = ([0.0, -100.0, -5.0], 99.0, [1.0; 3], Material::default());
+    let camera = looking([0.0, 1.0, 6.0], [0.0, 1.0, -4.0], 50.0);
+    let sight = |list: &[_], source: LightSource| {
+        let mut scene = scene(camera, [40, 40], spheres(list));
+        scene.lighting = Lighting { lights: vec![Light::white(source)], shadows: true, ..Lighting::default() };
+        let frame = frame(&scene, &[Aov::Color, Aov::Shadow, Aov::Certainty], |_| {});
+        let certain = frame.bits(Aov::Certainty).iter().all(|x| *x <= 1);
+        assert!(certain, "{source:?}");
+        [Aov::Color, Aov::Shadow].map(|aov| frame.f32(aov).expect("a requested buffer").to_vec())
+    };
+    let alone = sight(&[ground, sun], LightSource::Sphere(1));
+    assert!(
+        alone[1].iter().all(|share| *share == 0.0 || *share == 1.0),
+        "one sphere has the shadows of its own back alone"
+    );
+    // The sphere that is hit has the lower index, the light's is the other.
+    assert!(sight(&[ground, sun, sun], LightSource::Sphere(2)) == alone, "a twin hides the light");
+    assert!(sight(&[ground, sun, sun], LightSource::Sphere(1)) == alone, "a twin hides the light");
+    let ball = LightSource::Ball { center: sun.0.into(), radius: sun.1 };
+    assert!(sight(&[ground, sun], ball)[1] == alone[1], "the sphere in the place of a ball hides it");
+}
+
 /// With mirrors, glass and a fuzzy metal, which scatters at random.
 #[test]
 fn parts_and_threads_give_the_bits_of_the_frame() {

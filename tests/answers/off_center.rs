@@ -55,6 +55,32 @@ const POINTS: [[f64; 2]; 6] = [
     [121.251953125, -30.37109375],
 ];
 
+/// A focal length is rounded nowhere: with fx = 1, fy = 10, cx = 4.5 and cy = 8 the ray of row 0, column 4 has the slope 7.5/10 and
+/// touches the sphere of radius 3 around (0, 0, -5), whose tangents have the sine 3/5. A step less, and it passes; in f64 17 (1/10)/17
+/// is not 1/10.
+#[test]
+fn a_quotient_of_focal_lengths_is_not_rounded() {
+    let lens = Lens::Intrinsics { fx: 1.0, fy: 10.0, cx: 4.5, cy: 8.0 };
+    for (radius, expected) in [(3.0, 0), (3f64.next_down(), -1)] {
+        // Powers of two change nothing; 3 and 30 have the same slopes.
+        for (fx, fy) in [(1.0, 10.0), (2f64.powi(-40), 10.0 * 2f64.powi(-40)), (3.0, 30.0)] {
+            let mut spheres = Spheres::default();
+            spheres.push([0.0, 0.0, -5.0], radius, None);
+            let Lens::Intrinsics { cx, cy, .. } = lens else { panic!("no intrinsics") };
+            let camera = Camera { lens: Lens::Intrinsics { fx, fy, cx, cy }, ..Camera::CANONICAL };
+            let scene = Scene { camera, spheres, ..scene(lens, [9, 17]) };
+            let scene = Scene { image: ImagePlane { width: 9, height: 17, ..scene.image }, ..scene };
+            let hit = Judge::new(&scene).expect("a scene").pixel(0, 4);
+            assert_eq!(hit.map_or(-1, |hit| i64::from(hit.id)), expected, "{fx} {fy} {radius}");
+            assert_eq!(hit.is_some_and(|hit| hit.tangent), expected == 0, "{fx} {fy} {radius}");
+            for accuracy in [Accuracy::Certified, Accuracy::Exact] {
+                let frame = cpu().render(&scene, &Settings { accuracy, ..Settings::default() }).expect("a frame");
+                assert_eq!(i64::from(frame.ids()[4]), expected, "{fx} {fy} {radius} {accuracy:?}");
+            }
+        }
+    }
+}
+
 /// The direction of the ray of a pixel, by the pinhole camera.
 fn pinhole(camera: &Camera, [i, j]: [f64; 2]) -> DVec3 {
     let Lens::Intrinsics { fx, fy, cx, cy } = camera.lens else { panic!("no intrinsics") };

@@ -4,6 +4,7 @@
 //! code nor algebra with `src/exact`. Where a thousand digits do not suffice, the answers are known by construction.
 
 use crate::adapter::cpu;
+use crate::bits::Bits as _;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::exact::{Judge, Root, Toward, Truth, judge_ray};
 use halfline::frame::Aov;
@@ -37,6 +38,8 @@ struct Case {
     pixels: Vec<Pixel>,
     #[serde(default)]
     lights: Vec<Lamp>,
+    /// Of balls.json: centre and radius of a light.
+    ball: Option<[Bits; 4]>,
 }
 
 /// A light of lights.json.
@@ -57,6 +60,8 @@ struct Pixel {
     /// Whether each light is hidden.
     #[serde(default)]
     hidden: Vec<bool>,
+    /// The share of the ball that is hidden.
+    share: Option<f64>,
 }
 
 /// Decimal numbers with far more digits than f64 holds; t has 40, and `tail` is t minus the nearest f64.
@@ -227,4 +232,44 @@ fn lights_are_hidden_where_a_thousand_digits_say_so() {
     }
     println!("{} lights seen, {} hidden", counts[0], counts[1]);
     assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
+}
+
+/// What balls.json says of one frame: hits, and those of them whose share is wrong.
+fn compare_balls(case: &Case, accuracy: Accuracy) -> (usize, Vec<String>) {
+    let mut scene = case.scene();
+    let [x, y, z, radius] = case.ball.as_ref().expect("a ball").each_ref().map(|x| x.0);
+    scene.lighting.lights = vec![Light::white(LightSource::Ball { center: [x, y, z].into(), radius })];
+    let settings = Settings { accuracy, aovs: vec![Aov::Shadow, Aov::Certainty], ..Settings::default() };
+    let frame = cpu().render(&scene, &settings).expect("a frame");
+    let shares = frame.f32(Aov::Shadow).expect("a requested buffer");
+    let mut wrong = Vec::new();
+    for pixel in &case.pixels {
+        let place = (pixel.i * case.size[0] + pixel.j) as usize;
+        let (share, known) = (f64::from(shares[place]), pixel.share.expect("a share"));
+        // Points on a disc: five standard errors of 0.5 / 64^(3/4) (src/view/directions.rs).
+        let near = if known == 0.0 || known == 1.0 { share == known } else { (share - known).abs() <= 0.11 };
+        if !near || frame.bits(Aov::Certainty)[place] > 1 {
+            wrong.push(format!("{} ({}, {}): {share}, not {known}", case.name, pixel.i, pixel.j));
+        }
+    }
+    (case.pixels.len(), wrong)
+}
+
+/// The fixture is made by `tests/truth/balls.py`, which knows the share of a light as an area, not by points. Scenes from 2^-1000 to
+/// 2^990, lights of 2^-1000 and at up to 2^1020, hits that are on a light and a step beside it.
+#[test]
+fn shares_of_balls_are_those_of_two_thousand_digits() {
+    let cases: Vec<Case> = serde_json::from_str(include_str!("../truth/balls.json")).expect("the fixture");
+    for (accuracy, every) in [(Accuracy::Certified, 1), (Accuracy::Exact, 5)] {
+        let found: Vec<_> = cases.iter().step_by(every).map(|case| compare_balls(case, accuracy)).collect();
+        let hits: usize = found.iter().map(|(hits, _)| hits).sum();
+        let wrong: Vec<_> = found.into_iter().flat_map(|(_, wrong)| wrong).collect();
+        println!(
+            "{accuracy:?}: {} scenes, {hits} hits, {} rays, {} wrong",
+            cases.len().div_ceil(every),
+            80 * hits,
+            wrong.len()
+        );
+        assert!(wrong.is_empty() && hits > 400 / every, "{} of {hits}: {}", wrong.len(), wrong.join("; "));
+    }
 }

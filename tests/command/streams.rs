@@ -108,6 +108,26 @@ fn a_result_that_cannot_be_written_is_exit_code_8() {
             assert!(err.contains("cannot write -: ") || is_brief, "{words}: {err}");
         }
     }
+    // A stream that is closed, in whose place the standard library opens /dev/null; /dev/null itself is a place to write to.
+    #[cfg(target_os = "linux")]
+    for (words, code) in [
+        ("render s.toml --backend cpu -o - >&-", 8),
+        ("render s.toml --backend cpu -o /dev/stdout >&-", 8),
+        ("render s.toml --backend cpu --json >&-", 8),
+        ("trace s.toml --backend cpu --pattern lidar:rings=1,step=1 -o - >&-", 8),
+        ("merge 1.png 2.png -o - >&-", 8),
+        ("completions bash >&-", 8),
+        ("--version >&-", 8),
+        ("render s.toml --backend cpu -o - >/dev/null", 0),
+        ("render s.toml --backend cpu -o - 1<>/dev/null", 0),
+        ("render s.toml --backend cpu -o c.png >&-", 0),
+    ] {
+        let line = format!("exec {} {words}", env!("CARGO_BIN_EXE_halfline"));
+        let output = Command::new("sh").args(["-c", &line]).current_dir(dir.path("")).output().expect("sh runs");
+        let Output { code: found, err, .. } = Output::of(output);
+        assert_eq!(found, code, "{words}: {err}");
+        assert!(code == 0 || words.contains("version") || err.contains("standard output is closed"), "{words}: {err}");
+    }
     // Files are written nevertheless.
     let words = "render s.toml --backend cpu -o whole.png --json";
     let output = dir.command(words).stdout(Broken::Pipe.stdio()).output().expect("runs");

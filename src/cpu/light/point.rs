@@ -11,7 +11,6 @@ use crate::scene::{LightSource, Material};
 use crate::shade::lit::{self, Cap};
 use crate::shade::optics::reflected;
 use crate::view::directions::PixelSample;
-use crate::view::ray::NONE;
 use glam::{DVec3, Vec3};
 
 /// The rays of one light from one point.
@@ -27,6 +26,8 @@ struct LightShare {
     rim: [bool; 2],
     /// The point is on the light.
     shines: bool,
+    /// The point is in the light, or on it: lit from all sides.
+    inside: bool,
 }
 
 /// The share of a light of which only points of the rim are hidden, or seen: so small that it changes no mean.
@@ -39,6 +40,12 @@ impl LightShare {
         self.gloss += gloss;
     }
 
+    /// The part of the light that the point reflects, and its highlight.
+    fn seen(&self) -> [f64; 2] {
+        let rays = f64::from(self.rays.max(1));
+        if self.inside { [1.0, 0.0] } else { [self.reflected / rays, self.gloss / rays] }
+    }
+
     fn see_rim(&mut self, hidden: bool) {
         self.rim[usize::from(!hidden)] = true;
     }
@@ -48,6 +55,7 @@ impl LightShare {
     fn hidden(&self) -> f32 {
         let [some_hidden, some_open] = self.rim;
         match (self.hidden, self.rays) {
+            _ if self.inside => 0.0,
             (_, 0) => 0.0,
             (0, _) if some_hidden => NEARLY,
             (hidden, rays) if hidden == rays && some_open => 1.0 - NEARLY,
@@ -87,6 +95,7 @@ enum Of {
     Rim(usize),
     /// With its cosine and the direction on the side of the normal.
     Sky(f64, [f64; 3]),
+    Inside(usize),
 }
 
 /// Lights and sky at one point after the other.
@@ -190,40 +199,49 @@ impl<'a> PointLight<'a> {
         let spheres = &self.of.scene.spheres;
         match self.of.scene.lighting.lights[n].source {
             LightSource::Direction(direction) => {
-                self.light_ray(point, n, &Toward::Direction(direction.to_array()), NONE);
+                self.light_ray(point, n, &Toward::Direction(direction.to_array()), None);
             }
             LightSource::Point(position) => {
-                self.light_ray(point, n, &Toward::Point(position.to_array()), NONE);
+                self.light_ray(point, n, &Toward::Point(position.to_array()), None);
             }
-            LightSource::Sphere(id) if id == point.id => self.lights[n].shines = true,
             LightSource::Sphere(id) => {
-                let ball = (DVec3::from_array(spheres.centers[id as usize]), spheres.radii[id as usize]);
-                self.ball(point, n, ball, id, at);
+                let ball = (spheres.centers[id as usize], spheres.radii[id as usize]);
+                match ball == (point.center, point.radius) {
+                    true => self.lights[n].shines = true,
+                    false => self.ball(point, n, ball, at),
+                }
             }
-            LightSource::Ball { center, radius } => self.ball(point, n, (center, radius), NONE, at),
+            LightSource::Ball { center, radius } => self.ball(point, n, (center.to_array(), radius), at),
         }
     }
 
     /// A light with a size: points of its surface, spread evenly over the solid angle that the point sees.
-    fn ball(&mut self, point: &SurfacePoint, n: usize, (center, radius): (DVec3, f64), light: u32, at: PixelSample) {
-        let from = point.world();
+    fn ball(&mut self, point: &SurfacePoint, n: usize, ball: ([f64; 3], f64), at: PixelSample) {
+        let (center, radius) = ball;
+        let shining = point.shining(&self.of.tree.placement, center, radius);
+        match shining.inside {
+            Some(true) => {
+                self.lights[n].inside = true;
+                return;
+            }
+            Some(false) if !self.of.exact => {}
+            _ => self.unsure.push((Of::Inside(n), LightQuestion::Outside { center, radius })),
+        }
+        let cap = Cap::new(shining.away, shining.radius);
+        let beside = |place| (cap.outward(place) * radius).to_array();
         self.of.disc.of(at, n as u32, &mut self.disc);
-        let Some(cap) = Cap::new(from, center, radius) else {
-            // Inside the light.
-            self.lights[n].reflected = 1.0;
-            return;
-        };
         for k in 0..self.disc.len() {
-            let toward = Toward::Point(cap.point(self.disc[k]).to_array());
-            self.light_ray(point, n, &toward, light);
+            let toward = Toward::Beside { center, offset: beside(self.disc[k]) };
+            self.light_ray(point, n, &toward, Some(ball));
         }
         if !self.casts_shadows() {
             return;
         }
         let disc = self.of.disc;
         for place in disc.rim(at, n as u32) {
-            let toward = Toward::Point(cap.point(place).to_array());
-            let (answer, question) = self.ask(point, &toward, light);
+            let toward = Toward::Beside { center, offset: beside(place) };
+            let ray = point.ray(&self.of.tree.placement, &toward);
+            let (answer, question) = self.ask(point, &toward, ray.as_ref(), Some(ball));
             match question {
                 Some(question) => self.unsure.push((Of::Rim(n), question)),
                 None => self.lights[n].see_rim(answer == AnyHit::Blocked),
@@ -235,8 +253,8 @@ impl<'a> PointLight<'a> {
         self.of.wanted.shadow || self.of.scene.lighting.shadows
     }
 
-    fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: u32) {
-        let ray = point.ray(&self.of.tree.placement, toward);
+    fn light_ray(&mut self, point: &SurfacePoint, n: usize, toward: &Toward, light: Option<([f64; 3], f64)>) {
+        let ray = point.aim(&self.of.tree.placement, toward);
         let cosine = ray.as_ref().map_or(0.0, |ray| point.cosine(ray).0.max(0.0));
         let highlight =
             |ray: &CertifiedRay| self.highlight(dot(self.mirrored.to_array(), ray.direction) / ray.a.sqrt());
@@ -245,22 +263,29 @@ impl<'a> PointLight<'a> {
         if !self.casts_shadows() {
             return self.lights[n].add(seen);
         }
-        match self.ask(point, toward, light) {
+        match self.ask(point, toward, ray.as_ref().filter(|ray| SurfacePoint::is_known(ray)), light) {
             (_, Some(question)) => self.unsure.push((Of::Light(n, seen), question)),
             (AnyHit::Blocked, None) => self.hide(n, seen),
             _ => self.lights[n].add(seen),
         }
     }
 
-    /// Whether the light in this direction is hidden; if that is unsure, the question for the judge.
-    fn ask(&self, point: &SurfacePoint, toward: &Toward, light: u32) -> (AnyHit, Option<LightQuestion>) {
+    /// Whether the light at the end of this ray, which is `None` if its direction is not known, is hidden; if that is unsure,
+    /// the question for the judge.
+    fn ask(
+        &self,
+        point: &SurfacePoint,
+        toward: &Toward,
+        ray: Option<&CertifiedRay>,
+        light: Option<([f64; 3], f64)>,
+    ) -> (AnyHit, Option<LightQuestion>) {
         let tree = self.of.tree;
-        let question = |among| Some(LightQuestion { toward: *toward, turned: false, among });
-        let Some(ray) = point.ray(&tree.placement, toward) else {
+        let question = |among| Some(LightQuestion::Hidden { toward: *toward, turned: false, among });
+        let Some(ray) = ray else {
             // A ray of unknown direction may meet anything.
             return (AnyHit::Unsure, question(tree.others(light)));
         };
-        let ray = LightRay { tree, point, ray: &ray, light };
+        let ray = LightRay { tree, point, ray, light };
         match if self.of.exact { AnyHit::Unsure } else { ray.answer() } {
             AnyHit::Unsure => (AnyHit::Unsure, question(ray.candidates())),
             answer => (answer, None),
@@ -290,20 +315,22 @@ impl<'a> PointLight<'a> {
                 Own::Hides if !self.of.exact => (toward(direction.map(|x| -x)), ray.turned()),
                 _ => {
                     let both =
-                        [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: NONE }.candidates());
-                    let question = LightQuestion { toward: toward(direction), turned: true, among: both.concat() };
+                        [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: None }.candidates());
+                    let question =
+                        LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
                     self.unsure.push((Of::Sky(weight, outward), question));
                     continue;
                 }
             };
-            let ray = LightRay { tree, point, ray: &ray, light: NONE };
+            let ray = LightRay { tree, point, ray: &ray, light: None };
             // From outside the sphere of the point does not hide what is on the side of its normal.
             match if point.outside { ray.others() } else { ray.answer() } {
                 AnyHit::Free => self.see_sky(weight, outward),
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
                     let among = ray.candidates();
-                    self.unsure.push((Of::Sky(weight, outward), LightQuestion { toward, turned: false, among }));
+                    self.unsure
+                        .push((Of::Sky(weight, outward), LightQuestion::Hidden { toward, turned: false, among }));
                 }
             }
         }
@@ -347,6 +374,7 @@ impl<'a> PointLight<'a> {
             (Of::Light(n, seen), true) => self.hide(n, seen),
             (Of::Light(n, seen), false) => self.lights[n].add(seen),
             (Of::Rim(n), hidden) => self.lights[n].see_rim(hidden),
+            (Of::Inside(n), outside) => self.lights[n].inside = !outside,
             (Of::Sky(..), true) => {}
             (Of::Sky(weight, outward), false) => self.see_sky(weight, outward),
         }
@@ -375,9 +403,9 @@ impl<'a> PointLight<'a> {
         let (mut gloss, mut shine) = (DVec3::ZERO, DVec3::ZERO);
         for (light, share) in lights.iter().zip(&self.lights) {
             let color = Vec3::from_array(light.color).as_dvec3() * f64::from(light.intensity);
-            let rays = f64::from(share.rays.max(1));
-            white += color * (share.reflected / rays);
-            gloss += color * (share.gloss / rays);
+            let [seen, highlight] = share.seen();
+            white += color * seen;
+            gloss += color * highlight;
             if share.shines {
                 shine += color;
             }

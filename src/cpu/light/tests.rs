@@ -10,7 +10,6 @@ use crate::exact::{Judge, LightQuestion, Toward};
 use crate::search::tree::Tree;
 use crate::testing::Rng;
 use crate::view::View;
-use crate::view::ray::NONE;
 use families::{FAMILIES, Family};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -56,16 +55,16 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
             let lights: Vec<Toward> = chosen.map(|light| light.at(&mut random, &truth)).collect();
             let hidden = judge.hidden(i, j, &lights).expect("a hit");
             for (toward, hidden) in lights.iter().zip(hidden) {
-                let mut among = tree.others(NONE);
+                let mut among = tree.others(None);
                 let answer = match point.ray(&tree.placement, toward) {
                     Some(ray) => {
-                        let ray = LightRay { tree: &tree, point: &point, ray: &ray, light: NONE };
+                        let ray = LightRay { tree: &tree, point: &point, ray: &ray, light: None };
                         among = ray.candidates();
                         ray.answer()
                     }
                     None => AnyHit::Unsure,
                 };
-                let question = LightQuestion { toward: *toward, turned: false, among };
+                let question = LightQuestion::Hidden { toward: *toward, turned: false, among };
                 score.unsure += u32::from(answer == AnyHit::Unsure);
                 score.rays += 1;
                 let answer = match answer {

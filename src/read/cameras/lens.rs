@@ -37,11 +37,16 @@ pub fn lens_of(intrinsics: &Intrinsics, width: u32, height: u32) -> Result<Lens>
     let Intrinsics { fx, fy, cx, cy } = *intrinsics;
     let [w, h] = [width, height].map(f64::from);
     if !(fx > 0.0 && fy > 0.0 && fx.is_finite() && fy.is_finite()) {
-        let problem = format!("the focal lengths {fx}, {fy} are not positive");
+        let problem = format!("the focal lengths {fx:?}, {fy:?} are not positive finite numbers");
         return Err(Error::settings(problem, "give them in pixels, such as 525,525,320,240"));
     }
     if [cx, cy] == [w / 2.0, h / 2.0] {
-        return Ok(Lens::Viewport { vw: w / fx, vh: h / fy, distance: 1.0 });
+        let [vw, vh] = [w / fx, h / fy];
+        if !(vw > 0.0 && vh > 0.0 && vw.is_finite() && vh.is_finite()) {
+            let problem = format!("the focal lengths {fx:?}, {fy:?} give a viewport beyond f64");
+            return Err(Error::settings(problem, "give them in pixels, such as 525,525,320,240"));
+        }
+        return Ok(Lens::Viewport { vw, vh, distance: 1.0 });
     }
     let lens = Lens::Intrinsics { fx, fy, cx, cy };
     let camera = Camera { lens, ..Camera::CANONICAL };

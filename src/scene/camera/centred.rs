@@ -3,7 +3,8 @@
 //! finer one if the principal point lies between the middles and the borders of pixels.
 
 use super::{Camera, Lens, Viewport};
-use crate::error::{Error, Result};
+use crate::double_double::{self as dd, Dd};
+use crate::error::{Error, Place, Result};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
 const MOST: i64 = 1 << 20;
@@ -17,14 +18,59 @@ const STRATA: f64 = 8.0;
 /// A frame whose middle is the principal point, and the place of an image's rays in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CentredFrame {
-    /// Of the whole frame; its numbers are exact.
-    pub(crate) viewport: Viewport,
+    /// Of the whole frame.
+    pub(crate) viewport: ExactViewport,
     /// Columns and rows.
     pub(crate) size: [u32; 2],
     /// Columns, or rows, of the frame from a place of a ray to the next.
     pub(crate) step: u32,
     /// Column and row of the image's first place.
     pub(crate) shift: [u32; 2],
+}
+
+/// A [`Viewport`] of which no number is rounded: its height is `tall` fx / fy, a quotient that f64 cannot hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ExactViewport {
+    /// Width.
+    pub(crate) vw: f64,
+    /// Distance from the eye, infinite for parallel rays.
+    pub(crate) d: f64,
+    /// The height but for `pitch`.
+    pub(crate) tall: f64,
+    /// fx and fy; 1 and 1 where they are equal, and for lenses without them.
+    pub(crate) pitch: [f64; 2],
+}
+
+impl From<Viewport> for ExactViewport {
+    fn from(Viewport { vw, vh, d }: Viewport) -> Self {
+        Self { vw, d, tall: vh, pitch: [1.0; 2] }
+    }
+}
+
+impl ExactViewport {
+    /// Whether the rays through it are parallel.
+    pub(crate) fn is_parallel(&self) -> bool {
+        self.d.is_infinite()
+    }
+
+    /// The height times 2^-`k` is x y / z, exact away from the limits of f64, with y and z in [1, 2).
+    pub(crate) fn height(&self, k: i32) -> [f64; 3] {
+        let [up, down] = self.pitch.map(dd::exponent);
+        let [y, z] = [dd::ldexp(self.pitch[0], -up), dd::ldexp(self.pitch[1], -down)];
+        [dd::ldexp(self.tall, up - down - k), y, z]
+    }
+
+    /// The height times 2^-`k` over `divisor`: rounded once.
+    pub(crate) fn height_over(&self, k: i32, divisor: f64) -> f64 {
+        let [x, y, z] = self.height(k);
+        let near = x * y / z / divisor;
+        if y == z || !near.is_finite() {
+            return near;
+        }
+        let e = dd::exponent(divisor);
+        let [x, ..] = self.height(k + e);
+        (Dd::product(x, y) / Dd::product(z, dd::ldexp(divisor, -e))).value()
+    }
 }
 
 impl Camera {
@@ -38,7 +84,7 @@ impl Camera {
         let viewport = self.viewport(width, height)?;
         let Lens::Intrinsics { fx, fy, cx, cy } = self.lens else {
             let size = [width, height].map(|side| side * strata * jitter);
-            return Ok(CentredFrame { viewport, size, step: 1, shift: [0; 2] });
+            return Ok(CentredFrame { viewport: viewport.into(), size, step: 1, shift: [0; 2] });
         };
         let parts = parts([width, height], [cx, cy]);
         let step = (parts / jitter).max(1);
@@ -61,7 +107,13 @@ impl Camera {
             return Err(Error::Limits { problem, mend: "use fewer --samples, or a smaller image".into() });
         }
         let [w, h] = [columns, rows].map(|side| side as f64 / fine as f64);
-        let viewport = Viewport { vw: w, vh: h * (fx / fy), d: fx };
+        let pitch = if fx == fy { [1.0; 2] } else { [fx, fy] };
+        let viewport = ExactViewport { vw: w, d: fx, tall: h, pitch };
+        if !viewport.height_over(0, 1.0).is_finite() {
+            let problem = format!("fx is {fx:?} and fy is {fy:?}, whose quotient is beyond f64");
+            let mend = "give both focal lengths in pixels, such as 525";
+            return Err(Error::scene(Place::field("camera.fx"), problem, mend));
+        }
         Ok(CentredFrame { viewport, size: [columns as u32, rows as u32], step, shift: [left as u32, top as u32] })
     }
 
