@@ -48,10 +48,11 @@ impl Frames {
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
                 let render = || {
-                    let scene = picture.scene(scene.get(), Some(camera))?;
-                    let mut frame = with(&shared, &own, |renderer| renderer.render(&scene, &same))?;
+                    let exact = picture.scene(scene.get(), Some(camera))?;
+                    let settings = scene.get().settings(Some(camera), &same);
+                    let mut frame = with(&shared, &own, |renderer| renderer.render(&exact, &settings))?;
                     frame.report.number = number;
-                    Ok((scene, frame))
+                    Ok((exact, frame))
                 };
                 let rendered = render();
                 let is_last = rendered.is_err();

@@ -94,7 +94,7 @@ impl Renderer {
         accurate: Accurate,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = self.settings(&picture, &accurate)?;
+        let settings = scene.settings(camera, &self.settings(&picture, &accurate)?);
         let job = Job::default();
         let number = scene.number;
         let (scene, frame) = job.run(py, progress.as_ref(), || {
@@ -129,7 +129,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<String> {
-        let settings = self.settings(&picture, &accurate)?;
+        let settings = scene.settings(camera, &self.settings(&picture, &accurate)?);
         let job = Job::default();
         let plan = job.run(py, None, || {
             let scene = picture.scene(scene, camera)?;

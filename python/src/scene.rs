@@ -4,7 +4,9 @@ use crate::arrays::{list, shown};
 use crate::camera::Camera;
 use crate::errors::OrRaise;
 use crate::work::begin;
+use halfline::camera::Aperture;
 use halfline::scene::{ImagePlane, check_color};
+use halfline::settings::Settings;
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -14,6 +16,8 @@ use std::sync::Arc;
 #[pyclass(frozen)]
 pub(crate) struct Scene {
     scene: Arc<ExactScene>,
+    /// The size of the lens of its file's camera; `None` for a pinhole.
+    aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
     held: bool,
     /// The number in its file, the time and the step.
@@ -35,12 +39,21 @@ impl Scene {
         scene.spheres.share();
         Self {
             scene: Arc::new(scene),
+            aperture: frame.aperture,
             held,
             number: frame.number,
             time: frame.when.time,
             step: frame.when.step,
             cell: frame.cell.map(|cell| (cell.origin, cell.edges)),
         }
+    }
+
+    /// The settings with the lens of this camera, or of the scene's own, and the samples that it needs.
+    pub(crate) fn settings(&self, camera: Option<&Camera>, settings: &Settings) -> Settings {
+        let aperture = camera.map_or(self.aperture, |camera| camera.aperture);
+        // One sample leaves from one point.
+        let samples = if aperture.is_some() && settings.samples < 2 { Aperture::SAMPLES } else { settings.samples };
+        Settings { aperture, samples, ..settings.clone() }
     }
 
     /// The spheres.
@@ -107,7 +120,7 @@ impl Scene {
             skipped: Default::default(),
             lighting: Default::default(),
         };
-        Ok(Self { scene: Arc::new(scene), held: false, number: 1, time: None, step: None, cell: None })
+        Ok(Self { scene: Arc::new(scene), aperture: None, held: false, number: 1, time: None, step: None, cell: None })
     }
 
     /// The same spheres with what another program says of them.
@@ -121,7 +134,7 @@ impl Scene {
     ) -> Self {
         let mut scene = (*self.scene).clone();
         scene.skipped.assumed.extend(warnings);
-        Self { scene: Arc::new(scene), held: self.held, number, time, step, cell }
+        Self { scene: Arc::new(scene), aperture: self.aperture, held: self.held, number, time, step, cell }
     }
 
     fn __len__(&self) -> usize {
@@ -180,7 +193,7 @@ impl Scene {
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         begin()?;
         let scene = self.exact(None, size, None).or_raise()?;
-        Ok(Camera { camera: scene.camera, size: None, in_pixels: false })
+        Ok(Camera { camera: scene.camera, aperture: self.aperture, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.

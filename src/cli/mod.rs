@@ -13,6 +13,7 @@ mod file_args;
 mod info;
 mod inset_args;
 mod legend;
+mod lens_args;
 mod light_args;
 mod lines;
 mod measure;

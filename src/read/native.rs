@@ -1,6 +1,7 @@
 //! The native scene file: TOML with `[camera]`, `[image]`, `[[sphere]]`, `[[spheres]]`, `[[light]]` and `[occlusion]`.
 //! Every error has the line, column and key.
 
+mod lens;
 mod light;
 mod material;
 mod room;
@@ -12,7 +13,7 @@ use super::lines::not_utf8;
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;
-use crate::scene::camera::{Camera, Lens, Look};
+use crate::scene::camera::{Aperture, Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_size, check_sphere};
 use glam::DVec3;
 use spheres::NamedSpheres;
@@ -28,9 +29,11 @@ const LONGEST: usize = 1 << 30;
 /// time.
 const QUICK: usize = 2 << 20;
 
-/// Reads a scene from the stream, and the names of the files in `[[spheres]]`; `path` is for errors, and its folder
-/// contains the files.
-pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, Vec<PathBuf>)> {
+/// A scene, the size of its camera's lens, and the names of the files in `[[spheres]]`.
+pub(super) type Native = (Scene, Option<Aperture>, Vec<PathBuf>);
+
+/// Reads a scene from the stream; `path` is for errors, and its folder contains the files of `[[spheres]]`.
+pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<Native> {
     let file = Place::file(path.display().to_string());
     let text = String::from_utf8(bytes(reader, path)?).map_err(|e| not_utf8(file.clone(), 0, e))?;
     let length = text.len();
@@ -39,10 +42,8 @@ pub(super) fn read(reader: Input, path: &Path, watch: &Watch) -> Result<(Scene, 
     let parse = move || {
         // The byte order mark is not a character of the first line.
         let text = text.trim_start_matches('\u{feff}');
-        let mut files = Vec::new();
         let text = TomlText { file, text };
-        let scene = Document { text: &text, path: &path, watch: &within }.scene(&mut files)?;
-        Ok((scene, files))
+        Document { text: &text, path: &path, watch: &within }.read()
     };
     if length <= QUICK { parse() } else { watch.wait_for(parse) }
 }
@@ -78,7 +79,7 @@ struct Document<'a> {
 }
 
 impl Document<'_> {
-    fn scene(&self, files: &mut Vec<PathBuf>) -> Result<Scene> {
+    fn read(&self) -> Result<Native> {
         let root = DeTable::parse(self.text.text).map_err(|e| self.syntax(e))?;
         let root = TomlTable::top(self.text, root.get_ref());
         root.allow(&["camera", "image", "sphere", "spheres", "light", "occlusion"])?;
@@ -86,8 +87,10 @@ impl Document<'_> {
             Some(image) => self.image(&image.table(TomlName::part("image"))?)?,
             None => ImagePlane::default(),
         };
-        let camera = self.camera(&root.need("camera")?.table(TomlName::part("camera"))?, &image)?;
-        let (mut spheres, mut skipped) = (Spheres::default(), Skipped::default());
+        let table = root.need("camera")?.table(TomlName::part("camera"))?;
+        let camera = self.camera(&table, &image)?;
+        let aperture = lens::read(&table, &camera)?;
+        let (mut spheres, mut skipped, mut files) = (Spheres::default(), Skipped::default(), Vec::new());
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
         }
@@ -97,7 +100,7 @@ impl Document<'_> {
             files.push(named.path);
         }
         let lighting = light::read(&root, spheres.len())?;
-        Ok(Scene { camera, image, spheres, lighting, skipped })
+        Ok((Scene { camera, image, spheres, lighting, skipped }, aperture, files))
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
@@ -125,7 +128,7 @@ impl Document<'_> {
     }
 
     fn camera(&self, table: &TomlTable<'_>, image: &ImagePlane) -> Result<Camera> {
-        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height"])?;
+        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height", "aperture", "focus"])?;
         let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
         let look = match table.one_of(["at", "view"])? {
             "at" => Look::At(vector("at")?),

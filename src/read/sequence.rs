@@ -11,7 +11,7 @@ use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::quote::count;
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Aperture, Camera};
 use crate::scene::instances::Instances;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use std::io::Read;
@@ -34,7 +34,7 @@ pub struct Sequence {
 
 enum SequenceState {
     /// A format that contains a whole scene.
-    One(Option<Box<Scene>>),
+    One(Option<Box<(Scene, Option<Aperture>)>>),
     Many(Box<dyn ParticleFrames>),
 }
 
@@ -47,6 +47,8 @@ pub struct SceneFrame {
     pub scene: Scene,
     /// Whether the file has a camera.
     pub has_camera: bool,
+    /// The size of its camera's lens; `None` for a pinhole.
+    pub aperture: Option<Aperture>,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The periodic cell, if the file has one.
@@ -93,12 +95,12 @@ impl Sequence {
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let mut scene = match source.format {
-                    Format::Nff => nff::read(source.reader, path, options)?,
+                let (mut scene, aperture) = match source.format {
+                    Format::Nff => (nff::read(source.reader, path, options)?, None),
                     _ => {
-                        let (scene, named) = native::read(source.reader, path, &options.watch)?;
+                        let (scene, aperture, named) = native::read(source.reader, path, &options.watch)?;
                         files.extend(named);
-                        scene
+                        (scene, aperture)
                     }
                 };
                 if !(options.select.is_empty() && options.hide.is_empty()) {
@@ -110,7 +112,7 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                SequenceState::One(Some(Box::new(scene)))
+                SequenceState::One(Some(Box::new((scene, aperture))))
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
@@ -190,7 +192,7 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when })
+        Ok(SceneFrame { number, scene, has_camera: false, aperture: None, legend, cell, instances: None, when })
     }
 
     /// The same for particles with copies, which are one frame.
@@ -205,7 +207,16 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell: None, instances: Some(instances), when })
+        Ok(SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            aperture: None,
+            legend,
+            cell: None,
+            instances: Some(instances),
+            when,
+        })
     }
 
     /// The next selected frame; `None` after the last.
@@ -223,10 +234,19 @@ impl Sequence {
                 SequenceState::One(scene) => {
                     let Some(scene) = scene.take() else { return Ok(None) };
                     if wanted {
-                        let (scene, has_camera) = (*scene, true);
+                        let ((scene, aperture), has_camera) = (*scene, true);
                         let when = FrameTime::default();
                         let (legend, cell, instances) = (None, None, None);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend, cell, instances, when }));
+                        return Ok(Some(SceneFrame {
+                            number,
+                            scene,
+                            has_camera,
+                            aperture,
+                            legend,
+                            cell,
+                            instances,
+                            when,
+                        }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

@@ -8,11 +8,11 @@ use crate::error::Result;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
-use crate::view::View;
 use crate::view::directions::{DiscPoints, SkyDirections};
+use crate::view::{View, ViewRecord};
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
 pub(super) struct LightSetup {
@@ -35,7 +35,7 @@ impl LightSetup {
 }
 
 impl Renderer {
-    /// What lights and sky give to the pixels that show these spheres.
+    /// What lights and `sky` give to the pixels that show these spheres.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
@@ -43,7 +43,7 @@ impl Renderer {
         &self,
         setup: &LightSetup,
         (scene, settings, view): (&Scene, &Settings, &View),
-        wanted: Wanted,
+        (wanted, sky): (Wanted, Option<Sky>),
         (ids, open): (&[u32], Option<OpenSky<'_>>),
         pool: &Pool,
     ) -> Result<Lit> {
@@ -53,10 +53,11 @@ impl Renderer {
         lit.color = pool.values(some(wanted.color, 3))?;
         lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
         lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
-        let sky = if wanted.occlusion { settings.sky(scene) } else { scene.lighting.sky };
         let sized = lights.iter().any(|light| light.source.has_size());
-        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
-        let samples = view.record.strata * view.record.strata;
+        let ViewRecord { strata, sample, .. } = view.record;
+        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays), strata, sample);
+        let scattered = SkyDirections::one(strata, sample);
+        let samples = strata * strata;
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
         let Some(tree) = &setup.tree else {
             return Ok(lit.of_nothing(scene.image.background));
@@ -71,6 +72,7 @@ impl Renderer {
             exact: setup.accuracy == Accuracy::Exact,
             sky,
             directions: &directions,
+            scattered: &scattered,
             disc: &disc,
             seed: settings.seed,
             open,

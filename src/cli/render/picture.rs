@@ -70,6 +70,7 @@ impl Render {
         let mut targets = self.args.files.targets(numbered.number)?;
         let files = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
+        let camera = camera.through(numbered.lens.aperture, &scene.camera)?;
         let written = |report| Picture { number: numbered.number, files, camera, report };
         let panels = self.args.insets.panels(&self.args, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
@@ -99,7 +100,13 @@ impl Render {
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
         let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
         frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
-        self.args.read.hold_words().into_iter().chain(numbered.look.words()).for_each(|words| messages.note(words));
+        self.args
+            .read
+            .hold_words()
+            .into_iter()
+            .chain(numbered.look.words())
+            .chain(numbered.lens.words())
+            .for_each(|words| messages.note(words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             messages.note(frame.report.reason.clone());
         }

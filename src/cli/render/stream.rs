@@ -2,6 +2,7 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
+use crate::cli::lens_args::PictureLens;
 use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::scene_frames::{Numbered, aim, options, size};
@@ -64,6 +65,9 @@ impl<'a> Source<'a> {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
         }
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        if args.camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some()) {
+            return refuse("a lens with a size sees spheres that a stream has forgotten", "remove --aperture");
+        }
         Ok(Self { args, options, taken, arrangement, why: Cell::new(why) })
     }
 
@@ -114,7 +118,8 @@ impl<'a> Source<'a> {
     fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(Numbered, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
         let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), self.args.look_request(false))?;
-        let picture = Numbered { number: 1, scene, legend: None, look, when: FrameTime::default(), ids: None };
+        let when = FrameTime::default();
+        let picture = Numbered { number: 1, scene, legend: None, look, lens: PictureLens::default(), when, ids: None };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
         Ok((picture, stream))
@@ -126,7 +131,8 @@ impl<'a> Source<'a> {
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
         let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let mut frame = SceneFrame { number: 1, scene, has_camera: false, legend, cell, instances, when };
+        let mut frame =
+            SceneFrame { number: 1, scene, has_camera: false, aperture: None, legend, cell, instances, when };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),

@@ -34,6 +34,8 @@ pub(crate) struct Lighting<'a> {
     pub(crate) exact: bool,
     pub(crate) sky: Option<Sky>,
     pub(crate) directions: &'a SkyDirections,
+    /// The direction in which rough metal scatters a ray.
+    pub(crate) scattered: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
     /// The open share of the sky at the hits of viewing rays, if it is known.

@@ -27,6 +27,33 @@ pub(crate) struct CentredFrame {
     pub(crate) shift: [u32; 2],
 }
 
+impl CentredFrame {
+    /// The frame of an eye that is moved aside: the same places lie so many columns and rows of it farther toward the first
+    /// ones. It is as much larger, on both sides, as that takes.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] for more than 2^20 columns or rows.
+    pub(crate) fn moved(self, aside: [f64; 2]) -> Result<Self> {
+        let mut frame = self;
+        let sides = [&mut frame.viewport.vw, &mut frame.viewport.vh];
+        for (k, side) in sides.into_iter().enumerate().filter(|(k, _)| aside[*k] != 0.0) {
+            let (by, count) = (aside[k], f64::from(self.size[k]));
+            let wide = count + 2.0 * by.abs();
+            if wide.is_nan() || wide > MOST as f64 {
+                let problem = format!("the lens is so large that a frame needs {wide} places, and {MOST} are possible");
+                return Err(Error::Limits {
+                    problem,
+                    mend: "use a smaller --aperture, fewer --samples or a smaller image".into(),
+                });
+            }
+            *side = *side * wide / count;
+            frame.size[k] = wide as u32;
+            frame.shift[k] += (by.abs() - by) as u32;
+        }
+        Ok(frame)
+    }
+}
+
 impl Camera {
     /// The frame for an image of `width` x `height` pixels, each divided into `strata` x `strata` parts with `jitter` x
     /// `jitter` places for rays. A place n from the left is column n step + shift; with a principal point in the middle of
