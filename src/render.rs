@@ -3,6 +3,7 @@
 mod budget;
 pub mod explain;
 mod frame;
+mod lens;
 mod light;
 mod missed;
 mod place;

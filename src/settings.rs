@@ -8,6 +8,7 @@ use crate::error::{Error, Place, Result};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
+use crate::scene::camera::Aperture;
 use crate::scene::{Scene, Sky};
 use crate::shade::Shade;
 use crate::tile::WHOLE;
@@ -110,6 +111,9 @@ pub struct Settings {
     /// Samples per pixel whose mean is the colour and the alpha, rounded up to the next square n x n: one point in each
     /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers are those of the centre.
     pub samples: u32,
+    /// A lens with a size, for colour and alpha; `None` for a pinhole. It needs several samples, each of which leaves from
+    /// another point of it.
+    pub aperture: Option<Aperture>,
     /// Whether dark lines are drawn in the colour where the depth jumps by several pixels, or behind the last sphere.
     pub silhouette: bool,
     /// Whether colours fade to the background with depth, from the nearest sphere of the scene to the farthest.

@@ -112,7 +112,7 @@ impl View {
         scene.check()?;
         let size = [scene.image.width, scene.image.height];
         let CentredFrame { viewport, size: [width, height], step, shift } =
-            scene.camera.centred(size, raster.strata, raster.jitter)?;
+            scene.camera.centred(size, raster.strata, raster.jitter)?.moved(raster.aside)?;
         let parallel = viewport.is_parallel();
         let basis = scene.camera.basis()?;
         let unit = unit(basis.e, &scene.spheres.centers, &scene.spheres.radii)?;

@@ -28,6 +28,8 @@ class Camera:
         up: Vector,
         lens: Lens,
         size: Size | None,
+        aperture: float | None,
+        focus: float | None,
     ) -> Camera: ...
     @property
     def size(self) -> Size | None: ...

@@ -32,6 +32,9 @@ class Camera:
         distance: Distance of the viewport from the eye, in the unit of ``viewport``.
         height: Height of the view in scene units: parallel rays (orthographic), which start at the
             plane of the eye.
+        aperture: Diameter of the lens in scene units; what is not in focus is blurred. Pictures
+            then have 64 ``samples`` unless more are given. The default is a pinhole.
+        focus: Distance along the view of the plane in focus; by default that of ``at``.
 
     Raises:
         ValueError: for numbers that give no direction or no viewport, with the name of the
@@ -60,6 +63,8 @@ class Camera:
         viewport: tuple[float, float] | None = None,
         distance: float = 1.0,
         height: float | None = None,
+        aperture: float | None = None,
+        focus: float | None = None,
     ) -> None:
         if at is not None and view is not None:
             raise ValueError("at and view exclude each other; give one of them")
@@ -80,13 +85,25 @@ class Camera:
             else {"view": vector("view", (0, 0, -1) if view is None else view)}
         )
         eye, up = vector("eye", eye), vector("up", up)
+        if aperture is None and focus is not None:
+            raise ValueError("all is in focus without an aperture; give aperture, or remove focus")
+        sizes = {"aperture": aperture, "focus": focus}
+        opening = {name: number(name, value) for name, value in sizes.items() if value is not None}
         self._native = _halfline.Camera(
-            eye, look.get("at"), look.get("view"), up, (kind, lens), None
+            eye,
+            look.get("at"),
+            look.get("view"),
+            up,
+            (kind, lens),
+            None,
+            opening.get("aperture"),
+            opening.get("focus"),
         )
         values: dict[str, Any] = {"eye": eye, **look, "up": up}
         values[kind] = tuple(lens[:2]) if kind == "viewport" else lens[0]
         if kind != "height" and distance != 1.0:
             values["distance"] = lens[-1]
+        values.update(opening)
         self._words = ", ".join(f"{name}={value}" for name, value in values.items())
 
     @overload
@@ -198,7 +215,7 @@ class Camera:
             up, view = vector("pose", -matrix[:3, 1]), third
         else:
             up, view = second, vector("pose", -matrix[:3, 2])
-        native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image)
+        native = _halfline.Camera(eye, None, view, up, ("intrinsics", lens), image, None, None)
         return cls._of(
             native, f"intrinsics={tuple(lens)}, size={image}, eye={eye}, view={view}, up={up}"
         )

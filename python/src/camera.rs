@@ -2,7 +2,7 @@
 
 use crate::errors::OrRaise;
 use crate::work::begin;
-use halfline::camera::{CameraRecord, Intrinsics, Lens, Look};
+use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
 use halfline::read::cameras::{self, ListedCamera, ListedLens};
 use halfline::scene::Framing;
 use halfline::{Camera as Exact, Error};
@@ -14,6 +14,8 @@ use std::path::PathBuf;
 #[derive(Clone, Copy)]
 pub(crate) struct Camera {
     pub(crate) camera: Exact,
+    /// The size of its lens; `None` for a pinhole.
+    pub(crate) aperture: Option<Aperture>,
     #[pyo3(get)]
     pub(crate) size: Option<(u32, u32)>,
     /// Whether its lens is given in pixels of an image of this size.
@@ -48,6 +50,8 @@ impl Camera {
         up: [f64; 3],
         lens: LensArgument,
         size: Option<(u32, u32)>,
+        aperture: Option<f64>,
+        focus: Option<f64>,
     ) -> PyResult<Self> {
         let look = match (at, view) {
             (Some(at), _) => Look::At(at.into()),
@@ -56,7 +60,9 @@ impl Camera {
         let camera = Exact { eye: eye.into(), look, up: up.into(), lens: lens_of(&lens, size).or_raise()? };
         let (width, height) = size.unwrap_or((1, 1));
         camera.basis().and_then(|_| camera.viewport(width, height)).or_raise()?;
-        Ok(Self { camera, size, in_pixels: lens.0 == "intrinsics" })
+        let aperture = aperture.map(|diameter| Aperture { diameter, focus });
+        aperture.map(|aperture| aperture.distance(&camera)).transpose().or_raise()?;
+        Ok(Self { camera, aperture, size, in_pixels: lens.0 == "intrinsics" })
     }
 
     /// A camera that shows all spheres of a scene.
@@ -82,12 +88,13 @@ impl Camera {
             ..framed.camera
         };
         framed.fit(&Framing { margin, ..Framing::default() }).or_raise()?;
-        Ok(Self { camera: framed.camera, size: None, in_pixels: false })
+        Ok(Self { camera: framed.camera, aperture: None, size: None, in_pixels: false })
     }
 
     /// The camera in numbers for an image of this size, as JSON.
     fn record(&self, size: (u32, u32)) -> PyResult<String> {
-        let record = CameraRecord::new(&self.camera, size.0, size.1).or_raise()?;
+        let record = CameraRecord::new(&self.camera, size.0, size.1);
+        let record = record.and_then(|record| record.through(self.aperture, &self.camera)).or_raise()?;
         Ok(serde_json::to_string(&record).unwrap_or_default())
     }
 }
@@ -121,7 +128,7 @@ pub(crate) fn read_cameras(
             Error::settings(problem, "give size=(width, height)")
         })?;
         let lens = lens.for_image(index, width, height)?;
-        Ok(Camera { camera: Exact { lens, ..found.camera }, size, in_pixels })
+        Ok(Camera { camera: Exact { lens, ..found.camera }, aperture: None, size, in_pixels })
     };
     cameras::read(&path).and_then(|found| found.iter().enumerate().map(camera).collect()).or_raise()
 }

@@ -48,8 +48,9 @@ impl Frames {
         let (own, shared, same) = (job.clone(), Arc::clone(&renderer), settings.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
+                let settings = picture.through(scene.get(), Some(camera), &same);
                 let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
-                    with(&shared, &own, |renderer| renderer.render(exact, &same))
+                    with(&shared, &own, |renderer| renderer.render(exact, &settings))
                 });
                 // All frames have the same legend.
                 if number == 1 {

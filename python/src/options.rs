@@ -1,8 +1,10 @@
 //! The settings of a rendering from keywords, which have the names and values of the command's options.
 
+use crate::camera::Camera;
 use crate::frame::Rendered;
 use crate::insets::Insets;
 use crate::scene::Scene;
+use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
@@ -91,11 +93,20 @@ impl Picture {
         })
     }
 
+    /// The settings with the lens of this camera, or of the scene's own, and the samples that it needs where neither the
+    /// keywords nor the file say how many.
+    pub(crate) fn through(&self, scene: &Scene, camera: Option<&Camera>, settings: &Settings) -> Settings {
+        let aperture = camera.map_or(scene.aperture, |camera| camera.aperture);
+        let open = aperture.is_some() && self.samples.or(scene.look.samples).is_none();
+        let samples = if open { Aperture::SAMPLES } else { settings.samples };
+        Settings { aperture, samples, ..settings.clone() }
+    }
+
     /// Renders the scene with this camera; what is drawn into the picture is decided before.
     pub(crate) fn render(
         &self,
         scene: &Scene,
-        camera: Option<&crate::camera::Camera>,
+        camera: Option<&Camera>,
         number: u64,
         render: impl FnOnce(&halfline::Scene) -> Result<halfline::Frame>,
     ) -> Result<Rendered> {
@@ -110,7 +121,7 @@ impl Picture {
     }
 
     /// The scene with this camera, size, background and light.
-    pub(crate) fn scene(&self, scene: &Scene, camera: Option<&crate::camera::Camera>) -> Result<halfline::Scene> {
+    pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
         let mut exact = scene.exact(camera, self.size, self.background)?;
         let (light, aovs) = (self.light(scene)?, self.aovs()?);
         if light.lacks_light(&exact, &aovs) {

@@ -94,7 +94,7 @@ impl Renderer {
         accurate: Accurate,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Frame> {
-        let settings = self.settings(scene, &picture, &accurate)?;
+        let settings = picture.through(scene, camera, &self.settings(scene, &picture, &accurate)?);
         let job = Job::default();
         let rendered = job.run(py, progress.as_ref(), || {
             let outlined = picture.begin(scene)?;
@@ -130,7 +130,7 @@ impl Renderer {
         picture: Picture,
         accurate: Accurate,
     ) -> PyResult<String> {
-        let settings = self.settings(scene, &picture, &accurate)?;
+        let settings = picture.through(scene, camera, &self.settings(scene, &picture, &accurate)?);
         let job = Job::default();
         let plan = job.run(py, None, || {
             let outlined = picture.begin(scene)?;

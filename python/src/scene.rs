@@ -4,6 +4,7 @@ use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
 use crate::work::begin;
+use halfline::camera::Aperture;
 use halfline::progress::Watch;
 use halfline::read::style::Legend;
 use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame};
@@ -20,6 +21,8 @@ use std::sync::Arc;
 #[pyclass(frozen)]
 pub(crate) struct Scene {
     scene: Arc<ExactScene>,
+    /// The size of the lens of its file's camera; `None` for a pinhole.
+    pub(crate) aperture: Option<Aperture>,
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
     held: bool,
     /// What its file says about the look of its picture.
@@ -52,6 +55,7 @@ impl Scene {
         scene.spheres.share();
         Self {
             scene: Arc::new(scene),
+            aperture: frame.aperture,
             held,
             look: frame.look,
             number: frame.number,
@@ -167,6 +171,7 @@ impl Scene {
         };
         Ok(Self {
             scene: Arc::new(scene),
+            aperture: None,
             held: false,
             look: FileLook::default(),
             number: 1,
@@ -278,7 +283,7 @@ impl Scene {
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         begin()?;
         let scene = self.exact(None, size, None).or_raise()?;
-        Ok(Camera { camera: scene.camera, size: None, in_pixels: false })
+        Ok(Camera { camera: scene.camera, aperture: self.aperture, size: None, in_pixels: false })
     }
 
     /// Equal for equal numbers.

@@ -3,6 +3,7 @@
 use super::depth_cue::DepthCue;
 use super::silhouette::{MARGIN, PixelSize, Shown};
 use crate::scene::Scene;
+use crate::scene::camera::Basis;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::picture_rays::PictureRays;
@@ -26,8 +27,8 @@ impl Finish {
     }
 
     /// The depth cue of the frame; `None` where none is requested or no sphere is in front of the eye.
-    pub(crate) fn cue(self, scene: &Scene, view: &View) -> Option<DepthCue> {
-        if self.depth_cue { DepthCue::of(scene, &view.basis) } else { None }
+    pub(crate) fn cue(self, scene: &Scene, basis: &Basis) -> Option<DepthCue> {
+        if self.depth_cue { DepthCue::of(scene, basis) } else { None }
     }
 
     /// Draws the lines of `part` over its colours, from what the pixels' centres of the whole view show.

@@ -4,6 +4,7 @@ use super::raw::Raw;
 use crate::error::Result;
 use crate::memory::Pool;
 use crate::view::ray::NONE;
+use crate::window::Window;
 use rayon::prelude::*;
 
 /// The means over all samples of each pixel.
@@ -13,6 +14,20 @@ pub(crate) struct Means {
     pub(crate) color: Vec<f32>,
     /// Share of the samples that hit a sphere.
     pub(crate) alpha: Vec<f32>,
+}
+
+impl Means {
+    /// The pixels of a window alone, of rows of `width` pixels.
+    pub(crate) fn part(&self, window: Window, width: u32) -> Self {
+        let rows = |values: &[f32], each: usize| {
+            let row = |y: u32| {
+                let [first, end] = [window.x0, window.x1].map(|x| each * (y as usize * width as usize + x as usize));
+                values.get(first..end).unwrap_or_default().iter().copied()
+            };
+            (window.y0..window.y1).flat_map(row).collect()
+        };
+        Self { color: rows(&self.color, 3), alpha: rows(&self.alpha, 1) }
+    }
 }
 
 /// Sums over samples. f64 holds the sum of equal colours exactly, so flat areas keep their colour to the last bit.

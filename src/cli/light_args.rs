@@ -133,7 +133,7 @@ impl PictureLook {
 
     /// The options that the look stands for, in a sentence; `None` for the plain one.
     pub(super) fn words(&self) -> Option<String> {
-        let ChosenLook { look, samples, is_default } = self.chosen;
+        let ChosenLook { look, is_default, .. } = self.chosen;
         let stands_for = match look {
             Look::Plain => return None,
             Look::Soft => {

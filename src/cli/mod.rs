@@ -14,6 +14,7 @@ mod film;
 mod info;
 mod inset_args;
 mod legend;
+mod lens_args;
 mod light_args;
 mod lines;
 mod measure;

@@ -54,13 +54,13 @@ impl PlanArgs {
         let settings = self.args.settings(&targets);
         let picture = self.args.first(&settings)?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let Numbered { scene, look, .. } = picture;
+        let Numbered { scene, look, lens, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
         let explanation = explain(&scene, &settings)?;
-        look.words().into_iter().for_each(|words| note(format_args!("{words}")));
+        look.words().into_iter().chain(lens.words()).for_each(|words| note(format_args!("{words}")));
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
@@ -150,8 +150,14 @@ impl PlanText<'_> {
         writeln!(f, "camera     eye {eye}; view {view}; up {up}")?;
         let [vw, vh] = camera.viewport.map(|side| number(side, 6));
         match camera.distance {
-            Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6)),
-            None => writeln!(f, "           orthographic, a view of {vw} x {vh}"),
+            Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6))?,
+            None => writeln!(f, "           orthographic, a view of {vw} x {vh}")?,
+        }
+        match [camera.aperture, camera.focus].map(|x| x.map(|x| number(x, 6))) {
+            [Some(aperture), Some(focus)] => {
+                writeln!(f, "           lens of diameter {aperture}, in focus {focus} away")
+            }
+            _ => Ok(()),
         }
     }
 

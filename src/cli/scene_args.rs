@@ -4,6 +4,7 @@ use super::camera_list::{CameraListArgs, list_in};
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
 use super::inset_args::InsetArgs;
+use super::lens_args::LensArgs;
 use super::light_args::{LightArgs, LookRequest};
 use super::read_args::{ColorArgs, ReadArgs, numbers};
 use super::scene_frames::{Numbered, SceneFrames, number_in};
@@ -75,6 +76,8 @@ pub(super) struct CameraArgs {
     /// viewport is narrower by that factor.
     #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
     zoom: Option<f64>,
+    #[command(flatten)]
+    pub(super) lens: LensArgs,
     #[command(flatten)]
     pub(super) list: CameraListArgs,
     /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
@@ -260,7 +263,8 @@ impl SceneArgs {
             .iter()
             .map(|target| target.memory(columns, scene.lighting.lights.len()))
             .fold(0, u64::saturating_add);
-        Ok(Settings { window, reserve, ..picture.look.settings(settings) })
+        let aperture = picture.lens.aperture;
+        Ok(Settings { window, reserve, aperture, ..picture.look.settings(settings) })
     }
 
     /// The settings for these files, without those that depend on the scene.

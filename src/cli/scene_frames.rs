@@ -2,12 +2,13 @@
 //! applied.
 
 use super::camera_file;
+use super::lens_args::PictureLens;
 use super::light_args::{PictureLook, SphereLights};
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::watch;
 use glam::{DQuat, DVec3};
-use halfline::camera::{Camera, Look};
+use halfline::camera::{Aperture, Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
@@ -34,6 +35,8 @@ pub(super) struct SceneFrames<'a> {
     has_picture: bool,
     /// The size of the picture whose camera is taken.
     size: Option<(u32, u32)>,
+    /// The lens of that camera.
+    aperture: Option<Aperture>,
 }
 
 /// A scene that is ready to render, and its number for file names.
@@ -43,6 +46,7 @@ pub(super) struct Numbered {
     pub(super) scene: Scene,
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
+    pub(super) lens: PictureLens,
     pub(super) when: FrameTime,
     /// The ids of the spheres, where the scene is what is left of a stream.
     pub(super) ids: Option<StreamIds>,
@@ -76,10 +80,11 @@ impl<'a> SceneFrames<'a> {
         if let Some(record) = &taken {
             held.set_camera(camera_file::resized(record, args.image.size));
         }
+        let aperture = taken.and_then(|record| record.lens_size());
         let size = taken.map(|record| record.size.into());
         let sequence = Sequence::open(&args.scene, &options)?;
         let has_picture = settings.aovs.contains(&Aov::Color);
-        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size })
+        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size, aperture })
     }
 
     /// Every file that is read.
@@ -117,17 +122,18 @@ impl<'a> SceneFrames<'a> {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         self.prepare(&mut frame)?;
-        let scene = &mut frame.scene;
+        let mut request = self.args.look_request(frame.look, self.has_picture);
+        let lens = camera.lens.lens(&frame, self.aperture, &mut request)?;
         if let Some(turns) = camera.spin {
+            let scene = &mut frame.scene;
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
             let middle = self.held.middle().unwrap_or_else(|| scene.spheres.middle());
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
-        let request = self.args.look_request(frame.look, self.has_picture);
-        let look = self.args.light.apply(scene, &self.args.files.buffers(), request)?;
+        let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
-        Ok(Some(Numbered { number, scene, legend, look, when, ids: None }))
+        Ok(Some(Numbered { number, scene, legend, look, lens, when, ids: None }))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.

@@ -116,6 +116,7 @@ mod tests {
             number,
             scene,
             has_camera: false,
+            aperture: None,
             look: FileLook::PARTICLES,
             legend: None,
             columns: Columns::default(),

@@ -3,6 +3,7 @@
 //! Every error has the line, column and key.
 
 mod image;
+mod lens;
 mod light;
 mod material;
 mod room;
@@ -14,7 +15,7 @@ use super::lines::not_utf8;
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::{check, reserve};
 use crate::progress::Watch;
-use crate::scene::camera::{Camera, Lens, Look};
+use crate::scene::camera::{Aperture, Camera, Lens, Look};
 use crate::scene::{ImagePlane, Scene, Skipped, Spheres, check_sphere};
 use crate::settings::FileLook;
 use glam::DVec3;
@@ -35,8 +36,17 @@ const QUICK: usize = 2 << 20;
 pub(super) struct Read {
     pub(super) scene: Scene,
     pub(super) look: FileLook,
+    /// The size of the camera's lens.
+    pub(super) aperture: Option<Aperture>,
     /// The files in `[[spheres]]`.
     pub(super) files: Vec<PathBuf>,
+}
+
+impl Read {
+    /// A scene of which nothing else is known.
+    pub(super) fn of(scene: Scene) -> Self {
+        Self { scene, look: FileLook::default(), aperture: None, files: Vec::new() }
+    }
 }
 
 /// Reads a scene from the stream; `path` is for errors, and its folder contains the files of `[[spheres]]`.
@@ -94,7 +104,9 @@ impl Document<'_> {
             Some(table) => image::read(&table.table(TomlName::part("image"))?)?,
             None => image::Read::default(),
         };
-        let camera = self.camera(&root.need("camera")?.table(TomlName::part("camera"))?, &image)?;
+        let table = root.need("camera")?.table(TomlName::part("camera"))?;
+        let camera = self.camera(&table, &image)?;
+        let aperture = lens::read(&table, &camera)?;
         let (mut spheres, mut skipped, mut files) = (Spheres::default(), Skipped::default(), Vec::new());
         for table in root.tables("sphere")? {
             self.sphere(&table?, &mut spheres)?;
@@ -113,7 +125,7 @@ impl Document<'_> {
         if let Some(color) = background {
             scene.set_background(color);
         }
-        Ok(Read { scene, look, files })
+        Ok(Read { scene, look, aperture, files })
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
@@ -129,7 +141,7 @@ impl Document<'_> {
     }
 
     fn camera(&self, table: &TomlTable<'_>, image: &ImagePlane) -> Result<Camera> {
-        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height"])?;
+        table.allow(&["eye", "at", "view", "up", "vfov", "viewport", "distance", "height", "aperture", "focus"])?;
         let vector = |key| table.need(key)?.numbers().map(DVec3::from_array);
         let look = match table.one_of(["at", "view"])? {
             "at" => Look::At(vector("at")?),

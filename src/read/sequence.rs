@@ -12,7 +12,7 @@ use super::style::{Legend, no_selections};
 use super::{native, nff};
 use crate::error::{Error, Place, Result};
 use crate::quote::{count, quote};
-use crate::scene::camera::Camera;
+use crate::scene::camera::{Aperture, Camera};
 use crate::scene::instances::Instances;
 use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use crate::settings::FileLook;
@@ -36,7 +36,7 @@ pub struct Sequence {
 
 enum SequenceState {
     /// A format that contains a whole scene.
-    One(Option<Box<(Scene, FileLook)>>),
+    One(Option<Box<SceneFrame>>),
     Many(Box<dyn ParticleFrames>),
 }
 
@@ -51,6 +51,8 @@ pub struct SceneFrame {
     pub has_camera: bool,
     /// What the file says about the look of its picture.
     pub look: FileLook,
+    /// The size of its camera's lens; `None` for a pinhole.
+    pub aperture: Option<Aperture>,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The columns of the particles that [`ReadOptions::keep`] keeps, in the order of the spheres.
@@ -99,15 +101,11 @@ impl Sequence {
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
-                let (mut scene, look) = match source.format {
-                    Format::Nff => (nff::read(source.reader, path, options)?, FileLook::default()),
-                    _ => {
-                        let native::Read { scene, look, files: named } =
-                            native::read(source.reader, path, &options.watch)?;
-                        files.extend(named);
-                        (scene, look)
-                    }
+                let native::Read { mut scene, look, aperture, files: named } = match source.format {
+                    Format::Nff => native::Read::of(nff::read(source.reader, path, options)?),
+                    _ => native::read(source.reader, path, &options.watch)?,
                 };
+                files.extend(named);
                 if !(options.select.is_empty() && options.hide.is_empty()) {
                     return Err(no_selections());
                 }
@@ -117,7 +115,18 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                SequenceState::One(Some(Box::new((scene, look))))
+                SequenceState::One(Some(Box::new(SceneFrame {
+                    number: 1,
+                    scene,
+                    has_camera: true,
+                    look,
+                    aperture,
+                    legend: None,
+                    columns: Columns::default(),
+                    cell: None,
+                    instances: None,
+                    when: FrameTime::default(),
+                })))
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
@@ -199,7 +208,18 @@ impl Sequence {
         };
         scene.frame_all(&Framing::default())?;
         let look = FileLook::PARTICLES;
-        Ok(SceneFrame { number, scene, has_camera: false, look, legend, columns, cell, instances: None, when })
+        Ok(SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            aperture: None,
+            look,
+            legend,
+            columns,
+            cell,
+            instances: None,
+            when,
+        })
     }
 
     /// The columns that the scene of these particles keeps.
@@ -239,6 +259,7 @@ impl Sequence {
             number,
             scene,
             has_camera: false,
+            aperture: None,
             look,
             legend,
             columns,
@@ -260,15 +281,10 @@ impl Sequence {
             let wanted = self.options.frames.contains(number);
             self.passed = number;
             match &mut self.state {
-                SequenceState::One(scene) => {
-                    let Some(scene) = scene.take() else { return Ok(None) };
+                SequenceState::One(frame) => {
+                    let Some(frame) = frame.take() else { return Ok(None) };
                     if wanted {
-                        let ((scene, look), has_camera) = (*scene, true);
-                        let when = FrameTime::default();
-                        let (legend, columns, cell, instances) = (None, Columns::default(), None, None);
-                        let frame =
-                            SceneFrame { number, scene, has_camera, look, legend, columns, cell, instances, when };
-                        return Ok(Some(frame));
+                        return Ok(Some(SceneFrame { number, ..*frame }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {

@@ -72,6 +72,8 @@ impl Need {
             _ => records + if wide { 48 } else { 24 },
         };
         let sphere = sphere + if plan.wanted.is_any() { TREE } else { 0 };
+        // The scene of the eyes on a lens.
+        let sphere = sphere + if settings.aperture.is_some() { SPHERE } else { 0 };
         // The buffers of the samples, their sums, and the means.
         let sampled = plan.sampled.map_or(0, |kernel| {
             let colors = u64::from(kernel.shade.is_some() || plan.wanted.color);

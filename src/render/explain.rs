@@ -6,6 +6,7 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
+use super::lens;
 use super::place::Executor;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
@@ -17,7 +18,6 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
-use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
@@ -106,7 +106,7 @@ impl Renderer {
             spheres: scene.spheres.len() as u64,
             skipped: scene.skipped.total(),
             size: [scene.image.width, scene.image.height],
-            camera: CameraRecord::new(&scene.camera, scene.image.width, scene.image.height)?,
+            camera: lens::record(scene, settings)?,
             window: [window.x0, window.y0, window.x1, window.y1],
             rays: view.record.pixels() as u64,
             samples: samples.map_or(1, |raster| raster.count()),
@@ -205,8 +205,8 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
     // At centres every second pixel has rays.
-    let of_sky = |sky: Sky| match sky.at_centers {
-        true => u64::from(sky.rays.div_ceil(2)) * points.min(1),
+    let of_sky = |sky: Sky| match sky.at_centers && settings.aperture.is_none() {
+        true => u64::from(lights::center_rays(sky, samples).div_ceil(2)) * points.min(1),
         false => u64::from(sky.rays) * points,
     };
     let sky = scene.lighting.sky.filter(|_| plan.wanted.color).or(settings.sky(scene)).map_or(0, of_sky);

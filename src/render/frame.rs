@@ -1,6 +1,7 @@
 //! One frame the whole way: plan, setup, kernel, exact decisions, buffers, report.
 
 use super::budget::Need;
+use super::lens;
 use super::light::LightSetup;
 use super::missed::missed;
 use super::place::Executor;
@@ -19,7 +20,6 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, Output, Rays};
 use crate::progress::Step;
 use crate::scene::Scene;
-use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::view::raster::Raster;
@@ -71,6 +71,7 @@ impl Renderer {
         let window = settings.window_of(scene)?;
         settings.check_lighting(scene)?;
         let samples = Raster::samples(window, settings.samples, settings.seed, &scene.image)?;
+        let samples = lens::raster(samples, scene, settings)?;
         let samples = plan.sampled.map(|_| samples.unwrap_or(Raster::centres(window)));
         let rays = FrameRays { window, samples };
         Need::of(&plan, settings, scene, window, self.is_gpu()).check(memory::free(&self.pool))?;
@@ -132,7 +133,9 @@ impl Renderer {
         let wanted = Wanted { color: plan.wanted.color && samples.is_none(), ..plan.wanted };
         let lit = match &lights {
             Some(lights) if wanted.is_any() => {
-                timings.time("light", || self.light(lights, (scene, settings, view), wanted, (&raw.id, None), &pool))?
+                let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
+                let of = (scene, settings, view);
+                timings.time("light", || self.light(lights, of, (wanted, sky), (&raw.id, None), &pool))?
             }
             _ => Lit::default(),
         };
@@ -194,7 +197,7 @@ impl Renderer {
             shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
-            camera: CameraRecord::new(&scene.camera, scene.image.width, scene.image.height).ok(),
+            camera: lens::record(scene, settings).ok(),
             lights: scene.lighting.lights.len() as u64,
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,

@@ -8,12 +8,12 @@ use crate::error::Result;
 use crate::exact::Judge;
 use crate::memory::Pool;
 use crate::progress::Step;
-use crate::scene::{Gradient, Scene, SkyLight};
+use crate::scene::{Gradient, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Settings};
-use crate::view::View;
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
+use crate::view::{View, ViewRecord};
 
 /// What the lights of one scene need, for the pixels' centres and for all samples.
 pub(super) struct LightSetup {
@@ -36,7 +36,7 @@ impl LightSetup {
 }
 
 impl Renderer {
-    /// What lights and sky give to the pixels that show these spheres.
+    /// What lights and `sky` give to the pixels that show these spheres.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`], and [`crate::Error::Limits`] where memory is short.
@@ -44,7 +44,7 @@ impl Renderer {
         &self,
         setup: &LightSetup,
         (scene, settings, view): (&Scene, &Settings, &View),
-        wanted: Wanted,
+        (wanted, sky): (Wanted, Option<Sky>),
         (ids, open): (&[u32], Option<OpenSky<'_>>),
         pool: &Pool,
     ) -> Result<Lit> {
@@ -55,10 +55,11 @@ impl Renderer {
         lit.shadow = pool.values(some(wanted.shadow, lights.len()))?;
         lit.occlusion = pool.values(some(wanted.occlusion, 1))?;
         lit.sky = pool.values(some(wanted.sky, 3))?;
-        let sky = if wanted.occlusion { Some(settings.buffer_sky(scene)) } else { scene.lighting.sky };
         let sized = lights.iter().any(|light| light.source.has_size());
-        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays));
-        let samples = view.record.strata * view.record.strata;
+        let ViewRecord { strata, sample, .. } = view.record;
+        let directions = SkyDirections::new(sky.map_or(0, |sky| sky.rays), strata, sample);
+        let scattered = SkyDirections::one(strata, sample);
+        let samples = strata * strata;
         let disc = DiscPoints::new(if sized { light_points(samples) } else { 0 }, samples);
         let backdrop = Backdrop::new(scene, view, true);
         let Some(tree) = &setup.tree else {
@@ -76,6 +77,7 @@ impl Renderer {
             colors: Gradient::of(scene).filter(|_| wanted.color || wanted.sky).map(SkyLight::new),
             backdrop,
             directions: &directions,
+            scattered: &scattered,
             disc: &disc,
             seed: settings.seed,
             open,

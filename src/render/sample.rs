@@ -1,8 +1,10 @@
 //! Renders several samples per pixel, one pass each, and averages them to colour and coverage. Samples are certified
 //! and settled like pixels.
 
+use super::lens::LensPasses;
 use super::light::LightSetup;
 use super::plan::Plan;
+use super::plan::lights::center_rays;
 use super::renderer::Renderer;
 use super::setup::FrameSetup;
 use crate::answers::finish::fade;
@@ -15,7 +17,7 @@ use crate::error::Result;
 use crate::frame::Aov;
 use crate::frame::report::Timings;
 use crate::kernel::Kernel;
-use crate::scene::Scene;
+use crate::scene::{Scene, Sky};
 use crate::settings::Settings;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
@@ -33,60 +35,93 @@ impl Renderer {
         plan: &Plan,
         kernel: Kernel,
         (scene, settings, lights): (&Scene, &Settings, Option<&LightSetup>),
-        (raster, centers): (Raster, &[u32]),
+        (mut raster, centers): (Raster, &[u32]),
         timings: &mut Timings,
     ) -> Result<Means> {
+        let window = raster.window;
+        let mut lens = LensPasses::new(scene, settings, raster)?;
+        let lens_is_open = lens.is_some();
         let pool = Arc::clone(&self.pool);
         let finish = plan.finish.filter(|_| settings.asks(&[Aov::Color]));
         let lights = lights.filter(|_| plan.wanted.color);
-        let shared = lights.is_some() && scene.lighting.sky.is_some_and(|sky| sky.at_centers);
-        let margin = finish.map_or(0, |finish| finish.margin()).max(if shared { AROUND } else { 0 });
+        let own = scene.lighting.sky;
+        // What the pinhole does not see has no centre.
+        let shared = own.filter(|sky| lights.is_some() && !lens_is_open && sky.at_centers);
+        let margin = finish.map_or(0, |finish| finish.margin()).max(if shared.is_some() { AROUND } else { 0 });
         let around = match margin {
             0 => None,
-            margin => Some(self.centers(plan, (scene, settings), (raster.window, margin), centers, timings)?),
+            // Lines are blurred like what they surround: each pass draws its own, from samples around the window.
+            margin if lens_is_open => {
+                raster.window = window.grown(margin, scene.image.width, scene.image.height);
+                None
+            }
+            margin => Some(self.centers(plan, (scene, settings), (window, margin), centers, timings)?),
         };
-        let sky = match (&around, lights) {
-            (Some(around), Some(lights)) if shared => {
+        let sky = match (&around, lights, shared) {
+            (Some(around), Some(lights), Some(sky)) => {
                 let ids = every_second(&around.view, &around.ids);
                 let wanted = Wanted { sky: true, ..Wanted::default() };
                 let of = (scene, settings, &around.view);
-                let light = timings.time("light", || self.light(lights, of, wanted, (&ids, None), &pool))?.sky;
-                Some((around.window, ids, light))
+                let sky = Some(Sky { rays: center_rays(sky, raster.count()), ..sky });
+                let lit = timings.time("light", || self.light(lights, of, (wanted, sky), (&ids, None), &pool))?;
+                Some((around.window, ids, lit.sky))
             }
             _ => None,
         };
         let open = sky.as_ref().map(|(window, ids, light)| OpenSky { window: *window, ids, light });
-        // The spheres are binned once for all passes, since only the positions within the pixels differ.
-        let mut setup = FrameSetup::new(Plan { kernel, ..plan.clone() }, scene, settings, raster, &pool, timings)?;
-        let cue = finish.and_then(|finish| finish.cue(scene, &setup.view));
-        let pixels = setup.view.record.pixels();
-        let mut raw = Raw::new(&setup.plan.kernel, pixels, &pool)?;
+        let basis = scene.camera.basis()?;
+        let cue = finish.and_then(|finish| finish.cue(scene, &basis));
+        let pixels = raster.window.width() as usize * raster.window.height() as usize;
+        let mut raw = Raw::new(&kernel, pixels, &pool)?;
         let wanted = Wanted { color: true, ..Wanted::default() };
         let mut sums = Sums::new(pixels, kernel.shade.is_some() || lights.is_some(), &pool)?;
+        let mut last: Option<FrameSetup> = None;
         for sample in 0..raster.count() {
+            let (scene, raster) = match &mut lens {
+                Some(lens) => lens.pass(sample, raster.window)?,
+                None => (scene, raster),
+            };
+            // The spheres are binned once for all passes of one eye, as only the positions within the pixels differ.
+            if lens_is_open && let Some(binned) = last.take().and_then(|setup| setup.binned) {
+                binned.put_back(&pool);
+            }
+            let setup = match &mut last {
+                Some(setup) => setup,
+                none => {
+                    let plan = Plan { kernel, ..plan.clone() };
+                    none.insert(FrameSetup::new(plan, scene, settings, raster, &pool, timings)?)
+                }
+            };
             setup.view.record.sample = sample;
-            let settled = self.answer(&setup, scene, &mut raw, timings)?;
+            let settled = self.answer(setup, scene, &mut raw, timings)?;
             raw.settle(&settled);
             if let Some(shade) = kernel.shade {
                 timings.time("shade", || settle::shade(shade, scene, &setup.view, &settled, &mut raw.color));
             }
             if let Some(lights) = lights {
                 let of = (scene, settings, &setup.view);
-                let lit = timings.time("light", || self.light(lights, of, wanted, (&raw.id, open), &pool))?;
+                let lit = timings.time("light", || self.light(lights, of, (wanted, own), (&raw.id, open), &pool))?;
                 pool.put_back(std::mem::replace(&mut raw.color, lit.color));
             }
             if let Some(cue) = cue {
                 timings.time("finish", || fade(cue, scene, (&setup.view, lights.is_some()), &raw.id, &mut raw.color));
             }
+            if let Some(finish) = finish.filter(|_| lens_is_open) {
+                let part = raster.window.inside(raster.window);
+                timings.time("finish", || finish.draw(scene, &setup.view, &raw.id, part, &mut raw.color));
+            }
             timings.time("samples", || sums.add(&raw));
         }
         let mut means = sums.means(raster.count(), &pool);
+        if raster.window != window {
+            means = means.part(window.inside(raster.window), raster.window.width());
+        }
         if let (Some(finish), Some(around)) = (finish, around) {
-            let part = raster.window.inside(around.window);
+            let part = window.inside(around.window);
             timings.time("finish", || finish.draw(scene, &around.view, &around.ids, part, &mut means.color));
         }
         raw.put_back(&pool);
-        if let Some(binned) = setup.binned {
+        if let Some(binned) = last.and_then(|setup| setup.binned) {
             binned.put_back(&pool);
         }
         Ok(means)

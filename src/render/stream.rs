@@ -213,6 +213,8 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
         ("answers of a stream are certified or exact", "remove --method, and use --accuracy certified or exact")
     } else if settings.asks(&[Aov::Shadow, Aov::Occlusion]) || lit && settings.asks(&[Aov::Color]) {
         ("lights and a sky need all spheres in memory", "use --look plain, without lights, shadow and occlusion")
+    } else if settings.aperture.is_some() {
+        ("a lens with a size sees spheres that a stream has forgotten", "remove --aperture, or --stream")
     } else if settings.depth_cue {
         ("a depth cue needs the depths of all spheres", "remove --depth-cue")
     } else {

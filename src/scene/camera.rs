@@ -16,9 +16,11 @@
 //! origin = e + u u + v v            direction = -w
 //! ```
 
+mod aperture;
 mod centred;
 mod record;
 
+pub use aperture::Aperture;
 pub(crate) use centred::{CentredFrame, ExactViewport};
 pub use record::{CameraRecord, Intrinsics};
 

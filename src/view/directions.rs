@@ -1,8 +1,8 @@
-//! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets that each sample of each
-//! pixel turns at random.
+//! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets, of which each sample of a pixel
+//! takes its part, and which each pixel turns at random.
 //!
-//! A set is made once per frame. The turn is a hash of the pixel's row and column in the full frame, the sample and the
-//! seed, so that crops, tiles and frames agree. All arithmetic is + - * / and square roots of f64 in a fixed order, which
+//! A set is made once per frame. The turn is a hash of the pixel's row and column in the full frame and the seed, so that
+//! crops, tiles and frames agree. All arithmetic is + - * / and square roots of f64 in a fixed order, which
 //! IEEE 754 determines to the last bit: the numbers are the same on every machine, and are taken as exact afterwards.
 
 #[cfg(test)]
@@ -10,8 +10,9 @@ mod tests;
 
 use super::records::pcg4d;
 
-/// Cosine and sine of the golden angle, pi (3 - sqrt 5).
+/// Cosine and sine of the golden angle, pi (3 - sqrt 5), and its share of a turn.
 const GOLDEN: [f64; 2] = [-0.737_368_878_078_319_9, 0.675_490_294_261_523_6];
+const GOLDEN_TURN: f64 = 0.381_966_011_250_105_1;
 
 /// The sample of a pixel that random numbers belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,10 +83,28 @@ fn spiral(n: u32) -> impl Iterator<Item = (f64, [f64; 2])> {
     })
 }
 
-/// N directions for rays toward the sky.
+/// The unit vector at this share of a turn, from 0 to 1: exp(i x) by its series for a sixteenth of the angle, whose square
+/// is taken four times. What the series leaves out is below 2^-60.
+fn at_turn(share: f64) -> [f64; 2] {
+    let angle = share * std::f64::consts::TAU / 16.0;
+    let (mut sum, mut term) = ([1.0, 0.0], [1.0, 0.0]);
+    for k in 1..=14 {
+        term = times(term, [0.0, angle / f64::from(k)]);
+        sum = [sum[0] + term[0], sum[1] + term[1]];
+    }
+    (0..4).fold(sum, |z, _| times(z, z))
+}
+
+/// Directions for rays toward the sky: N = S R for each pixel, R for each of its S samples.
 ///
-/// They are a spherical Fibonacci lattice on a hemisphere. Each is meant up to its sign: the caller turns it to the side
+/// R directions are a spherical Fibonacci lattice on a hemisphere, a spiral of heights (k + 1/2)/R at k golden angles. Each is meant up to its sign: the caller turns it to the side
 /// of the normal n. The lattice and its mirror image together are evenly spread on the sphere, so that is so for every n.
+///
+/// S = n x n samples share a lattice that is n times finer both in height and in angle: in these coordinates, which keep
+/// areas, it is a lattice of the same shape. Each sample has one of the n x n copies of the coarse lattice in it: that of row
+/// i and column j has the heights (k + (i + 1/2)/n)/R at k + i/n golden angles and j/n of a turn. So what one sample takes
+/// is as evenly spread as R directions alone, for every n. (Every S-th direction of one spiral is not: with S = 144, for
+/// example, these lie on one meridian.)
 ///
 /// With w = |n.l| the open share of the sky, weighted by the cosine, is estimated by sum(w over open rays)/sum(w). Its
 /// standard error over the rotations was measured where a cap of the sky hides what lies behind it (200 caps of any
@@ -104,21 +123,41 @@ fn spiral(n: u32) -> impl Iterator<Item = (f64, [f64; 2])> {
 /// cells, up to all of them; then the error is about that of independent directions.
 ///
 /// As a quotient of two sums the estimate also has a bias: 0.2 with N = 1 and 0.08 with N = 2, but 0.006 with N = 4 and
-/// 0.003 with N = 16, which is the noise of that measurement. So the shares of several sets of fewer than 4 should not
-/// be averaged; the quotient of the sums over all sets can be taken instead.
+/// 0.003 with N = 16, which is the noise of that measurement.
+///
+/// A pixel's share is the mean of its samples' shares. What they have in common with the quotient of the sums over all
+/// samples is that a wholly open point is exactly 1 and a wholly hidden one 0, and with 4 rays or more it has as little
+/// noise (docs/light.md). A sum over the rays of one sample divided by what all rays of the pixel give the sample would let
+/// white surfaces vary.
 #[derive(Debug, Clone)]
 pub(crate) struct SkyDirections {
     lattice: Vec<[f64; 3]>,
 }
 
 impl SkyDirections {
-    /// `count` directions.
-    pub(crate) fn new(count: u32) -> Self {
-        let point = |(z, [x, y]): (f64, [f64; 2])| {
+    /// `count` directions for this sample of a pixel with `strata` x `strata` samples.
+    pub(crate) fn new(count: u32, strata: u32, sample: u32) -> Self {
+        let [row, column, parts] = [sample / strata, sample % strata, strata].map(f64::from);
+        let height = (row + 0.5) / parts;
+        let mut turn = times(at_turn(row * GOLDEN_TURN / parts), at_turn(column / parts));
+        let point = |k: u32| {
+            let [x, y] = turn;
+            turn = times(turn, GOLDEN);
+            let z = (f64::from(k) + height) / f64::from(count);
             let r = (1.0 - z * z).sqrt();
             [r * x, r * y, z]
         };
-        Self { lattice: spiral(count).map(point).collect() }
+        Self { lattice: (0..count).map(point).collect() }
+    }
+
+    /// One direction for this sample, such that those of all samples are evenly spread on the whole sphere: neighbours of
+    /// the lattice lie on opposite sides.
+    pub(crate) fn one(strata: u32, sample: u32) -> Self {
+        let mut one = Self::new(1, strata, sample);
+        if (sample / strata + sample % strata) % 2 == 1 {
+            one.lattice.iter_mut().for_each(|direction| *direction = direction.map(|x| -x));
+        }
+        one
     }
 
     /// The number of directions.
@@ -126,9 +165,10 @@ impl SkyDirections {
         self.lattice.len()
     }
 
-    /// The directions of this sample, in world space, as many as `out` has room for. Their length is 1 within 2^-22.
-    pub(crate) fn of(&self, at: PixelSample, out: &mut [[f32; 3]]) {
-        let rows = at.rotation(0);
+    /// The directions in world space for the rays of this pixel that `depth` others came before, as many as `out` has room
+    /// for: turned in the same way for all samples. Their length is 1 within 2^-22.
+    pub(crate) fn of(&self, at: PixelSample, depth: u32, out: &mut [[f32; 3]]) {
+        let rows = PixelSample { sample: depth << 24, ..at }.rotation(0);
         for (out, p) in out.iter_mut().zip(&self.lattice) {
             *out = rows.map(|row| (row[0] * p[0] + row[1] * p[1] + row[2] * p[2]) as f32);
         }
@@ -183,6 +223,20 @@ impl DiscPoints {
         self.rim.iter().filter(|_| self.samples == 1).map(move |point| times(turn, *point))
     }
 }
+
+/// The point of the unit disc of a lens that this sample of all pixels leaves from. The points of `strata` x `strata`
+/// samples are Vogel's spiral, turned by `seed`. Row and column of the sample within the pixel choose a ring of it and a
+/// place in the ring, such that the samples of each row, and those of each column, have all rings and all places.
+pub(crate) fn lens_point(strata: u32, sample: u32, seed: u32) -> [f64; 2] {
+    let (row, column) = (sample / strata, sample % strata);
+    let place = strata * ((row + column) % strata) + (row + 2 * column) % strata;
+    let turned = PixelSample { row: 0, column: 0, sample: 0, seed }.turn(LENS);
+    let found = spiral(strata * strata).nth(place as usize);
+    found.map_or([0.0; 2], |(area, turn)| times(turned, turn).map(|x| area.sqrt() * x))
+}
+
+/// The purpose of a lens's random numbers: more than any light's.
+const LENS: u32 = u32::MAX;
 
 /// How the points of a light are turned: the same for all samples of a pixel.
 fn turn(at: PixelSample, light: u32) -> [f64; 2] {

@@ -12,7 +12,7 @@ use crate::window::Window;
 const FINEST: u32 = 16;
 
 /// The rays of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Raster {
     pub(crate) window: Window,
     /// n: strata along a side of a pixel.
@@ -20,12 +20,14 @@ pub(crate) struct Raster {
     /// J: finer pixels along a side of a stratum, a power of two.
     pub(crate) jitter: u32,
     pub(crate) seed: u32,
+    /// How far the frame of a point of a lens lies beside that of the eye: columns to the right and rows down.
+    pub(crate) aside: [f64; 2],
 }
 
 impl Raster {
     /// Pixel centres.
     pub(crate) fn centres(window: Window) -> Self {
-        Self { window, strata: 1, jitter: 1, seed: 0 }
+        Self { window, strata: 1, jitter: 1, seed: 0, aside: [0.0; 2] }
     }
 
     /// `samples` per pixel of the image, rounded up to the next square and placed by `seed`; `None` for one.
@@ -47,7 +49,27 @@ impl Raster {
         while strata * jitter > most {
             jitter /= 2;
         }
-        Ok(Some(Self { window, strata, jitter, seed }))
+        Ok(Some(Self { window, strata, jitter, seed, aside: [0.0; 2] }))
+    }
+
+    /// The same where frames are larger by this many pixels on each side: with fewer finer pixels if they must be.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where the finer frame would have more columns or rows than a frame can have.
+    pub(crate) fn with_margin(mut self, pixels: f64, image: &ImagePlane) -> Result<Self> {
+        // A place more on each side for the rounding of the move.
+        let side = f64::from(image.width.max(image.height)) + 2.0 * (pixels + 1.0);
+        let fits = |jitter: u32| f64::from(self.strata) * f64::from(jitter) * side <= MAX_SIDE as f64;
+        while self.jitter > 1 && !fits(self.jitter) {
+            self.jitter /= 2;
+        }
+        if fits(self.jitter) {
+            return Ok(self);
+        }
+        let samples = self.count();
+        let problem =
+            format!("the lens moves the frame by {pixels:.0} pixels, which is too far for {samples} samples per pixel");
+        Err(Error::Limits { problem, mend: "use a smaller --aperture, fewer --samples or a smaller --size".into() })
     }
 
     /// Samples of a pixel.

@@ -25,6 +25,7 @@ mod test_dir;
 mod cloud;
 mod command;
 mod crop;
+mod depth_of_field;
 mod eclipse;
 mod extremes;
 mod frames;

@@ -76,6 +76,7 @@ impl Render {
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
+        let camera = camera.through(numbered.lens.aperture, &scene.camera)?;
         let written = |files, report, still| Picture { number, files, camera, report, still };
         let panels = self.args.insets.panels(&self.args, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
@@ -110,6 +111,7 @@ impl Render {
             .hold_words()
             .into_iter()
             .chain(numbered.look.words())
+            .chain(numbered.lens.words())
             .for_each(|words| messages.note(number, words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             messages.note(number, frame.report.reason.clone());

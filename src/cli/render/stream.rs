@@ -2,6 +2,7 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
+use crate::cli::lens_args::PictureLens;
 use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
 use crate::cli::scene_frames::{Numbered, aim, options, size};
@@ -66,6 +67,9 @@ impl<'a> Source<'a> {
             return refuse("the edges of a cell are drawn with the scene in memory", "remove --cell");
         }
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
+        if args.camera.lens.is_given() || taken.is_some_and(|record| record.lens_size().is_some()) {
+            return refuse("a lens with a size sees spheres that a stream has forgotten", "remove --aperture");
+        }
         let lacks_range = matches!(&options.style.coloring, Coloring::Column(scale) if scale.range.is_none());
         Ok(Self { args, options, taken, arrangement, why: Cell::new(why), lacks_range })
     }
@@ -130,7 +134,15 @@ impl<'a> Source<'a> {
         // The look is plain unless another is requested, which the stream refuses.
         let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
         let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request)?;
-        let picture = Numbered { number: 1, scene, legend: None, look, when: FrameTime::default(), ids: None };
+        let picture = Numbered {
+            number: 1,
+            scene,
+            legend: None,
+            look,
+            lens: PictureLens::default(),
+            when: FrameTime::default(),
+            ids: None,
+        };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
         Ok((picture, stream))
@@ -147,6 +159,7 @@ impl<'a> Source<'a> {
             number: 1,
             scene,
             has_camera: false,
+            aperture: None,
             look: FileLook::PARTICLES,
             legend,
             columns,

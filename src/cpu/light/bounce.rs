@@ -10,7 +10,7 @@ use crate::search::tree::lanes::{Lanes, Work, dispatch};
 use crate::search::tree::walk::{Test, may_meet, walk};
 use crate::search::tree::{BoxRay, Tree};
 use crate::shade::optics::{reflected, refracted, schlick};
-use crate::view::directions::{PixelSample, SkyDirections};
+use crate::view::directions::PixelSample;
 use glam::DVec3;
 
 /// A ray with less weight than this is not followed: it changes a picture of 8 bits by less than half a level.
@@ -117,8 +117,7 @@ impl Bounces {
                 let mut ray = mirror(lighting.own_color(point.id));
                 if fuzz > 0.0 {
                     let mut scattered = [[0.0f32; 3]];
-                    let sample = at.sample ^ depth << 24;
-                    SkyDirections::new(1).of(PixelSample { sample, ..at }, &mut scattered);
+                    lighting.scattered.of(at, depth, &mut scattered);
                     let aside = DVec3::from_array(scattered[0].map(f64::from)) * f64::from(fuzz);
                     let along = ray.along + aside;
                     ray = Onward { along: along.normalize(), proved: false, ..ray };

@@ -41,6 +41,8 @@ pub(crate) struct Lighting<'a> {
     /// What rays that hit nothing show.
     pub(crate) backdrop: Backdrop<'a>,
     pub(crate) directions: &'a SkyDirections,
+    /// The direction in which rough metal scatters a ray.
+    pub(crate) scattered: &'a SkyDirections,
     pub(crate) disc: &'a DiscPoints,
     pub(crate) seed: u32,
     /// The light of the open sky at the hits of viewing rays, if it is known.

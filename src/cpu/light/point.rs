@@ -295,7 +295,7 @@ impl<'a> PointLight<'a> {
     fn sky(&mut self, point: &SurfacePoint, at: PixelSample) {
         let (tree, reach) = (self.of.tree, self.of.sky.map_or(f64::INFINITY, |sky| sky.reach));
         self.sky.whole = self.of.colors.as_ref().map_or(DVec3::ONE, |colors| colors.open(point.normal.into()));
-        self.of.directions.of(at, &mut self.directions);
+        self.of.directions.of(at, 0, &mut self.directions);
         for k in 0..self.directions.len() {
             let direction = self.directions[k].map(f64::from);
             let toward = |direction: [f64; 3]| match reach {

@@ -60,6 +60,8 @@ impl TomlName {
             (_, "viewport") => "viewport = [1.0, 1.0]",
             (_, "distance") => "distance = 1.0",
             (_, "height") => "height = 12.0",
+            (_, "aperture") => "aperture = 0.1",
+            (_, "focus") => "focus = 10.0",
             (_, "size") => "size = [512, 512]",
             (_, "center") => "center = [0.0, 0.0, 0.0]",
             (_, "radius") => "radius = 1.0",

@@ -53,6 +53,11 @@ impl ExactViewport {
         self.d.is_infinite()
     }
 
+    /// Width and height, the latter rounded.
+    pub(crate) fn rounded(&self) -> [f64; 2] {
+        [self.vw, self.height_over(0, 1.0)]
+    }
+
     /// The height times 2^-`k` is x y / z, exact away from the limits of f64, with y and z in [1, 2).
     pub(crate) fn height(&self, k: i32) -> [f64; 3] {
         let [up, down] = self.pitch.map(dd::exponent);
@@ -70,6 +75,33 @@ impl ExactViewport {
         let e = dd::exponent(divisor);
         let [x, ..] = self.height(k + e);
         (Dd::product(x, y) / Dd::product(z, dd::ldexp(divisor, -e))).value()
+    }
+}
+
+impl CentredFrame {
+    /// The frame of an eye that is moved aside: the same places lie so many columns and rows of it farther toward the first
+    /// ones. It is as much larger, on both sides, as that takes.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] for more than 2^20 columns or rows.
+    pub(crate) fn moved(self, aside: [f64; 2]) -> Result<Self> {
+        let mut frame = self;
+        let sides = [&mut frame.viewport.vw, &mut frame.viewport.tall];
+        for (k, side) in sides.into_iter().enumerate().filter(|(k, _)| aside[*k] != 0.0) {
+            let (by, count) = (aside[k], f64::from(self.size[k]));
+            let wide = count + 2.0 * by.abs();
+            if wide.is_nan() || wide > MOST as f64 {
+                let problem = format!("the lens is so large that a frame needs {wide} places, and {MOST} are possible");
+                return Err(Error::Limits {
+                    problem,
+                    mend: "use a smaller --aperture, fewer --samples or a smaller image".into(),
+                });
+            }
+            *side = *side * wide / count;
+            frame.size[k] = wide as u32;
+            frame.shift[k] += (by.abs() - by) as u32;
+        }
+        Ok(frame)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A camera as numbers in reports, pictures and lists of cameras.
 
-use super::{Camera, Lens, Look};
+use super::{Aperture, Camera, Lens, Look};
 use crate::error::Result;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,12 @@ pub struct CameraRecord {
     /// Focal lengths and principal point in pixels, where the centre of the top left pixel is (0.5, 0.5); `None` for an
     /// orthographic camera.
     pub intrinsics: Option<Intrinsics>,
+    /// Diameter of the lens, where it has a size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aperture: Option<f64>,
+    /// Distance of the plane in focus.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub focus: Option<f64>,
 }
 
 /// Focal lengths and principal point, pixels.
@@ -70,7 +76,24 @@ impl CameraRecord {
                 Lens::Intrinsics { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
                 _ => Intrinsics { fx: d * w / viewport.vw, fy: d * h / viewport.vh, cx, cy },
             }),
+            aperture: None,
+            focus: None,
         })
+    }
+
+    /// The record with the lens of this camera, if it has a size.
+    ///
+    /// # Errors
+    /// Those of [`Aperture::distance`].
+    pub fn through(self, aperture: Option<Aperture>, camera: &Camera) -> Result<Self> {
+        let focus = aperture.map(|aperture| aperture.distance(camera)).transpose()?;
+        Ok(Self { aperture: aperture.map(|aperture| aperture.diameter), focus, ..self })
+    }
+
+    /// The lens, if it has a size.
+    #[must_use]
+    pub fn lens_size(&self) -> Option<Aperture> {
+        self.aperture.map(|diameter| Aperture { diameter, focus: self.focus })
     }
 
     /// The intrinsics, if the principal point is not the middle of the image.
