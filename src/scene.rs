@@ -11,6 +11,8 @@ pub mod lidar;
 mod light;
 mod list;
 mod material;
+mod orient;
+mod outlook;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
@@ -25,6 +27,8 @@ pub use fit::{Framing, Reach, middle};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
+pub use orient::{Facing, NamedView, Spread};
+pub use outlook::Outlook;
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];

@@ -7,6 +7,7 @@ use halfline::camera::Viewport;
 use halfline::error::{Error, Result};
 use halfline::measure::plot::inset::{Corner, Insets, MOST_LETTERS, Panels, ScaleBar};
 use halfline::quote::number;
+use halfline::read::SceneFrame;
 use halfline::read::style::Legend;
 use halfline::scene::Scene;
 use halfline::write::file::is_standard_output;
@@ -16,10 +17,9 @@ use std::ffi::OsString;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct InsetArgs {
-    /// Draws the legend of --color-by inside the picture: right (the default), top-left, top-right, bottom-left,
-    /// bottom-right. The corner may also follow a blank.
-    #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right",
-        requires = "color_by")]
+    /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
+    /// top-left, top-right, bottom-left, bottom-right. What is framed lies beside it. The corner may also follow a blank.
+    #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right")]
     legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
     /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
@@ -75,6 +75,21 @@ impl InsetArgs {
             Some(path) if is_picture(path) && !args.files.is_raw() => Ok(()),
             _ => refuse("are drawn into a PNG or EXR picture", "use -o with the file name extension .png or .exr"),
         }
+    }
+
+    /// Whether a legend is drawn.
+    pub(super) fn has_legend(&self) -> bool {
+        self.legend_in.is_some()
+    }
+
+    /// The shares of the width of a picture that its legend takes at the left and the right.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a picture that is too small for its legend.
+    pub(super) fn aside(&self, frame: &SceneFrame) -> Result<[f64; 2]> {
+        let (Some(corner), Some(legend)) = (self.legend_in, &frame.legend) else { return Ok([0.0; 2]) };
+        let insets = Insets { legend: Some((legend.clone(), corner)), ..Insets::default() };
+        insets.aside(frame.scene.image.width, frame.scene.image.height)
     }
 
     /// What is drawn into one picture; `None` for nothing.

@@ -10,6 +10,7 @@ mod config;
 mod exhaustion;
 mod failure;
 mod file_args;
+mod framing;
 mod info;
 mod inset_args;
 mod legend;

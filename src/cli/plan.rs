@@ -45,7 +45,7 @@ impl PlanArgs {
         }
         let picture = self.args.first()?;
         let settings = self.args.settings_for(&picture, &self.args.settings(&targets), &targets)?;
-        let Numbered { scene, look, .. } = picture;
+        let Numbered { scene, look, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
@@ -55,15 +55,15 @@ impl PlanArgs {
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
-            false => PlanText(&explanation).to_string(),
+            false => PlanText(&explanation, framed.as_deref()).to_string(),
         };
         print(&format!("{}\n", text.trim_end()))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
-/// An explanation as text.
-struct PlanText<'a>(&'a Explanation);
+/// An explanation as text, and what the camera frames.
+struct PlanText<'a>(&'a Explanation, Option<&'a str>);
 
 impl Display for PlanText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -141,9 +141,10 @@ impl PlanText<'_> {
         writeln!(f, "camera     eye {eye}; view {view}; up {up}")?;
         let [vw, vh] = camera.viewport.map(|side| number(side, 6));
         match camera.distance {
-            Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6)),
-            None => writeln!(f, "           orthographic, a view of {vw} x {vh}"),
+            Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6))?,
+            None => writeln!(f, "           orthographic, a view of {vw} x {vh}")?,
         }
+        self.1.map_or(Ok(()), |framed| writeln!(f, "           frames {framed}"))
     }
 
     /// The lights, the sky and the lines of the picture.

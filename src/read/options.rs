@@ -3,7 +3,7 @@
 mod named;
 
 use super::format::Format;
-use super::particles::{EVERY, Periodic, Survey, periodic};
+use super::particles::{EVERY, Periodic, Survey, periodic, vectors};
 use super::select::selection::Selection;
 use super::style::Style;
 use crate::error::{Error, Result};
@@ -49,6 +49,9 @@ pub struct ReadOptions {
     pub select: Vec<Selection>,
     /// The particles to leave out: those that one of these selects.
     pub hide: Vec<Selection>,
+    /// Particles that the caller wants to know, such as those that a camera looks at:
+    /// [`SceneFrame::marks`](crate::read::SceneFrame::marks).
+    pub marks: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
     /// Counts the particles with all columns, or passes them on in parts, instead of keeping them; see
@@ -59,6 +62,12 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
+    /// Whether an expression selects particles.
+    pub(super) fn selects(&self) -> bool {
+        let all = self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections());
+        all.count() > 0
+    }
+
     /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
@@ -70,7 +79,7 @@ impl ReadOptions {
             let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
             columns.extend(more.map(str::to_owned).collect::<Vec<_>>());
         }
-        for selection in self.select.iter().chain(&self.hide).chain(self.style.selections()) {
+        for selection in self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections()) {
             columns.extend(
                 selection
                     .columns()
@@ -82,6 +91,7 @@ impl ReadOptions {
                     .collect::<Vec<_>>(),
             );
         }
+        vectors::request(&mut columns);
         columns
     }
 }

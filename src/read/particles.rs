@@ -31,6 +31,7 @@ mod scalar;
 mod survey;
 mod table;
 mod trajectory;
+pub(super) mod vectors;
 mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};

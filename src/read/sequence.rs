@@ -6,6 +6,7 @@ use super::options::{Hold, ReadOptions};
 use super::particles::periodic::no_cell;
 use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
+use super::select::selection::Selection;
 use super::source::SceneSource;
 use super::style::{Legend, no_selections};
 use super::{native, nff};
@@ -13,7 +14,7 @@ use crate::error::{Error, Place, Result};
 use crate::quote::count;
 use crate::scene::camera::Camera;
 use crate::scene::instances::Instances;
-use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
+use crate::scene::{Cell, Facing, Framing, ImagePlane, Lighting, Scene, Spheres, Spread};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,7 @@ use std::path::{Path, PathBuf};
 pub struct Sequence {
     path: PathBuf,
     options: ReadOptions,
+    format: Format,
     state: SequenceState,
     /// The number of frames read so far.
     passed: u64,
@@ -55,6 +57,34 @@ pub struct SceneFrame {
     pub instances: Option<Instances>,
     /// Its time and step, as far as the file has them.
     pub when: FrameTime,
+    /// Whether it is of atoms without a box around them, whose default camera is that of their principal axes: of a format
+    /// of molecules ([`Format::is_of_molecules`]), with an element; of XYZ only without a cell.
+    pub is_molecule: bool,
+    /// The spheres of each of [`ReadOptions::marks`].
+    pub marks: Vec<Mark>,
+}
+
+/// The spheres of a frame that a selection selects.
+#[derive(Debug, Clone, Default)]
+pub struct Mark {
+    /// The expression.
+    pub text: String,
+    /// Those of them that are drawn.
+    pub spheres: Spheres,
+    /// What its evaluation said, such as which values the file has instead.
+    pub notes: Vec<String>,
+}
+
+/// The marks of spheres by their masks.
+fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<String>)>, spheres: &Spheres) -> Vec<Mark> {
+    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<String>))| {
+        let chosen = || mask.iter().enumerate().filter(|(_, flag)| **flag).map(|(n, _)| n);
+        let centers: Vec<[f64; 3]> = chosen().map(|n| spheres.centers[n]).collect();
+        let radii: Vec<f64> = chosen().map(|n| spheres.radii[n]).collect();
+        let spheres = Spheres { centers: centers.into(), radii: radii.into(), colors: None, materials: None };
+        Mark { text: selection.to_string(), spheres, notes }
+    };
+    options.marks.iter().zip(masks).map(mark).collect()
 }
 
 impl SceneFrame {
@@ -90,6 +120,7 @@ impl Sequence {
             check_operators(options)?;
         }
         let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
+        let format = source.format;
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
@@ -114,7 +145,7 @@ impl Sequence {
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
-        Ok(Self { path, options, state, passed: 0, files, holds: false, said: Vec::new() })
+        Ok(Self { path, options, format, state, passed: 0, files, holds: false, said: Vec::new() })
     }
 
     /// The files that the scene file refers to, and the topology of a trajectory, which were read with it.
@@ -156,14 +187,16 @@ impl Sequence {
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
     fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
-        let (cell, when) = (particles.cell, particles.when);
+        let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
+        particles::vectors::add_lengths(&mut particles, &self.options.columns())?;
         select::apply(&self.options, &mut particles)?;
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }
         let spacing = self.options.style.spacing_of(&particles);
+        let masks = std::mem::take(&mut particles.marks);
         let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
         let hold = self.options.hold;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
@@ -182,6 +215,7 @@ impl Sequence {
             self.options.style.hold(spacing, legend.as_ref(), hold == Hold::First);
         }
         self.options.watch.check()?;
+        let marks = marks(&self.options, masks, &spheres);
         let mut scene = Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),
@@ -189,13 +223,14 @@ impl Sequence {
             skipped,
             lighting: Lighting::default(),
         };
-        scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when })
+        let facing = if is_molecule { Spread::of(&scene.spheres).facing(false) } else { Facing::FRONT };
+        scene.frame_from(facing, &Framing::default())?;
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when, is_molecule, marks })
     }
 
     /// The same for particles with copies, which are one frame.
     fn dress_placed(&self, particles: Particles, number: u64, file: &Place) -> Result<SceneFrame> {
-        let when = particles.when;
+        let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
         let (instances, skipped, legend) = self.options.style.dress_placed(particles, file)?;
         let mut scene = Scene {
             camera: Camera::CANONICAL,
@@ -205,7 +240,8 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        Ok(SceneFrame { number, scene, has_camera: false, legend, cell: None, instances: Some(instances), when })
+        let (cell, instances, marks) = (None, Some(instances), Vec::new());
+        Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances, when, is_molecule, marks })
     }
 
     /// The next selected frame; `None` after the last.
@@ -225,8 +261,12 @@ impl Sequence {
                     if wanted {
                         let (scene, has_camera) = (*scene, true);
                         let when = FrameTime::default();
-                        let (legend, cell, instances) = (None, None, None);
-                        return Ok(Some(SceneFrame { number, scene, has_camera, legend, cell, instances, when }));
+                        let (legend, cell, instances, is_molecule) = (None, None, None, false);
+                        let masks = select::marks_of(&self.options.marks, &scene.spheres)?;
+                        let marks = marks(&self.options, masks, &scene.spheres);
+                        let frame =
+                            SceneFrame { number, scene, has_camera, legend, cell, instances, when, is_molecule, marks };
+                        return Ok(Some(frame));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
@@ -263,10 +303,12 @@ impl Sequence {
 
 /// Refuses what needs all atoms of an assembly.
 fn check_operators(options: &ReadOptions) -> Result<()> {
-    let selects = !options.select.is_empty() || !options.hide.is_empty() || options.style.selections().next().is_some();
-    if !selects {
+    if !options.selects() {
         return Ok(());
     }
     let problem = "--stream: selections need all atoms of an assembly in memory";
-    Err(Error::settings(problem, "remove --select, --hide and selected colours and radii, or --stream"))
+    Err(Error::settings(
+        problem,
+        "remove selections (--select, --hide, --at, --focus, and those of --color and --radius), or --stream",
+    ))
 }

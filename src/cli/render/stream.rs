@@ -2,11 +2,13 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
+use crate::cli::framing::{Way, turn};
+use crate::cli::legend;
 use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
-use crate::cli::scene_frames::{Numbered, aim, options, size};
+use crate::cli::scene_frames::{Numbered, options, size};
 use glam::DVec3;
-use halfline::camera::{Camera, CameraRecord, Look};
+use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
@@ -16,7 +18,7 @@ use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks}
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
-use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
+use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, Spread, middle};
 use halfline::settings::Settings;
 use halfline::write::file::Target;
 use std::cell::Cell;
@@ -43,6 +45,7 @@ struct About {
     skipped: Skipped,
     legend: Option<Legend>,
     when: FrameTime,
+    is_molecule: bool,
 }
 
 impl<'a> Source<'a> {
@@ -107,14 +110,17 @@ impl<'a> Source<'a> {
         }
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
-        Ok(Numbered { scene, ids: Some(ids), ..picture })
+        let picture = Numbered { scene, ids: Some(ids), ..picture };
+        legend::check_content(self.args, &picture)?;
+        Ok(picture)
     }
 
     /// The picture of a scene whose spheres are still to come.
     fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(Numbered, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
         let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), self.args.look_request(false))?;
-        let picture = Numbered { number: 1, scene, legend: None, look, when: FrameTime::default(), ids: None };
+        let picture =
+            Numbered { number: 1, scene, legend: None, look, when: FrameTime::default(), framed: None, ids: None };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
         Ok((picture, stream))
@@ -125,22 +131,38 @@ impl<'a> Source<'a> {
         let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
-        let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let mut frame = SceneFrame { number: 1, scene, has_camera: false, legend, cell, instances, when };
+        let (legend, cell, instances, when, marks) = (None, None, None, FrameTime::default(), Vec::new());
+        let mut frame = SceneFrame {
+            number: 1,
+            scene,
+            has_camera: false,
+            legend,
+            cell,
+            instances,
+            when,
+            is_molecule: false,
+            marks,
+        };
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
-            None => aim(self.args, &mut frame),
+            None => self.args.camera.apply_lens(&mut frame.scene.camera),
         }
         Ok(frame)
     }
 
-    /// Frames all spheres where the options do not give the camera's place, for which the file is read twice more.
+    /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
+    /// twice more, and once more for its principal axes.
     fn aim(&self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
         let camera = &self.args.camera;
-        let framing = camera.framing(frame.has_camera)?;
-        let at_middle = camera.pose.eye.is_some() && !camera.pose.looks();
-        if framing.is_none() && !at_middle {
+        let at = camera.point();
+        let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
+        let way = |frame: &SceneFrame| {
+            camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at, framing.is_some())
+        };
+        let given = way(frame);
+        if let (None, Way::Given(..)) = (framing, &given) {
+            turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
             return Ok(());
         }
         if copied.is_none() && self.args.scene == Path::new("-") {
@@ -148,14 +170,31 @@ impl<'a> Source<'a> {
             return Err(Error::settings(problem, "give --eye and --at, or --view"));
         }
         let watch = &self.options.watch;
-        let middle = middle(match copied {
-            Some(Copied { instances, .. }) => instances.bounds(watch)?,
-            None => self.bounds()?,
-        });
-        if at_middle {
-            frame.scene.camera.look = Look::At(middle);
+        let bounds = match copied {
+            Some(Copied { instances, about }) => {
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend.clone());
+                instances.bounds(watch)?
+            }
+            None => {
+                let (bounds, about) = self.bounds()?;
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend);
+                bounds
+            }
+        };
+        let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
+        if let Way::Axes = way {
+            match copied {
+                Some(Copied { instances, .. }) => instances.each_block(watch, |block| spread.add(&block.centers))?,
+                None => drop(self.each(|block| {
+                    spread.add(&block.centers);
+                    Ok(())
+                })?),
+            }
         }
-        let Some(framing) = framing else { return Ok(()) };
+        let ImagePlane { width, height, .. } = frame.scene.image;
+        turn(&mut frame.scene.camera, &way, camera, || (middle, spread.facing(height > width)));
+        let aside = self.args.insets.aside(frame)?;
+        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(()) };
         if let Some(Copied { instances, .. }) = copied {
             let reach = frame.scene.reach_of(&framing, instances, middle, watch)?;
             return frame.scene.fit_to(&framing, &reach);
@@ -173,10 +212,10 @@ impl<'a> Source<'a> {
         frame.scene.fit_to(&framing, &reach)
     }
 
-    /// The box around all spheres of the file.
-    fn bounds(&self) -> Result<[DVec3; 2]> {
+    /// The box around all spheres of the file, and what else is known of them.
+    fn bounds(&self) -> Result<([DVec3; 2], About)> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        self.each(|block| {
+        let about = self.each(|block| {
             let [low, high] = block.bounds();
             if bounds[0].x > bounds[1].x {
                 note(format_args!(
@@ -186,7 +225,7 @@ impl<'a> Source<'a> {
             bounds = [bounds[0].min(low), bounds[1].max(high)];
             Ok(())
         })?;
-        Ok(bounds)
+        Ok((bounds, about))
     }
 
     /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
@@ -197,7 +236,7 @@ impl<'a> Source<'a> {
         }
         let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
         let mut sequence = Sequence::open(&self.args.scene, &options)?;
-        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, .. } =
+        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, is_molecule, .. } =
             sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
             let mend = "remove --stream, or use a file of particles";
@@ -213,7 +252,7 @@ impl<'a> Source<'a> {
             return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
         }
         self.say_why();
-        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when } }))
+        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when, is_molecule } }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
@@ -240,6 +279,6 @@ impl<'a> Source<'a> {
             each(block)?;
         }
         let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
-        Ok(About { skipped, legend, when: FrameTime::default() })
+        Ok(About { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() })
     }
 }
