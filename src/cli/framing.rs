@@ -173,15 +173,8 @@ impl CameraArgs {
         Ok(is_framed.then(|| Framing { margin, ball: self.spin.is_some(), keep_height, aside, aim: at }))
     }
 
-    /// The direction of a camera; `is_framed` says that its eye follows from the spheres.
-    pub(super) fn way(
-        &self,
-        camera: &Camera,
-        has_camera: bool,
-        is_molecule: bool,
-        at: Option<DVec3>,
-        is_framed: bool,
-    ) -> Way {
+    /// The direction of a camera.
+    pub(super) fn way(&self, camera: &Camera, has_camera: bool, is_molecule: bool, at: Option<DVec3>) -> Way {
         let own = if has_camera { camera.up } else { Facing::FRONT.up };
         let given = |look: Look, up: Option<DVec3>| {
             let up = self.pose.up.or(up).unwrap_or_else(|| upright(look, own, has_camera));
@@ -192,7 +185,6 @@ impl CameraArgs {
         match (self.pose.view, at) {
             (Some(Direction::Vector(view)), _) => given(Look::View(view), None),
             (Some(Direction::Named(view)), _) => named(view),
-            (None, Some(at)) if has_camera && is_framed => given(Look::View(at - camera.eye), None),
             (None, Some(at)) if has_camera || self.pose.eye.is_some() => given(Look::At(at), None),
             (None, None) if has_camera => given(camera.look, None),
             (None, None) if self.pose.eye.is_some() => Way::Middle(self.pose.up.unwrap_or(own)),
@@ -235,7 +227,7 @@ pub(super) fn point(args: &SceneArgs, frame: &mut SceneFrame, aside: [f64; 2]) -
     let at = options.at(frame)?;
     let framing = options.framing(frame.has_camera, at, aside)?;
     let mut camera = frame.scene.camera;
-    let way = options.way(&camera, frame.has_camera, frame.is_molecule, at, framing.is_some());
+    let way = options.way(&camera, frame.has_camera, frame.is_molecule, at);
     let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
     let mut warning = None;
     match (framing, options.focused(frame)?) {
@@ -306,7 +298,7 @@ pub(super) fn words(args: &SceneArgs, frame: &SceneFrame, framing: Option<&Frami
         (Some(_), Some(mark)) => format!("{} ({} of the spheres)", quote(&mark.text), mark.spheres.len()),
         _ => "all spheres".to_owned(),
     };
-    let way = match options.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim, true) {
+    let way = match options.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, framing.aim) {
         Way::Axes if options.focus.is_some() => ", from where least of it is hidden (--view auto)",
         Way::Axes => ", along its principal axes (--view auto)",
         Way::Given(..) | Way::Middle(_) => "",

@@ -111,7 +111,18 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, legend: None, cell: None, instances: None, when }
+        let (is_molecule, marks) = (false, Vec::new());
+        SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            legend: None,
+            cell: None,
+            instances: None,
+            when,
+            is_molecule,
+            marks,
+        }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

@@ -77,12 +77,10 @@ pub struct Mark {
 
 /// The marks of spheres by their masks.
 fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<String>)>, spheres: &Spheres) -> Vec<Mark> {
-    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<String>))| {
-        let chosen = || mask.iter().enumerate().filter(|(_, flag)| **flag).map(|(n, _)| n);
-        let centers: Vec<[f64; 3]> = chosen().map(|n| spheres.centers[n]).collect();
-        let radii: Vec<f64> = chosen().map(|n| spheres.radii[n]).collect();
-        let spheres = Spheres { centers: centers.into(), radii: radii.into(), colors: None, materials: None };
-        Mark { text: selection.to_string(), spheres, notes }
+    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<String>))| Mark {
+        text: selection.to_string(),
+        spheres: spheres.part(&mask),
+        notes,
     };
     options.marks.iter().zip(masks).map(mark).collect()
 }

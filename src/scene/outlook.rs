@@ -81,6 +81,17 @@ impl Outlook {
     }
 }
 
+impl Spheres {
+    /// The centres and radii of the spheres whose flag is set; flags beyond the spheres do not matter.
+    #[must_use]
+    pub fn part(&self, flags: &[bool]) -> Self {
+        let chosen: Vec<usize> = (0..self.len()).filter(|n| flags.get(*n).is_some_and(|flag| *flag)).collect();
+        let centers: Vec<[f64; 3]> = chosen.iter().map(|n| self.centers[*n]).collect();
+        let radii: Vec<f64> = chosen.iter().map(|n| self.radii[*n]).collect();
+        Self { centers: centers.into(), radii: radii.into(), colors: None, materials: None }
+    }
+}
+
 /// Directions of integers on the faces of a cube, of unit length.
 fn directions() -> impl Iterator<Item = DVec3> {
     let steps = || (-2..=2).map(f64::from);

@@ -1,5 +1,8 @@
 //! Promises of the command line, on the CPU path.
 
+#[path = "../common/data.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod data;
 #[path = "../common/nff.rs"]
 mod nff;
 #[path = "../common/random_frames.rs"]
@@ -20,6 +23,7 @@ mod exit_codes;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
 mod film;
+mod framing;
 mod habits;
 mod info;
 mod insets;

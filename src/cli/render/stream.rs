@@ -157,9 +157,7 @@ impl<'a> Source<'a> {
         let camera = &self.args.camera;
         let at = camera.point();
         let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
-        let way = |frame: &SceneFrame| {
-            camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at, framing.is_some())
-        };
+        let way = |frame: &SceneFrame| camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
         let given = way(frame);
         if let (None, Way::Given(..)) = (framing, &given) {
             turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
