@@ -17,6 +17,8 @@ pub(crate) struct Scene {
     /// Whether the camera stays, whatever the size of the image; otherwise it shows all spheres.
     held: bool,
     /// The number in its file, the time and the step.
+    /// Whether its default camera is that of a molecule.
+    is_molecule: bool,
     #[pyo3(get)]
     pub(crate) number: u64,
     #[pyo3(get)]
@@ -36,6 +38,7 @@ impl Scene {
         Self {
             scene: Arc::new(scene),
             held,
+            is_molecule: frame.is_molecule,
             number: frame.number,
             time: frame.when.time,
             step: frame.when.step,
@@ -73,7 +76,7 @@ impl Scene {
             None => {
                 // A size without pixels has no shape; it is refused before the camera is.
                 halfline::scene::check_size([scene.image.width.into(), scene.image.height.into()], || "size".into())?;
-                scene.frame_all(&Default::default())?;
+                scene.frame_by_default(self.is_molecule, &Default::default())?;
             }
         }
         Ok(scene)
@@ -107,7 +110,8 @@ impl Scene {
             skipped: Default::default(),
             lighting: Default::default(),
         };
-        Ok(Self { scene: Arc::new(scene), held: false, number: 1, time: None, step: None, cell: None })
+        let (held, is_molecule) = (false, false);
+        Ok(Self { scene: Arc::new(scene), held, is_molecule, number: 1, time: None, step: None, cell: None })
     }
 
     /// The same spheres with what another program says of them.
@@ -121,7 +125,7 @@ impl Scene {
     ) -> Self {
         let mut scene = (*self.scene).clone();
         scene.skipped.assumed.extend(warnings);
-        Self { scene: Arc::new(scene), held: self.held, number, time, step, cell }
+        Self { scene: Arc::new(scene), held: self.held, is_molecule: self.is_molecule, number, time, step, cell }
     }
 
     fn __len__(&self) -> usize {

@@ -71,6 +71,9 @@ impl PoseArgs {
         let problem =
             |what: &str| Err(Error::settings(format!("{what} depends on the spheres of a picture"), "use X,Y,Z"));
         camera.eye = self.eye.unwrap_or(camera.eye);
+        if self.at.is_some() && self.view.is_some() {
+            return Err(Error::settings("--at and --view give two directions", "remove one of them"));
+        }
         let up = match (&self.at, self.view) {
             (Some(Aimed::Selected(_)), _) => return problem("--at EXPR"),
             (Some(Aimed::Point(at)), _) => {

@@ -115,11 +115,13 @@ impl InsetArgs {
         insets.panels(scene.image.width, scene.image.height).map(Some)
     }
 
-    /// What a scale bar in this scene shows, in a sentence, where it does not hold everywhere.
-    pub(super) fn words(&self, scene: &Scene) -> Option<String> {
-        let is_vague = self.scale_bar.is_some() && !scene.camera.lens.is_orthographic();
-        is_vague
-            .then(|| "the scale bar holds at the distance of the scene's middle; with --ortho everywhere".to_owned())
+    /// What the panels of a picture do not show everywhere or leave free, in sentences.
+    pub(super) fn words(&self, picture: &Numbered) -> impl Iterator<Item = String> {
+        let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
+        let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
+        let covers = self.legend_in.is_some() && picture.legend.is_some() && picture.framed.is_none();
+        let covering = "the camera is given, so the legend may cover spheres";
+        [(is_vague, vague), (covers, covering)].into_iter().filter(|(is, _)| *is).map(|(_, words)| words.to_owned())
     }
 }
 

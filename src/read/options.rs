@@ -68,9 +68,17 @@ impl ReadOptions {
         all.count() > 0
     }
 
-    /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
+    /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
+    /// velocities.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
+        let mut columns = self.named_columns();
+        vectors::request(&mut columns);
+        columns
+    }
+
+    /// The columns that colours, selections and molecules name.
+    pub(super) fn named_columns(&self) -> Vec<String> {
         if self.survey.as_ref().is_some_and(Survey::is_counting) {
             return vec![EVERY.to_owned()];
         }
@@ -91,7 +99,6 @@ impl ReadOptions {
                     .collect::<Vec<_>>(),
             );
         }
-        vectors::request(&mut columns);
         columns
     }
 }

@@ -14,7 +14,7 @@ use crate::error::{Error, Place, Result};
 use crate::quote::count;
 use crate::scene::camera::Camera;
 use crate::scene::instances::Instances;
-use crate::scene::{Cell, Facing, Framing, ImagePlane, Lighting, Scene, Spheres, Spread};
+use crate::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -188,7 +188,7 @@ impl Sequence {
         let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
-        particles::vectors::add_lengths(&mut particles, &self.options.columns())?;
+        particles::vectors::add_lengths(&mut particles, &self.options.named_columns())?;
         select::apply(&self.options, &mut particles)?;
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
@@ -221,8 +221,7 @@ impl Sequence {
             skipped,
             lighting: Lighting::default(),
         };
-        let facing = if is_molecule { Spread::of(&scene.spheres).facing(false) } else { Facing::FRONT };
-        scene.frame_from(facing, &Framing::default())?;
+        scene.frame_by_default(is_molecule, &Framing::default())?;
         Ok(SceneFrame { number, scene, has_camera: false, legend, cell, instances: None, when, is_molecule, marks })
     }
 

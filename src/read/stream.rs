@@ -148,7 +148,7 @@ impl SphereBlocks {
         }
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
-        vectors::add_lengths(&mut part, &self.options.columns())?;
+        vectors::add_lengths(&mut part, &self.options.named_columns())?;
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;

@@ -2,7 +2,7 @@
 
 use super::camera::{Basis, Camera, Lens, Look, Viewport};
 use super::instances::Instances;
-use super::orient::Facing;
+use super::orient::{Facing, Spread};
 use super::{ImagePlane, Scene, Spheres};
 use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
@@ -40,6 +40,17 @@ impl Scene {
     /// Gives the scene the default camera: it looks along -z with y up, and shows all spheres.
     pub fn frame_all(&mut self, framing: &Framing) -> Result<()> {
         self.frame_from(Facing::FRONT, framing)
+    }
+
+    /// Gives the scene the default camera of its file: molecules are seen along their principal axes ([`Spread::facing`]),
+    /// all else as by [`Scene::frame_all`].
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn frame_by_default(&mut self, is_molecule: bool, framing: &Framing) -> Result<()> {
+        let is_tall = self.image.height > self.image.width;
+        let facing = if is_molecule { Spread::of(&self.spheres).facing(is_tall) } else { Facing::FRONT };
+        self.frame_from(facing, framing)
     }
 
     /// Gives the scene a camera with the default lens, which looks in this direction and shows all spheres.

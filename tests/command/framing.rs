@@ -17,7 +17,7 @@ fn flat() -> (String, Vec<[f64; 3]>) {
     let mut places = Vec::new();
     for n in 0..120 {
         let [x, y, z] = [next(30.0), next(8.0), next(16.0)];
-        let velocity = f64::from(n) / 40.0 + 5.96e-6;
+        let velocity = n as f64 / 40.0 + 5.96e-6;
         text += &format!("{} {x} {y} {z} 0 {velocity} 0\n", ["C", "N", "O"][n % 3]);
         places.push([x, y, z]);
     }
@@ -93,12 +93,12 @@ fn no_sphere_is_behind_the_legend_and_the_rest_is_filled() {
             let plain = ["--look", "plain", "--background", "white", "--size", size];
             let legend = format!("--legend-in={corner}");
             dir.render(
-                &[&["flat.xyz", &legend, "-o", "with.png", "--aov", "id=id.npy"], &plain[..], &words[..]].concat(),
+                &[&["flat.xyz", &legend, "-o", "with.png", "--aov", "id=id.npy"][..], &plain[..], &words[..]].concat(),
             );
             let colors =
                 words.iter().position(|word| word.starts_with("--color")).map_or(&[][..], |at| &words[at..at + 2]);
             let same = ["flat.xyz", "--camera-from", "with.png", "-o", "without.png"];
-            dir.render(&[&same, &plain[..4], colors].concat());
+            dir.render(&[&same[..], &plain[..4], colors].concat());
             let ((with, shape), (without, _), (ids, _)) =
                 (dir.array("with.png"), dir.array("without.png"), dir.array("id.npy"));
             let covered = |n: usize| with[3 * n..3 * n + 3] != without[3 * n..3 * n + 3];
@@ -198,7 +198,7 @@ fn what_is_looked_at_is_in_the_middle() {
     for words in
         [vec!["--at", "index 17"], vec!["--at", "index 17", "--view", "1,2,3"], vec!["--at", "index 0", "--ortho"]]
     {
-        dir.render(&[&["flat.xyz", "--size", "90x60", "--aov", "id=i.npy"], &words[..]].concat());
+        dir.render(&[&["flat.xyz", "--size", "90x60", "--aov", "id=i.npy"][..], &words[..]].concat());
         let (ids, _) = dir.array("i.npy");
         let is_edge = |n: usize| n % 90 == 0 || n % 90 == 89 || !(90..ids.len() - 90).contains(&n);
         assert!((0..ids.len()).all(|n| !is_edge(n) || ids[n] < 0.0), "{words:?}: cut");
@@ -298,7 +298,7 @@ fn a_stream_has_the_camera_and_the_legend_of_memory() {
 fn a_legend_shows_elements_and_the_colours_of_selections() {
     let (dir, _) = dir();
     let drawn = |words: &[&str]| {
-        dir.render(&[&["flat.xyz", "--size", "300x200", "-o", "a.png"], words].concat());
+        dir.render(&[&["flat.xyz", "--size", "300x200", "-o", "a.png"][..], words].concat());
         String::from_utf8_lossy(&dir.get("a.png")).into_owned()
     };
     let elements = drawn(&["--legend-in"]);

@@ -105,7 +105,7 @@ impl Render {
         }
         frame.report.warnings.iter().for_each(|warning| messages.warn(warning));
         if !targets.is_empty() {
-            self.args.insets.words(scene).into_iter().for_each(|words| messages.note(words));
+            self.args.insets.words(numbered).for_each(|words| messages.note(words));
             let (report, window) = (frame.report.clone(), frame.window);
             self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
         }

@@ -83,9 +83,10 @@ impl<'a> Source<'a> {
         // What a stream cannot do is found before the file is read.
         self.begin(frame.scene.clone(), settings, targets)?;
         let copied = self.copied()?;
-        if self.taken.is_none() {
-            self.aim(&mut frame, copied.as_ref())?;
-        }
+        let framed = match self.taken {
+            Some(_) => false,
+            None => self.aim(&mut frame, copied.as_ref())?,
+        };
         self.args.camera.zoom(&mut frame.scene)?;
         let (mut picture, mut stream) = self.begin(frame.scene, settings, targets)?;
         let (visible, about) = match copied {
@@ -110,7 +111,8 @@ impl<'a> Source<'a> {
         }
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
-        let picture = Numbered { scene, ids: Some(ids), ..picture };
+        let framed = framed.then(|| "all spheres".to_owned());
+        let picture = Numbered { scene, framed, ids: Some(ids), ..picture };
         legend::check_content(self.args, &picture)?;
         Ok(picture)
     }
@@ -152,8 +154,8 @@ impl<'a> Source<'a> {
     }
 
     /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
-    /// twice more, and once more for its principal axes.
-    fn aim(&self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
+    /// twice more, and once more for its principal axes. Returns whether they are framed.
+    fn aim(&self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<bool> {
         let camera = &self.args.camera;
         let at = camera.point();
         let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
@@ -161,7 +163,7 @@ impl<'a> Source<'a> {
         let given = way(frame);
         if let (None, Way::Given(..)) = (framing, &given) {
             turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
-            return Ok(());
+            return Ok(false);
         }
         if copied.is_none() && self.args.scene == Path::new("-") {
             let problem = "--stream: the camera depends on all spheres, and standard input can be read once";
@@ -192,10 +194,10 @@ impl<'a> Source<'a> {
         let ImagePlane { width, height, .. } = frame.scene.image;
         turn(&mut frame.scene.camera, &way, camera, || (middle, spread.facing(height > width)));
         let aside = self.args.insets.aside(frame)?;
-        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(()) };
+        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(false) };
         if let Some(Copied { instances, .. }) = copied {
             let reach = frame.scene.reach_of(&framing, instances, middle, watch)?;
-            return frame.scene.fit_to(&framing, &reach);
+            return frame.scene.fit_to(&framing, &reach).map(|()| true);
         }
         let mut reach = Reach::about(middle);
         self.each(|block| {
@@ -207,7 +209,7 @@ impl<'a> Source<'a> {
             frame.scene.camera = part.camera;
             Ok(())
         })?;
-        frame.scene.fit_to(&framing, &reach)
+        frame.scene.fit_to(&framing, &reach).map(|()| true)
     }
 
     /// The box around all spheres of the file, and what else is known of them.
