@@ -23,11 +23,11 @@ use glam::DVec3;
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub(crate) use check::{is_center, is_radius};
-pub use fit::{Framing, Reach, middle};
+pub use fit::{Framing, Reach};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
-pub use orient::{Facing, NamedView, Spread};
+pub use orient::{Facing, NamedView, Spread, middle};
 pub use outlook::Outlook;
 
 /// Linear RGB of a sphere without a colour.

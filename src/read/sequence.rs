@@ -188,7 +188,7 @@ impl Sequence {
         let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
-        particles::vectors::add_lengths(&mut particles, &self.options.named_columns())?;
+        particles.add_lengths(&self.options.named_columns())?;
         select::apply(&self.options, &mut particles)?;
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);

@@ -2,7 +2,7 @@
 
 use super::format::Format;
 use super::options::ReadOptions;
-use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey, vectors};
+use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey};
 use super::source::SceneSource;
 use super::style::{Coloring, Legend, is_8_bit, joined_elements};
 use crate::error::{Error, Place, Result};
@@ -148,7 +148,7 @@ impl SphereBlocks {
         }
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
-        vectors::add_lengths(&mut part, &self.options.named_columns())?;
+        part.add_lengths(&self.options.named_columns())?;
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;

@@ -2,7 +2,7 @@
 
 use super::camera::{Basis, Camera, Lens, Look, Viewport};
 use super::instances::Instances;
-use super::orient::{Facing, Spread};
+use super::orient::{Facing, Spread, middle};
 use super::{ImagePlane, Scene, Spheres};
 use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
@@ -302,13 +302,6 @@ impl Spheres {
     pub fn middle(&self) -> DVec3 {
         middle(self.bounds())
     }
-}
-
-/// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
-#[must_use]
-pub fn middle([low, high]: [DVec3; 2]) -> DVec3 {
-    let middle = low + (high - low) / 2.0;
-    if middle.is_finite() { middle } else { DVec3::ZERO }
 }
 
 /// The ball that contains all spheres, about a point or the middle of their box.

@@ -1,10 +1,17 @@
 //! Directions of view: by name, and along the principal axes of points.
 
+use super::Spheres;
 use super::camera::{Camera, Look};
-use super::{Spheres, middle};
 use crate::error::{Error, Result};
 use glam::DVec3;
 use std::str::FromStr;
+
+/// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
+#[must_use]
+pub fn middle([low, high]: [DVec3; 2]) -> DVec3 {
+    let middle = low + (high - low) / 2.0;
+    if middle.is_finite() { middle } else { DVec3::ZERO }
+}
 
 /// A direction of view and the up vector that belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,7 @@ use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
 use super::vectors;
 use crate::error::{Error, Result};
-use crate::memory::{entries, extend_to};
+use crate::memory::{check, entries, extend_to};
 use crate::read::format::Format;
 use crate::scene::{Cell, Skipped, keep};
 use std::collections::BTreeMap;
@@ -70,6 +70,12 @@ pub(crate) struct Particles {
     pub(in crate::read) room: usize,
 }
 
+impl Column {
+    fn named(&self) -> (&str, &[f64]) {
+        (&self.name, &self.values)
+    }
+}
+
 /// A column of numbers, one per particle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Column {
@@ -82,6 +88,24 @@ impl Particles {
     pub(in crate::read) fn are_molecule(&self, format: Format) -> bool {
         let is_boxed = format == Format::Xyz && self.cell.is_some();
         format.is_of_molecules() && !is_boxed && self.elements.iter().any(|number| *number != 0)
+    }
+
+    /// Adds the length of the velocity under each of these names that means it and that no column has.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(in crate::read) fn add_lengths(&mut self, wanted: &[String]) -> Result<()> {
+        for name in wanted {
+            let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
+            if !vectors::is_missing(name, &named) {
+                continue;
+            }
+            check(8 * self.positions.len() as u64, || format!("the column {name}"))?;
+            if let Some(values) = vectors::speed(&named) {
+                self.columns.push(Column { name: name.clone(), values });
+            }
+        }
+        Ok(())
     }
 
     /// Counts particles with a name that is not an element. The number of different names is limited.
@@ -209,8 +233,8 @@ impl Particles {
     pub(super) fn count(&mut self, counts: &mut Counts) {
         self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
-        let has_velocity = self.columns.iter().any(|column| column.name == vectors::VELOCITY);
-        let speed = if has_velocity { None } else { vectors::speed(&self.columns) };
+        let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
+        let speed = vectors::speed(&named).filter(|_| vectors::is_missing(vectors::VELOCITY, &named));
         let speed = speed.iter().map(|speed| (vectors::VELOCITY, &speed[..], false));
         counts.add(&Counted {
             positions: &self.positions,

@@ -1,9 +1,6 @@
 //! Vectors whose components are columns: the one name of the velocity in all formats, columns of lengths, and the common
 //! name of components.
 
-use super::{Column, Particles, component};
-use crate::error::Result;
-use crate::memory::check;
 use rayon::prelude::*;
 
 /// The name of the velocity, and the other words for its length.
@@ -37,54 +34,47 @@ fn sets() -> [[String; 3]; 5] {
     [COMPONENTS.map(str::to_owned), of(WORDS[0]), of(WORDS[1]), of(WORDS[2]), of(WORDS[3])]
 }
 
-/// Adds the length of the velocity under each requested name that the file has no column of.
-///
-/// # Errors
-/// [`Error::Limits`](crate::error::Error::Limits) where memory is short.
-pub(in crate::read) fn add_lengths(particles: &mut Particles, wanted: &[String]) -> Result<()> {
-    let is_there = |particles: &Particles, name: &str| {
-        particles.columns.iter().any(|column| column.name.eq_ignore_ascii_case(name))
-    };
-    for name in wanted.iter().filter(|name| is_velocity(name)) {
-        if is_there(particles, name) {
-            continue;
-        }
-        check(8 * particles.positions.len() as u64, || format!("the column {name}"))?;
-        if let Some(values) = speed(&particles.columns) {
-            particles.columns.push(Column { name: name.clone(), values });
-        }
-    }
-    Ok(())
+/// A column by its name.
+pub(super) type Named<'a> = (&'a str, &'a [f64]);
+
+/// Whether a word means the length of the velocity, which is not the name of one of these columns.
+pub(super) fn is_missing(word: &str, columns: &[Named<'_>]) -> bool {
+    is_velocity(word) && !columns.iter().any(|(name, _)| name.eq_ignore_ascii_case(word))
 }
 
 /// The length of the velocity: a column of it, or of two or three components; `None` without.
-pub(in crate::read) fn speed(columns: &[Column]) -> Option<Vec<f64>> {
-    let find = |name: &str| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name));
-    if let Some(column) = WORDS.iter().find_map(|word| find(word)) {
-        return Some(column.values.clone());
+pub(super) fn speed(columns: &[Named<'_>]) -> Option<Vec<f64>> {
+    let find = |word: &str| columns.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, values)| *values);
+    if let Some(values) = WORDS.iter().find_map(|word| find(word)) {
+        return Some(values.to_vec());
     }
-    let parts: Vec<&Column> = sets()
-        .iter()
-        .map(|set| set.iter().filter_map(|name| find(name)).collect())
-        .find(|parts: &Vec<&Column>| parts.len() > 1)?;
-    Some(length(&parts))
+    let parts = |set: &[String; 3]| set.iter().filter_map(|name| find(name)).collect::<Vec<&[f64]>>();
+    sets().iter().map(parts).find(|parts| parts.len() > 1).map(|parts| length(&parts))
 }
 
 /// The lengths of the vectors with these components.
-pub(in crate::read) fn length(parts: &[&Column]) -> Vec<f64> {
-    let count = parts.first().map_or(0, |part| part.values.len());
-    (0..count).into_par_iter().map(|n| parts.iter().map(|part| part.values[n].powi(2)).sum::<f64>().sqrt()).collect()
+pub(in crate::read) fn length(parts: &[&[f64]]) -> Vec<f64> {
+    let count = parts.first().map_or(0, |part| part.len());
+    (0..count).into_par_iter().map(|n| parts.iter().map(|part| part[n].powi(2)).sum::<f64>().sqrt()).collect()
 }
 
 /// The name of a quantity for a legend: `|velocity|` for the length of a vector whose columns have a common name, else
-/// `|a, b|`; that of the column for a number.
-pub(in crate::read) fn title(names: &[String], particles: &Particles) -> String {
-    let has = |name: &str| particles.has.iter().any(|known| known.eq_ignore_ascii_case(name));
+/// `|a, b|`; that of the column for a number. `columns` are the names of all columns of the file.
+pub(in crate::read) fn title(names: &[String], columns: &[String]) -> String {
+    let has = |name: &str| columns.iter().any(|known| known.eq_ignore_ascii_case(name));
     match names {
         [one] if has(one) || !(is_velocity(one) || has(&component(one, 0))) => one.clone(),
         [one] if is_velocity(one) => format!("|{VELOCITY}|"),
         [one] => format!("|{one}|"),
         several => format!("|{}|", common(several).unwrap_or_else(|| several.join(", "))),
+    }
+}
+
+/// The name of a vector's component: `forces_x`, and by its number beyond the third.
+pub(crate) fn component(name: &str, k: usize) -> String {
+    match ["x", "y", "z"].get(k) {
+        Some(axis) => format!("{name}_{axis}"),
+        None => format!("{name}_{k}"),
     }
 }
 
@@ -109,44 +99,36 @@ fn common(names: &[String]) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn particles(columns: &[(&str, f64)]) -> Particles {
-        let column = |(name, value): &(&str, f64)| Column { name: (*name).to_owned(), values: vec![*value] };
-        Particles {
-            positions: vec![[0.0; 3]],
-            has: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
-            columns: columns.iter().map(column).collect(),
-            ..Particles::default()
-        }
+    fn names(names: &[&str]) -> Vec<String> {
+        names.iter().map(|name| (*name).to_owned()).collect()
     }
 
     #[test]
     fn the_velocity_has_one_name_whatever_its_components_are_called() {
-        for names in [["vx", "vy", "vz"], ["velo_x", "velo_y", "velo_z"], ["velocity_x", "velocity_y", "velocity_z"]] {
-            let mut found = particles(&[(names[0], 2.0), (names[1], -3.0), (names[2], 6.0)]);
-            let mut wanted = vec!["Velocity".to_owned()];
+        for parts in [["vx", "vy", "vz"], ["velo_x", "velo_y", "velo_z"], ["velocity_x", "velocity_y", "velocity_z"]] {
+            let columns = [(parts[0], &[2.0][..]), (parts[1], &[-3.0]), (parts[2], &[6.0])];
+            let mut wanted = names(&["Velocity"]);
             request(&mut wanted);
-            assert!(names.iter().all(|name| wanted.iter().any(|wanted| wanted == name)), "{wanted:?}");
-            add_lengths(&mut found, &["Velocity".to_owned()]).expect("memory");
-            assert_eq!(found.columns[3], Column { name: "Velocity".into(), values: vec![7.0] });
-            assert_eq!(title(&["Velocity".to_owned()], &found), "|velocity|");
-            assert_eq!(title(&names.map(str::to_owned), &found), "|velocity|");
+            assert!(parts.iter().all(|name| wanted.iter().any(|wanted| wanted == name)), "{wanted:?}");
+            assert!(is_missing("Velocity", &columns) && speed(&columns) == Some(vec![7.0]), "{parts:?}");
+            assert_eq!(speed(&columns[..2]), Some(vec![13.0_f64.sqrt()]), "in a plane");
+            for requested in [&names(&["Velocity"]), &names(&parts)] {
+                assert_eq!(title(requested, &names(&parts)), "|velocity|");
+            }
         }
         // A column of that name is what it says.
-        let mut own = particles(&[("velocity", -1.0), ("vx", 2.0), ("vy", 2.0)]);
-        add_lengths(&mut own, &["velocity".to_owned()]).expect("memory");
-        assert_eq!((own.columns.len(), title(&["velocity".to_owned()], &own)), (3, "velocity".to_owned()));
-        let mut none = particles(&[("mass", 1.0)]);
-        add_lengths(&mut none, &["velocity".to_owned()]).expect("memory");
-        assert_eq!(none.columns.len(), 1, "no velocity");
-        let mut wanted = vec!["mass".to_owned()];
+        let own = [("velocity", &[-1.0][..]), ("vx", &[2.0]), ("vy", &[2.0])];
+        assert!(!is_missing("velocity", &own));
+        assert_eq!(title(&names(&["velocity"]), &names(&["velocity", "vx", "vy"])), "velocity");
+        assert_eq!(speed(&[("mass", &[1.0])]), None);
+        let mut wanted = names(&["mass"]);
         request(&mut wanted);
         assert_eq!(wanted, ["mass"]);
     }
 
     #[test]
     fn vectors_have_the_common_name_of_their_columns() {
-        let none = Particles::default();
-        for (names, title_of) in [
+        for (columns, expected) in [
             (&["fx", "fy", "fz"][..], "|force|"),
             (&["MU_z", "mu_x", "mu_y"], "|mu|"),
             (&["vx", "vy"], "|vx, vy|"),
@@ -154,9 +136,8 @@ mod tests {
             (&["a", "b", "c"], "|a, b, c|"),
             (&["mass"], "mass"),
         ] {
-            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-            assert_eq!(title(&names, &none), title_of);
+            assert_eq!(title(&names(columns), &[]), expected);
         }
-        assert_eq!(title(&["forces".to_owned()], &particles(&[("forces_x", 0.0), ("forces_y", 0.0)])), "|forces|");
+        assert_eq!(title(&names(&["forces"]), &names(&["forces_x", "forces_y"])), "|forces|");
     }
 }

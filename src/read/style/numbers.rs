@@ -37,7 +37,7 @@ impl Scale {
         let n = particles.positions.len();
         let values = match columns[..] {
             [one] => Cow::Borrowed(&one.values),
-            _ => Cow::Owned(vectors::length(&columns)),
+            _ => Cow::Owned(vectors::length(&columns.iter().map(|column| &column.values[..]).collect::<Vec<_>>())),
         };
         let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
         let ends =
@@ -50,7 +50,7 @@ impl Scale {
             // If all values are equal or NaN: the map's first colour.
             map.color(if part.is_nan() { 0.0 } else { part })
         };
-        let name = vectors::title(&self.columns, particles);
+        let name = vectors::title(&self.columns, &particles.has);
         let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
         if lost > 0 {
             let why = if self.log { "are not positive numbers" } else { "are not numbers" };
