@@ -34,7 +34,7 @@ pub use info::info;
 pub use options::{Altloc, ColumnNames, FrameRange, Hold, Keep, ReadOptions};
 pub use particles::{FrameTime, NamedAtoms, NamedElements, Periodic, Survey, elements_of_names};
 pub use select::selection::Selection;
-pub use sequence::{SceneFrame, Sequence};
+pub use sequence::{Mark, SceneFrame, Sequence};
 pub use stream::SphereBlocks;
 pub use style::Style;
 

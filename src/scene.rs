@@ -12,6 +12,8 @@ pub mod lidar;
 mod light;
 mod list;
 mod material;
+mod orient;
+mod outlook;
 
 use crate::error::{Error, Place, Result};
 use crate::memory::{entries, extend_to};
@@ -22,12 +24,14 @@ use glam::DVec3;
 pub use cell::Cell;
 pub use check::{MAX_SIDE, check_color, check_size, check_sphere};
 pub(crate) use check::{is_center, is_radius};
-pub use fit::{Framing, Reach, middle};
+pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
 pub use light::{BOUNCES, Light, LightSource, Lighting, MOST_BOUNCES, MOST_RAYS, Sky};
 pub use list::List;
 pub use material::{Material, Materials};
+pub use orient::{Facing, NamedView, Spread, middle};
+pub use outlook::Outlook;
 
 /// Linear RGB of a sphere without a colour.
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];

@@ -35,7 +35,14 @@ class Camera:
     def size(self) -> Size | None: ...
     @staticmethod
     def fit(
-        scene: Scene, view: Vector, up: Vector, lens: Lens, size: Size, margin: float
+        scene: Scene,
+        view: Vector | None,
+        named: str | None,
+        up: Vector | None,
+        lens: Lens,
+        size: Size,
+        margin: float,
+        focus: list[bool] | None,
     ) -> Camera: ...
     def record(self, size: Size) -> str: ...
 

@@ -225,23 +225,32 @@ class Camera:
         cls,
         scene: Scene,
         *,
-        view: ArrayLike = (0.0, 0.0, -1.0),
-        up: ArrayLike = (0.0, 1.0, 0.0),
+        focus: ArrayLike | str | None = None,
+        view: ArrayLike | str | None = None,
+        up: ArrayLike | None = None,
         vfov: float | None = None,
         orthographic: bool = False,
         size: tuple[int, int] | None = None,
-        margin: float = 0.04,
+        margin: float | None = None,
     ) -> Camera:
-        """The nearest camera in this direction that shows all spheres of ``scene``.
+        """The nearest camera in this direction that shows all spheres of ``scene``, or those of
+        ``focus`` within the whole scene.
 
         Args:
             scene: The scene.
-            view: Direction to look in.
-            up: Up direction of the scene.
+            focus: The spheres to frame: a mask of shape (n,), bool, in the order of ids, or an
+                expression for `Scene.select`. Where the eye would be inside of a sphere, it steps
+                back and the view narrows.
+            view: Direction to look in, or ``"front"`` (along -z, y up), ``"back"``, ``"left"``,
+                ``"right"``, ``"top"``, ``"bottom"``, ``"iso"`` or ``"auto"``: the largest face of the
+                spheres toward the eye and the longest axis across, or for ``focus`` from where least
+                of it is hidden. By default ``"auto"`` with ``focus``, else ``"front"``.
+            up: Up direction of the scene; y, or that of a named view.
             vfov: Full vertical field of view, degrees; 30 by default.
             orthographic: Whether the rays are parallel; the height of the view is fitted.
             size: Columns and rows of the image; by default those of the scene.
-            margin: Share of the image that stays free around the spheres.
+            margin: Share of the image that stays free around the spheres, 0.04 by default, 0.25 with
+                ``focus``.
         """
         if orthographic and vfov is not None:
             raise ValueError("vfov and orthographic exclude each other; give one of them")
@@ -252,13 +261,19 @@ class Camera:
             if orthographic
             else ("vfov", [number("vfov", 30.0 if vfov is None else vfov), 1.0])
         )
+        if view is None:
+            view = "front" if focus is None else "auto"
+        if margin is None:
+            margin = 0.04 if focus is None else 0.25
         native = _halfline.Camera.fit(
             native_scene,
-            vector("view", view),
-            vector("up", up),
+            None if isinstance(view, str) else vector("view", view),
+            view if isinstance(view, str) else None,
+            None if up is None else vector("up", up),
             lens,
             image,
             number("margin", margin),
+            None if focus is None else _mask(scene, focus),
         )
         return cls._of(native, None)
 
@@ -358,6 +373,17 @@ def _intrinsics_of(matrix: ArrayLike) -> dict[str, Any]:
         raise ValueError(f"row 1, column 0 of K is {found[1, 0]}; give 0, or transpose K")
     (fx, _, cx), (_, fy, cy) = found[:2]
     return {"fx": float(fx), "fy": float(fy), "cx": float(cx), "cy": float(cy)}
+
+
+def _mask(scene: Scene, focus: ArrayLike | str) -> list[bool]:
+    """The flags of ``focus``, one for each sphere."""
+    mask = np.asarray(scene.select(focus) if isinstance(focus, str) else focus)
+    if mask.dtype != np.bool_ or mask.shape != (len(scene),):
+        raise ValueError(
+            f"focus has the type {mask.dtype} and the shape {mask.shape}; "
+            f"give a mask of bool with the shape ({len(scene)},)"
+        )
+    return [bool(flag) for flag in mask]
 
 
 def _native_scene(scene: Any) -> _halfline.Scene:

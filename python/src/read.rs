@@ -109,6 +109,7 @@ impl Options {
             },
             select: selections(&self.select)?,
             hide: selections(&self.hide)?,
+            marks: Vec::new(),
             style: Style {
                 radii: self.radii.parse()?,
                 radius: self.radius,
@@ -159,7 +160,7 @@ fn size(size: Option<(u32, u32)>, frame: &mut SceneFrame) {
 fn point(frame: &mut SceneFrame) -> Result<()> {
     match frame.has_camera || frame.scene.spheres.is_empty() {
         true => Ok(()),
-        false => frame.scene.frame_all(&Default::default()),
+        false => frame.scene.frame_by_default(frame.is_molecule, &Default::default()),
     }
 }
 

@@ -28,6 +28,8 @@ pub(crate) struct Scene {
     /// What its file says about the look of its picture.
     pub(crate) look: FileLook,
     /// The number in its file, the time and the step.
+    /// Whether its default camera is that of a molecule.
+    is_molecule: bool,
     #[pyo3(get)]
     pub(crate) number: u64,
     #[pyo3(get)]
@@ -58,6 +60,7 @@ impl Scene {
             aperture: frame.aperture,
             held,
             look: frame.look,
+            is_molecule: frame.is_molecule,
             number: frame.number,
             time: frame.when.time,
             step: frame.when.step,
@@ -135,7 +138,7 @@ impl Scene {
             None => {
                 // A size without pixels has no shape; it is refused before the camera is.
                 halfline::scene::check_size([scene.image.width.into(), scene.image.height.into()], || "size".into())?;
-                scene.frame_all(&Default::default())?;
+                scene.frame_by_default(self.is_molecule, &Default::default())?;
             }
         }
         Ok(scene)
@@ -173,6 +176,7 @@ impl Scene {
             scene: Arc::new(scene),
             aperture: None,
             held: false,
+            is_molecule: false,
             look: FileLook::default(),
             number: 1,
             time: None,

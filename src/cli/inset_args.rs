@@ -5,8 +5,8 @@ use super::scene_frames::Numbered;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
+use halfline::read::SceneFrame;
 use halfline::read::style::Legend;
-use halfline::scene::Scene;
 use halfline::write::file::is_standard_output;
 use std::ffi::OsString;
 
@@ -14,10 +14,9 @@ use std::ffi::OsString;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Image")]
 pub(super) struct InsetArgs {
-    /// Draws the legend of --color-by inside the picture: right (the default), top-left, top-right, bottom-left,
-    /// bottom-right. The corner may also follow a blank.
-    #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right",
-        requires = "color_by")]
+    /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
+    /// top-left, top-right, bottom-left, bottom-right. What is framed lies beside it. The corner may also follow a blank.
+    #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right")]
     legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the
     /// number of spheres, {time} and {step} by the frame's time and step if its file has them.
@@ -61,6 +60,21 @@ impl InsetArgs {
         }
     }
 
+    /// Whether a legend is drawn.
+    pub(super) fn has_legend(&self) -> bool {
+        self.legend_in.is_some()
+    }
+
+    /// The shares of the width of a picture that its legend takes at the left and the right.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a picture that is too small for its legend.
+    pub(super) fn aside(&self, frame: &SceneFrame) -> Result<[f64; 2]> {
+        let (Some(corner), Some(legend)) = (self.legend_in, &frame.legend) else { return Ok([0.0; 2]) };
+        let insets = Insets { legend: Some((legend.clone(), corner)), ..Insets::default() };
+        insets.aside(frame.scene.image.width, frame.scene.image.height)
+    }
+
     /// What is drawn into one picture; `None` for nothing.
     ///
     /// # Errors
@@ -80,11 +94,13 @@ impl InsetArgs {
         insets.panels(scene.image.width, scene.image.height).map(Some)
     }
 
-    /// What a scale bar in this scene shows, in a sentence, where it does not hold everywhere.
-    pub(super) fn words(&self, scene: &Scene) -> Option<String> {
-        let is_vague = self.scale_bar.is_some() && !scene.camera.lens.is_orthographic();
-        is_vague
-            .then(|| "the scale bar holds at the distance of the scene's middle; with --ortho everywhere".to_owned())
+    /// What the panels of a picture do not show everywhere or leave free, in sentences.
+    pub(super) fn words(&self, picture: &Numbered) -> impl Iterator<Item = String> {
+        let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
+        let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
+        let covers = self.legend_in.is_some() && picture.legend.is_some() && picture.framed.is_none();
+        let covering = "the camera is given, so the legend may cover spheres";
+        [(is_vague, vague), (covers, covering)].into_iter().filter(|(is, _)| *is).map(|(_, words)| words.to_owned())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::clash::place;
 use super::scene_args::SceneArgs;
-use super::scene_frames::{check_pattern, numbered};
+use super::scene_frames::{Numbered, check_pattern, numbered};
 use halfline::error::{Error, Result};
 use halfline::read::Hold;
 use halfline::read::style::Legend;
@@ -23,6 +23,21 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         check_pattern(path)?;
     }
     Ok(())
+}
+
+/// Returns an error where a legend is requested and there is none to show.
+///
+/// # Errors
+/// [`Error::Settings`] for spheres without elements, a column and colours of selections.
+pub(super) fn check_content(args: &SceneArgs, picture: &Numbered) -> Result<()> {
+    let is_requested = args.insets.has_legend() || args.color.legend.is_some();
+    if !is_requested || args.color.is_by_column() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
+        return Ok(());
+    }
+    let option = if args.insets.has_legend() { "--legend-in" } else { "--legend" };
+    let problem = format!("{option}: the spheres have neither elements nor a column that gives them their colours");
+    let mend = "add --color-by COLUMN, or --color 'EXPR=COLOR' for a row, or remove it";
+    Err(Error::settings(problem, mend))
 }
 
 /// The legend's file for picture `number`, if one is requested and can be written.

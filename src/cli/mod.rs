@@ -11,6 +11,7 @@ mod exhaustion;
 mod failure;
 mod file_args;
 mod film;
+mod framing;
 mod info;
 mod inset_args;
 mod legend;

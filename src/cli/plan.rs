@@ -54,7 +54,7 @@ impl PlanArgs {
         let settings = self.args.settings(&targets);
         let picture = self.args.first(&settings)?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let Numbered { scene, look, lens, .. } = picture;
+        let Numbered { scene, look, lens, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
@@ -64,15 +64,15 @@ impl PlanArgs {
         explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
         let text = match self.json {
             true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
-            false => PlanText(&explanation).to_string(),
+            false => PlanText(&explanation, framed.as_deref()).to_string(),
         };
         print(&format!("{}\n", text.trim_end()))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
-/// An explanation as text.
-struct PlanText<'a>(&'a Explanation);
+/// An explanation as text, and what the camera frames.
+struct PlanText<'a>(&'a Explanation, Option<&'a str>);
 
 impl Display for PlanText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -153,12 +153,10 @@ impl PlanText<'_> {
             Some(distance) => writeln!(f, "           viewport {vw} x {vh} at distance {}", number(distance, 6))?,
             None => writeln!(f, "           orthographic, a view of {vw} x {vh}")?,
         }
-        match [camera.aperture, camera.focus].map(|x| x.map(|x| number(x, 6))) {
-            [Some(aperture), Some(focus)] => {
-                writeln!(f, "           lens of diameter {aperture}, in focus {focus} away")
-            }
-            _ => Ok(()),
+        if let [Some(aperture), Some(focus)] = [camera.aperture, camera.focus].map(|x| x.map(|x| number(x, 6))) {
+            writeln!(f, "           lens of diameter {aperture}, in focus {focus} away")?;
         }
+        self.1.map_or(Ok(()), |framed| writeln!(f, "           frames {framed}"))
     }
 
     /// The lights, the sky and the lines of the picture.

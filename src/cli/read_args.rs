@@ -114,8 +114,9 @@ pub(super) struct ColorArgs {
     /// Uses a logarithmic colour scale.
     #[arg(long, requires = "color_by")]
     log: bool,
-    /// Writes the legend of the colours: .svg or .png; with %d for several frames without --range.
-    #[arg(long, value_name = "FILE", requires = "color_by")]
+    /// Writes the legend of the colours, of --color-by or else of the elements: .svg or .png; with %d for several frames
+    /// without --range.
+    #[arg(long, value_name = "FILE")]
     pub(super) legend: Option<PathBuf>,
 }
 
@@ -147,6 +148,8 @@ impl ReadArgs {
             select: self.select.clone(),
             hide: self.hide.clone(),
             keep: Keep::Nothing,
+            // Those of the camera, which `halfline trace` does not have.
+            marks: Vec::new(),
             survey: None,
             style: Style {
                 radii: self.radii,
@@ -219,6 +222,11 @@ impl ColorArgs {
             }),
             (None, None) => Coloring::File,
         })
+    }
+
+    /// Whether a column gives the colours.
+    pub(super) fn is_by_column(&self) -> bool {
+        self.color_by.is_some()
     }
 
     /// The values at the ends of the colour map, if they are given.

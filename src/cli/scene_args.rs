@@ -3,6 +3,7 @@
 use super::camera_list::{CameraListArgs, list_in};
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
+use super::framing::{self, Aimed, Direction};
 use super::inset_args::InsetArgs;
 use super::lens_args::LensArgs;
 use super::light_args::{LightArgs, LookRequest};
@@ -10,12 +11,13 @@ use super::read_args::{ColorArgs, ReadArgs, numbers};
 use super::scene_frames::{Numbered, SceneFrames, number_in};
 use clap::Args;
 use glam::DVec3;
-use halfline::camera::{Camera, Lens, Look};
+use halfline::camera::{Camera, Lens};
 use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
 use halfline::progress::Cancel;
-use halfline::scene::{Framing, Scene};
+use halfline::read::Selection;
+use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -57,12 +59,17 @@ pub(super) struct SceneArgs {
 pub(super) struct CameraArgs {
     #[command(flatten)]
     pub(super) pose: PoseArgs,
+    /// Frames the spheres that an expression selects, with a margin, within the whole scene; --view auto, the default of
+    /// molecules, looks from where least of them is hidden. Where the eye would be inside of a sphere it steps back, and the
+    /// viewport narrows.
+    #[arg(long, value_name = "EXPR", conflicts_with_all = ["eye", "fit"])]
+    pub(super) focus: Option<Selection>,
     /// Moves the eye so that all spheres are in view; the default for files without a camera.
     #[arg(long, conflicts_with = "eye")]
     pub(super) fit: bool,
     /// Takes the camera and the size of a picture or buffer that halfline wrote, or of a report of --json.
     #[arg(long = "camera-from", value_name = "FILE",
-        conflicts_with_all = ["eye", "at", "view", "up", "fit", "vfov", "ortho"])]
+        conflicts_with_all = ["eye", "at", "view", "up", "focus", "fit", "vfov", "ortho"])]
     pub(super) from: Option<PathBuf>,
     /// Vertical field of view, degrees; makes the camera a perspective one.
     #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
@@ -71,7 +78,7 @@ pub(super) struct CameraArgs {
     /// always certified or exact.
     #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
-    ortho: Option<Option<f64>>,
+    pub(super) ortho: Option<Option<f64>>,
     /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
     /// viewport is narrower by that factor.
     #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
@@ -92,15 +99,17 @@ pub(super) struct PoseArgs {
     /// Position of the eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(super) eye: Option<DVec3>,
-    /// Point to look at.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, conflicts_with = "view")]
-    at: Option<DVec3>,
-    /// Direction to look in.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    view: Option<DVec3>,
+    /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye all fits,
+    /// with the point in the middle.
+    #[arg(long, value_name = "X,Y,Z|EXPR", value_parser = framing::target, allow_hyphen_values = true)]
+    pub(super) at: Option<Aimed>,
+    /// Direction to look in: X,Y,Z, or front (along -z, y up), back, left, right, top, bottom, iso, which frame all; auto
+    /// turns the largest face to the eye and the longest axis across, the default for molecules.
+    #[arg(long, value_name = "X,Y,Z|WORD", value_parser = framing::direction, allow_hyphen_values = true)]
+    pub(super) view: Option<Direction>,
     /// Up direction of the scene.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    up: Option<DVec3>,
+    pub(super) up: Option<DVec3>,
 }
 
 /// The image options.
@@ -305,28 +314,15 @@ impl CameraArgs {
         self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 })
     }
 
-    /// How the scene is framed, if it is; a file without a camera always is, unless the eye is given.
-    pub(super) fn framing(&self, has_camera: bool) -> Result<Option<Framing>> {
-        let keep_height = !matches!(self.ortho, None | Some(None));
-        if self.pose.eye.is_some() {
-            return match self.ortho {
-                Some(None) => Err(Error::settings("--ortho needs a height when --eye is given", "use --ortho HEIGHT")),
-                _ => Ok(None),
-            };
-        }
-        let framed = self.fit || self.ortho == Some(None) || !has_camera;
-        Ok(framed.then(|| Framing { ball: self.spin.is_some(), keep_height, ..Framing::default() }))
-    }
-
     /// Narrows the viewport of the scene's final camera and image by --zoom.
     pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
         let (width, height) = (scene.image.width, scene.image.height);
         self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
     }
 
-    /// Replaces what the options give; `has_camera` says whether the camera is that of a file.
-    pub(super) fn apply(&self, camera: &mut Camera, has_camera: bool) {
-        self.pose.apply(camera, has_camera);
+    /// Replaces the eye and the lens that the options give.
+    pub(super) fn apply_lens(&self, camera: &mut Camera) {
+        camera.eye = self.pose.eye.unwrap_or(camera.eye);
         if let Some(degrees) = self.vfov {
             let distance = match camera.lens {
                 Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
@@ -343,30 +339,7 @@ impl CameraArgs {
 impl PoseArgs {
     /// Whether an option is given.
     pub(super) fn is_given(&self) -> bool {
-        self.eye.is_some() || self.up.is_some() || self.looks()
-    }
-
-    /// Whether a direction is given.
-    pub(super) fn looks(&self) -> bool {
-        self.at.is_some() || self.view.is_some()
-    }
-
-    /// Replaces what the options give; a camera that is not a file's may get another up.
-    pub(super) fn apply(&self, camera: &mut Camera, has_camera: bool) {
-        camera.eye = self.eye.unwrap_or(camera.eye);
-        camera.up = self.up.unwrap_or(camera.up);
-        camera.look = self.at.map(Look::At).or(self.view.map(Look::View)).unwrap_or(camera.look);
-        if !has_camera && self.up.is_none() {
-            camera.up = upright(camera);
-        }
-    }
-}
-
-/// The up direction of a camera that was given a view but no up: its own, or z where it looks along its own.
-fn upright(camera: &Camera) -> DVec3 {
-    match camera.look {
-        Look::View(view) if view.cross(camera.up).length() <= 1e-6 * view.length() => DVec3::Z,
-        _ => camera.up,
+        self.eye.is_some() || self.up.is_some() || self.at.is_some() || self.view.is_some()
     }
 }
 

@@ -2,6 +2,8 @@
 //! applied.
 
 use super::camera_file;
+use super::framing;
+use super::legend;
 use super::lens_args::PictureLens;
 use super::light_args::{PictureLook, SphereLights};
 use super::read_args::ReadArgs;
@@ -16,7 +18,8 @@ use halfline::read::style::Coloring;
 use halfline::read::style::Legend;
 use halfline::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::render::stream::StreamIds;
-use halfline::scene::{Reach, Scene};
+use halfline::scene::arrange::Arrangement;
+use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -37,6 +40,8 @@ pub(super) struct SceneFrames<'a> {
     size: Option<(u32, u32)>,
     /// The lens of that camera.
     aperture: Option<Aperture>,
+    /// What the last camera that was found frames, in words.
+    framed: Option<String>,
 }
 
 /// A scene that is ready to render, and its number for file names.
@@ -48,6 +53,8 @@ pub(super) struct Numbered {
     pub(super) look: PictureLook,
     pub(super) lens: PictureLens,
     pub(super) when: FrameTime,
+    /// What the camera frames, in words, if that is not given.
+    pub(super) framed: Option<String>,
     /// The ids of the spheres, where the scene is what is left of a stream.
     pub(super) ids: Option<StreamIds>,
 }
@@ -57,7 +64,9 @@ pub(super) struct Numbered {
 /// # Errors
 /// Those of the colours.
 pub(super) fn options(args: &SceneArgs, cancel: &Cancel) -> Result<ReadOptions> {
+    args.camera.check()?;
     let mut options = args.color.of(args.read.options())?;
+    options.marks = args.camera.marks();
     options.watch = options.watch.cancelled_by(cancel);
     options.skip_invalid = args.skip_invalid;
     Ok(options)
@@ -84,7 +93,7 @@ impl<'a> SceneFrames<'a> {
         let size = taken.map(|record| record.size.into());
         let sequence = Sequence::open(&args.scene, &options)?;
         let has_picture = settings.aovs.contains(&Aov::Color);
-        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size, aperture })
+        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size, aperture, framed: None })
     }
 
     /// Every file that is read.
@@ -133,7 +142,10 @@ impl<'a> SceneFrames<'a> {
         // The light from above left belongs to the final camera.
         let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
-        Ok(Some(Numbered { number, scene, legend, look, lens, when, ids: None }))
+        let framed = self.framed.clone();
+        let picture = Numbered { number, scene, legend, look, lens, when, framed, ids: None };
+        legend::check_content(self.args, &picture)?;
+        Ok(Some(picture))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
@@ -143,7 +155,8 @@ impl<'a> SceneFrames<'a> {
         if !is_listed {
             self.held.see(frame, &args.read.arrangement(), &watch(), |whole| {
                 size(image, args, whole);
-                point(args, whole)
+                let aside = args.insets.aside(whole)?;
+                framing::point(args, whole, aside).map(drop)
             })?;
         }
         arrange(&args.read, frame)?;
@@ -151,7 +164,16 @@ impl<'a> SceneFrames<'a> {
         if is_listed {
             args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
         } else {
-            self.held.apply(frame, |frame| point(args, frame))?;
+            if let (None, Some(pivot)) = (self.held.middle(), args.camera.pivot(frame)?) {
+                self.held.set_middle(pivot);
+            }
+            let framed = &mut self.framed;
+            self.held.apply(frame, |frame| {
+                let aside = args.insets.aside(frame)?;
+                let framing = framing::point(args, frame, aside)?;
+                *framed = framing::words(args, frame, framing.as_ref());
+                Ok(())
+            })?;
         }
         args.camera.zoom(&mut frame.scene)
     }
@@ -164,43 +186,89 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         let mend = "use --hold first, or a file instead of standard input";
         return Err(Error::settings("--hold all reads the file twice, and standard input can be read once", mend));
     }
-    let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
-    let mut sequence = Sequence::open(&args.scene, &each)?;
-    let (mut first, mut all, mut range): (Option<SceneFrame>, Option<Reach>, Option<[f64; 2]>) = (None, None, None);
-    let (mut names, mut known) = (Vec::new(), HashSet::new());
-    while let Some(mut frame) = sequence.next_scene()? {
-        if frame.scene.spheres.is_empty() {
-            continue;
-        }
-        if let Some(legend) = &frame.legend {
-            names.extend(legend.names.iter().filter(|name| known.insert((*name).clone())).cloned());
-        }
-        if let Some(legend) = frame.legend.as_ref().filter(|legend| legend.categories.is_empty()) {
-            let [low, high] = range.unwrap_or(legend.range);
-            range = Some([low.min(legend.range[0]), high.max(legend.range[1])]);
-        }
-        arrange(&args.read, &mut frame)?;
-        if frame.scene.spheres.is_empty() {
-            continue;
-        }
-        size(args.image.size, args, &mut frame);
-        aim(args, &mut frame);
-        if let Some(framing) = args.camera.framing(frame.has_camera)?
-            && let Some(reach) = frame.scene.reach(&framing, all.as_ref())?
-        {
-            all = Some(all.map_or(reach, |all| all.with(&reach)));
-        }
-        first.get_or_insert(frame);
-    }
+    let mut all = AllFrames::read(args, options, [0.0; 2])?;
     if let Coloring::Column(scale) = &mut options.style.coloring {
-        scale.range = scale.range.or(range);
-        scale.names = names;
+        scale.range = scale.range.or(all.range);
+        scale.names = std::mem::take(&mut all.names);
     }
-    let Some(mut first) = first else { return Ok(None) };
-    if let (Some(framing), Some(all)) = (args.camera.framing(first.has_camera)?, all) {
-        first.scene.fit_to(&framing, &all)?;
+    if all.aside != [0.0; 2] {
+        // The legend of all frames is known only now, and the spheres are framed beside it.
+        let aside = all.aside;
+        all = AllFrames::read(args, options, aside)?;
     }
-    Ok(Some((first.scene.camera, first.scene.spheres.middle())))
+    let Some((mut first, framing)) = all.first else { return Ok(None) };
+    if let (Some(framing), Some(reach)) = (framing, all.reach) {
+        first.scene.fit_to(&framing, &reach)?;
+    }
+    let pivot = args.camera.pivot(&first)?;
+    Ok(Some((first.scene.camera, pivot.unwrap_or_else(|| first.scene.spheres.middle()))))
+}
+
+/// What all frames of a file have in common.
+#[derive(Default)]
+struct AllFrames {
+    /// The first frame with spheres, whose camera has the direction and the lens of all, and how it is framed.
+    first: Option<(SceneFrame, Option<Framing>)>,
+    reach: Option<Reach>,
+    range: Option<[f64; 2]>,
+    names: Vec<String>,
+    /// The widest legend.
+    aside: [f64; 2],
+}
+
+impl AllFrames {
+    /// Reads all frames, to be framed with this part of the width free.
+    fn read(args: &SceneArgs, options: &ReadOptions, aside: [f64; 2]) -> Result<Self> {
+        let each = ReadOptions { frames: "1-".parse()?, ..options.clone() };
+        let mut sequence = Sequence::open(&args.scene, &each)?;
+        let (mut all, mut known) = (Self::default(), HashSet::new());
+        while let Some(mut frame) = sequence.next_scene()? {
+            if frame.scene.spheres.is_empty() {
+                continue;
+            }
+            size(args.image.size, args, &mut frame);
+            if let Some(legend) = &mut frame.legend {
+                all.names.extend(legend.names.iter().filter(|name| known.insert((*name).clone())).cloned());
+                if legend.is_scale() {
+                    let [low, high] = all.range.unwrap_or(legend.range);
+                    legend.range = [low.min(legend.range[0]), high.max(legend.range[1])];
+                    all.range = Some(legend.range);
+                }
+            }
+            let beside = args.insets.aside(&frame)?;
+            all.aside.iter_mut().zip(beside).for_each(|(widest, beside)| *widest = widest.max(beside));
+            arrange(&args.read, &mut frame)?;
+            if !frame.scene.spheres.is_empty() {
+                all.add(args, frame, aside)?;
+            }
+        }
+        Ok(all)
+    }
+
+    fn add(&mut self, args: &SceneArgs, mut frame: SceneFrame, aside: [f64; 2]) -> Result<()> {
+        let framing = match &self.first {
+            Some((first, framing)) => {
+                frame.scene.camera = first.scene.camera;
+                *framing
+            }
+            None => framing::point(args, &mut frame, aside)?,
+        };
+        let (image, mut camera) = (frame.scene.image, frame.scene.camera);
+        if let Some(framing) = &framing {
+            let spheres = match &args.camera.focus {
+                // A later frame may have nothing of it.
+                Some(_) => frame.marks.last().map(|mark| &mark.spheres),
+                None => Some(&frame.scene.spheres),
+            };
+            let reach =
+                spheres.map(|spheres| camera.reach(image, spheres, framing, self.reach.as_ref())).transpose()?;
+            if let Some(reach) = reach.flatten() {
+                self.reach = Some(self.reach.map_or(reach, |all| all.with(&reach)));
+            }
+        }
+        self.first.get_or_insert((frame, framing));
+        Ok(())
+    }
 }
 
 /// Applies the size of the image and its background.
@@ -212,29 +280,15 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
     args.files.apply(scene);
 }
 
-/// Applies the options of the camera; a given eye without a direction looks at the middle of the spheres.
-pub(super) fn aim(args: &SceneArgs, frame: &mut SceneFrame) {
-    let (camera, scene) = (&args.camera, &mut frame.scene);
-    camera.apply(&mut scene.camera, frame.has_camera);
-    if !frame.has_camera && camera.pose.eye.is_some() && !camera.pose.looks() {
-        scene.camera.look = Look::At(scene.spheres.middle());
-    }
-}
-
-/// Applies the options of the camera, and frames the spheres where they do not give its place.
-fn point(args: &SceneArgs, frame: &mut SceneFrame) -> Result<()> {
-    aim(args, frame);
-    match args.camera.framing(frame.has_camera)? {
-        Some(framing) => frame.scene.fit(&framing),
-        None => Ok(()),
-    }
-}
-
 /// Applies copies, clip planes and outline.
-pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, .. }: &mut SceneFrame) -> Result<()> {
+pub(super) fn arrange(read: &ReadArgs, SceneFrame { scene, cell, marks, .. }: &mut SceneFrame) -> Result<()> {
     let (count, lights) = (scene.spheres.len(), SphereLights::of(scene));
-    read.arrangement().apply(&mut scene.spheres, cell.as_ref(), &watch())?;
+    let arrangement = read.arrangement();
+    arrangement.apply(&mut scene.spheres, cell.as_ref(), &watch())?;
     lights.follow(scene);
+    // What is looked at is that of the file itself, as far as it is drawn, not its copies.
+    let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
+    marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))?;
     if count > 0 && scene.spheres.is_empty() {
         scene.skipped.assumed.push(format!("--clip removes all {count} spheres of the file"));
     }

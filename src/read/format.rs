@@ -84,6 +84,13 @@ impl Format {
         self.endings()[0]
     }
 
+    /// Whether its files are of atoms of molecules; those of trajectories are, with the elements of a topology.
+    #[must_use]
+    pub fn is_of_molecules(self) -> bool {
+        let text = matches!(self, Self::Pdb | Self::Pqr | Self::Pdbqt | Self::Mmcif | Self::Gro | Self::Xyz);
+        text || matches!(self, Self::Xtc | Self::Trr | Self::Dcd)
+    }
+
     /// The file name extensions; the first is the format's name.
     fn endings(self) -> &'static [&'static str] {
         match self {

@@ -96,9 +96,7 @@ impl HeldCamera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::{Columns, FrameTime};
     use crate::scene::{Framing, ImagePlane, Scene, Skipped, Spheres};
-    use crate::settings::FileLook;
 
     /// A frame with spheres of radius 1 at these places on the x axis.
     fn frame(number: u64, places: &[f64]) -> SceneFrame {
@@ -111,19 +109,7 @@ mod tests {
             skipped: Skipped::default(),
             lighting: Default::default(),
         };
-        let when = FrameTime::default();
-        SceneFrame {
-            number,
-            scene,
-            has_camera: false,
-            aperture: None,
-            look: FileLook::PARTICLES,
-            legend: None,
-            columns: Columns::default(),
-            cell: None,
-            instances: None,
-            when,
-        }
+        SceneFrame::new(number, scene)
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

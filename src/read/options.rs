@@ -3,7 +3,7 @@
 mod named;
 
 use super::format::Format;
-use super::particles::{EVERY, Periodic, Survey, periodic};
+use super::particles::{EVERY, Periodic, Survey, periodic, vectors};
 use super::select::candidates;
 use super::select::selection::Selection;
 use super::style::Style;
@@ -51,6 +51,9 @@ pub struct ReadOptions {
     pub select: Vec<Selection>,
     /// The particles to leave out: those that one of these selects.
     pub hide: Vec<Selection>,
+    /// Particles that the caller wants to know, such as those that a camera looks at:
+    /// [`SceneFrame::marks`](crate::read::SceneFrame::marks).
+    pub marks: Vec<Selection>,
     /// The style of the particles.
     pub style: Style,
     /// The columns that the scene keeps ([`SceneFrame::columns`](crate::read::SceneFrame::columns)).
@@ -63,9 +66,23 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// The columns that the reader must keep, as far as the file has them: for colours, selections and molecules.
+    /// Whether an expression selects particles.
+    pub(super) fn selects(&self) -> bool {
+        let all = self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections());
+        all.count() > 0
+    }
+
+    /// The columns that the reader must keep, as far as the file has them: those that are named, and the components of
+    /// velocities.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
+        let mut columns = self.named_columns();
+        vectors::request(&mut columns);
+        columns
+    }
+
+    /// The columns that colours, selections and molecules name.
+    pub(super) fn named_columns(&self) -> Vec<String> {
         if self.survey.as_ref().is_some_and(Survey::is_counting) {
             return vec![EVERY.to_owned()];
         }
@@ -77,7 +94,7 @@ impl ReadOptions {
             let more = periodic::columns().filter(|name| !columns.iter().any(|known| known.eq_ignore_ascii_case(name)));
             columns.extend(more.map(str::to_owned).collect::<Vec<_>>());
         }
-        for selection in self.select.iter().chain(&self.hide).chain(self.style.selections()) {
+        for selection in self.select.iter().chain(&self.hide).chain(&self.marks).chain(self.style.selections()) {
             columns.extend(
                 selection
                     .columns()

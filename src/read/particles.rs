@@ -31,18 +31,20 @@ mod scalar;
 mod survey;
 mod table;
 mod trajectory;
+pub(super) mod vectors;
 mod xyz;
 
 pub(super) use frame::{Column, ParticleFrames, Particles};
 pub use frame_time::FrameTime;
 pub use infer::{NamedAtoms, NamedElements, elements_of_names};
 pub(super) use infer::{ResidueClass, class, is_ion};
-pub(super) use layout::{EVERY, Layout, Role, component, wanted};
+pub(super) use layout::{EVERY, Layout, Role, wanted};
 pub use periodic::Periodic;
 pub(super) use scalar::Scalar;
 pub use survey::Survey;
 pub(super) use survey::{ColumnCounts, Counts, Part};
 pub(super) use table::{Table, axes, delimiter, fields, has_content};
+pub(super) use vectors::component;
 
 use super::format::Format;
 use super::options::{FrameRange, ReadOptions};

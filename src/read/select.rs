@@ -8,11 +8,12 @@ mod columns;
 mod evaluate;
 mod expression;
 mod grammar;
+mod ligand;
 mod near;
 pub(super) mod selection;
 mod values;
 
-pub(super) use apply::{add_selected, apply};
+pub(super) use apply::{add_selected, apply, marks_of};
 pub(super) use columns::candidates;
 
 #[cfg(test)]

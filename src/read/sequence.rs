@@ -7,6 +7,7 @@ use super::options::{Hold, Keep, ReadOptions};
 use super::particles::periodic::no_cell;
 use super::particles::{self, FrameTime, ParticleFrames, Particles, Periodic};
 use super::select;
+use super::select::selection::Selection;
 use super::source::SceneSource;
 use super::style::{Legend, no_selections};
 use super::{native, nff};
@@ -23,6 +24,7 @@ use std::path::{Path, PathBuf};
 pub struct Sequence {
     path: PathBuf,
     options: ReadOptions,
+    format: Format,
     state: SequenceState,
     /// The number of frames read so far.
     passed: u64,
@@ -63,9 +65,54 @@ pub struct SceneFrame {
     pub instances: Option<Instances>,
     /// Its time and step, as far as the file has them.
     pub when: FrameTime,
+    /// Whether it is of atoms without a box around them, whose default camera is that of their principal axes: of a format
+    /// of molecules ([`Format::is_of_molecules`]), with an element; of XYZ only without a cell.
+    pub is_molecule: bool,
+    /// The spheres of each of [`ReadOptions::marks`].
+    pub marks: Vec<Mark>,
+}
+
+/// The spheres of a frame that a selection selects.
+#[derive(Debug, Clone, Default)]
+pub struct Mark {
+    /// The expression.
+    pub text: String,
+    /// Those of them that are drawn.
+    pub spheres: Spheres,
+    /// What its evaluation said, such as which values the file has instead.
+    pub notes: Vec<String>,
+}
+
+/// The marks of spheres by their masks.
+fn marks(options: &ReadOptions, masks: Vec<(Vec<bool>, Vec<String>)>, spheres: &Spheres) -> Vec<Mark> {
+    let mark = |(selection, (mask, notes)): (&Selection, (Vec<bool>, Vec<String>))| Mark {
+        text: selection.to_string(),
+        spheres: spheres.part(&mask),
+        notes,
+    };
+    options.marks.iter().zip(masks).map(mark).collect()
 }
 
 impl SceneFrame {
+    /// The scene of particles of which nothing else is known.
+    #[must_use]
+    pub fn new(number: u64, scene: Scene) -> Self {
+        Self {
+            number,
+            scene,
+            has_camera: false,
+            aperture: None,
+            look: FileLook::PARTICLES,
+            legend: None,
+            columns: Columns::default(),
+            cell: None,
+            instances: None,
+            when: FrameTime::default(),
+            is_molecule: false,
+            marks: Vec::new(),
+        }
+    }
+
     /// A copy that shares its spheres with this one.
     pub fn copy(&mut self) -> Self {
         self.scene.spheres.share();
@@ -98,6 +145,7 @@ impl Sequence {
             check_operators(options)?;
         }
         let mut files: Vec<PathBuf> = options.topology.iter().cloned().collect();
+        let format = source.format;
         let state = match particles::open(source, options)? {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
@@ -115,22 +163,12 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell("--unwrap")),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                SequenceState::One(Some(Box::new(SceneFrame {
-                    number: 1,
-                    scene,
-                    has_camera: true,
-                    look,
-                    aperture,
-                    legend: None,
-                    columns: Columns::default(),
-                    cell: None,
-                    instances: None,
-                    when: FrameTime::default(),
-                })))
+                let frame = SceneFrame { has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
+                SequenceState::One(Some(Box::new(frame)))
             }
         };
         let (path, options) = (path.to_path_buf(), options.clone());
-        Ok(Self { path, options, state, passed: 0, files, holds: false, said: Vec::new() })
+        Ok(Self { path, options, format, state, passed: 0, files, holds: false, said: Vec::new() })
     }
 
     /// The files that the scene file refers to, and the topology of a trajectory, which were read with it.
@@ -172,15 +210,17 @@ impl Sequence {
     /// The scene of a frame's particles; the first with spheres sets what the following ones are held to.
     fn dress(&mut self, mut particles: Particles, number: u64) -> Result<SceneFrame> {
         let file = Place::file(self.path.display().to_string());
-        let (cell, when) = (particles.cell, particles.when);
+        let (cell, when, is_molecule) = (particles.cell, particles.when, particles.are_molecule(self.format));
         self.options.watch.check()?;
         particles::periodic::apply(self.options.periodic, &mut particles)?;
+        particles.add_lengths(&self.options.named_columns())?;
         select::apply(&self.options, &mut particles)?;
         if !particles.placed.is_empty() {
             return self.dress_placed(particles, number, &file);
         }
         let columns = self.columns(&mut particles)?;
         let spacing = self.options.style.spacing_of(&particles);
+        let masks = std::mem::take(&mut particles.marks);
         let (spheres, mut skipped, legend) = self.options.style.dress(particles, &file)?;
         let hold = self.options.hold;
         if hold != Hold::None && !self.holds && !spheres.is_empty() {
@@ -199,6 +239,7 @@ impl Sequence {
             self.options.style.hold(spacing, legend.as_ref(), hold == Hold::First);
         }
         self.options.watch.check()?;
+        let marks = marks(&self.options, masks, &spheres);
         let mut scene = Scene {
             camera: Camera::CANONICAL,
             image: ImagePlane::default(),
@@ -206,20 +247,8 @@ impl Sequence {
             skipped,
             lighting: Lighting::default(),
         };
-        scene.frame_all(&Framing::default())?;
-        let look = FileLook::PARTICLES;
-        Ok(SceneFrame {
-            number,
-            scene,
-            has_camera: false,
-            aperture: None,
-            look,
-            legend,
-            columns,
-            cell,
-            instances: None,
-            when,
-        })
+        scene.frame_by_default(is_molecule, &Framing::default())?;
+        Ok(SceneFrame { legend, columns, cell, when, is_molecule, marks, ..SceneFrame::new(number, scene) })
     }
 
     /// The columns that the scene of these particles keeps.
@@ -243,7 +272,7 @@ impl Sequence {
 
     /// The same for particles with copies, which are one frame.
     fn dress_placed(&self, particles: Particles, number: u64, file: &Place) -> Result<SceneFrame> {
-        let when = particles.when;
+        let (when, is_molecule) = (particles.when, particles.are_molecule(self.format));
         let (instances, skipped, legend) = self.options.style.dress_placed(particles, file)?;
         let mut scene = Scene {
             camera: Camera::CANONICAL,
@@ -253,20 +282,8 @@ impl Sequence {
             lighting: Lighting::default(),
         };
         scene.frame_all(&Framing::default())?;
-        let look = FileLook::PARTICLES;
-        let columns = Columns::default();
-        Ok(SceneFrame {
-            number,
-            scene,
-            has_camera: false,
-            aperture: None,
-            look,
-            legend,
-            columns,
-            cell: None,
-            instances: Some(instances),
-            when,
-        })
+        let instances = Some(instances);
+        Ok(SceneFrame { legend, instances, when, is_molecule, ..SceneFrame::new(number, scene) })
     }
 
     /// The next selected frame; `None` after the last.
@@ -284,7 +301,9 @@ impl Sequence {
                 SequenceState::One(frame) => {
                     let Some(frame) = frame.take() else { return Ok(None) };
                     if wanted {
-                        return Ok(Some(SceneFrame { number, ..*frame }));
+                        let masks = select::marks_of(&self.options.marks, &frame.scene.spheres)?;
+                        let marks = marks(&self.options, masks, &frame.scene.spheres);
+                        return Ok(Some(SceneFrame { number, marks, ..*frame }));
                     }
                 }
                 SequenceState::Many(frames) if wanted => {
@@ -321,10 +340,12 @@ impl Sequence {
 
 /// Refuses what needs all atoms of an assembly.
 fn check_operators(options: &ReadOptions) -> Result<()> {
-    let selects = !options.select.is_empty() || !options.hide.is_empty() || options.style.selections().next().is_some();
-    if !selects {
+    if !options.selects() {
         return Ok(());
     }
     let problem = "--stream: selections need all atoms of an assembly in memory";
-    Err(Error::settings(problem, "remove --select, --hide and selected colours and radii, or --stream"))
+    Err(Error::settings(
+        problem,
+        "remove selections (--select, --hide, --at, --focus, and those of --color and --radius), or --stream",
+    ))
 }

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::options::ReadOptions;
 use super::particles::{self, Part, ParticleFrames, Particles, Periodic, Survey};
 use super::source::SceneSource;
-use super::style::{Coloring, Legend, is_8_bit};
+use super::style::{Coloring, Legend, is_8_bit, joined_elements};
 use crate::error::{Error, Place, Result};
 use crate::quote::count;
 use crate::scene::{Skipped, Spheres};
@@ -41,6 +41,10 @@ pub struct SphereBlocks {
     /// Whether the blocks are read for the range of their colours, and the range so far.
     surveys: bool,
     range: Option<[f64; 2]>,
+    format: Format,
+    /// Whether some particle has an element, and whether the frame has a cell.
+    has_elements: bool,
+    has_cell: bool,
 }
 
 impl SphereBlocks {
@@ -76,6 +80,7 @@ impl SphereBlocks {
             let mend = "remove --stream, or use an array (npy), a table (csv), xyz, a LAMMPS dump, ply or las";
             return Err(Error::settings(problem, mend));
         }
+        let format = source.format;
         let (sender, parts) = sync_channel(AHEAD);
         let passing = ReadOptions { survey: Some(Survey::passing(sender, BLOCK)), ..options.clone() };
         let Ok(frames) = particles::open(source, &passing)? else {
@@ -102,6 +107,9 @@ impl SphereBlocks {
             legend: None,
             surveys,
             range: None,
+            format,
+            has_elements: false,
+            has_cell: false,
         })
     }
 
@@ -143,7 +151,16 @@ impl SphereBlocks {
         self.legend.as_ref()
     }
 
+    /// Whether the frame is of atoms without a box, as [`SceneFrame::is_molecule`](super::SceneFrame::is_molecule); known
+    /// after the last block.
+    #[must_use]
+    pub fn is_molecule(&self) -> bool {
+        self.format.is_of_molecules() && self.has_elements && !(self.format == Format::Xyz && self.has_cell)
+    }
+
     fn dress(&mut self, mut part: Particles) -> Result<Spheres> {
+        self.has_elements |= part.elements.iter().any(|number| *number != 0);
+        self.has_cell |= part.cell.is_some();
         if part.positions.is_empty() {
             self.skipped.append(part.skipped);
             return Ok(Spheres::default());
@@ -161,6 +178,7 @@ impl SphereBlocks {
         }
         // The reader speaks of the whole file, the style of a part.
         self.skipped.append(std::mem::take(&mut part.skipped));
+        part.add_lengths(&self.options.named_columns())?;
         let size = part.positions.len();
         part.before = self.count;
         self.count += size as u64;
@@ -175,7 +193,10 @@ impl SphereBlocks {
                 self.skipped.assumed.push(format!("in a part of {}: {said}", count(size as u64, "particle")));
             }
         }
-        self.legend = self.legend.take().or(legend);
+        self.legend = match (self.legend.take(), legend) {
+            (Some(first), Some(second)) if !first.is_scale() => Some(joined_elements(first, &second)),
+            (first, second) => first.or(second),
+        };
         Ok(spheres.checked())
     }
 
@@ -209,10 +230,11 @@ fn frame(mut frames: Box<dyn ParticleFrames>, number: u64) -> Result<Option<Part
 
 /// Refuses what needs all particles at once.
 fn check(options: &ReadOptions) -> Result<()> {
-    let style = &options.style;
-    let selects = !options.select.is_empty() || !options.hide.is_empty() || style.selections().next().is_some();
-    let (problem, mend) = if selects {
-        ("selections need all particles in memory", "remove --select, --hide and selected colours and radii")
+    let (problem, mend) = if options.selects() {
+        (
+            "selections need all particles in memory",
+            "remove --select, --hide, --at and --focus with expressions, and selected colours and radii",
+        )
     } else if options.periodic != Periodic::AsListed {
         ("--wrap and --unwrap need all particles in memory", "remove them")
     } else if options.topology.is_some() {

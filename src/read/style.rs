@@ -18,9 +18,10 @@ use crate::error::{Error, Place, Result};
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
+pub(super) use categories::joined_elements;
 pub(crate) use color::linear;
 
-use color::of_hex;
+use color::{nearest_srgb, of_hex};
 use elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -178,6 +179,7 @@ impl Style {
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, &mut skipped)?;
         self.apply_rules(&particles, &mut colors, &mut radii);
+        let legend = self.with_overrides(legend, &particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (particles.positions.into(), colors.map(Into::into));
         let spheres = Spheres { centers, radii: radii.into(), colors, materials: None };
@@ -209,7 +211,7 @@ impl Style {
         if scale.names.is_empty() {
             scale.names.clone_from(&legend.names);
         }
-        if ranges && legend.categories.is_empty() {
+        if ranges && legend.is_scale() {
             scale.range = scale.range.or(Some(legend.range));
         }
     }
@@ -227,6 +229,24 @@ impl Style {
         radii.par_iter_mut().zip(&particles.size).for_each(|(radius, number)| {
             *radius = rule(*number).map_or(*radius, |rule| self.sizes[rule].1 * self.radius_scale);
         });
+    }
+
+    /// The legend with a row for each rule that gives some particle its colour; a legend of these where there is none.
+    fn with_overrides(&self, legend: Option<Legend>, particles: &Particles) -> Option<Legend> {
+        let mut counts = vec![0_u64; self.paints.len()];
+        particles.paint.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
+        let row = |((selection, color), count): (&(Selection, [f32; 3]), u64)| Category {
+            label: selection.to_string(),
+            color: nearest_srgb(*color),
+            count,
+        };
+        let rows = self.paints.iter().zip(counts).filter(|(_, count)| *count > 0);
+        let overrides: Vec<Category> = rows.map(row).collect();
+        match legend {
+            Some(legend) => Some(Legend { overrides, ..legend }),
+            None if overrides.is_empty() => None,
+            None => Some(Legend::of_selections(overrides)),
+        }
     }
 
     fn radii_of(&self, particles: &Particles, skipped: &mut Skipped) -> Result<Vec<f64>> {
@@ -292,12 +312,15 @@ impl Style {
                 }
                 Some(colors)
             }
-            Coloring::File => elements(),
+            Coloring::File => {
+                let legend = || categories::elements(&particles.elements, &particles.paint);
+                return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));
+            }
             Coloring::Element => {
                 let colors = elements().ok_or_else(|| {
                     Error::settings("the file has no elements to colour by", "remove --color-by, or use a column")
                 })?;
-                return Ok((Some(colors), Some(categories::elements(&particles.elements))));
+                return Ok((Some(colors), Some(categories::elements(&particles.elements, &particles.paint))));
             }
             Coloring::Column(scale) => {
                 let (colors, legend) = scale.apply(particles, skipped)?;

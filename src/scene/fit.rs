@@ -1,10 +1,12 @@
 //! Framing: the nearest camera from which all spheres are completely visible.
 
-use super::camera::{Basis, Lens, Look, Viewport};
+use super::camera::{Basis, Camera, Lens, Look, Viewport};
 use super::instances::Instances;
-use super::{Scene, Spheres};
+use super::orient::{Facing, Spread, middle};
+use super::{ImagePlane, Scene, Spheres};
 use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
+use crate::quote::number;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -18,26 +20,45 @@ pub struct Framing {
     /// Whether an orthographic camera keeps the height of its view and only the eye moves; otherwise the height is
     /// fitted.
     pub keep_height: bool,
+    /// Shares of the image's width that stay free at its left and right side, besides the margin: there is a legend.
+    pub aside: [f64; 2],
+    /// The point that is in the middle of the rest of the image; `None` centres the spheres.
+    pub aim: Option<DVec3>,
 }
 
 impl Default for Framing {
-    /// 4 % margin around the spheres.
+    /// 4 % margin around the spheres, which are in the middle of the image.
     fn default() -> Self {
-        Self { margin: 0.04, ball: false, keep_height: false }
+        Self { margin: 0.04, ball: false, keep_height: false, aside: [0.0; 2], aim: None }
     }
 }
 
 /// Vertical field of view of a framed scene without a lens, degrees: a portrait lens with little perspective.
 const VFOV: f64 = 30.0;
 
-/// View direction of the camera of a file without one.
-const VIEW: DVec3 = DVec3::NEG_Z;
-
 impl Scene {
     /// Gives the scene the default camera: it looks along -z with y up, and shows all spheres.
     pub fn frame_all(&mut self, framing: &Framing) -> Result<()> {
-        self.camera.look = Look::View(VIEW);
-        self.camera.up = DVec3::Y;
+        self.frame_from(Facing::FRONT, framing)
+    }
+
+    /// Gives the scene the default camera of its file: molecules are seen along their principal axes ([`Spread::facing`]),
+    /// all else as by [`Scene::frame_all`].
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn frame_by_default(&mut self, is_molecule: bool, framing: &Framing) -> Result<()> {
+        let is_tall = self.image.height > self.image.width;
+        let facing = if is_molecule { Spread::of(&self.spheres).facing(is_tall) } else { Facing::FRONT };
+        self.frame_from(facing, framing)
+    }
+
+    /// Gives the scene a camera with the default lens, which looks in this direction and shows all spheres.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn frame_from(&mut self, facing: Facing, framing: &Framing) -> Result<()> {
+        facing.turn(&mut self.camera);
         self.camera.lens = Lens::Vfov { degrees: VFOV, distance: 1.0 };
         self.fit(framing)
     }
@@ -56,10 +77,7 @@ impl Scene {
     /// Those of [`crate::Camera::basis`] and [`crate::Camera::viewport`]; [`Error::Scene`] for spheres so near the
     /// limits of f64 that no eye is far enough.
     pub fn fit(&mut self, framing: &Framing) -> Result<()> {
-        match self.reach(framing, None)? {
-            Some(reach) => self.fit_to(framing, &reach),
-            None => Ok(()),
-        }
+        self.camera.fit(self.image, &self.spheres, framing)
     }
 
     /// How far the spheres reach to the sides of the view, relative to a point: that of another reach, so that both can
@@ -68,12 +86,58 @@ impl Scene {
     /// # Errors
     /// As [`Scene::fit`].
     pub fn reach(&mut self, framing: &Framing, like: Option<&Reach>) -> Result<Option<Reach>> {
-        if self.spheres.is_empty() {
+        self.camera.reach(self.image, &self.spheres, framing, like)
+    }
+
+    /// The same for copies, relative to `middle`; for the spheres themselves also where the framing is of the ball around them.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`]; [`Error::Interrupted`].
+    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
+        let sides = self.camera.sides(self.image)?;
+        Reach::new(framing, sides, middle, |normal| all.least_along(watch, normal, middle))
+    }
+
+    /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
+    /// of the view and the angles of the lens are those for which the reach was taken.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
+        self.camera.fit_to(self.image, framing, reach)
+    }
+}
+
+impl Camera {
+    /// Moves the eye as [`Scene::fit`] does, for an image of this size and for these spheres, which may be some of a
+    /// scene's.
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn fit(&mut self, image: ImagePlane, spheres: &Spheres, framing: &Framing) -> Result<()> {
+        match self.reach(image, spheres, framing, None)? {
+            Some(reach) => self.fit_to(image, framing, &reach),
+            None => Ok(()),
+        }
+    }
+
+    /// As [`Scene::reach`].
+    ///
+    /// # Errors
+    /// As [`Scene::fit`].
+    pub fn reach(
+        &mut self,
+        image: ImagePlane,
+        spheres: &Spheres,
+        framing: &Framing,
+        like: Option<&Reach>,
+    ) -> Result<Option<Reach>> {
+        if spheres.is_empty() {
             return Ok(None);
         }
-        let (basis, viewport) = self.sides()?;
-        let around = framing.ball.then(|| ball(&self.spheres));
-        let framed = around.as_ref().unwrap_or(&self.spheres);
+        let (basis, viewport) = self.sides(image)?;
+        let around = framing.ball.then(|| ball(spheres, framing.aim));
+        let framed = around.as_ref().unwrap_or(spheres);
         // Coordinates are relative to the middle, so that distant scenes lose no precision.
         let middle = like.map_or_else(|| framed.middle(), |like| like.middle);
         let to = |normal: DVec3| {
@@ -84,66 +148,80 @@ impl Scene {
         Reach::new(framing, (basis, viewport), middle, to).map(Some)
     }
 
-    /// The same for copies, relative to `middle`; for the spheres themselves also where the framing is of the ball around them.
-    ///
-    /// # Errors
-    /// As [`Scene::fit`]; [`Error::Interrupted`].
-    pub fn reach_of(&mut self, framing: &Framing, all: &Instances, middle: DVec3, watch: &Watch) -> Result<Reach> {
-        let sides = self.sides()?;
-        Reach::new(framing, sides, middle, |normal| all.least_along(watch, normal, middle))
-    }
-
-    /// The directions of the view's sides. An `at` of the camera becomes its view.
-    fn sides(&mut self) -> Result<(Basis, Viewport)> {
-        if let Look::At(at) = self.camera.look {
+    /// The directions of the view's sides. An `at` becomes the view.
+    fn sides(&mut self, image: ImagePlane) -> Result<(Basis, Viewport)> {
+        if let Look::At(at) = self.look {
             // An `at` that gives no direction is reported before it is changed.
-            self.camera.basis()?;
-            self.camera.look = Look::View(at - self.camera.eye);
+            self.basis()?;
+            self.look = Look::View(at - self.eye);
         }
-        let basis = self.camera.basis()?;
-        let viewport = self.camera.viewport(self.image.width, self.image.height)?;
-        if matches!(self.camera.lens, Lens::Intrinsics { .. }) {
+        let basis = self.basis()?;
+        let viewport = self.viewport(image.width, image.height)?;
+        if matches!(self.lens, Lens::Intrinsics { .. }) {
             let problem = "a lens of intrinsics belongs to its pose, and is not moved to show all spheres";
             return Err(Error::settings(problem, "use a viewport or --vfov"));
         }
         Ok((basis, viewport))
     }
 
-    /// Moves the eye so that everything within this reach is completely visible, as [`Scene::fit`] does; the direction
-    /// of the view and the angles of the lens are those for which the reach was taken.
+    /// As [`Scene::fit_to`].
     ///
     /// # Errors
     /// As [`Scene::fit`].
-    pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
-        let basis = self.camera.basis()?;
-        let viewport = self.camera.viewport(self.image.width, self.image.height)?;
+    pub fn fit_to(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
+        let basis = self.basis()?;
+        let viewport = self.viewport(image.width, image.height)?;
         let Reach { middle, sides: [left, right, bottom, top, _, front] } = *reach;
+        let aim = framing.aim.map(|aim| aim - middle).map(|aim| [basis.u, basis.v, basis.w].map(|axis| axis.dot(aim)));
         if viewport.is_parallel() {
             let (right, top, front) = (-right, -top, -front);
-            let shape = f64::from(self.image.height) / f64::from(self.image.width);
-            let height = (top - bottom).max((right - left) * shape) / free(framing);
+            let shape = f64::from(image.height) / f64::from(image.width);
+            // The middle of the picture on an axis, and the least length of its free part.
+            let span = |low: f64, high: f64, aim: Option<f64>| match aim {
+                None => ((low + high) / 2.0, high - low),
+                Some(aim) => (aim, 2.0 * (high - aim).max(aim - low)),
+            };
+            let ((x, across), (y, down)) =
+                (span(left, right, aim.map(|aim| aim[0])), span(bottom, top, aim.map(|a| a[1])));
+            let [beside_left, beside_right] = framing.aside;
+            let height = (down / free(framing)).max(across * shape / (free(framing) - beside_left - beside_right));
+            let shown = if framing.keep_height { viewport.vh } else { height };
             if !framing.keep_height {
-                self.camera.lens = Lens::Orthographic { height };
+                self.lens = Lens::Orthographic { height };
             }
             let back = front + height.max(right - left);
-            self.camera.eye = middle + (left + right) / 2.0 * basis.u + (bottom + top) / 2.0 * basis.v + back * basis.w;
-            return self.framed();
+            let x = x - (beside_left - beside_right) / 2.0 * shown / shape;
+            self.eye = middle + x * basis.u + y * basis.v + back * basis.w;
+            return self.framed(middle);
         }
-        let pair = |low: f64, high: f64, side: f64| {
-            let [sine, cosine] = slope(framing, side, viewport.d);
-            // The eye's coordinate along the axis, and its least distance back.
-            ((low - high) / (2.0 * cosine), -(low + high) / (2.0 * sine))
+        let (across, down) = slopes(framing, viewport);
+        // The eye's least distance back, and its coordinate along the axis: a constant, and a part of the distance.
+        let pair = |low: f64, high: f64, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2], axis: usize| {
+            // Both planes in the scale of the first one; 1 where they are alike.
+            let scale = cosine / other_cosine;
+            let (high, other_sine) = (high * scale, other_sine * scale);
+            let part = (sine - other_sine) / (2.0 * cosine);
+            match aim {
+                None => (-(low + high) / (sine + other_sine), (low - high) / (2.0 * cosine), part),
+                Some(aim) => {
+                    let at = aim[axis] - part * aim[2];
+                    let least = (at * cosine - low).max(-at * cosine - high);
+                    (2.0 * least / (sine + other_sine), at, part)
+                }
+            }
         };
-        let ((x, z_across), (y, z_down)) = (pair(left, right, viewport.vw), pair(bottom, top, viewport.vh));
-        self.camera.eye = middle + x * basis.u + y * basis.v + z_across.max(z_down) * basis.w;
-        self.framed()
+        let ((z_across, x, along_x), (z_down, y, along_y)) = (pair(left, right, across, 0), pair(bottom, top, down, 1));
+        let z = z_across.max(z_down);
+        self.eye = middle + (x + along_x * z) * basis.u + (y + along_y * z) * basis.v + z * basis.w;
+        self.framed(middle)
     }
 
-    fn framed(&self) -> Result<()> {
-        if self.camera.eye.is_finite() {
+    fn framed(&self, middle: DVec3) -> Result<()> {
+        if self.eye.is_finite() {
             return Ok(());
         }
-        let problem = format!("{}: the eye that sees them all is beyond the range of f64", self.spheres.extent());
+        let [x, y, z] = middle.to_array().map(|x| number(x, 6));
+        let problem = format!("spheres about ({x}, {y}, {z}): the eye that sees them all is beyond the range of f64");
         Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
     }
 }
@@ -176,11 +254,11 @@ impl Reach {
         let sides = match viewport.is_parallel() {
             true => along([basis.u, -basis.u, basis.v, -basis.v, basis.w, -basis.w])?,
             false => {
-                let pair = |axis: DVec3, side: f64| {
-                    let [sine, cosine] = slope(framing, side, viewport.d);
-                    [cosine * axis - sine * basis.w, -cosine * axis - sine * basis.w]
+                let pair = |axis: DVec3, [[sine, cosine], [other_sine, other_cosine]]: [[f64; 2]; 2]| {
+                    [cosine * axis - sine * basis.w, -other_cosine * axis - other_sine * basis.w]
                 };
-                let ([left, right], [bottom, top]) = (pair(basis.u, viewport.vw), pair(basis.v, viewport.vh));
+                let (across, down) = slopes(framing, viewport);
+                let ([left, right], [bottom, top]) = (pair(basis.u, across), pair(basis.v, down));
                 along([left, right, bottom, top, DVec3::ZERO, DVec3::ZERO])?
             }
         };
@@ -207,11 +285,15 @@ fn free(framing: &Framing) -> f64 {
     1.0 - framing.margin.clamp(1e-9, 0.9)
 }
 
-/// Sine and cosine of the angle between the view axis and a side of the viewport less its margin.
-fn slope(framing: &Framing, side: f64, distance: f64) -> [f64; 2] {
-    let slope = free(framing) * side / (2.0 * distance);
-    let length = slope.hypot(1.0);
-    [slope / length, 1.0 / length]
+/// Sine and cosine of the angles between the view axis and the sides of the viewport less its margin: left and right,
+/// bottom and top. The sine is negative where the free part begins beyond the axis.
+fn slopes(framing: &Framing, viewport: Viewport) -> ([[f64; 2]; 2], [[f64; 2]; 2]) {
+    let to = |side: f64, aside: f64| {
+        let slope = (free(framing) - 2.0 * aside) * side / (2.0 * viewport.d);
+        let length = slope.hypot(1.0);
+        [slope / length, 1.0 / length]
+    };
+    (framing.aside.map(|aside| to(viewport.vw, aside)), [to(viewport.vh, 0.0); 2])
 }
 
 impl Spheres {
@@ -222,16 +304,9 @@ impl Spheres {
     }
 }
 
-/// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
-#[must_use]
-pub fn middle([low, high]: [DVec3; 2]) -> DVec3 {
-    let middle = low + (high - low) / 2.0;
-    if middle.is_finite() { middle } else { DVec3::ZERO }
-}
-
-/// The ball about the middle of the box that contains all spheres.
-fn ball(spheres: &Spheres) -> Spheres {
-    let middle = spheres.middle();
+/// The ball that contains all spheres, about a point or the middle of their box.
+fn ball(spheres: &Spheres, about: Option<DVec3>) -> Spheres {
+    let middle = about.unwrap_or_else(|| spheres.middle());
     let each = spheres.centers.par_iter().zip(&spheres.radii);
     let radius = each.map(|(c, r)| (DVec3::from_array(*c) - middle).length() + r).reduce(|| 0.0, f64::max);
     let mut ball = Spheres::default();

@@ -71,7 +71,12 @@ fn invalid_arguments_are_exit_code_2() {
     for vector in ["1,2", "1,2,3,4", "a,b,c", "1,2,inf", "nan,0,0"] {
         render(&["-o", "out.png", "--eye", vector], &[vector, "--eye", "three finite numbers"]);
     }
-    render(&["-o", "out.png", "--at", "0,0,-1", "--view", "0,0,-1"], &["--at", "--view"]);
+    let all = ["-o", "out.png", "--eye", "0,0,9", "--at", "0,0,-1", "--view", "0,0,-1"];
+    render(&all, &["--eye", "--at", "--view", "remove one of the three"]);
+    render(&["-o", "out.png", "--eye", "0,0,9", "--focus", "index 0"], &["--eye", "--focus"]);
+    render(&["-o", "out.png", "--view", "above"], &["above", "front, back, left, right, top, bottom, iso, auto"]);
+    render(&["-o", "out.png", "--at", "1,2"], &["1,2", "--at", "three finite numbers"]);
+    render(&["-o", "out.png", "--focus", "resname"], &["resname", "--focus", "column"]);
     render(&["-o", "out.png", "--adapter", "0", "--backend", "cpu"], &["--adapter", "--backend gpu"]);
     render(&["-o", "out.png", "--backend", "abacus"], &["abacus", "auto, gpu, cpu"]);
     render(&["-o", "out.png", "--method", "guess"], &["guess", "stable"]);

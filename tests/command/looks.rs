@@ -80,8 +80,12 @@ fn an_invalid_colouring_is_refused_with_the_valid_ones() {
     }
     dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --range=-2.5 7e1", &["comma", "--range -2.5,7e1"]);
     dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --range 1,1", &["--range", "different"]);
-    for lonely in ["--range 0,1", "--log", "--legend l.svg"] {
+    for lonely in ["--range 0,1", "--log"] {
         dir.refused_render(2, &format!("atoms.xyz -o a.png {lonely}"), &["--color-by"]);
+    }
+    for (file, options) in [("bare.csv", ""), ("atoms.xyz", "--color red"), ("native.toml", "")] {
+        let words = format!("{file} -o a.png --legend l.svg {options}");
+        dir.refused_render(2, &words, &["neither elements nor a column", "--color-by"]);
     }
     dir.refused_render(2, "atoms.xyz -o a.png --color #fff --color-by vx", &["--color"]);
     dir.refused_render(2, "atoms.xyz -o a.png --color rde", &["rde", "use red", "#rrggbb"]);

@@ -1,5 +1,8 @@
 //! Promises of the command line, on the CPU path.
 
+#[path = "../common/data.rs"]
+#[expect(dead_code, reason = "the other test programs use more of it")]
+mod data;
 #[path = "../common/nff.rs"]
 mod nff;
 #[path = "../common/random_frames.rs"]
@@ -22,6 +25,7 @@ mod exit_codes;
 mod faults;
 mod film;
 mod films;
+mod framing;
 mod habits;
 mod info;
 mod insets;

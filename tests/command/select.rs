@@ -165,3 +165,59 @@ fn a_selection_of_nothing_is_reported_and_an_invalid_one_refused() {
         &["no columns to select by", "[[spheres]]"],
     );
 }
+
+/// A line of a PDB file.
+fn atom(record: &str, serial: usize, name: &str, residue: &str, number: u32, x: f64, symbol: &str) -> String {
+    format!(
+        "{record:6}{serial:5}  {name:<3} {residue:>3} A{number:4}    {x:8.3}   0.000   0.000  1.00  0.00          {symbol:>2}\n"
+    )
+}
+
+/// Residues on a line: two amino acids around a modified one, that is linked to both by bonds of 1.3; benzene, glycerol, zinc,
+/// acetate, a haem with its iron, a sugar and water, 9 apart.
+#[test]
+fn ligands_and_metals_have_their_rule() {
+    let chain = [("ALA", "ATOM"), ("CRX", "HETATM"), ("GLY", "ATOM")];
+    let six = ["C1", "C2", "C3", "C4", "C5", "C6"];
+    let others: [(&str, &[&str], &str); 7] = [
+        ("BNZ", &six, "C"),
+        ("GOL", &six, "C"),
+        ("ZN", &["ZN"], "ZN"),
+        ("ACT", &["C1", "C2", "O1", "O2"], "C"),
+        ("HEM", &["FE", "C1", "C2", "C3", "C4", "C5", "C6", "C7"], "C"),
+        ("NAG", &six, "C"),
+        ("HOH", &["O"], "O"),
+    ];
+    let (mut text, mut x, mut serial, mut number) = (String::new(), 0.0, 0, 0);
+    for (residue, record) in chain {
+        number += 1;
+        for name in ["N", "CA", "CB", "CG", "CD", "CE", "C"] {
+            serial += 1;
+            text += &atom(record, serial, name, residue, number, x, &name[..1]);
+            x += 1.3;
+        }
+    }
+    for (residue, names, symbol) in others {
+        (number, x) = (number + 1, x + 9.0);
+        for name in names {
+            serial += 1;
+            let symbol = if name.len() == 2 && name.chars().all(char::is_alphabetic) { name } else { symbol };
+            text += &atom("HETATM", serial, name, residue, number, x, symbol);
+            x += 1.3;
+        }
+    }
+    let dir = TestDir::new(&[("a.pdb", &text)]);
+    let count = |expression: &str| {
+        let report = dir.render(&["a.pdb", "--select", expression, "--json", "--size", "9x9"]).json();
+        report["spheres"].as_u64().expect("a count")
+    };
+    assert_eq!((count("ligand"), count("ligand and resname BNZ HEM")), (14, 14));
+    assert_eq!((count("metal"), count("metals and resname ZN HEM"), count("metal and ligand")), (2, 2, 1));
+    // Away from the others, the modified residue is a ligand.
+    dir.put(
+        "b.pdb",
+        text.lines().filter(|line| !line.starts_with("ATOM")).map(|line| format!("{line}\n")).collect::<String>(),
+    );
+    let report = dir.render(&["b.pdb", "--select", "ligands", "--json", "--size", "9x9"]).json();
+    assert_eq!(report["spheres"].as_u64(), Some(21));
+}

@@ -119,7 +119,7 @@ impl Render {
         frame.report.warnings.iter().for_each(|warning| messages.warn(number, warning));
         let mut still = None;
         if !targets.is_empty() {
-            self.args.insets.words(scene).into_iter().for_each(|words| messages.note(number, words));
+            self.args.insets.words(numbered).for_each(|words| messages.note(number, words));
             let (report, window) = (frame.report.clone(), frame.window);
             still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
             if still.is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {

@@ -2,22 +2,24 @@
 
 use crate::cli::camera_file;
 use crate::cli::clash::check_inputs;
+use crate::cli::framing::{Way, turn};
+use crate::cli::legend;
 use crate::cli::lens_args::PictureLens;
 use crate::cli::note;
 use crate::cli::scene_args::SceneArgs;
-use crate::cli::scene_frames::{Numbered, aim, options, size};
+use crate::cli::scene_frames::{Numbered, options, size};
 use glam::DVec3;
-use halfline::camera::{Camera, CameraRecord, Look};
+use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::quote::count;
 use halfline::read::style::{Coloring, Legend};
-use halfline::read::{Columns, FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
+use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
-use halfline::scene::{Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, middle};
+use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
 use halfline::write::file::Target;
 use std::cell::Cell;
@@ -46,6 +48,15 @@ struct About {
     skipped: Skipped,
     legend: Option<Legend>,
     when: FrameTime,
+    is_molecule: bool,
+}
+
+impl About {
+    /// What blocks that were read say.
+    fn of(blocks: &SphereBlocks) -> Self {
+        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
+        Self { skipped, legend, when: FrameTime::default(), is_molecule: blocks.is_molecule() }
+    }
 }
 
 impl<'a> Source<'a> {
@@ -87,9 +98,10 @@ impl<'a> Source<'a> {
         // What a stream cannot do is found before the file is read.
         self.begin(frame.scene.clone(), settings, targets)?;
         let copied = self.copied()?;
-        if self.taken.is_none() {
-            self.aim(&mut frame, copied.as_ref())?;
-        }
+        let framed = match self.taken {
+            Some(_) => false,
+            None => self.aim(&mut frame, copied.as_ref())?,
+        };
         if copied.is_none() && self.lacks_range {
             self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
             self.survey(
@@ -126,7 +138,10 @@ impl<'a> Source<'a> {
         }
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
-        Ok(Numbered { scene, ids: Some(ids), ..picture })
+        let framed = framed.then(|| "all spheres".to_owned());
+        let picture = Numbered { scene, framed, ids: Some(ids), ..picture };
+        legend::check_content(self.args, &picture)?;
+        Ok(picture)
     }
 
     /// The picture of a scene whose spheres are still to come.
@@ -141,6 +156,7 @@ impl<'a> Source<'a> {
             look,
             lens: PictureLens::default(),
             when: FrameTime::default(),
+            framed: None,
             ids: None,
         };
         let settings = self.args.settings_for(&picture, settings, targets)?;
@@ -153,50 +169,58 @@ impl<'a> Source<'a> {
         let (image, spheres, lighting) = (ImagePlane::default(), Spheres::default(), Lighting::default());
         let mut scene = Scene { camera: Camera::CANONICAL, image, spheres, skipped: Skipped::default(), lighting };
         scene.frame_all(&Framing::default())?;
-        let (legend, cell, instances, when) = (None, None, None, FrameTime::default());
-        let columns = Columns::default();
-        let mut frame = SceneFrame {
-            number: 1,
-            scene,
-            has_camera: false,
-            aperture: None,
-            look: FileLook::PARTICLES,
-            legend,
-            columns,
-            cell,
-            instances,
-            when,
-        };
+        let mut frame = SceneFrame::new(1, scene);
         size(self.args.image.size.or(self.taken.map(|record| record.size.into())), self.args, &mut frame);
         match &self.taken {
             Some(record) => frame.scene.camera = camera_file::resized(record, self.args.image.size),
-            None => aim(self.args, &mut frame),
+            None => self.args.camera.apply_lens(&mut frame.scene.camera),
         }
         Ok(frame)
     }
 
-    /// Frames all spheres where the options do not give the camera's place, for which the file is read twice more.
-    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<()> {
+    /// Directs the camera, and frames all spheres where the options do not give its place, for which the file is read
+    /// twice more, and once more for its principal axes. Returns whether they are framed.
+    fn aim(&mut self, frame: &mut SceneFrame, copied: Option<&Copied>) -> Result<bool> {
         let camera = &self.args.camera;
-        let framing = camera.framing(frame.has_camera)?;
-        let at_middle = camera.pose.eye.is_some() && !camera.pose.looks();
-        if framing.is_none() && !at_middle {
-            return Ok(());
+        let at = camera.point();
+        let framing = camera.framing(frame.has_camera, at, [0.0; 2])?;
+        let way = |frame: &SceneFrame| camera.way(&frame.scene.camera, frame.has_camera, frame.is_molecule, at);
+        let given = way(frame);
+        if let (None, Way::Given(..)) = (framing, &given) {
+            turn(&mut frame.scene.camera, &given, camera, || (DVec3::ZERO, Facing::FRONT));
+            return Ok(false);
         }
-        let middle = middle(match copied {
-            Some(Copied { instances, .. }) => instances.bounds(&self.options.watch)?,
+        let watch = self.options.watch.clone();
+        let bounds = match copied {
+            Some(Copied { instances, about }) => {
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend.clone());
+                instances.bounds(&watch)?
+            }
             None => {
                 self.check_repeatable("the camera depends on all spheres", "give --eye and --at, or --view")?;
-                self.survey("the camera depends on all spheres, so the file is read for it first (see --eye and --at)")?
+                let why = "the camera depends on all spheres, so the file is read for it first (see --eye and --at)";
+                let (bounds, about) = self.survey(why)?;
+                (frame.is_molecule, frame.legend) = (about.is_molecule, about.legend);
+                bounds
             }
-        });
-        if at_middle {
-            frame.scene.camera.look = Look::At(middle);
+        };
+        let (way, middle, mut spread) = (way(frame), middle(bounds), Spread::about(bounds));
+        if let Way::Axes = way {
+            match copied {
+                Some(Copied { instances, .. }) => instances.each_block(&watch, |block| spread.add(&block.centers))?,
+                None => drop(self.each(|block| {
+                    spread.add(&block.centers);
+                    Ok(())
+                })?),
+            }
         }
-        let Some(framing) = framing else { return Ok(()) };
+        let ImagePlane { width, height, .. } = frame.scene.image;
+        turn(&mut frame.scene.camera, &way, camera, || (middle, spread.facing(height > width)));
+        let aside = self.args.insets.aside(frame)?;
+        let Some(framing) = framing.map(|framing| Framing { aside, ..framing }) else { return Ok(false) };
         if let Some(Copied { instances, .. }) = copied {
-            let reach = frame.scene.reach_of(&framing, instances, middle, &self.options.watch)?;
-            return frame.scene.fit_to(&framing, &reach);
+            let reach = frame.scene.reach_of(&framing, instances, middle, &watch)?;
+            return frame.scene.fit_to(&framing, &reach).map(|()| true);
         }
         let mut reach = Reach::about(middle);
         self.each(|block| {
@@ -208,7 +232,7 @@ impl<'a> Source<'a> {
             frame.scene.camera = part.camera;
             Ok(())
         })?;
-        frame.scene.fit_to(&framing, &reach)
+        frame.scene.fit_to(&framing, &reach).map(|()| true)
     }
 
     /// Returns an error for standard input, which can be read once.
@@ -219,9 +243,9 @@ impl<'a> Source<'a> {
         Err(Error::settings(format!("--stream: {why}, and standard input can be read once"), mend))
     }
 
-    /// The box around all spheres of the file. The same pass finds the range of the colours, where it is not given. `why` is
+    /// The box around all spheres of the file, and what else is known of them. The same pass finds the range of the colours, where it is not given. `why` is
     /// said when the first block was read.
-    fn survey(&mut self, why: &str) -> Result<[DVec3; 2]> {
+    fn survey(&mut self, why: &str) -> Result<([DVec3; 2], About)> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let blocks = self.read(SphereBlocks::survey(&self.args.scene, &self.options)?, |block| {
             let [low, high] = block.bounds();
@@ -238,7 +262,11 @@ impl<'a> Source<'a> {
             scale.range = blocks.range().or(Some([0.0, 1.0]));
             self.lacks_range = false;
         }
-        Ok(bounds)
+        let mut about = About::of(&blocks);
+        if let (Some(legend), Some(range)) = (&mut about.legend, blocks.range()) {
+            legend.range = range;
+        }
+        Ok((bounds, about))
     }
 
     /// What `--copies` or the operators of an assembly repeat is in memory, the copies are not.
@@ -249,7 +277,7 @@ impl<'a> Source<'a> {
         }
         let options = ReadOptions { as_operators: is_assembly, ..self.options.clone() };
         let mut sequence = Sequence::open(&self.args.scene, &options)?;
-        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, .. } =
+        let SceneFrame { mut scene, has_camera, legend, cell, instances, when, is_molecule, .. } =
             sequence.next_scene()?.ok_or_else(|| sequence.nothing())?;
         if has_camera {
             let mend = "remove --stream, or use a file of particles";
@@ -265,7 +293,7 @@ impl<'a> Source<'a> {
             return Err(Error::Limits { problem, mend: "add --stream; ids are then int64".into() });
         }
         self.say_why();
-        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when } }))
+        Ok(Some(Copied { instances, about: About { skipped: scene.skipped, legend, when, is_molecule } }))
     }
 
     /// Whether the scene is read as a stream although that was not requested. Then it keeps 32-bit ids, and ends in a
@@ -286,8 +314,7 @@ impl<'a> Source<'a> {
     /// Every block of the file.
     fn each(&self, each: impl FnMut(Spheres) -> Result<()>) -> Result<About> {
         let blocks = self.read(SphereBlocks::open(&self.args.scene, &self.options)?, each)?;
-        let (skipped, legend) = (blocks.skipped().clone(), blocks.legend().cloned());
-        Ok(About { skipped, legend, when: FrameTime::default() })
+        Ok(About::of(&blocks))
     }
 
     /// All blocks, as they are arranged.

@@ -4,7 +4,7 @@ use super::BLOCK;
 use crate::cli::go_on;
 use crate::cli::scene_args::PoseArgs;
 use clap::Args;
-use halfline::camera::Basis;
+use halfline::camera::{Basis, Camera};
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
 use halfline::read::SceneFrame;
@@ -94,8 +94,8 @@ impl SourceArgs {
             let problem = "the scene has no camera, so the scanner has no position";
             return Err(Error::settings(problem, "use --eye X,Y,Z, and --view and --up for its direction"));
         }
-        let mut camera = frame.scene.camera;
-        pose.apply(&mut camera, frame.has_camera);
+        let mut camera = if frame.has_camera { frame.scene.camera } else { Camera::CANONICAL };
+        pose.turn(&mut camera, frame.has_camera)?;
         Ok(RaySource::Pattern { lidar, basis: camera.basis()?, done: 0 })
     }
 

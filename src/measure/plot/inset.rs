@@ -106,6 +106,21 @@ impl Insets {
         *self == Self::default()
     }
 
+    /// The shares of the picture's width that the legend takes at its left and right side, with its distance from them.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] if the picture is too small for the legend.
+    pub fn aside(&self, width: u32, height: u32) -> Result<[f64; 2]> {
+        let Some((legend, corner)) = &self.legend else { return Ok([0.0; 2]) };
+        let page = Page::new(width, height);
+        let (pixels, _) = page.legend(legend)?;
+        let share = (f64::from(page.margin) + f64::from(pixels.width())) / f64::from(width);
+        Ok(match corner {
+            Corner::TopLeft | Corner::BottomLeft => [share, 0.0],
+            Corner::Right | Corner::TopRight | Corner::BottomRight => [0.0, share],
+        })
+    }
+
     /// The panels for a picture of `width` x `height` pixels. Texts that do not fit are cut.
     ///
     /// # Errors

@@ -46,13 +46,26 @@ impl Legend {
         if self.log { (low.ln() + part * (high.ln() - low.ln())).exp() } else { low + part * (high - low) }
     }
 
+    /// The numbers of the bar from its lower end to the upper one, to four digits. On a linear scale a number that is less
+    /// than half of the fourth digit of the end that is farther from 0 is written as 0.
+    pub(super) fn ticks(&self) -> Vec<String> {
+        let digits = |x: f64| if x == 0.0 || !x.is_finite() { 0 } else { x.abs().log10().floor() as i32 };
+        let largest = self.range.iter().fold(0.0, |largest: f64, end| largest.max(end.abs()));
+        let tick = |tick: i32| {
+            let value = self.at(f64::from(tick) / f64::from(TICKS - 1));
+            let is_nothing = !self.log && value.abs() < 0.5 * 10f64.powi(digits(largest) - 3);
+            short(if is_nothing { 0.0 } else { value })
+        };
+        (0..TICKS).map(tick).collect()
+    }
+
     /// The legend as a picture.
     ///
     /// # Errors
     /// [`Error::Io`] at the plot's name if drawing fails.
     pub fn plot(&self) -> Result<Plot> {
         let name = "legend";
-        let drawn = if self.categories.is_empty() { self.bar() } else { self.swatches() };
+        let drawn = if self.is_scale() { self.bar() } else { self.rows() };
         let Drawing { svg, png } = drawn.map_err(|error| Error::write(name, io::Error::other(error)))?;
         Ok(Plot { name, caption: "The numbers or categories that the colours show.", svg, png })
     }
@@ -93,41 +106,58 @@ impl Legend {
 
     /// The labels of the first categories.
     fn labels(&self) -> Vec<String> {
-        self.categories.iter().take(LABELS).map(|category| shortened(&category.label, LETTERS)).collect()
+        self.swatches().take(LABELS).map(|category| shortened(&category.label, LETTERS)).collect()
     }
 
     /// A swatch and a label for every category, in columns that fit the longest.
-    fn swatches(&self) -> Drawn<Drawing> {
-        let [left, top, wide, _] = BAR;
-        let labels = self.labels();
-        let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
-        let column = SWATCH + GAPS[0] + LETTER * longest as i32 + GAPS[1];
-        let columns = ((wide + GAPS[1]) / column).max(1);
-        let rows = labels.len().div_ceil(columns as usize) as i32;
-        let more = self.categories.len() - labels.len();
-        drawing([WIDTH, top + ROW * (rows + i32::from(more > 0)) + 16], |area| {
+    fn rows(&self) -> Drawn<Drawing> {
+        let top = BAR[1];
+        drawing([WIDTH, top + self.height_of_swatches() + 16], |area| {
             self.title(area)?;
-            for (n, (label, category)) in (0..).zip(labels.iter().zip(&self.categories)) {
-                let (x, y) = (left + column * (n % columns), top + ROW * (n / columns));
-                let [red, green, blue] = category.color;
-                let (right, bottom) = (x + SWATCH, y + SWATCH);
-                area.draw(&Rectangle::new([(x, y), (right, bottom)], RGBColor(red, green, blue).filled()))?;
-                // An outline, so that white is visible on white.
-                let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y), (right, y)];
-                area.draw(&PathElement::new(outline, RGBColor(0x80, 0x80, 0x80).stroke_width(2)))?;
-                text(area, label, &font(SIZE), (right + GAPS[0], y + SWATCH / 2))?;
-            }
-            if more > 0 {
-                text(area, &format!("and {more} more"), &font(SIZE), (left, top + ROW * rows + SWATCH / 2))?;
-            }
+            self.draw_swatches(area, top)?;
             Ok(Vec::new())
         })
     }
 
-    /// The colour map from one end to the other, with numbers under it.
+    /// The number of columns of swatches and the width of one; the rows.
+    fn columns(&self) -> ([i32; 2], i32) {
+        let labels = self.labels();
+        let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+        let column = SWATCH + GAPS[0] + LETTER * longest as i32 + GAPS[1];
+        let columns = ((BAR[2] + GAPS[1]) / column).max(1);
+        ([columns, column], labels.len().div_ceil(columns as usize) as i32)
+    }
+
+    fn height_of_swatches(&self) -> i32 {
+        let is_cut = self.swatches().count() > LABELS;
+        ROW * (self.columns().1 + i32::from(is_cut))
+    }
+
+    /// Draws the swatches below a row of pixels.
+    fn draw_swatches(&self, area: &Area<'_>, top: i32) -> Drawn {
+        let (left, labels, ([columns, column], rows)) = (BAR[0], self.labels(), self.columns());
+        for (n, (label, category)) in (0..).zip(labels.iter().zip(self.swatches())) {
+            let (x, y) = (left + column * (n % columns), top + ROW * (n / columns));
+            let [red, green, blue] = category.color;
+            let (right, bottom) = (x + SWATCH, y + SWATCH);
+            area.draw(&Rectangle::new([(x, y), (right, bottom)], RGBColor(red, green, blue).filled()))?;
+            // An outline, so that white is visible on white.
+            let outline = vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y), (right, y)];
+            area.draw(&PathElement::new(outline, RGBColor(0x80, 0x80, 0x80).stroke_width(2)))?;
+            text(area, label, &font(SIZE), (right + GAPS[0], y + SWATCH / 2))?;
+        }
+        let more = self.swatches().count() - labels.len();
+        if more > 0 {
+            text(area, &format!("and {more} more"), &font(SIZE), (left, top + ROW * rows + SWATCH / 2))?;
+        }
+        Ok(())
+    }
+
+    /// The colour map from one end to the other, with numbers under it, and swatches of selections below.
     fn bar(&self) -> Drawn<Drawing> {
         let [left, top, wide, high] = BAR;
-        drawing([WIDTH, 168], |area| {
+        const BELOW: i32 = 168;
+        drawing([WIDTH, BELOW + self.height_of_swatches()], |area| {
             self.title(area)?;
             for strip in 0..STRIPS {
                 let [red, green, blue] = self.map.srgb(f64::from(strip) / f64::from(STRIPS - 1));
@@ -135,7 +165,7 @@ impl Legend {
                 let corners = [(edge(strip), top), (edge(strip + 1), top + high)];
                 area.draw(&Rectangle::new(corners, RGBColor(red, green, blue).filled()))?;
             }
-            for tick in 0..TICKS {
+            for (tick, number) in (0..).zip(self.ticks()) {
                 let (x, y) = (left + wide * tick / (TICKS - 1), top + high);
                 area.draw(&PathElement::new(vec![(x, y), (x, y + 8)], INK.stroke_width(2)))?;
                 let style = match tick {
@@ -143,9 +173,9 @@ impl Legend {
                     _ if tick + 1 == TICKS => font(SIZE).pos(Pos::new(HPos::Right, VPos::Center)),
                     _ => centered(&font(SIZE)),
                 };
-                let number = self.at(f64::from(tick) / f64::from(TICKS - 1));
-                text(area, &short(number), &style, (x, y + 30))?;
+                text(area, &number, &style, (x, y + 30))?;
             }
+            self.draw_swatches(area, BELOW)?;
             Ok(Vec::new())
         })
     }
@@ -184,6 +214,7 @@ mod tests {
                 .map(|n| Category { label: label(n), color: [n as u8, 0x80, 0xff], count: 1 })
                 .collect(),
             names: Vec::new(),
+            overrides: Vec::new(),
         };
         let plot = |count| legend(count).plot().expect("a picture");
         assert_eq!(texts(&plot(3)), ["chain", "A", "B<&", "(blank)"], "no numbers of a bar");
@@ -209,6 +240,7 @@ mod tests {
             log: true,
             categories: Vec::new(),
             names: Vec::new(),
+            overrides: Vec::new(),
         };
         let plot = legend.plot().expect("a picture");
         assert_eq!([0.0, 123.456, -0.5, 6.02e23, 99999.0].map(short), ["0", "123.5", "-0.5", "6.020e23", "99999"]);

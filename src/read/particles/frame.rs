@@ -7,8 +7,10 @@ use super::mixed::Mixed;
 use super::names::Names;
 use super::placed::PlacedPart;
 use super::survey::{Counted, Counts, Part, Survey};
+use super::vectors;
 use crate::error::{Error, Result};
-use crate::memory::{entries, extend_to};
+use crate::memory::{check, entries, extend_to};
+use crate::read::format::Format;
 use crate::scene::{Cell, Skipped, keep};
 use std::collections::BTreeMap;
 
@@ -42,6 +44,8 @@ pub(crate) struct Particles {
     /// The numbers from 1 of the style's rules for colour and radius, 0 for none; empty without rules.
     pub(crate) paint: Vec<u16>,
     pub(crate) size: Vec<u16>,
+    /// The particles of each of [`ReadOptions::marks`](crate::read::ReadOptions::marks), and what its evaluation said.
+    pub(in crate::read) marks: Vec<(Vec<bool>, Vec<String>)>,
     /// The periodic cell, if the file has one.
     pub(crate) cell: Option<Cell>,
     /// The copies of the particles, where an assembly is kept as operators: parts that together are all particles.
@@ -66,6 +70,12 @@ pub(crate) struct Particles {
     pub(in crate::read) room: usize,
 }
 
+impl Column {
+    fn named(&self) -> (&str, &[f64]) {
+        (&self.name, &self.values)
+    }
+}
+
 /// A column of numbers, one per particle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Column {
@@ -74,6 +84,30 @@ pub(crate) struct Column {
 }
 
 impl Particles {
+    /// Whether they are atoms without a box around them, in a file of this format.
+    pub(in crate::read) fn are_molecule(&self, format: Format) -> bool {
+        let is_boxed = format == Format::Xyz && self.cell.is_some();
+        format.is_of_molecules() && !is_boxed && self.elements.iter().any(|number| *number != 0)
+    }
+
+    /// Adds the length of the velocity under each of these names that means it and that no column has.
+    ///
+    /// # Errors
+    /// [`Error::Limits`] where memory is short.
+    pub(in crate::read) fn add_lengths(&mut self, wanted: &[String]) -> Result<()> {
+        for name in wanted {
+            let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
+            if !vectors::is_missing(name, &named) {
+                continue;
+            }
+            check(8 * self.positions.len() as u64, || format!("the column {name}"))?;
+            if let Some(values) = vectors::speed(&named) {
+                self.columns.push(Column { name: name.clone(), values });
+            }
+        }
+        Ok(())
+    }
+
     /// Counts particles with a name that is not an element. The number of different names is limited.
     pub(crate) fn meet_unknown(&mut self, name: &str, count: u64) {
         let keep = self.unknown.len() < 16 || self.unknown.contains_key(name);
@@ -199,12 +233,18 @@ impl Particles {
     pub(super) fn count(&mut self, counts: &mut Counts) {
         self.leave_sites_out(self.elements.iter().any(|code| infer::is_site(*code)));
         let columns = self.columns.iter().filter(|column| !["x", "y", "z"].contains(&column.name.as_str()));
+        let named: Vec<(&str, &[f64])> = self.columns.iter().map(Column::named).collect();
+        let speed = vectors::speed(&named).filter(|_| vectors::is_missing(vectors::VELOCITY, &named));
+        let speed = speed.iter().map(|speed| (vectors::VELOCITY, &speed[..], false));
         counts.add(&Counted {
             positions: &self.positions,
             radii: &self.radii,
             colors: self.colors.len(),
             elements: &self.elements,
-            columns: columns.map(|column| (&column.name[..], &column.values[..], self.is_text(&column.name))).collect(),
+            columns: columns
+                .map(|column| (&column.name[..], &column.values[..], self.is_text(&column.name)))
+                .chain(speed)
+                .collect(),
         });
         self.positions.clear();
         self.radii.clear();
@@ -267,6 +307,7 @@ impl Particles {
         keep(&mut self.places, stays);
         keep(&mut self.paint, stays);
         keep(&mut self.size, stays);
+        self.marks.iter_mut().for_each(|(mask, _)| keep(mask, stays));
         keep(&mut self.positions, stays);
         keep(&mut self.radii, stays);
         keep(&mut self.elements, stays);

@@ -333,14 +333,6 @@ impl Slot {
     }
 }
 
-/// The name of a vector's component: `forces_x`, and by its number beyond the third.
-pub(crate) fn component(name: &str, k: usize) -> String {
-    match ["x", "y", "z"].get(k) {
-        Some(axis) => format!("{name}_{axis}"),
-        None => format!("{name}_{k}"),
-    }
-}
-
 /// Whether a column is requested; `*` requests all.
 pub(crate) fn is_wanted(wanted: &[String], name: &str) -> bool {
     wanted.iter().any(|wanted| wanted == EVERY || wanted.eq_ignore_ascii_case(name))

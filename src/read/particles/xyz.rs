@@ -2,8 +2,9 @@
 //! declares the columns (`Properties=species:S:1:pos:R:3:forces:R:3`) and the cell (`Lattice="..."`); described at
 //! github.com/libAtoms/extxyz.
 
-use super::layout::{Layout, Role, component, wanted};
+use super::layout::{Layout, Role, wanted};
 use super::rows::{rows, surplus};
+use super::vectors::component;
 use super::{FrameTime, ParticleFrames, Particles, Survey};
 use crate::error::{Error, Result};
 use crate::memory::check_ids;

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 /// # Errors
 /// Those of the selections.
 pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -> Result<()> {
-    let ReadOptions { select, hide, style, .. } = options;
-    let rules = style.paints.len() + style.sizes.len();
+    let ReadOptions { select, hide, marks, style, .. } = options;
+    let rules = style.paints.len() + style.sizes.len() + marks.len();
     let count = particles.positions.len();
     // A frame without particles may have no columns either.
     if count == 0 || select.is_empty() && hide.is_empty() && rules == 0 {
@@ -23,11 +23,17 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
     }
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
     let (mut notes, mut all) = (Vec::new(), Vec::new());
-    let mut of = |selection: &Selection| -> Result<Mask> {
+    let evaluate = |selection: &Selection| -> Result<(Mask, Vec<String>)> {
         let mut evaluator = Evaluator::new(particles, selection);
         let mask = evaluator.mask()?;
-        notes.extend(selection.remarks());
-        notes.extend(evaluator.notes);
+        let mut said = selection.remarks();
+        said.extend(evaluator.notes);
+        Ok((mask, said))
+    };
+    let marks = marks.iter().map(evaluate).collect::<Result<Vec<_>>>()?;
+    let mut of = |selection: &Selection| -> Result<Mask> {
+        let (mask, said) = evaluate(selection)?;
+        notes.extend(said);
         Ok(mask)
     };
     // All rules see the whole frame, also what is hidden.
@@ -53,7 +59,7 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
         let mask = of(selection)?;
         stays.par_iter_mut().zip(mask).for_each(|(stays, flag)| *stays &= !flag);
     }
-    (particles.paint, particles.size) = (paint, size);
+    (particles.paint, particles.size, particles.marks) = (paint, size, marks);
     if !(select.is_empty() && hide.is_empty()) {
         particles.keep(&stays);
         if particles.positions.is_empty() && count > 0 {
@@ -62,6 +68,23 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
     }
     particles.skipped.assumed.extend(notes);
     Ok(())
+}
+
+/// The spheres that selections select, and what their evaluation said. Spheres have an index, coordinates and a radius.
+///
+/// # Errors
+/// Those of the selections.
+pub(in crate::read) fn marks_of(selections: &[Selection], spheres: &Spheres) -> Result<Vec<(Mask, Vec<String>)>> {
+    if selections.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (positions, radii) = (spheres.centers.to_vec(), spheres.radii.to_vec());
+    let particles = Particles { positions, radii, ..Particles::default() };
+    let of = |selection: &Selection| {
+        let mut evaluator = Evaluator::new(&particles, selection);
+        Ok((evaluator.mask()?, evaluator.notes))
+    };
+    selections.iter().map(of).collect()
 }
 
 /// Appends the selected ones of `part` to `spheres`; returns messages about the selection. Spheres have an index,

@@ -78,9 +78,12 @@ pub(in crate::read) fn candidates(word: &str) -> Vec<String> {
 pub(super) fn keys(key: &Key) -> Vec<String> {
     let names = |all: &[&str]| all.iter().map(|name| (*name).to_owned()).collect();
     match key {
-        Key::Index(_) | Key::Axis(_) | Key::Radius | Key::Element | Key::Kind(Kind::Hydrogen) => Vec::new(),
+        Key::Index(_) | Key::Axis(_) | Key::Radius | Key::Element | Key::Kind(Kind::Hydrogen | Kind::Metal) => {
+            Vec::new()
+        }
         Key::Resid => names(&[&NUMBERS[..], &["icode"]].concat()),
         Key::Residue => names(&[&NUMBERS[..], &RESIDUE].concat()),
+        Key::Kind(Kind::Ligand) => names(&[&NUMBERS[..], &RESIDUE, &["name", "species", "atom_name", "atom"]].concat()),
         Key::Kind(Kind::Backbone) => names(&["resname", "name"]),
         Key::Kind(_) => names(&["resname"]),
         Key::Columns(columns) => columns.clone(),

@@ -2,6 +2,7 @@
 
 use super::columns::{Key, NUMBERS, RESIDUE};
 use super::expression::{Comparison, Kind, Node, Operation, Value};
+use super::ligand::{self, Residue, is_metal};
 use super::near::near;
 use super::selection::Selection;
 use super::values::{Range, pattern};
@@ -102,6 +103,8 @@ impl<'a> Evaluator<'a> {
             Kind::Nucleic => self.residues(|name| class(name) == Some(ResidueClass::Nucleic))?,
             Kind::Water => self.residues(|name| class(name) == Some(ResidueClass::Water))?,
             Kind::Ion => self.residues(is_ion)?,
+            Kind::Metal => self.elements("metal")?.par_iter().map(|number| is_metal(*number)).collect(),
+            Kind::Ligand => self.ligands()?,
             Kind::Backbone => {
                 let mut mask = self.residues(|name| class(name) == Some(ResidueClass::Protein))?;
                 let Data::Names(values, names) = self.data("name")? else {
@@ -128,6 +131,35 @@ impl<'a> Evaluator<'a> {
         let Data::Names(values, names) = self.data("resname")? else { return Err(self.missing("resname")) };
         let chosen: Vec<bool> = names.iter().map(|name| is(name.trim().to_ascii_uppercase().as_bytes())).collect();
         Ok(flags(values, &chosen))
+    }
+
+    /// The particles of ligands; see [`ligand`].
+    fn ligands(&self) -> Result<Mask> {
+        let Data::Names(values, names) = self.data("resname")? else { return Err(self.missing("resname")) };
+        let (elements, numbers) = (self.elements("ligand")?, self.residue_numbers()?);
+        let chains = ["chain", "segid"].map(|name| self.column(name));
+        let atoms = match self.data("name") {
+            Ok(Data::Names(values, names)) => Some((values, names)),
+            _ => None,
+        };
+        let atom =
+            |n: usize| atoms.and_then(|(values, names)| names.get(values[n] as usize)).map_or("", |name| name.trim());
+        let same_chain = |a: usize, b: usize| {
+            chains.iter().flatten().all(|chain| chain.values[a].to_bits() == chain.values[b].to_bits())
+        };
+        let of: Vec<std::ops::Range<usize>> = ligand::runs(&numbers);
+        let residue = |range: &std::ops::Range<usize>| {
+            let name = names.get(values[range.start] as usize).map_or("", |name| name.trim());
+            Residue { name: name.to_ascii_uppercase(), range: range.clone() }
+        };
+        let residues: Vec<Residue> = of.iter().map(residue).collect();
+        let file =
+            ligand::Molecules { positions: &self.particles.positions, elements, atom: &atom, same_chain: &same_chain };
+        let mut mask = vec![false; self.len()];
+        for range in file.ligands(&residues) {
+            mask[range].fill(true);
+        }
+        Ok(mask)
     }
 
     fn values(&mut self, word: &str, values: &[Value]) -> Result<Mask> {

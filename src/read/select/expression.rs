@@ -37,11 +37,15 @@ pub(super) enum Kind {
     /// N, CA, C and O of a protein.
     Backbone,
     Hydrogen,
+    /// Elements that are metals.
+    Metal,
+    /// Small organic molecules, see [`super::ligand`].
+    Ligand,
 }
 
 impl Kind {
     /// All of them, by their words; a word may have two forms.
-    pub(super) const WORDS: [(&'static str, Self); 8] = [
+    pub(super) const WORDS: [(&'static str, Self); 12] = [
         ("protein", Self::Protein),
         ("nucleic", Self::Nucleic),
         ("water", Self::Water),
@@ -50,6 +54,10 @@ impl Kind {
         ("ions", Self::Ion),
         ("backbone", Self::Backbone),
         ("hydrogen", Self::Hydrogen),
+        ("metal", Self::Metal),
+        ("metals", Self::Metal),
+        ("ligand", Self::Ligand),
+        ("ligands", Self::Ligand),
     ];
 
     pub(super) fn word(self) -> &'static str {

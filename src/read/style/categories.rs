@@ -24,10 +24,12 @@ pub(super) fn of_element(number: u8) -> u32 {
     element(number).map_or(0xff1493, |element| element.color)
 }
 
-/// The legend of the elements that occur, by atomic number; unknown elements come last.
-pub(super) fn elements(elements: &[u8]) -> Legend {
+/// The legend of the elements that occur, by atomic number; unknown elements come last. `paint` has the rules that give
+/// particles other colours, see [`Particles::paint`]; these are not counted.
+pub(super) fn elements(elements: &[u8], paint: &[u16]) -> Legend {
     let mut counts = [0_u64; 256];
-    elements.iter().for_each(|number| counts[usize::from(*number)] += 1);
+    let own = elements.iter().enumerate().filter(|(n, _)| !is_painted(paint, *n));
+    own.for_each(|(_, number)| counts[usize::from(*number)] += 1);
     let there = (1..=u8::MAX).chain([0]).filter(|number| counts[usize::from(*number)] > 0);
     let category = |number: u8| {
         let [_, red, green, blue] = of_element(number).to_be_bytes();
@@ -36,7 +38,26 @@ pub(super) fn elements(elements: &[u8]) -> Legend {
     };
     let categories = there.map(category).collect();
     let (map, range) = (ColorMap::Category, [1.0, 118.0]);
-    Legend { name: "element".into(), map, range, log: false, categories, names: Vec::new() }
+    Legend { name: "element".into(), map, range, log: false, categories, names: Vec::new(), overrides: Vec::new() }
+}
+
+/// Whether a rule gives particle `n` a colour of its own.
+fn is_painted(paint: &[u16], n: usize) -> bool {
+    paint.get(n).is_some_and(|rule| *rule > 0)
+}
+
+/// The legend of the elements of two parts of a file, in the order of [`elements`].
+pub(in crate::read) fn joined_elements(mut first: Legend, second: &Legend) -> Legend {
+    for category in &second.categories {
+        match first.categories.iter_mut().find(|known| known.label == category.label) {
+            Some(known) => known.count += category.count,
+            None => first.categories.push(category.clone()),
+        }
+    }
+    let place =
+        |category: &Category| (1..=u8::MAX).find(|n| element(*n).is_some_and(|found| found.symbol == category.label));
+    first.categories.sort_by_key(|category| place(category).unwrap_or(u8::MAX));
+    first
 }
 
 /// The colours and the legend where the scale's columns are categories; `None` where they are numbers.
@@ -78,7 +99,7 @@ pub(super) fn apply(
     let map = scale.map.unwrap_or(ColorMap::Category);
     let place = |category: f64| if map == ColorMap::Category { category } else { category / last };
     let (mut counts, mut missing, mut more) = (BTreeMap::<i64, u64>::new(), 0_u64, 0_u64);
-    for value in &column.values {
+    for (_, value) in column.values.iter().enumerate().filter(|(n, _)| !is_painted(&particles.paint, *n)) {
         let known = counts.len() < MOST;
         match number(*value) {
             category if !category.is_finite() => missing += 1,
@@ -122,7 +143,7 @@ pub(super) fn apply(
         known.get(&(category as i64)).filter(|_| category.is_finite()).copied().unwrap_or_else(|| color(category))
     };
     let colors = column.values.par_iter().map(of).collect();
-    let legend = Legend { name: name.clone(), map, range, log: false, categories, names };
+    let legend = Legend { name: name.clone(), map, range, log: false, categories, names, overrides: Vec::new() };
     Ok(Some((colors, (several > 0).then_some(legend))))
 }
 
@@ -220,9 +241,17 @@ mod tests {
 
     #[test]
     fn elements_are_listed_by_number() {
-        let found = elements(&[8, 1, 1, 0, 6]).categories;
+        let found = elements(&[8, 1, 1, 0, 6], &[]).categories;
         let labels: Vec<(&str, u64)> = found.iter().map(|category| (&category.label[..], category.count)).collect();
         assert_eq!(labels, [("H", 2), ("C", 1), ("O", 1), ("unknown", 1)]);
         assert_eq!((linear(found[2].color), found[3].color), (of_hex(of_element(8)), [0xff, 0x14, 0x93]));
+        let found = elements(&[8, 1, 1, 6], &[0, 1, 1, 2]).categories;
+        assert_eq!(
+            found.iter().map(|found| &found.label[..]).collect::<Vec<_>>(),
+            ["O"],
+            "the others have other colours"
+        );
+        let parts = joined_elements(elements(&[8, 0, 6], &[]), &elements(&[7, 8, 1], &[]));
+        assert_eq!(parts, elements(&[8, 0, 6, 7, 8, 1], &[]));
     }
 }

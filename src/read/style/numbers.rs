@@ -4,7 +4,7 @@ use super::categories;
 use super::scale::{Colored, Legend, Scale};
 use crate::error::{Error, Result};
 use crate::quote::{list, quote};
-use crate::read::particles::{Column, Particles};
+use crate::read::particles::{Column, Particles, vectors};
 use crate::scene::Skipped;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -35,11 +35,10 @@ impl Scale {
         }
         let map = self.map.unwrap_or_default();
         let n = particles.positions.len();
-        let value = |i: usize| match columns[..] {
-            [one] => one.values[i],
-            _ => columns.iter().map(|column| column.values[i].powi(2)).sum::<f64>().sqrt(),
+        let values = match columns[..] {
+            [one] => Cow::Borrowed(&one.values),
+            _ => Cow::Owned(vectors::length(&columns.iter().map(|column| &column.values[..]).collect::<Vec<_>>())),
         };
-        let values: Vec<f64> = (0..n).into_par_iter().map(value).collect();
         let shown = |x: &&f64| x.is_finite() && (!self.log || **x > 0.0);
         let ends =
             || values.iter().filter(shown).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
@@ -51,10 +50,7 @@ impl Scale {
             // If all values are equal or NaN: the map's first colour.
             map.color(if part.is_nan() { 0.0 } else { part })
         };
-        let name = match &self.columns[..] {
-            [one] => one.clone(),
-            several => format!("|{}|", several.join(", ")),
-        };
+        let name = vectors::title(&self.columns, &particles.has);
         let lost = values.par_iter().filter(|x| x.is_nan() || self.log && **x <= 0.0).count();
         if lost > 0 {
             let why = if self.log { "are not positive numbers" } else { "are not numbers" };
@@ -62,7 +58,15 @@ impl Scale {
                 "{lost} of {n} values of {name} {why}, so these particles have the first colour of the map"
             ));
         }
-        let legend = Legend { name, map, range: [low, high], log: self.log, categories: Vec::new(), names: Vec::new() };
+        let legend = Legend {
+            name,
+            map,
+            range: [low, high],
+            log: self.log,
+            categories: Vec::new(),
+            names: Vec::new(),
+            overrides: Vec::new(),
+        };
         Ok((values.par_iter().map(color).collect(), (low <= high || self.range.is_some()).then_some(legend)))
     }
 }

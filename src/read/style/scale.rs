@@ -42,12 +42,32 @@ pub struct Legend {
     pub categories: Vec<Category>,
     /// The names of the file in the order of their colours, whether they occur or not; empty for numbers.
     pub names: Vec<String>,
+    /// The colours of selected particles ([`Style::paints`](super::Style::paints)), labelled by their expressions. The
+    /// categories are those of the other particles.
+    pub overrides: Vec<Category>,
 }
 
 impl Legend {
+    /// The legend of colours of selections only.
+    pub(super) fn of_selections(overrides: Vec<Category>) -> Self {
+        let (map, range) = (ColorMap::Category, [0.0; 2]);
+        Self { name: "selection".into(), map, range, log: false, categories: Vec::new(), names: Vec::new(), overrides }
+    }
+
+    /// Whether it shows numbers through a colour map; otherwise it shows categories only.
+    #[must_use]
+    pub fn is_scale(&self) -> bool {
+        self.categories.is_empty() && self.map != ColorMap::Category
+    }
+
+    /// The swatches: the categories, then the colours of selections.
+    pub fn swatches(&self) -> impl Iterator<Item = &Category> + Clone {
+        self.categories.iter().chain(&self.overrides)
+    }
+
     /// Whether it is a scale of numbers that are all equal.
     pub(in crate::read) fn is_flat(&self) -> bool {
-        self.names.is_empty() && self.categories.is_empty() && self.range[0] == self.range[1]
+        self.names.is_empty() && self.is_scale() && self.range[0] == self.range[1]
     }
 }
 

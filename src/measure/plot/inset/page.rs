@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::measure::plot::canvas::{plain, shortened};
-use crate::measure::plot::legend::{TICKS, short};
+use crate::measure::plot::legend::TICKS;
 use crate::measure::plot::raster::{letters, letters_width};
-use crate::read::style::Legend;
+use crate::read::style::{Category, Legend};
 use std::fmt::Write;
 use tiny_skia::{Color, FillRule, Paint, Pixmap, Rect, Transform};
 
@@ -96,8 +96,8 @@ impl Page {
         Ok((pixels, text))
     }
 
-    /// The legend in a column, its title, and what it shows besides: a bar with the largest number at the top, or a swatch
-    /// for each category.
+    /// The legend in a column, its title, and what it shows besides: a bar with the largest number at the top, a swatch for
+    /// each category and each selection with a colour of its own.
     pub(super) fn legend(&self, legend: &Legend) -> Result<(Pixmap, [String; 2])> {
         let (size, margin) = (self.size, self.margin);
         let log = if legend.log { " (logarithmic)" } else { "" };
@@ -107,33 +107,33 @@ impl Page {
         // From the top of a row to that of the next.
         let row = (1.5 * size).round();
         let free = self.height - 4.0 * margin - below;
-        let mut words = String::new();
-        let bar = legend.categories.is_empty();
-        let rows = ((free / row).max(0.0) as usize).min(legend.categories.len());
+        let bar = legend.is_scale();
+        let swatches: Vec<&Category> = legend.swatches().collect();
+        // A bar leaves up to half of its panel to the swatches of selections.
+        let under = if bar { (row * swatches.len() as f32).min(free / 2.0) } else { free };
+        let rows = ((under / row).max(0.0) as usize).min(swatches.len());
+        let long = (0.5 * self.height).min(14.0 * size).min(free - size - row * rows as f32).round();
         // The last row counts what does not fit.
-        let shown = if rows < legend.categories.len() { rows.saturating_sub(1) } else { rows };
-        let labels: Vec<String> = if bar {
-            (0..TICKS).rev().map(|tick| short(legend.at(f64::from(tick) / f64::from(TICKS - 1)))).collect()
-        } else {
-            let labels = legend.categories[..shown].iter().map(|c| shortened(&plain(&c.label), LETTERS));
-            labels.map(|label| self.fitting(&label, false, widest - row)).collect()
-        };
-        let more = legend.categories.len() - shown * usize::from(!bar);
-        let more = if more > 0 && !bar { format!("and {more} more") } else { String::new() };
-        for label in labels.iter().chain([&more]).filter(|label| !label.is_empty()) {
+        let shown = if rows < swatches.len() { rows.saturating_sub(1) } else { rows };
+        let ticks: Vec<String> = if bar { legend.ticks().into_iter().rev().collect() } else { Vec::new() };
+        let labels = swatches[..shown].iter().map(|swatch| shortened(&plain(&swatch.label), LETTERS));
+        let labels: Vec<String> = labels.map(|label| self.fitting(&label, false, widest - row)).collect();
+        let more = swatches.len() - shown;
+        let more = if more > 0 { format!("and {more} more") } else { String::new() };
+        let mut words = String::new();
+        for label in ticks.iter().chain(&labels).chain([&more]).filter(|label| !label.is_empty()) {
             // Writing to a String does not fail.
             let _ = write!(words, ", {label}");
         }
         let width = |text: &String| letters_width(text, false, size);
         let beside = (1.4 * size).round() + margin;
-        let wide = beside + labels.iter().map(width).fold(0.0, f32::max);
+        let wide = beside + ticks.iter().chain(&labels).map(width).fold(0.0, f32::max);
         let wide = wide.max(width(&more)).max(letters_width(&title, true, size));
-        let long = (0.5 * self.height).min(14.0 * size).min(free - size).round();
-        let high = if bar { long + size } else { row * rows as f32 };
-        if (bar && long < 5.0 * size) || (!bar && rows == 0) {
+        let bar_high = if bar { long + size } else { 0.0 };
+        if (bar && long < 5.0 * size) || (!swatches.is_empty() && rows == 0) {
             return Err(self.too_small("the legend"));
         }
-        let mut pixels = self.panel(wide, below + high, "the legend")?;
+        let mut pixels = self.panel(wide, below + bar_high + row * rows as f32, "the legend")?;
         self.write(&mut pixels, &title, true, [margin, margin]);
         let top = margin + below;
         if bar {
@@ -145,7 +145,7 @@ impl Page {
                 let y = first + strip as f32;
                 fill(&mut pixels, [margin, y, right, y + 1.0], color);
             }
-            for (tick, label) in labels.iter().enumerate() {
+            for (tick, label) in ticks.iter().enumerate() {
                 let y = first + (long - 1.0) * tick as f32 / (TICKS - 1) as f32;
                 fill(
                     &mut pixels,
@@ -154,17 +154,16 @@ impl Page {
                 );
                 self.write(&mut pixels, label, false, [margin + beside, y - size / 2.0]);
             }
-        } else {
-            let side = size.round();
-            for (n, (label, category)) in labels.iter().zip(&legend.categories).enumerate() {
-                let _ = write!(words, " {:?}", category.color);
-                let y = (top + row * n as f32 + (row - side) / 2.0).round();
-                fill(&mut pixels, [margin, y, margin + side, y + side], LINE);
-                fill(&mut pixels, [margin + 1.0, y + 1.0, margin + side - 1.0, y + side - 1.0], category.color);
-                self.write(&mut pixels, label, false, [margin + beside, y]);
-            }
-            self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
         }
+        let (top, side) = (top + bar_high, size.round());
+        for (n, (label, swatch)) in labels.iter().zip(&swatches).enumerate() {
+            let _ = write!(words, " {:?}", swatch.color);
+            let y = (top + row * n as f32 + (row - side) / 2.0).round();
+            fill(&mut pixels, [margin, y, margin + side, y + side], LINE);
+            fill(&mut pixels, [margin + 1.0, y + 1.0, margin + side - 1.0, y + side - 1.0], swatch.color);
+            self.write(&mut pixels, label, false, [margin + beside, y]);
+        }
+        self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
         Ok((pixels, [title, words]))
     }
 

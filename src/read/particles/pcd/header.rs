@@ -5,7 +5,8 @@ use crate::memory::check_ids;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
-use crate::read::particles::layout::{Layout, Role, component};
+use crate::read::particles::component;
+use crate::read::particles::layout::{Layout, Role};
 use crate::read::particles::scalar::Scalar;
 
 /// How the points are stored.

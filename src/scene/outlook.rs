@@ -1,0 +1,246 @@
+//! Where to look at some spheres of a scene from: an eye outside of every sphere, and the direction from which the others
+//! hide them least.
+
+use super::camera::{Camera, Viewport};
+use super::{Facing, Framing, ImagePlane, Spheres, Spread};
+use crate::error::Result;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// A camera that shows some spheres of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlook {
+    /// The camera.
+    pub camera: Camera,
+    /// The share of their picture that no other sphere covers, 0 to 1, estimated from a coarse grid.
+    pub seen: f64,
+    /// The number of squares of the grid in which they are seen.
+    area: u32,
+}
+
+/// Squares of the grid along the longer side of the image.
+const GRID: f64 = 96.0;
+
+/// The eye keeps a tenth of a sphere's radius away from it.
+const CLEAR: f64 = 1.1;
+
+/// How much the lens narrows in a step, and the most steps: 2^16 in all.
+const NARROWER: f64 = 1.189_207_115_002_721;
+const STEPS: usize = 64;
+
+/// The direction along the principal axes is taken if it shows this share of what the best one does.
+const AS_GOOD: f64 = 0.9;
+
+impl Outlook {
+    /// The camera that shows `part` from this direction, with the lens of `camera`. If its eye were inside of a sphere of
+    /// the scene, the lens is narrowed, and the eye is farther away, until it is not.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn from(
+        facing: Facing,
+        camera: &Camera,
+        image: ImagePlane,
+        part: &Spheres,
+        all: &Spheres,
+        framing: &Framing,
+    ) -> Result<Self> {
+        let view = Surroundings::new(image, part, all, framing);
+        view.from(facing, camera)
+    }
+
+    /// The same from the direction in which most of `part` is seen. Candidates are the largest face of `part` from both
+    /// sides ([`Spread::facing`]), and 98 directions over the sphere. A face is taken if it shows at least 0.9 of what the
+    /// best direction does, else the best one, the first of equals. The longest axis of `part` lies across the image, or upright in a tall one.
+    ///
+    /// # Errors
+    /// As [`Camera::fit`].
+    pub fn least_hidden(
+        camera: &Camera,
+        image: ImagePlane,
+        part: &Spheres,
+        all: &Spheres,
+        framing: &Framing,
+    ) -> Result<Self> {
+        let view = Surroundings::new(image, part, all, framing);
+        let spread = Spread::of(part);
+        let is_tall = image.height > image.width;
+        let face = spread.facing(is_tall);
+        let back = Facing { view: -face.view, up: face.up };
+        let along = if is_tall { face.up } else { face.view.cross(face.up) };
+        let others = directions().map(|back| turned(-back, along, is_tall));
+        let candidates: Vec<Facing> = [face, back].into_iter().chain(others).collect();
+        let found = candidates.par_iter().map(|facing| view.from(*facing, camera)).collect::<Result<Vec<Self>>>()?;
+        let best = found.iter().map(|outlook| outlook.area).max().unwrap_or(0);
+        let good = |outlook: &&Self| f64::from(outlook.area) >= AS_GOOD * f64::from(best);
+        // The first two by their faces, the others by what they show.
+        let first = found.iter().take(2).find(good);
+        let best = || found.iter().find(|outlook| outlook.area == best);
+        Ok(*first.or_else(best).unwrap_or(&found[0]))
+    }
+}
+
+impl Spheres {
+    /// The centres and radii of the spheres whose flag is set; flags beyond the spheres do not matter.
+    #[must_use]
+    pub fn part(&self, flags: &[bool]) -> Self {
+        let chosen: Vec<usize> = (0..self.len()).filter(|n| flags.get(*n).is_some_and(|flag| *flag)).collect();
+        let centers: Vec<[f64; 3]> = chosen.iter().map(|n| self.centers[*n]).collect();
+        let radii: Vec<f64> = chosen.iter().map(|n| self.radii[*n]).collect();
+        Self { centers: centers.into(), radii: radii.into(), colors: None, materials: None }
+    }
+}
+
+/// Directions of integers on the faces of a cube, of unit length.
+fn directions() -> impl Iterator<Item = DVec3> {
+    let steps = || (-2..=2).map(f64::from);
+    let all = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| DVec3::new(x, y, z))));
+    all.filter(|at| at.abs().max_element() == 2.0).map(DVec3::normalize)
+}
+
+/// A direction of view in which an axis lies across the image, or upright, as far as it is seen.
+fn turned(view: DVec3, along: DVec3, is_tall: bool) -> Facing {
+    let seen = along - view.dot(along) * view;
+    let up = match seen.try_normalize().filter(|_| seen.length() > 0.1) {
+        Some(axis) if is_tall => axis,
+        Some(axis) => axis.cross(view),
+        None if view.y.abs() < 0.9 => DVec3::Y,
+        None => DVec3::Z,
+    };
+    Facing { view, up }
+}
+
+/// Some spheres within a scene.
+struct Surroundings<'a> {
+    image: ImagePlane,
+    framing: &'a Framing,
+    part: &'a Spheres,
+    all: &'a Spheres,
+    /// The numbers of the other spheres.
+    others: Vec<usize>,
+}
+
+fn bits(center: &[f64; 3], radius: f64) -> [u64; 4] {
+    let [x, y, z] = center.map(f64::to_bits);
+    [x, y, z, radius.to_bits()]
+}
+
+impl<'a> Surroundings<'a> {
+    fn new(image: ImagePlane, part: &'a Spheres, all: &'a Spheres, framing: &'a Framing) -> Self {
+        let own: HashSet<[u64; 4]> = part.centers.iter().zip(&part.radii).map(|(c, r)| bits(c, *r)).collect();
+        let others = (0..all.len()).filter(|n| !own.contains(&bits(&all.centers[*n], all.radii[*n]))).collect();
+        Self { image, framing, part, all, others }
+    }
+
+    fn from(&self, facing: Facing, camera: &Camera) -> Result<Outlook> {
+        let ImagePlane { width, height, .. } = self.image;
+        let mut start = *camera;
+        facing.turn(&mut start);
+        let mut found = start;
+        found.fit(self.image, self.part, self.framing)?;
+        if found.lens.is_orthographic() {
+            // Rays start on the plane of the eye, which lies in front of all.
+            let back = -facing.view.normalize();
+            let front = |spheres: &Spheres| {
+                let each = spheres.centers.par_iter().zip(&spheres.radii);
+                let ahead = each.map(|(c, r)| back.dot(DVec3::from_array(*c) - found.eye) + r);
+                ahead.reduce(|| f64::NEG_INFINITY, f64::max)
+            };
+            let extent = front(self.all) - front(self.part);
+            found.eye += back * extent.max(0.0);
+        } else {
+            for _ in 0..STEPS {
+                if !self.is_inside(found.eye) {
+                    break;
+                }
+                start.zoom(NARROWER, width, height)?;
+                found = start;
+                found.fit(self.image, self.part, self.framing)?;
+            }
+        }
+        let [area, whole] = self.seen(&found)?;
+        Ok(Outlook { camera: found, seen: f64::from(area) / f64::from(whole.max(1)), area })
+    }
+
+    /// Whether a point is inside of a sphere, or almost.
+    fn is_inside(&self, eye: DVec3) -> bool {
+        let each = self.all.centers.par_iter().zip(&self.all.radii);
+        each.any(|(c, r)| (DVec3::from_array(*c) - eye).length() <= CLEAR * r)
+    }
+
+    /// The squares of the grid in which the part is seen, and those in which it would be without the others.
+    fn seen(&self, camera: &Camera) -> Result<[u32; 2]> {
+        let mut grid = Grid::new(camera, self.image)?;
+        for (center, radius) in self.part.centers.iter().zip(&self.part.radii) {
+            grid.each(center, *radius, |square, depth| square.nearest = square.nearest.min(depth));
+        }
+        for n in &self.others {
+            let hide = |square: &mut Square, depth: f64| square.is_hidden |= depth < square.nearest;
+            grid.each(&self.all.centers[*n], self.all.radii[*n], hide);
+        }
+        let own = || grid.squares.iter().filter(|square| square.nearest < f64::INFINITY);
+        Ok([own().filter(|square| !square.is_hidden).count() as u32, own().count() as u32])
+    }
+}
+
+/// A square of the image: the nearest depth of the part, and whether another sphere is before it.
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    nearest: f64,
+    is_hidden: bool,
+}
+
+/// The image in squares. Spheres cover discs of it, which is exact in its middle.
+struct Grid {
+    squares: Vec<Square>,
+    columns: usize,
+    rows: usize,
+    eye: DVec3,
+    /// Right, up and back.
+    axes: [DVec3; 3],
+    /// Squares in a unit of length, at distance 1 or at all distances.
+    scale: f64,
+    is_parallel: bool,
+}
+
+impl Grid {
+    fn new(camera: &Camera, image: ImagePlane) -> Result<Self> {
+        let basis = camera.basis()?;
+        let viewport = camera.viewport(image.width, image.height)?;
+        let Viewport { vw, vh, d } = viewport;
+        let side = vw.max(vh) / GRID;
+        let [columns, rows] = [vw, vh].map(|length| ((length / side).ceil() as usize).max(1));
+        let is_parallel = viewport.is_parallel();
+        let scale = if is_parallel { 1.0 / side } else { d / side };
+        let squares = vec![Square { nearest: f64::INFINITY, is_hidden: false }; columns * rows];
+        Ok(Self { squares, columns, rows, eye: basis.e, axes: [basis.u, basis.v, basis.w], scale, is_parallel })
+    }
+
+    /// Visits the squares whose middle a sphere covers, with the depth of its surface there.
+    fn each(&mut self, center: &[f64; 3], radius: f64, mut visit: impl FnMut(&mut Square, f64)) {
+        let away = DVec3::from_array(*center) - self.eye;
+        let [x, y, z] = self.axes.map(|axis| axis.dot(away));
+        let depth = -z;
+        if depth <= 0.0 {
+            return;
+        }
+        let scale = if self.is_parallel { self.scale } else { self.scale / depth };
+        let half = [self.columns, self.rows].map(|side| side as f64 / 2.0);
+        let (x, y, reach) = (half[0] + x * scale, half[1] - y * scale, radius * scale);
+        // A square's middle is at its number and a half. Numbers beyond the image become its first or last.
+        let ends = |at: f64, side: usize| {
+            let first = (at - reach - 0.5).ceil().clamp(0.0, side as f64) as usize;
+            first..((at + reach - 0.5).floor() + 1.0).clamp(first as f64, side as f64) as usize
+        };
+        for row in ends(y, self.rows) {
+            for column in ends(x, self.columns) {
+                let [dx, dy] = [column as f64 + 0.5 - x, row as f64 + 0.5 - y];
+                let inside = 1.0 - (dx * dx + dy * dy) / (reach * reach);
+                if inside >= 0.0 {
+                    visit(&mut self.squares[row * self.columns + column], depth - radius * inside.sqrt());
+                }
+            }
+        }
+    }
+}
