@@ -3,11 +3,14 @@
 
 use crate::test_dir::{Output, TestDir};
 
-/// Atoms of three elements that touch and overlap, in two layers.
+/// Atoms of four elements that overlap, in two layers. None is as far from a pixel's ray as another, so that methods without a
+/// certificate see the same ones.
 fn dir() -> TestDir {
     let elements = ["C", "O", "N", "S"];
     let atom = |n: usize| {
-        let [x, y, z] = [(n % 4) as f64 * 2.1, (n / 4 % 4) as f64 * 2.3 + 0.3 * (n % 3) as f64, (n / 16) as f64 * 2.5];
+        let aside = [7, 11, 13].map(|k| (n * k % 17) as f64 * 0.0213);
+        let [x, y, z] =
+            [(n % 4) as f64 * 2.1 + aside[0], (n / 4 % 4) as f64 * 2.3 + aside[1], (n / 16) as f64 * 2.5 + aside[2]];
         format!("{} {x} {y} {z}\n", elements[n * 7 % 5 % 4])
     };
     let atoms: String = (0..32).map(atom).collect();
@@ -71,7 +74,7 @@ fn buffers_do_not_depend_on_looks() {
     let aovs = "--aov depth=d.npy --aov id=i.npy --aov normal=n.npy --aov occlusion=o.npy --aov certainty=c.npy";
     let buffers = |options: &str| {
         let report = dir.render(&format!("m.xyz --size 60x50 {aovs} --json {options}")).json();
-        (["d", "i", "n", "o", "c"].map(|name| dir.get(&format!("{name}.npy"))), report)
+        (["d", "i", "n", "o", "c"].map(|name| dir.array(&format!("{name}.npy"))), report)
     };
     let (alone, report) = buffers("");
     assert!(report["look"].is_null() && report["samples"] == 1, "nothing of a look is computed: {report}");
