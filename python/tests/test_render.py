@@ -95,32 +95,30 @@ def test_files_are_those_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> Non
 def test_particles_have_the_look_of_the_command(cpu: hl.Renderer, tmp_path: Path) -> None:
     atoms = tmp_path / "m.xyz"
     atoms.write_text("3\n\nO 0 0 0\nC 1.5 0 0\nN 0 1.5 0\n")
-    scene = hl.read(atoms)
-    frames = {
-        options: cpu.render(scene, size=(40, 30), **dict(options))  # type: ignore[arg-type]
-        for options in (
-            (),
-            (("look", "soft"),),
-            (("samples", 4), ("accuracy", "certified")),
-            (("look", "plain"),),
-            (("shade", "headlight"),),
-        )
-    }
-    usual, soft, asked, plain, headlight = (frame["color"] for frame in frames.values())
-    assert np.array_equal(usual, soft) and np.array_equal(usual, asked)
-    assert np.array_equal(plain, headlight) and not np.array_equal(usual, plain)
-    looks = [frame.report["look"] for frame in frames.values()]
+    scene, size = hl.read(atoms), (40, 30)
+    usual = cpu.render(scene, size=size)
+    soft = cpu.render(scene, size=size, look="soft")
+    asked = cpu.render(scene, size=size, samples=4, accuracy="certified", aovs=["color", "depth"])
+    plain = cpu.render(scene, size=size, look="plain")
+    headlight = cpu.render(scene, size=size, shade="headlight")
+    for frame in (soft, asked):
+        assert np.array_equal(frame["color"], usual["color"])
+    assert np.array_equal(plain["color"], headlight["color"])
+    assert not np.array_equal(usual["color"], plain["color"])
+    looks = [frame.report["look"] for frame in (usual, soft, asked, plain, headlight)]
     assert looks == ["soft", "soft", "soft", "plain", "plain"]
+    many = list(cpu.render_many(scene, [hl.Camera((0, 0, 9))], size=size))
+    assert many[0].report["look"] == "soft" and many[0].report["samples"] == 4
     mine, theirs = tmp_path / "mine.png", tmp_path / "theirs.png"
-    frames[()].save(mine)
+    usual.save(mine)
     run(commands()[0], "render", atoms, "-o", theirs, "--backend", "cpu", "--size", "40x30")
     assert mine.read_bytes() == theirs.read_bytes()
-    depth = cpu.render(scene, size=(40, 30), aovs="depth")
+    depth = cpu.render(scene, size=size, aovs="depth")
     assert depth.report["look"] is None and depth.report["samples"] == 1
-    arrays = cpu.render(hl.Scene(scene.centers, scene.radii), size=(40, 30))
+    arrays = cpu.render(hl.Scene(scene.centers, scene.radii), size=size)
     assert arrays.report["look"] == "plain"
-    exposed = [cpu.render(scene, size=(40, 30), tone=tone, exposure=2) for tone in TONES]
-    assert np.array_equal(exposed[0]["color"], usual)
+    exposed = [cpu.render(scene, size=size, tone=tone, exposure=2) for tone in TONES]
+    assert np.array_equal(exposed[0]["color"], usual["color"])
     assert not np.array_equal(exposed[0].image, exposed[1].image)
     assert [frame.report["tone"] for frame in exposed] == list(TONES)
 

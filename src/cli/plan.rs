@@ -175,7 +175,7 @@ impl PlanText<'_> {
             let each = if at_centers { "from every second pixel's centre" } else { "for each point" };
             writeln!(f, "sky        {} {each}, {reach}", count(rays.into(), "ray"))?;
             if let Some(SkyColors { zenith, horizon, is_shown }) = colors {
-                let rgb = |color: [f32; 3]| color.map(|c| number(c.into(), 6)).join(", ");
+                let rgb = |color: [f32; 3]| color.map(|c| c.to_string()).join(", ");
                 let seen = if is_shown { "" } else { "; the background is seen in its place" };
                 writeln!(f, "           zenith {}, horizon {}{seen}", rgb(zenith), rgb(horizon))?;
             }

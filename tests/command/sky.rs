@@ -63,7 +63,8 @@ fn an_open_sky_lights_a_sphere_with_its_mean() {
     assert!(dir.array("o.npy").0.iter().all(|open| *open == 1.0), "nothing hides it from a single sphere");
     // The normal at the middle is horizontal: half of what it sees is below the horizon. The mean of the zenith's share, weighted
     // by the cosine, is 2/pi times the integral of (1 - (1 - s)^8) sqrt(1 - s^2) for s from 0 to 1.
-    let middle = found[40 * 20 + 20];
+    let of_rows = |colors: &[[f64; 3]]| [0, 1, 2].map(|k| (colors[40 * 19 + 20][k] + colors[40 * 20 + 20][k]) / 2.0);
+    let middle = of_rows(&found);
     let steps = 100_000;
     let share = |k: usize| {
         let s = (k as f64 + 0.5) / steps as f64;
@@ -71,19 +72,22 @@ fn an_open_sky_lights_a_sphere_with_its_mean() {
     };
     let zenith = (0..steps).map(share).sum::<f64>() / steps as f64 * 2.0 / std::f64::consts::PI;
     let expected = [0, 1, 2].map(|k| HORIZON[k] + (ZENITH[k] - HORIZON[k]) * zenith);
-    // The normal of this pixel is within 0.03 of horizontal, and the table of means errs by 0.003.
-    assert!(distance(middle, expected) < 0.02, "{middle:?}, not {expected:?}");
+    // The normals of these two pixels are 0.1 above and below the horizon, where the mean's curve is nearly straight: seen 0.002.
+    assert!(distance(middle, expected) < 0.01, "{middle:?}, not {expected:?}");
     // No noise: neighbours differ by their normals alone.
     let column: Vec<f64> = (18..22).map(|row| found[40 * row + 20][2]).collect();
     assert!(column.windows(2).all(|pair| pair[0] > pair[1] && pair[0] - pair[1] < 0.1), "{column:?}");
     // Beside a light it is half as bright.
     dir.put("l.toml", scene("") + "[[light]]\ndirection = [0, 0, -1]\n");
-    let half = colors(&dir, "l.toml")[40 * 20 + 20];
+    let half = of_rows(&colors(&dir, "l.toml"));
     assert!(distance(half, middle.map(|c| c / 2.0)) < 1e-6, "{half:?}");
-    // What hides it has no colour: a ground takes the lower half away.
+    // What hides it has no colour: a ground takes the lower half away, which gives 0.88 of the red and 0.22 of the blue.
     dir.put("g.toml", scene("") + "[[sphere]]\ncenter = [0, -1001, -5]\nradius = 1000\ncolor = [0, 0, 0]\n");
-    let ground = colors(&dir, "g.toml --samples 16")[40 * 20 + 20];
-    assert!(ground[0] < 0.6 * middle[0] && ground[2] > 0.8 * middle[2], "{ground:?} beside {middle:?}");
+    let ground = of_rows(&colors(&dir, "g.toml --samples 16"));
+    assert!(
+        ground[0] < 0.3 * middle[0] && ground[2] > 0.65 * middle[2] && ground[2] < 0.9 * middle[2],
+        "{ground:?} beside {middle:?}"
+    );
 }
 
 #[test]
