@@ -23,8 +23,9 @@ mod film;
 mod habits;
 mod info;
 mod insets;
-mod light;
 #[cfg(target_os = "linux")]
+mod lens;
+mod light;
 mod limits;
 mod looks;
 mod merge;
