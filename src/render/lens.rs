@@ -97,7 +97,7 @@ mod tests {
             let center = [rng.between(-4.0, 4.0), rng.between(-3.0, 3.0), rng.between(-14.0, -3.0)];
             let mut color = [0.0; 3];
             color[n / DIGITS] = 16f32.powi(-1 - (n % DIGITS) as i32);
-            spheres.push(center, rng.between(0.2, 1.0), Some(color));
+            spheres.push(center, rng.between(0.4, 1.4), Some(color));
         }
         Scene {
             camera: Camera {
@@ -172,7 +172,7 @@ mod tests {
                 assert_eq!(digits, counts, "{lens:?} {focus:?} pixel {pixel}");
                 mixed += u32::from(counts.iter().filter(|n| **n > 0).count() > 1);
             }
-            assert!(mixed > 100, "{mixed} pixels show several spheres");
+            assert!(mixed > 10, "{mixed} pixels show several spheres");
         }
     }
 }

@@ -29,8 +29,9 @@ mod framing;
 mod habits;
 mod info;
 mod insets;
-mod light;
 #[cfg(target_os = "linux")]
+mod lens;
+mod light;
 mod limits;
 mod looks;
 mod merge;
