@@ -12,7 +12,7 @@ mod near;
 pub(super) mod selection;
 mod values;
 
-pub(super) use apply::{add_selected, apply};
+pub(super) use apply::{add_selected, apply, mask};
 pub(super) use columns::candidates;
 
 #[cfg(test)]
