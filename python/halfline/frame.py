@@ -16,7 +16,7 @@ from ._arrays import number, words
 from ._colors import picture
 
 
-class _NoBuffer(KeyError, ValueError):
+class _NoBufferError(KeyError, ValueError):
     """A name that no buffer has: a missing key, and a wrong argument."""
 
 
@@ -69,7 +69,7 @@ class Frame(Mapping[str, NDArray[Any]]):
         try:
             return self._native.array(name)
         except ValueError as error:
-            raise _NoBuffer(str(error)) from None
+            raise _NoBufferError(str(error)) from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._native.names

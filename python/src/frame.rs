@@ -190,7 +190,8 @@ impl Frame {
         };
         let mut target = self.target(path, aovs, style).or_raise()?;
         // As in files of the command: numbers are those of the scene, and pictures show what is drawn into them.
-        let is_picture = matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
+        let is_picture =
+            matches!(target.format(), FileFormat::Png | FileFormat::Exr) && target.aovs().contains(&Aov::Color);
         let panels = self.panels.as_ref().filter(|_| is_picture);
         if let Some(panels) = panels {
             target.set_drawn(panels.words());

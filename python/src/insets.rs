@@ -69,12 +69,8 @@ impl Insets {
         if !self.is_given() {
             return Ok(None);
         }
-        let values = LabelValues {
-            frame: number,
-            file: scene.file.clone(),
-            count: exact.spheres.len(),
-            when: scene.when(),
-        };
+        let values =
+            LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), when: scene.when() };
         let corner = self.legend.as_deref().map(str::parse::<Corner>).transpose()?;
         let insets = Exact {
             legend: corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()?,

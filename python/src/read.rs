@@ -6,7 +6,8 @@ use crate::work::Job;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, Coloring, Scale};
 use halfline::read::{
-    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection, Style,
+    Altloc, ColumnNames, Format, FrameRange, HeldCamera, Hold, Keep, Periodic, ReadOptions, SceneFrame, Selection,
+    Style,
 };
 use halfline::scene::arrange::Arrangement;
 use pyo3::prelude::*;

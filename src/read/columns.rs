@@ -51,8 +51,24 @@ const ELEMENT: &str = "element";
 
 /// Columns that count or identify: their numbers are whole. Others are measured, even if all of their values are whole.
 const WHOLE: [&str; 18] = [
-    "residue", "resid", "resnum", "serial", "id", "type", "typeid", "mol", "molecule", "model", "copy", "ix", "iy", "iz",
-    "body", "proc", "classification", "return_number",
+    "residue",
+    "resid",
+    "resnum",
+    "serial",
+    "id",
+    "type",
+    "typeid",
+    "mol",
+    "molecule",
+    "model",
+    "copy",
+    "ix",
+    "iy",
+    "iz",
+    "body",
+    "proc",
+    "classification",
+    "return_number",
 ];
 
 /// Columns that a scene has anyway: the coordinates and the radii of its spheres.
@@ -141,7 +157,8 @@ impl Columns {
     pub fn select(&self, selection: &Selection, spheres: &Spheres) -> Result<(Vec<bool>, Vec<String>)> {
         let selected = select::mask(selection, &self.particles(spheres)?);
         let others = &self.others;
-        let lost = || others.iter().find(|name| selection.columns().iter().any(|known| known.eq_ignore_ascii_case(name)));
+        let lost =
+            || others.iter().find(|name| selection.columns().iter().any(|known| known.eq_ignore_ascii_case(name)));
         match (selected, lost()) {
             (Err(_), Some(name)) => Err(not_kept(name)),
             (selected, _) => selected,
@@ -163,7 +180,8 @@ impl Columns {
                     particles.elements = (0..count).into_par_iter().map(number).collect();
                 }
                 _ if name == INDEX => {
-                    let place = |n| Some(values.at(n)).filter(|place| !place.is_nan()).map_or(u32::MAX, |place| place as u32);
+                    let place =
+                        |n| Some(values.at(n)).filter(|place| !place.is_nan()).map_or(u32::MAX, |place| place as u32);
                     particles.places = (0..count).into_par_iter().map(place).collect();
                 }
                 _ => {
@@ -340,7 +358,11 @@ mod tests {
         assert_eq!(shown(&columns, "index"), ["0", "1", "2"]);
         let fault = |word: &str| columns.get(word).expect_err(word).to_string();
         assert!(fault("occupancy").contains("keep=[\"occupancy\"]"), "{}", fault("occupancy"));
-        assert!(fault("chian").contains("the columns are chain, residue, bfactor, element, index, occupancy"), "{}", fault("chian"));
+        assert!(
+            fault("chian").contains("the columns are chain, residue, bfactor, element, index, occupancy"),
+            "{}",
+            fault("chian")
+        );
         assert!(fault("x").contains("scene.centers"), "{}", fault("x"));
     }
 
@@ -356,7 +378,10 @@ mod tests {
         let columns = Columns::of(&some()).expect("room");
         let copied = columns.rearranged(&[2, 0, 2], 0).expect("room");
         assert_eq!(shown(&copied, "chain"), ["B", "B", "B"]);
-        assert_eq!((shown(&copied, "residue"), shown(&copied, "index")), (shown(&copied, "resnum"), vec!["2".into(), "0".into(), "2".into()]));
+        assert_eq!(
+            (shown(&copied, "residue"), shown(&copied, "index")),
+            (shown(&copied, "resnum"), vec!["2".into(), "0".into(), "2".into()])
+        );
         let outlined = columns.rearranged(&[1], 2).expect("room");
         assert_eq!(shown(&outlined, "chain"), ["A", "", ""]);
         assert_eq!(shown(&outlined, "residue"), ["5.0", "NaN", "NaN"]);
@@ -382,7 +407,9 @@ mod tests {
             match columns.select(&selection, &spheres) {
                 Ok((mask, _)) => assert_eq!(mask, expected, "{text}"),
                 // The particles have no names.
-                Err(error) => assert!(text.contains("name") && error.to_string().contains("no name"), "{text}: {error}"),
+                Err(error) => {
+                    assert!(text.contains("name") && error.to_string().contains("no name"), "{text}: {error}")
+                }
             }
         }
         let fault = columns.select(&"occupancy < 1".parse().expect("a selection"), &spheres).expect_err("not kept");

@@ -111,7 +111,16 @@ mod tests {
             lighting: Default::default(),
         };
         let when = FrameTime::default();
-        SceneFrame { number, scene, has_camera: false, legend: None, columns: Columns::default(), cell: None, instances: None, when }
+        SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            legend: None,
+            columns: Columns::default(),
+            cell: None,
+            instances: None,
+            when,
+        }
     }
 
     fn framed(frame: &mut SceneFrame) -> Result<()> {

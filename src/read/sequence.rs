@@ -204,9 +204,10 @@ impl Sequence {
         }
         let texts = std::mem::take(&mut particles.mixed).into_counts();
         let mixed = texts.keys().map(|column| quote(&particles.columns[*column].name).to_string());
-        particles.skipped.assumed.extend(mixed.map(|name| {
-            format!("the column {name} has texts among its numbers, which are kept as NaN")
-        }));
+        particles
+            .skipped
+            .assumed
+            .extend(mixed.map(|name| format!("the column {name} has texts among its numbers, which are kept as NaN")));
         let columns = Columns::of(particles)?;
         // A frame without particles may have no columns either.
         if let (Keep::Named(words), false) = (&self.options.keep, particles.positions.is_empty()) {
@@ -228,7 +229,16 @@ impl Sequence {
         };
         scene.frame_all(&Framing::default())?;
         let columns = Columns::default();
-        Ok(SceneFrame { number, scene, has_camera: false, legend, columns, cell: None, instances: Some(instances), when })
+        Ok(SceneFrame {
+            number,
+            scene,
+            has_camera: false,
+            legend,
+            columns,
+            cell: None,
+            instances: Some(instances),
+            when,
+        })
     }
 
     /// The next selected frame; `None` after the last.
