@@ -49,6 +49,9 @@ def _in_notebook() -> bool:
     return shell is not None and hasattr(shell, "kernel")
 
 
+_MANY = 10_000
+
+
 class _Bar:
     """One bar for all steps, by tqdm, or a line on standard error without it; it is gone at the
     end.
@@ -68,14 +71,13 @@ class _Bar:
             self._show(f"{step}: {done} of {total} {unit}")
             return
         if self._bar is None:
-            self._bar = self._tqdm(
-                total=total or None, desc=step, unit=f" {unit}", unit_scale=True, leave=False
-            )
-        elif step != self._step:
-            self._bar.unit = f" {unit}"
+            self._bar = self._tqdm(total=total or None, desc=step, leave=False)
+        if step != self._step:
+            # Few are counted in full, many in thousands.
+            self._bar.unit, self._bar.unit_scale = f" {unit}", total >= _MANY
             self._bar.set_description(step, refresh=False)
             self._bar.reset(total=total or None)
-        self._step = step
+            self._step = step
         self._bar.n = done
         self._bar.refresh()
 

@@ -43,7 +43,7 @@ class Columns(Mapping[str, NDArray[Any]]):
     ... )
     >>> scene = hl.read(file)
     >>> scene.columns
-    Columns(2 spheres: name <U2, resname <U3, residue int32, serial int32, element <U1,
+    Columns(2 spheres: name <U2, resname <U3, residue int32, serial int32, element <U2,
     index int32)
     >>> frame = hl.Renderer("cpu").render(scene, size=(40, 30))
     >>> ids = frame["id"]

@@ -16,6 +16,10 @@ from ._arrays import number, words
 from ._colors import picture
 
 
+class _NoBufferError(KeyError, ValueError):
+    """A name that no buffer has: a missing key, and a wrong argument."""
+
+
 class Frame(Mapping[str, NDArray[Any]]):
     """A rendered frame: a mapping from the names of buffers to arrays. Row 0 is the top row.
 
@@ -62,7 +66,10 @@ class Frame(Mapping[str, NDArray[Any]]):
     def __getitem__(self, name: str) -> NDArray[Any]:
         if not isinstance(name, str):
             raise TypeError(f"a buffer is named by a text such as 'depth', not by {name!r}")
-        return self._native.array(name)
+        try:
+            return self._native.array(name)
+        except ValueError as error:
+            raise _NoBufferError(str(error)) from None
 
     def __contains__(self, name: object) -> bool:
         return name in self._native.names

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike, fspath
 from typing import Any, Literal
@@ -123,6 +124,25 @@ class Scene:
         TOML and NFF have none; `read` says which columns are kept.
         """
         return Columns._of(self._native)
+
+    def select(self, expression: str) -> NDArray[np.bool_]:
+        """Which spheres an expression selects, in the words of `read`'s ``select``: shape (n,),
+        bool, in the order of ids.
+
+        It reads `columns`, coordinates and radii. A word that selects nothing is a warning.
+
+        Raises:
+            ValueError: for an expression with a mistake, or a column that was not kept.
+
+        >>> import halfline as hl
+        >>> scene = hl.Scene([[0, 0, 0], [2, 0, 0], [9, 0, 0]], 1.0)
+        >>> scene.select("within 3 of (x > 1 and x < 3)")
+        array([ True,  True, False])
+        """
+        mask, notes = self._native.select(word("expression", expression))
+        for note in notes:
+            warnings.warn(note, stacklevel=2)
+        return mask.view(np.bool_)
 
     @property
     def centers(self) -> NDArray[np.float64]:

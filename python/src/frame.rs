@@ -1,7 +1,7 @@
 //! Frames: their buffers as arrays, their report, their files.
 
 use crate::arrays::shown;
-use crate::errors::{OrRaise, keywords};
+use crate::errors::OrRaise;
 use crate::renderer::{Shared, keep_if_forked};
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
@@ -127,7 +127,7 @@ impl Frame {
 
     /// A buffer as a read-only array that keeps the frame alive.
     fn array<'py>(this: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let aov = name.parse::<Aov>().map_err(|error| PyKeyError::new_err(keywords(&error.to_string())))?;
+        let aov = name.parse::<Aov>().or_raise()?;
         let frame = this.get().exact().or_raise()?;
         let Some(buffer) = frame.get(aov) else {
             let problem = format!("the frame has no buffer {name}; ask for it with aovs=['{name}']");

@@ -3,11 +3,11 @@
 use crate::arrays::{list, owned, shown};
 use crate::camera::Camera;
 use crate::errors::{OrRaise, keywords};
-use crate::work::begin;
+use crate::work::{Job, begin};
 use halfline::camera::Aperture;
 use halfline::progress::Watch;
 use halfline::read::style::Legend;
-use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame};
+use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::{Cell, ImagePlane, check_color};
 use halfline::settings::FileLook;
@@ -263,6 +263,15 @@ impl Scene {
         unsafe {
             shown(values.as_flattened(), &[values.len(), 3], this.clone().into_any()).map(Some)
         }
+    }
+
+    /// Whether a selection selects each sphere, and what is to be said about it.
+    fn select<'py>(&self, py: Python<'py>, expression: &str) -> PyResult<(Bound<'py, PyArrayDyn<u8>>, Vec<String>)> {
+        let selection = expression.parse::<Selection>().or_raise()?;
+        let (mask, notes) = Job::default().run(py, None, || self.columns.select(&selection, &self.scene.spheres))?;
+        let count = mask.len();
+        let notes = notes.iter().map(|note| keywords(note)).collect();
+        Ok((owned(py, mask.into_iter().map(u8::from).collect(), &[count])?, notes))
     }
 
     /// Columns and rows of the image.

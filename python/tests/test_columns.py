@@ -197,6 +197,31 @@ def test_scenes_without_columns_have_an_empty_mapping(cloud: hl.Scene) -> None:
     assert repr(cloud.columns) == "Columns(none)" and repr(cloud) == "Scene(500 spheres)"
 
 
+def test_a_scene_selects_by_its_columns(molecule: Path, cloud_file: Path) -> None:
+    scene = hl.read(molecule)
+    for expression in (
+        "chain A",
+        "resid 5A and element C",
+        "water",
+        "within 5 of (name CA)",
+        "bfactor < 13",
+    ):
+        mask = scene.select(expression)
+        taken = hl.read(molecule, select=expression)
+        assert mask.dtype == np.bool_ and np.array_equal(scene.centers[mask], taken.centers), (
+            expression
+        )
+    with pytest.warns(UserWarning, match="no particle has it; the file has A, B, C"):
+        assert not scene.select("chain Z").any()
+    with pytest.raises(ValueError, match=r"kept.*keep=\["):
+        hl.read(cloud_file).select("speed > 0.3")
+    with pytest.raises(ValueError, match="the file has no chian"):
+        scene.select("chian A")
+    with pytest.raises(ValueError, match="expression is 3"):
+        scene.select(3)  # type: ignore[arg-type]
+    assert hl.read(cloud_file, keep="speed").select("speed > 0.3").tolist() == [True, False, False]
+
+
 def test_the_frames_of_a_film_have_their_own_columns(tmp_path: Path) -> None:
     file = tmp_path / "film.xyz"
     frames = [

@@ -367,6 +367,7 @@ def test_a_thousand_calls_without_sense_raise_and_do_not_crash(
         lambda: cpu.render(cloud, size=(4, 4)).get(odd()),
         lambda: hl.Camera.from_intrinsics(K=odd(), width=odd(), height=4, pose=odd()),
         lambda: cloud.columns[odd()],
+        lambda: cloud.select(odd()),
         lambda: cloud.columns.categories(odd()),
         lambda: cpu.render(cloud, size=(4, 4)).save(odd(), aovs=odd(), unit=odd()),
     ]

@@ -1,12 +1,14 @@
 //! The columns of the particles of a scene: names, numbers and texts in the order of its spheres, for those who look up
 //! what a file says about an id.
 
-use super::particles::Particles;
-use super::select::candidates;
+use super::particles::{Column, Particles};
+use super::select::selection::Selection;
+use super::select::{self, candidates};
 use super::style::elements::element;
 use crate::error::{Error, Result};
 use crate::memory::check;
 use crate::quote::{list, quote};
+use crate::scene::Spheres;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -134,10 +136,7 @@ impl Columns {
             return Ok((name, values));
         }
         let problem = match self.others.iter().find(|name| is(name)) {
-            Some(name) => {
-                let problem = format!("the column {} was not kept", quote(name));
-                return Err(Error::settings(problem, format!("read the file with keep=[{name:?}], or keep=True")));
-            }
+            Some(name) => return Err(not_kept(name)),
             None if self.is_empty() => format!("there is no column {}: the scene has no columns", quote(word)),
             None => format!("there is no column {}", quote(word)),
         };
@@ -148,6 +147,53 @@ impl Columns {
             _ => format!("the columns are {}", list(self.names().chain(self.others.iter().map(String::as_str)))),
         };
         Err(Error::settings(problem, mend))
+    }
+
+    /// Which of the spheres, whose columns these are, a selection selects, and what is to be said about it. `radius` is that of
+    /// the sphere, and beads of a cell have no values.
+    ///
+    /// # Errors
+    /// Those of the selection, also for a column that was not kept.
+    pub fn select(&self, selection: &Selection, spheres: &Spheres) -> Result<(Vec<bool>, Vec<String>)> {
+        let selected = select::mask(selection, &self.particles(spheres)?);
+        let others = &self.others;
+        let lost =
+            || others.iter().find(|name| selection.columns().iter().any(|known| known.eq_ignore_ascii_case(name)));
+        match (selected, lost()) {
+            (Err(_), Some(name)) => Err(not_kept(name)),
+            (selected, _) => selected,
+        }
+    }
+
+    /// The spheres as particles with these columns.
+    fn particles(&self, spheres: &Spheres) -> Result<Particles> {
+        let count = spheres.len();
+        check((count * (40 + 8 * self.list.len())) as u64, || format!("a selection of {count} spheres"))?;
+        let mut particles =
+            Particles { positions: spheres.centers.to_vec(), radii: spheres.radii.to_vec(), ..Particles::default() };
+        for (name, values) in &self.list {
+            particles.has.push(name.clone());
+            match values {
+                ColumnValues::Texts(codes, _) if name == ELEMENT => {
+                    // An element's code is its atomic number; beads of a cell have none.
+                    let number = |n| u8::try_from(codes.at(n)).unwrap_or(0);
+                    particles.elements = (0..count).into_par_iter().map(number).collect();
+                }
+                _ if name == INDEX => {
+                    let place =
+                        |n| Some(values.at(n)).filter(|place| !place.is_nan()).map_or(u32::MAX, |place| place as u32);
+                    particles.places = (0..count).into_par_iter().map(place).collect();
+                }
+                _ => {
+                    let numbers = (0..count).into_par_iter().map(|n| values.at(n)).collect();
+                    particles.columns.push(Column { name: name.clone(), values: numbers });
+                }
+            }
+            if let ColumnValues::Texts(_, texts) = values {
+                particles.labels.insert(name.clone(), texts.clone());
+            }
+        }
+        Ok(particles)
     }
 
     /// The columns of spheres that are made of these: each has the values of the sphere with its index in `rows`, and
@@ -163,7 +209,23 @@ impl Columns {
     }
 }
 
+/// The error for a column of the file that was not kept.
+fn not_kept(name: &str) -> Error {
+    let problem = format!("the column {} was not kept", quote(name));
+    Error::settings(problem, format!("read the file with keep=[{name:?}], or keep=True"))
+}
+
 impl ColumnValues {
+    /// The number of a sphere, or the number of its text.
+    fn at(&self, n: usize) -> f64 {
+        match self {
+            Self::Numbers(values) => values[n],
+            Self::Whole(values) => values[n].into(),
+            Self::Order(_) => n as f64,
+            Self::Texts(codes, _) => codes.at(n).into(),
+        }
+    }
+
     fn rearranged(&self, rows: &[u32], beside: usize) -> Self {
         let with_nan = |at: &(dyn Fn(u32) -> f64 + Sync)| {
             let mut values: Vec<f64> = rows.par_iter().map(|row| at(*row)).collect();
@@ -247,7 +309,6 @@ fn of_elements(numbers: &[u8], symbols: Vec<String>) -> ColumnValues {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::particles::Column;
 
     fn column(name: &str, values: &[f64]) -> Column {
         Column { name: name.into(), values: values.to_vec() }
@@ -325,6 +386,34 @@ mod tests {
         assert_eq!(shown(&outlined, "chain"), ["A", "", ""]);
         assert_eq!(shown(&outlined, "residue"), ["5.0", "NaN", "NaN"]);
         assert_eq!(shown(&outlined, "index"), ["1.0", "NaN", "NaN"]);
+    }
+
+    #[test]
+    fn selections_read_the_columns_of_spheres() {
+        let mut spheres = Spheres::default();
+        (0..4).for_each(|n| spheres.push([f64::from(n), 0.0, 0.0], 1.0, None));
+        // The last sphere is a bead.
+        let columns = Columns::of(&some()).expect("room").rearranged(&[0, 1, 2], 1).expect("room");
+        for (text, expected) in [
+            ("chain B", [true, false, true, false]),
+            ("resid 5 and not name CA", [false; 4]),
+            ("element C O", [true, false, true, false]),
+            ("bfactor > 1.5", [false, true, true, false]),
+            ("index 0:1", [true, true, false, false]),
+            ("x >= 2", [false, false, true, true]),
+            ("within 1 of (index 0)", [true, true, false, false]),
+        ] {
+            let selection: Selection = text.parse().expect(text);
+            match columns.select(&selection, &spheres) {
+                Ok((mask, _)) => assert_eq!(mask, expected, "{text}"),
+                // The particles have no names.
+                Err(error) => {
+                    assert!(text.contains("name") && error.to_string().contains("no name"), "{text}: {error}")
+                }
+            }
+        }
+        let fault = columns.select(&"occupancy < 1".parse().expect("a selection"), &spheres).expect_err("not kept");
+        assert!(fault.to_string().contains("was not kept"), "{fault}");
     }
 
     #[test]

@@ -80,11 +80,19 @@ pub(in crate::read) fn marks_of(selections: &[Selection], spheres: &Spheres) -> 
     }
     let (positions, radii) = (spheres.centers.to_vec(), spheres.radii.to_vec());
     let particles = Particles { positions, radii, ..Particles::default() };
-    let of = |selection: &Selection| {
-        let mut evaluator = Evaluator::new(&particles, selection);
-        Ok((evaluator.mask()?, evaluator.notes))
-    };
-    selections.iter().map(of).collect()
+    selections.iter().map(|selection| mask(selection, &particles)).collect()
+}
+
+/// The particles that a selection selects, and messages about it.
+///
+/// # Errors
+/// Those of the selection.
+pub(in crate::read) fn mask(selection: &Selection, particles: &Particles) -> Result<(Vec<bool>, Vec<String>)> {
+    let mut evaluator = Evaluator::new(particles, selection);
+    let mask = evaluator.mask()?;
+    let mut notes = selection.remarks();
+    notes.extend(evaluator.notes);
+    Ok((mask, notes))
 }
 
 /// Appends the selected ones of `part` to `spheres`; returns messages about the selection. Spheres have an index,
@@ -99,13 +107,10 @@ pub(in crate::read) fn add_selected(
 ) -> Result<Vec<String>> {
     let Spheres { centers, radii, colors, .. } = part;
     let particles = Particles { positions: centers.into_vec(), radii: radii.into_vec(), ..Particles::default() };
-    let mut evaluator = Evaluator::new(&particles, selection);
-    let mask = evaluator.mask()?;
+    let (mask, mut notes) = mask(selection, &particles)?;
     for (n, _) in mask.iter().enumerate().filter(|(_, flag)| **flag) {
         spheres.add(particles.positions[n], particles.radii[n], colors.as_ref().map(|colors| colors[n]))?;
     }
-    let mut notes = selection.remarks();
-    notes.extend(evaluator.notes);
     if !mask.is_empty() && !mask.contains(&true) {
         notes.push(format!("the selection `{}` leaves none of {} spheres", selection.brief(), mask.len()));
     }
