@@ -169,6 +169,7 @@ fn residues(particles: &Particles) -> Vec<Option<u64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Cell;
 
     /// A tilted cell whose numbers and inverse are dyadic, so that all results are exact.
     const CELL: Cell = Cell { origin: [-1.0, 0.0, 0.5], edges: [[4.0, 0.0, 0.0], [2.0, 8.0, 0.0], [0.0, 4.0, 2.0]] };
