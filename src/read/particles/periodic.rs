@@ -257,7 +257,7 @@ mod tests {
         let long = chain([3.0, 4.0, 5.0], &[[0.8, 0.6, 0.0], [0.0, 0.6, 0.8]], 60);
         let far = chain([1.0, 20.0, 9.0], &[[0.6, 0.0, -0.8]], 30);
         let whole = [long.clone(), far.clone()];
-        let residue: Vec<f64> = (0..90).map(|n| f64::from(n / 7)).collect();
+        let residue: Vec<f64> = (0..90).map(|n| f64::from(n / 6)).collect();
         for columns in [&[][..], &[("residue", &residue[..])]] {
             let mut p = cut(&whole, columns);
             let listed = p.positions.clone();

@@ -27,11 +27,10 @@ const F64: u8 = 10;
 impl LasGrid {
     /// The finest grid for coordinates between these bounds: per axis at most 2^31 steps of a power of two, which is at
     /// least the last bit of the largest coordinate. So whole number times scale plus offset is exact in f64, and the error
-    /// of a coordinate is at most half a step, 2^-31 of the longest side. `None` where a side is beyond f64.
+    /// of a coordinate is at most half a step, 2^-31 of the longest side. `None` where a side or a grid point is beyond f64.
     pub(super) fn of([low, high]: [[f64; 3]; 2]) -> Option<Self> {
         let mut grid = Self { scale: [1.0; 3], offset: [0.0; 3], bounds: [[0.0; 3]; 2] };
-        for axis in 0..3 {
-            let (low, high) = (low[axis], high[axis]);
+        for (axis, (low, high)) in low.into_iter().zip(high).enumerate() {
             if low > high {
                 // There are no points.
                 continue;
@@ -44,14 +43,11 @@ impl LasGrid {
                 grid.scale[axis] = power(exponent(side) - 30).max(power(exponent(largest) - 52));
             }
             grid.offset[axis] = ((low / 2.0 + high / 2.0) / grid.scale[axis]).round() * grid.scale[axis];
-            grid.bounds = {
-                let mut bounds = grid.bounds;
-                bounds[0][axis] = grid.place(axis, grid.number(axis, low));
-                bounds[1][axis] = grid.place(axis, grid.number(axis, high));
-                bounds
-            };
+            let [least, most] = [low, high].map(|x| grid.place(axis, grid.number(axis, x)));
+            (grid.bounds[0][axis], grid.bounds[1][axis]) = (least, most);
         }
-        Some(grid)
+        // At the end of f64 a grid point may be beyond it.
+        grid.bounds.iter().flatten().all(|x| x.is_finite()).then_some(grid)
     }
 
     /// The whole number of a coordinate; the cast saturates, but the grid has room.
@@ -152,14 +148,15 @@ mod tests {
             [-1e-310, 3e-310],
             [-1.0, 1.0],
             [4_194_304.0, 4_194_304.5],
-            [0.0, f64::MAX],
+            [0.0, 1e308],
         ];
         for [low, high] in cases {
             let grid = LasGrid::of([[low; 3], [high; 3]]).expect("finite sides");
             let (scale, side) = (grid.scale[0], high - low);
             let largest = low.abs().max(high.abs());
             let last_bit = 2.0 * (largest - largest.next_down());
-            assert!(scale <= (side * 2f64.powi(-30)).max(last_bit).max(f64::MIN_POSITIVE), "{low} {high}: {scale}");
+            let finest = (side * 2f64.powi(-30)).max(last_bit).max(f64::MIN_POSITIVE);
+            assert!(scale <= finest || largest == 0.0, "{low} {high}: {scale}");
             for k in 0..=1000 {
                 let x = low + side * (f64::from(k) / 1000.0);
                 let number = grid.number(0, x);
@@ -170,6 +167,7 @@ mod tests {
             }
         }
         assert!(LasGrid::of([[f64::MIN; 3], [f64::MAX; 3]]).is_none());
+        assert!(LasGrid::of([[0.0; 3], [f64::MAX; 3]]).is_none());
         assert!(LasGrid::of([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]).is_some(), "no points");
     }
 }
