@@ -152,7 +152,8 @@ pub(super) struct ProjectionBounds {
 impl ProjectionBounds {
     /// For the rays of a view of an image of this size.
     pub(super) fn new(camera: &Camera, view: &View, image: [u32; 2], terms: &Terms) -> Result<Self> {
-        let viewport = view.viewport.map_or_else(|| camera.viewport(image[0], image[1]).map(ExactViewport::from), Ok)?;
+        let viewport =
+            view.viewport.map_or_else(|| camera.viewport(image[0], image[1]).map(ExactViewport::from), Ok)?;
         let corner = [view.record.shift_column, view.record.shift_row].map(f64::from);
         let [right, up, back] = camera.axes()?;
         let size = [f64::from(view.record.width), f64::from(view.record.height)];

@@ -56,12 +56,7 @@ struct Away {
 impl Away {
     /// Of a point at `offset` from its centre; the end is at `from_center + aside`.
     #[inline(always)]
-    fn new(
-        k: i32,
-        from_center: [f64; 3],
-        aside: [f64; 3],
-        (offset, size, blur): ([f64; 3], f64, f64),
-    ) -> Self {
+    fn new(k: i32, from_center: [f64; 3], aside: [f64; 3], (offset, size, blur): ([f64; 3], f64, f64)) -> Self {
         let vector: [f64; 3] = std::array::from_fn(|n| (from_center[n] + aside[n]) - offset[n]);
         let length = dot(vector, vector).sqrt();
         // One rounding each of the difference from the centre, of the sum with `aside`, which is no longer than the vector
@@ -163,7 +158,7 @@ impl SurfacePoint {
         Self::new((id, center, radius), truth.normal.map(|x| x * r), JUDGED * r.abs(), outside)
     }
 
-    fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
+    pub(super) fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
         let size = dot(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
         Self { id, center, radius, offset, size, blur, outside, normal: offset.map(|x| x * sign) }

@@ -85,7 +85,9 @@ mod tests {
         let mut random = Rng(77);
         let mut worst = 0.0f64;
         for k in [-1000, -541, -300, 0, 200, 511, 513, 1000] {
-            for (distance, radius) in [(1.0, 0.5), (1.0, 1.0 - 1e-12), (1.0, 1e-300), (1.0, 1.0), (0.5, 1.0), (3.0, 1e-9)] {
+            for (distance, radius) in
+                [(1.0, 0.5), (1.0, 1.0 - 1e-12), (1.0, 1e-300), (1.0, 1.0), (0.5, 1.0), (3.0, 1e-9)]
+            {
                 let toward = loop {
                     let v = DVec3::from_array(std::array::from_fn(|_| random.between(-1.0, 1.0)));
                     if v.length() > 0.1 {

@@ -267,7 +267,10 @@ fn a_sphere_equal_to_the_light_is_the_light() {
         [Aov::Color, Aov::Shadow].map(|aov| frame.f32(aov).expect("a requested buffer").to_vec())
     };
     let alone = sight(&[ground, sun], LightSource::Sphere(1));
-    assert!(alone[1].iter().all(|share| *share == 0.0 || *share == 1.0), "one sphere has the shadows of its own back alone");
+    assert!(
+        alone[1].iter().all(|share| *share == 0.0 || *share == 1.0),
+        "one sphere has the shadows of its own back alone"
+    );
     // The sphere that is hit has the lower index, the light's is the other.
     assert!(sight(&[ground, sun, sun], LightSource::Sphere(2)) == alone, "a twin hides the light");
     assert!(sight(&[ground, sun, sun], LightSource::Sphere(1)) == alone, "a twin hides the light");

@@ -264,7 +264,12 @@ fn shares_of_balls_are_those_of_two_thousand_digits() {
         let found: Vec<_> = cases.iter().step_by(every).map(|case| compare_balls(case, accuracy)).collect();
         let hits: usize = found.iter().map(|(hits, _)| hits).sum();
         let wrong: Vec<_> = found.into_iter().flat_map(|(_, wrong)| wrong).collect();
-        println!("{accuracy:?}: {} scenes, {hits} hits, {} rays, {} wrong", cases.len().div_ceil(every), 80 * hits, wrong.len());
+        println!(
+            "{accuracy:?}: {} scenes, {hits} hits, {} rays, {} wrong",
+            cases.len().div_ceil(every),
+            80 * hits,
+            wrong.len()
+        );
         assert!(wrong.is_empty() && hits > 400 / every, "{} of {hits}: {}", wrong.len(), wrong.join("; "));
     }
 }

@@ -285,7 +285,8 @@ impl<'a> PointLight<'a> {
                 _ => {
                     let both =
                         [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: None }.candidates());
-                    let question = LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
+                    let question =
+                        LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
                     self.unsure.push((Of::Sky(weight), question));
                     continue;
                 }
