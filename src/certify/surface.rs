@@ -158,7 +158,7 @@ impl SurfacePoint {
         Self::new((id, center, radius), truth.normal.map(|x| x * r), JUDGED * r.abs(), outside)
     }
 
-    fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
+    pub(super) fn new((id, center, radius): (u32, [f64; 3], f64), offset: [f64; 3], blur: f64, outside: bool) -> Self {
         let size = dot(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
         Self { id, center, radius, offset, size, blur, outside, normal: offset.map(|x| x * sign) }

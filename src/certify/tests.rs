@@ -14,6 +14,7 @@ mod first_order;
 mod given;
 mod given_device;
 mod host;
+mod mirrors;
 mod near;
 mod predicted;
 mod sabotage;

@@ -220,14 +220,11 @@ fn named(text: &str) -> Result<AovArgument, String> {
         return Err("expected a file name after '='".into());
     }
     // A file's name may hold commas and equals signs, but not the name of a buffer between them.
-    let again = file.and_then(|file| {
-        file.split(',').skip(1).find(|part| part.split_once('=').is_some_and(|(name, _)| name.parse::<Aov>().is_ok()))
-    });
-    if let Some(again) = again {
-        return Err(format!(
-            "{again} is in the name of a file; use --aov once for each file, as in --aov {} --aov {again}",
-            text.split(',').next().unwrap_or(names)
-        ));
+    let begins = |part: &str| part.split_once('=').is_some_and(|(name, _)| name.parse::<Aov>().is_ok());
+    if let Some((at, _)) = text.match_indices(',').find(|(at, _)| names.len() < *at && begins(&text[at + 1..])) {
+        let [first, second] = [&text[..at], &text[at + 1..]];
+        let mend = format!("use --aov once for each file, as in --aov {first} --aov {second}");
+        return Err(format!("{second} is in the name of a file; {mend}"));
     }
     let aovs = names.split(',').map(|name| name.parse().map_err(|e: Error| e.to_string())).collect::<Result<_, _>>()?;
     Ok((aovs, file.map(PathBuf::from)))

@@ -62,8 +62,8 @@ const POINTS: [[f64; 2]; 6] = [
 fn a_quotient_of_focal_lengths_is_not_rounded() {
     let lens = Lens::Intrinsics { fx: 1.0, fy: 10.0, cx: 4.5, cy: 8.0 };
     for (radius, expected) in [(3.0, 0), (3f64.next_down(), -1)] {
-        // Powers of two change nothing; 3 and 30 have the same slopes.
-        for (fx, fy) in [(1.0, 10.0), (2f64.powi(-40), 10.0 * 2f64.powi(-40)), (3.0, 30.0)] {
+        // In the middle column fx does not matter.
+        for (fx, fy) in [(1.0, 10.0), (0.7, 10.0), (3e5, 10.0), (2f64.powi(-40), 10.0), (10.0, 10.0)] {
             let mut spheres = Spheres::default();
             spheres.push([0.0, 0.0, -5.0], radius, None);
             let Lens::Intrinsics { cx, cy, .. } = lens else { panic!("no intrinsics") };

@@ -137,6 +137,22 @@ fn scenes_of_another_program_are_rendered() {
 }
 
 /// The signature of PNG, and pHYs as the specification gives it (<https://www.w3.org/TR/png-3/#11pHYs>).
+/// One --aov has one file; a second name in it would be part of the file's.
+#[test]
+fn an_aov_has_one_file() {
+    let dir = TestDir::new(&[("s.toml", SPHERE)]);
+    for (given, mend) in [
+        ("id=a.npy,depth=b.npy", "--aov id=a.npy --aov depth=b.npy"),
+        ("id=a.npy,depth=a.npy", "--aov id=a.npy --aov depth=a.npy"),
+        ("id,depth=a.npz,mask=b.npz", "--aov mask=b.npz"),
+    ] {
+        dir.refused_render(2, &format!("s.toml --aov {given}"), &["in the name of a file", mend]);
+    }
+    // Other commas and equals signs belong to the name.
+    dir.render("s.toml --aov id=a,b=c.npy");
+    assert_eq!(dir.array("a,b=c.npy").1, [30, 40]);
+}
+
 #[test]
 fn a_png_has_the_resolution_of_its_option() {
     let dir = TestDir::new(&[("s.toml", SPHERE)]);

@@ -1,16 +1,21 @@
 //! Finds real files: in the folder HALFLINE_DATA, otherwise in ../shared/data, and among those that `tests/real_files`
-//! extracted from the package MDAnalysisTests.
+//! took from packages.
 
 use crate::skip::skip;
 use std::path::{Path, PathBuf};
 
 /// The path of a real file, or `None`.
 pub(crate) fn real(name: &str) -> Option<PathBuf> {
+    everywhere(name).next()
+}
+
+/// The path of a real file in each folder that has it.
+pub(crate) fn everywhere(name: &str) -> impl Iterator<Item = PathBuf> {
     let checkout = Path::new(env!("CARGO_MANIFEST_DIR"));
     let shared = std::env::var_os("HALFLINE_DATA").map_or(checkout.join("../shared/data"), PathBuf::from);
     // Cargo gives tests the folder `tmp` of its target folder.
     let package = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("real-files");
-    [shared, package].into_iter().map(|folder| folder.join(name)).find(|path| path.is_file())
+    [shared, package].map(|folder| folder.join(name)).into_iter().filter(|path| path.is_file())
 }
 
 /// The files of this list that exist. If there are none, the test is skipped.

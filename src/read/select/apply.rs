@@ -23,16 +23,9 @@ pub(in crate::read) fn apply(options: &ReadOptions, particles: &mut Particles) -
     }
     check(8 * count as u64, || format!("the selections of {count} particles"))?;
     let (mut notes, mut all) = (Vec::new(), Vec::new());
-    let evaluate = |selection: &Selection| -> Result<(Mask, Vec<String>)> {
-        let mut evaluator = Evaluator::new(particles, selection);
-        let mask = evaluator.mask()?;
-        let mut said = selection.remarks();
-        said.extend(evaluator.notes);
-        Ok((mask, said))
-    };
-    let marks = marks.iter().map(evaluate).collect::<Result<Vec<_>>>()?;
+    let marks = marks.iter().map(|selection| mask(selection, particles)).collect::<Result<Vec<_>>>()?;
     let mut of = |selection: &Selection| -> Result<Mask> {
-        let (mask, said) = evaluate(selection)?;
+        let (mask, said) = mask(selection, particles)?;
         notes.extend(said);
         Ok(mask)
     };
