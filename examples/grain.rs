@@ -29,7 +29,7 @@ struct Picture {
 }
 
 fn square(x0: u32, y0: u32) -> Window {
-    Window { x0, y0, x1: x0 + 16, y1: y0 + 16 }
+    Window { x0, y0, x1: x0 + 12, y1: y0 + 12 }
 }
 
 fn pictures(folder: &Path) -> Result<Vec<Picture>, Box<dyn Error>> {
