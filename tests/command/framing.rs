@@ -106,8 +106,12 @@ fn no_sphere_is_behind_the_legend_and_the_rest_is_filled() {
             assert!((0..ids.len()).filter(|n| covered(*n)).count() > 300, "{corner} {options}: there is a legend");
             assert_eq!(behind, 0, "{corner} {options} {size}: hits behind the legend");
             // All atoms are hit or hidden by others, and none is cut by the edge of the picture.
-            let is_edge =
-                |n: usize| n % shape[1] == 0 || (n + 1) % shape[1] == 0 || n < shape[1] || n >= ids.len() - shape[1];
+            let is_edge = |n: usize| {
+                n.is_multiple_of(shape[1])
+                    || (n + 1).is_multiple_of(shape[1])
+                    || n < shape[1]
+                    || n >= ids.len() - shape[1]
+            };
             assert!((0..ids.len()).all(|n| !is_edge(n) || ids[n] < 0.0), "{corner} {options} {size}: cut");
             let columns: Vec<usize> = (0..ids.len()).filter(|n| ids[*n] >= 0.0).map(|n| n % shape[1]).collect();
             let free = shape[1] - (0..shape[1]).filter(|x| (0..shape[0]).any(|y| covered(y * shape[1] + x))).count();
@@ -200,7 +204,7 @@ fn what_is_looked_at_is_in_the_middle() {
     {
         dir.render(&[&["flat.xyz", "--size", "90x60", "--aov", "id=i.npy"][..], &words[..]].concat());
         let (ids, _) = dir.array("i.npy");
-        let is_edge = |n: usize| n % 90 == 0 || n % 90 == 89 || !(90..ids.len() - 90).contains(&n);
+        let is_edge = |n: usize| n.is_multiple_of(90) || n % 90 == 89 || !(90..ids.len() - 90).contains(&n);
         assert!((0..ids.len()).all(|n| !is_edge(n) || ids[n] < 0.0), "{words:?}: cut");
     }
     // From an eye, the selection is the point to look at.
