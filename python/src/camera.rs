@@ -77,7 +77,7 @@ impl Camera {
             let problem = format!("margin is {margin}");
             return Err(Error::settings(problem, "give a share of the image from 0 to less than 1")).or_raise();
         }
-        let mut framed = scene.exact(None, Some(size), None).or_raise()?;
+        let framed = scene.exact(None, Some(size), None).or_raise()?;
         let framing = Framing { margin, ..Framing::default() };
         let image = framed.image;
         let mut camera = Exact { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };

@@ -105,6 +105,7 @@ impl Options {
                 _ => Periodic::AsListed,
             },
             select: selections(&self.select)?,
+            marks: Vec::new(),
             hide: selections(&self.hide)?,
             style: Style {
                 radii: self.radii.parse()?,
