@@ -108,6 +108,7 @@ impl Options {
                 _ => Periodic::AsListed,
             },
             select: selections(&self.select)?,
+            marks: Vec::new(),
             hide: selections(&self.hide)?,
             marks: Vec::new(),
             style: Style {

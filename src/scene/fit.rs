@@ -6,7 +6,6 @@ use super::orient::{Facing, Spread, middle};
 use super::{ImagePlane, Scene, Spheres};
 use crate::error::{Error, Place, Result};
 use crate::progress::Watch;
-use crate::quote::number;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -104,7 +103,8 @@ impl Scene {
     /// # Errors
     /// As [`Scene::fit`].
     pub fn fit_to(&mut self, framing: &Framing, reach: &Reach) -> Result<()> {
-        self.camera.fit_to(self.image, framing, reach)
+        self.camera.place(self.image, framing, reach)?;
+        self.camera.framed(&self.spheres)
     }
 }
 
@@ -116,7 +116,10 @@ impl Camera {
     /// As [`Scene::fit`].
     pub fn fit(&mut self, image: ImagePlane, spheres: &Spheres, framing: &Framing) -> Result<()> {
         match self.reach(image, spheres, framing, None)? {
-            Some(reach) => self.fit_to(image, framing, &reach),
+            Some(reach) => {
+                self.place(image, framing, &reach)?;
+                self.framed(spheres)
+            }
             None => Ok(()),
         }
     }
@@ -164,11 +167,8 @@ impl Camera {
         Ok((basis, viewport))
     }
 
-    /// As [`Scene::fit_to`].
-    ///
-    /// # Errors
-    /// As [`Scene::fit`].
-    pub fn fit_to(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
+    /// Moves the eye as [`Scene::fit_to`] does; it may not be finite.
+    fn place(&mut self, image: ImagePlane, framing: &Framing, reach: &Reach) -> Result<()> {
         let basis = self.basis()?;
         let viewport = self.viewport(image.width, image.height)?;
         let Reach { middle, sides: [left, right, bottom, top, _, front] } = *reach;
@@ -192,7 +192,7 @@ impl Camera {
             let back = front + height.max(right - left);
             let x = x - (beside_left - beside_right) / 2.0 * shown / shape;
             self.eye = middle + x * basis.u + y * basis.v + back * basis.w;
-            return self.framed(middle);
+            return Ok(());
         }
         let (across, down) = slopes(framing, viewport);
         // The eye's least distance back, and its coordinate along the axis: a constant, and a part of the distance.
@@ -213,15 +213,14 @@ impl Camera {
         let ((z_across, x, along_x), (z_down, y, along_y)) = (pair(left, right, across, 0), pair(bottom, top, down, 1));
         let z = z_across.max(z_down);
         self.eye = middle + (x + along_x * z) * basis.u + (y + along_y * z) * basis.v + z * basis.w;
-        self.framed(middle)
+        Ok(())
     }
 
-    fn framed(&self, middle: DVec3) -> Result<()> {
+    fn framed(&self, spheres: &Spheres) -> Result<()> {
         if self.eye.is_finite() {
             return Ok(());
         }
-        let [x, y, z] = middle.to_array().map(|x| number(x, 6));
-        let problem = format!("spheres about ({x}, {y}, {z}): the eye that sees them all is beyond the range of f64");
+        let problem = format!("{}: the eye that sees them all is beyond the range of f64", spheres.extent());
         Err(Error::scene(Place::field("spheres"), problem, "use a larger unit of length in the scene"))
     }
 }

@@ -214,9 +214,8 @@ fn eigen(mut matrix: [[f64; 3]; 3]) -> ([f64; 3], [DVec3; 3]) {
             for row in &mut matrix {
                 (row[p], row[q]) = rotated(row[p], row[q]);
             }
-            for column in 0..3 {
-                let (a, b) = rotated(matrix[p][column], matrix[q][column]);
-                (matrix[p][column], matrix[q][column]) = (a, b);
+            for (column, (a, b)) in matrix[p].into_iter().zip(matrix[q]).enumerate() {
+                (matrix[p][column], matrix[q][column]) = rotated(a, b);
             }
             (axes[p], axes[q]) = (cosine * axes[p] - sine * axes[q], sine * axes[p] + cosine * axes[q]);
         }

@@ -47,7 +47,7 @@ impl Outlook {
         framing: &Framing,
     ) -> Result<Self> {
         let view = Surroundings::new(image, part, all, framing);
-        view.from(facing, camera)
+        view.look(facing, camera)
     }
 
     /// The same from the direction in which most of `part` is seen. Candidates are the largest face of `part` from both
@@ -71,7 +71,7 @@ impl Outlook {
         let along = if is_tall { face.up } else { face.view.cross(face.up) };
         let others = directions().map(|back| turned(-back, along, is_tall));
         let candidates: Vec<Facing> = [face, back].into_iter().chain(others).collect();
-        let found = candidates.par_iter().map(|facing| view.from(*facing, camera)).collect::<Result<Vec<Self>>>()?;
+        let found = candidates.par_iter().map(|facing| view.look(*facing, camera)).collect::<Result<Vec<Self>>>()?;
         let best = found.iter().map(|outlook| outlook.area).max().unwrap_or(0);
         let good = |outlook: &&Self| f64::from(outlook.area) >= AS_GOOD * f64::from(best);
         // The first two by their faces, the others by what they show.
@@ -133,7 +133,7 @@ impl<'a> Surroundings<'a> {
         Self { image, framing, part, all, others }
     }
 
-    fn from(&self, facing: Facing, camera: &Camera) -> Result<Outlook> {
+    fn look(&self, facing: Facing, camera: &Camera) -> Result<Outlook> {
         let ImagePlane { width, height, .. } = self.image;
         let mut start = *camera;
         facing.turn(&mut start);

@@ -96,6 +96,9 @@ struct Panel {
 #[derive(Debug)]
 pub struct Covered(Vec<(Aov, usize, Vec<f32>)>);
 
+/// The largest share of the picture's width that a legend takes from what is framed beside it.
+const WIDEST: f64 = 0.8;
+
 /// The most letters of a label.
 pub const MOST_LETTERS: usize = 1000;
 
@@ -115,6 +118,9 @@ impl Insets {
         let page = Page::new(width, height);
         let (pixels, _) = page.legend(legend)?;
         let share = (f64::from(page.margin) + f64::from(pixels.width())) / f64::from(width);
+        if share > WIDEST {
+            return Err(page.too_small("the legend beside the spheres"));
+        }
         Ok(match corner {
             Corner::TopLeft | Corner::BottomLeft => [share, 0.0],
             Corner::Right | Corner::TopRight | Corner::BottomRight => [0.0, share],
