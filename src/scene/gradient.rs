@@ -172,7 +172,7 @@ mod tests {
                 all += weight;
             }
             // The mean over n random directions has an error of at most about 1/sqrt n, and the table's sums and its
-            // interpolation were seen to err by at most 0.003.
+            // interpolation were seen to err by at most 0.002.
             let error = (light.open(normal) - sum / all).abs().max_element();
             assert!(error < 4e-3, "{normal}: {error}");
         }
