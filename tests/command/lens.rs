@@ -79,9 +79,9 @@ fn what_has_no_lens_is_refused_with_the_mend() {
     let dir = TestDir::new(&[
         ("a.toml", SCENE),
         ("a.xyz", ATOMS),
-        ("parallel.toml", &SCENE.replace("vfov = 60.0", "height = 6.0")),
-        ("focus.toml", &SCENE.replace("aperture", "focus")),
-        ("view.toml", &SCENE.replace("at = [0.0, 0.0, -1.0]", "view = [0.0, 0.0, -1.0]")),
+        ("parallel.toml", SCENE.replace("vfov = 60.0", "height = 6.0").as_str()),
+        ("focus.toml", SCENE.replace("aperture", "focus").as_str()),
+        ("view.toml", SCENE.replace("at = [0.0, 0.0, -1.0]", "view = [0.0, 0.0, -1.0]").as_str()),
     ]);
     for (arguments, code, words) in [
         ("a.toml --samples 1", 2, "--samples 64"),
