@@ -164,8 +164,9 @@ fn an_image_is_a_part_of_the_one_around_its_principal_point() {
         let settings =
             || Settings { accuracy: Accuracy::Certified, aovs: vec![Aov::Color], samples, ..Settings::default() };
         // Half pixels: of 2 * 60 columns the first 88, of 2 * 40.5 rows the last 61.
-        let part = scene(intrinsics([60.0, 20.5]), SIZE);
-        let lens = Lens::Viewport { vw: 120.0, vh: 81.0 * (90.0 / 84.5), distance: 90.0 };
+        let part = scene(Lens::Intrinsics { fx: 90.0, fy: 80.0, cx: 60.0, cy: 20.5 }, SIZE);
+        // The quotient 81 90/80 is a number of f64, as a viewport's height must be.
+        let lens = Lens::Viewport { vw: 120.0, vh: 91.125, distance: 90.0 };
         let whole = scene(lens, [120, 81]);
         let mut renderer = cpu();
         let window = Window { x0: 0, y0: 20, x1: 88, y1: 81 };
@@ -174,7 +175,6 @@ fn an_image_is_a_part_of_the_one_around_its_principal_point() {
         for aov in [Aov::Distance, Aov::Depth, Aov::Position] {
             let bits =
                 |frame: &Frame| -> Vec<u64> { frame.f64(aov).expect("a buffer").iter().map(|x| x.to_bits()).collect() };
-            // The viewport's height has a rounded quotient: the same one in both.
             assert!(bits(&ours) == bits(&theirs), "{} with {samples} samples", aov.name());
         }
         assert_eq!(ours.ids(), theirs.ids());
