@@ -235,7 +235,7 @@ fn share(kernel: &Kernel, parts: &mut Vec<Part>) {
     };
     parts.push(match kernel.sharing {
         // Broadcasts are faster than the loop, but compile eight times as much text. For arithmetic beyond f32 that
-        // does not pay off (docs/performance.md).
+        // does not pay off (docs/performance-log.md).
         Sharing::Subgroup4 if !kernel.is_wide() => broadcast(4, members),
         Sharing::Subgroup8 if !kernel.is_wide() => broadcast(8, members),
         Sharing::Subgroup4 => shuffle("4u", "4u", members),
@@ -350,7 +350,7 @@ fn broadcast(lanes: usize, members: &[&str]) -> Part {
 }
 
 /// `test_chunk` by shuffles, for subgroups of `lanes` invocations, which share `records` of them at once. Constant numbers
-/// are a fifth faster in f64 on lavapipe (docs/performance.md).
+/// are a fifth faster in f64 on lavapipe (docs/performance-log.md).
 fn shuffle(lanes: &str, records: &str, members: &[&str]) -> Part {
     let of_lane = |member: &&str| format!("subgroupShuffle(mine.{member}, k)");
     let record = members.iter().map(of_lane).collect::<Vec<_>>().join(", ");

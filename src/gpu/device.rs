@@ -54,7 +54,7 @@ impl AdapterSummary {
             return kernel;
         }
         let kernel = Kernel { generals: Generals::of(generals), ..kernel };
-        // Measured on lavapipe: docs/performance.md.
+        // Measured on lavapipe: docs/performance-log.md.
         if self.is_software() { kernel.winners() } else { kernel }
     }
 

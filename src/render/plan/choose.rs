@@ -27,7 +27,7 @@ const PROVEN: [Aov; 3] = [Aov::Certainty, Aov::Bound, Aov::Normal];
 const CERTIFIED: f64 = 1.1;
 
 /// Above this number of spheres certified answers are preferred. With tiles, an uncertified method costs between two
-/// thirds of them (lavapipe, 1e3 spheres) and twice as much (lavapipe and the CPU path, 1e6): docs/performance.md.
+/// thirds of them (lavapipe, 1e3 spheres) and twice as much (lavapipe and the CPU path, 1e6): docs/performance-log.md.
 pub(in crate::render) const FEW: usize = 32;
 
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {

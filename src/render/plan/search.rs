@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::settings::Search;
 
 /// Up to this number of spheres a method tests all of them. With 16 spheres, lists already save a fifth on lavapipe and
-/// a third on the CPU path (clouds, 1024 x 1024, colour alone; docs/performance.md).
+/// a third on the CPU path (clouds, 1024 x 1024, colour alone; docs/performance-log.md).
 const FEW: usize = 8;
 
 /// Why a plan with tiles tests all spheres after all.
