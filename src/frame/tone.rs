@@ -82,7 +82,7 @@ impl Toning {
             return exposed.map(|c| c as f32);
         }
         let kept = 1.0 / (1.0 + (most - 1.0) * (most - 1.0));
-        exposed.map(|c| (1.0 - (1.0 - c / most) * kept) as f32)
+        exposed.map(|c| (1.0 - (1.0 - if c > most { 1.0 } else { c / most }) * kept) as f32)
     }
 
     /// The light of many pixels.

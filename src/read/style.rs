@@ -15,13 +15,14 @@ pub use scale::{Category, Legend, Scale};
 use super::particles::Particles;
 use super::select::selection::Selection;
 use crate::error::{Error, Place, Result};
+use crate::frame::srgb;
 use crate::memory::check_spheres;
 use crate::quote::{number, quote};
 use crate::scene::{DEFAULT_COLOR, Skipped, Spheres, check_sphere, is_center, is_radius};
 pub(super) use categories::joined_elements;
 pub(crate) use color::linear;
 
-use color::{nearest_srgb, of_hex};
+use color::of_hex;
 use elements::{Element, element};
 use rayon::prelude::*;
 use std::str::FromStr;
@@ -237,7 +238,7 @@ impl Style {
         particles.paint.iter().filter_map(|rule| usize::from(*rule).checked_sub(1)).for_each(|rule| counts[rule] += 1);
         let row = |((selection, color), count): (&(Selection, [f32; 3]), u64)| Category {
             label: selection.to_string(),
-            color: nearest_srgb(*color),
+            color: color.map(srgb::level),
             count,
         };
         let rows = self.paints.iter().zip(counts).filter(|(_, count)| *count > 0);

@@ -14,14 +14,6 @@ pub(crate) fn linear(srgb: [u8; 3]) -> [f32; 3] {
     })
 }
 
-/// The 8-bit sRGB that is nearest to linear RGB; a colour beyond 1 is the brightest.
-pub(super) fn nearest_srgb(color: [f32; 3]) -> [u8; 3] {
-    color.map(|value| {
-        let away = |level: &u8| (linear([*level; 3])[0] - value).abs();
-        (0..=u8::MAX).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
-    })
-}
-
 /// Parses a colour: a CSS name such as `rebeccapurple`, in any case, or `#rgb` or `#rrggbb`, all in sRGB; or `r,g,b` in
 /// linear RGB. Names and hexadecimal digits have the meaning of <https://www.w3.org/TR/css-color-4/>; its other notations
 /// (`#rgba`, `hsl()`) are errors.
@@ -73,6 +65,7 @@ pub(super) fn of_hex(rgb: u32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::srgb;
 
     #[test]
     fn colours_are_read() {
@@ -86,11 +79,10 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_srgb_of_a_level_is_that_level() {
+    fn levels_of_linear_colours_are_those_that_were_read() {
         for level in 0..=u8::MAX {
-            assert_eq!(nearest_srgb(linear([level, 0, 255])), [level, 0, 255]);
+            assert_eq!(linear([level, 0, 255]).map(srgb::level), [level, 0, 255]);
         }
-        assert_eq!(nearest_srgb([7.0, 0.2158, f32::MAX]), [255, 128, 255]);
     }
 
     /// Colours of CSS Color Module Level 4, section 6.1.
