@@ -110,7 +110,6 @@ impl Options {
             select: selections(&self.select)?,
             marks: Vec::new(),
             hide: selections(&self.hide)?,
-            marks: Vec::new(),
             style: Style {
                 radii: self.radii.parse()?,
                 radius: self.radius,

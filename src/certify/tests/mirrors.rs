@@ -27,7 +27,7 @@ fn unit(random: &mut Rng) -> DVec3 {
 
 /// The exact sum of a vector and another that is `by` times as long as 1 and across or along it.
 fn moved(random: &mut Rng, from: DVec3, by: f64) -> Dyadic3 {
-    let aside = if random.bits() % 2 == 0 { unit(random).cross(from).normalize() } else { unit(random) };
+    let aside = if random.bits().is_multiple_of(2) { unit(random).cross(from).normalize() } else { unit(random) };
     let [from, step] = [from, aside * (by * 0.999)].map(|v| dyadic::vector(v.to_array()));
     std::array::from_fn(|n| &from[n] + &step[n])
 }
