@@ -43,6 +43,7 @@ fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) -> halfline
 #[pymethods]
 impl Camera {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
     fn new(
         eye: [f64; 3],
         at: Option<[f64; 3]>,
