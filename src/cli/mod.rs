@@ -89,6 +89,7 @@ fn arguments() -> Result<Arguments> {
         Ok(command) => (command, None),
         Err(fault) => (Config::default().apply(known())?, Some(fault)),
     };
+    read_args::check_range(process::all_arguments())?;
     let words = inset_args::joined(process::all_arguments().iter().cloned());
     let mut matches = command.clone().try_get_matches_from(words).unwrap_or_else(|error| end(&error));
     // A configuration file that cannot be read is an error only for commands that use it; help does not.

@@ -1,12 +1,12 @@
 //! How a scene is read and what its particles look like, as options.
 
-use super::process::arguments;
 use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
 use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// The heading of the options that change how the spheres look.
@@ -288,21 +288,24 @@ pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
-    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| match (text.parse::<f64>(), word_after_range()) {
-        (Ok(_), Some(next)) if next.parse::<f64>().is_ok() => {
-            format!("expected two numbers with a comma between them and no blank: --range {text},{next}")
-        }
-        _ => "expected two different finite numbers with a comma between them, such as --range 0,1.5".into(),
-    })
+    let wanted = "expected two different finite numbers with a comma between them, such as --range 0,1.5";
+    numbers(text).filter(|[a, b]| a != b).ok_or_else(|| wanted.into())
 }
 
-/// The argument behind the value of --range.
-fn word_after_range() -> Option<&'static str> {
-    let words = arguments().filter_map(|word| word.to_str()).skip_while(|word| !word.starts_with("--range"));
-    match words.take(3).collect::<Vec<_>>()[..] {
-        ["--range", _, next] => Some(next),
-        [range, next, ..] if range != "--range" => Some(next),
-        _ => None,
+/// Refuses a range of two words, of which clap would take the second one for a file.
+///
+/// # Errors
+/// [`Error::Settings`] with the words as they are meant.
+pub(super) fn check_range(words: &[OsString]) -> Result<()> {
+    let words: Vec<&str> = words.iter().map(|word| word.to_str().unwrap_or("")).collect();
+    let joined = words.windows(2).filter_map(|pair| Some([pair[0].strip_prefix("--range=")?, pair[1]]));
+    let apart = words.windows(3).filter(|three| three[0] == "--range").map(|three| [three[1], three[2]]);
+    match joined.chain(apart).find(|pair| pair.iter().all(|word| word.parse::<f64>().is_ok())) {
+        Some([low, high]) => Err(Error::settings(
+            format!("--range has two words, {low} and {high}"),
+            format!("put a comma between its numbers: --range={low},{high}"),
+        )),
+        None => Ok(()),
     }
 }
 

@@ -76,9 +76,9 @@ fn an_invalid_colouring_is_refused_with_the_valid_ones() {
     dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --map rainbow", &["rainbow", "viridis", "category"]);
     dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --map jet", &["jet", "lightness", "edges", "use turbo"]);
     for words in ["--range 0 3 atoms.xyz", "atoms.xyz --range 0 3"] {
-        dir.refused_render(2, &format!("{words} -o a.png --color-by vx"), &["comma", "--range 0,3"]);
+        dir.refused_render(2, &format!("{words} -o a.png --color-by vx"), &["comma", "--range=0,3"]);
     }
-    dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --range=-2.5 7e1", &["comma", "--range -2.5,7e1"]);
+    dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --range=-2.5 7e1", &["comma", "--range=-2.5,7e1"]);
     dir.refused_render(2, "atoms.xyz -o a.png --color-by vx --range 1,1", &["--range", "different"]);
     for lonely in ["--range 0,1", "--log"] {
         dir.refused_render(2, &format!("atoms.xyz -o a.png {lonely}"), &["--color-by"]);
