@@ -4,6 +4,7 @@ use crate::scene::Scene;
 use halfline::error::{Error, Result};
 use halfline::measure::plot::inset::{Corner, Insets as Exact, Label, LabelValues, Panels, ScaleBar};
 use halfline::read::style::Legend;
+use halfline::scene::ImagePlane;
 use halfline::write::file::check_writable;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -64,6 +65,17 @@ impl Insets {
         self.legend_file.as_deref().map_or(Ok(()), |path| self.legend_of(scene)?.write(path))
     }
 
+    /// The shares of the width of this scene's picture that its legend takes at the left and the right.
+    pub(crate) fn aside(&self, scene: &Scene, image: ImagePlane) -> Result<[f64; 2]> {
+        Exact { legend: self.shown(scene)?, ..Exact::default() }.aside(image.width, image.height)
+    }
+
+    /// The legend in the picture and its corner.
+    fn shown(&self, scene: &Scene) -> Result<Option<(Legend, Corner)>> {
+        let corner = self.legend.as_deref().map(str::parse::<Corner>).transpose()?;
+        corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()
+    }
+
     /// What is drawn into the picture of this scene with this number.
     pub(crate) fn panels(&self, scene: &Scene, exact: &halfline::Scene, number: u64) -> Result<Option<Panels>> {
         if !self.is_given() {
@@ -71,9 +83,8 @@ impl Insets {
         }
         let values =
             LabelValues { frame: number, file: scene.file.clone(), count: exact.spheres.len(), when: scene.when() };
-        let corner = self.legend.as_deref().map(str::parse::<Corner>).transpose()?;
         let insets = Exact {
-            legend: corner.map(|corner| Ok((self.legend_of(scene)?.clone(), corner))).transpose()?,
+            legend: self.shown(scene)?,
             label: self.label()?.map(|label| label.text(&values)).transpose()?,
             scale_bar: self.scale_bar.as_deref().map(|unit| ScaleBar::of(exact, unit)).transpose()?,
         };

@@ -123,6 +123,10 @@ impl Picture {
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
         let mut exact = scene.exact(camera, self.size, self.background)?;
+        if camera.is_none() {
+            let aside = self.insets.aside(scene, exact.image)?;
+            scene.frame_beside(&mut exact, aside)?;
+        }
         let (light, aovs) = (self.light(scene)?, self.aovs()?);
         if light.lacks_light(&exact, &aovs) {
             return Err(Settings::no_light());

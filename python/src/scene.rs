@@ -9,7 +9,7 @@ use halfline::progress::Watch;
 use halfline::read::style::Legend;
 use halfline::read::{Codes, ColumnValues, Columns, FrameTime, SceneFrame, Selection};
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline::scene::{Cell, ImagePlane, check_color};
+use halfline::scene::{Cell, Framing, ImagePlane, check_color};
 use halfline::settings::FileLook;
 use halfline::{Camera as Exact, Error, Scene as ExactScene, Spheres};
 use numpy::{PyArrayDyn, PyReadonlyArrayDyn};
@@ -99,6 +99,14 @@ impl Scene {
             scene.spheres.share();
         }
         Ok(Self { outlined: true, ..self.with(scene) })
+    }
+
+    /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
+    pub(crate) fn frame_beside(&self, exact: &mut ExactScene, aside: [f64; 2]) -> halfline::Result<()> {
+        if self.held || aside == [0.0; 2] {
+            return Ok(());
+        }
+        exact.frame_by_default(self.is_molecule, &Framing { aside, ..Framing::default() })
     }
 
     /// The time and the step.
