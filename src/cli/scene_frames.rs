@@ -164,7 +164,10 @@ impl<'a> SceneFrames<'a> {
         if is_listed {
             args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
         } else {
-            if let (None, Some(pivot)) = (self.held.middle(), args.camera.pivot(frame)?) {
+            // A later frame of a film may have nothing of what the first one is turned about.
+            if self.held.middle().is_none()
+                && let Some(pivot) = args.camera.pivot(frame)?
+            {
                 self.held.set_middle(pivot);
             }
             let framed = &mut self.framed;

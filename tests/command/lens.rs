@@ -43,7 +43,7 @@ fn a_lens_takes_64_samples_unless_they_are_given_and_is_in_every_record() {
     assert!(given.err.contains("lens of diameter 1: what is 8 away is in focus\n"), "{}", given.err);
     assert_eq!(given.json()["samples"], 9);
     // A file without a camera is framed, and its middle is in focus: the length of the way from the eye.
-    let framed = dir.run("render a.xyz --size 40x30 --aperture 1 -o c.png --json").json();
+    let framed = dir.run("render a.xyz --view front --size 40x30 --aperture 1 -o c.png --json").json();
     let camera = &framed["camera"];
     let focus = camera["focus"].as_f64().expect("a focus");
     // The middle of the box around the spheres has z between 0 and 2.

@@ -39,7 +39,7 @@ fn what_is_asked_besides_leaves_the_look() {
     assert!(dir.get("p.png") == bytes, "--look soft is the default, bit for bit");
     for options in [
         "--samples 4",
-        "--aov depth=d.npy,id=i.npy --aov occlusion=o.npy",
+        "--aov depth=d.npy --aov id=i.npy --aov occlusion=o.npy",
         "--accuracy certified",
         "--accuracy exact",
         "--accuracy fast",
