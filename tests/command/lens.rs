@@ -50,7 +50,7 @@ fn a_lens_takes_64_samples_unless_they_are_given_and_is_in_every_record() {
     let depth = camera["eye"][2].as_f64().expect("an eye") - focus;
     assert!(depth > 0.0 && depth < 2.0, "{framed}");
     let plan = dir.run("plan a.toml -o a.png");
-    assert!(plan.text().contains("lens of diameter 0.5, in focus 5 away"), "{}", plan.text());
+    assert!(plan.text().contains("lens of diameter 0.500000, in focus 5.00000 away"), "{}", plan.text());
     // A turn keeps the plane in focus.
     let turned = dir.run("render a.toml --spin 2 --samples 4 -o t%d.png --json").json_lines();
     assert_eq!(turned.iter().map(|report| report["camera"]["focus"].as_f64()).collect::<Vec<_>>(), [Some(5.0); 2]);
