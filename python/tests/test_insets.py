@@ -73,8 +73,11 @@ def test_pictures_are_those_of_the_command(
 
 def test_numbers_do_not_show_what_is_drawn(cpu: hl.Renderer, dump: Path, tmp_path: Path) -> None:
     scene = hl.read(dump, color_by="speed")
-    plain = cpu.render(scene, size=(300, 200), aovs=["color", "depth"])
-    drawn = cpu.render(scene, size=(300, 200), aovs=["color", "depth"], legend=True, label="x")
+    # Without a camera the spheres would be framed beside the legend.
+    camera = hl.Camera((5, 4, 30))
+    plain = cpu.render(scene, camera, size=(300, 200), aovs=["color", "depth"])
+    drawn = cpu.render(scene, camera, size=(300, 200), aovs=["color", "depth"], legend=True, label="x")
+    assert np.isfinite(plain["depth"]).any()
     assert np.array_equal(plain["color"], drawn["color"])
     assert not np.array_equal(plain.image, drawn.image)
     # Only where the panels are.
