@@ -230,7 +230,7 @@ impl<'a> HitPoint<'a> {
     }
 }
 
-/// What is asked about a hit and a light.
+/// A question about a hit and a light.
 #[derive(Debug, Clone)]
 pub(crate) enum LightQuestion {
     /// Whether the light is hidden by the hit's own sphere or by some others.

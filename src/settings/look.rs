@@ -94,7 +94,7 @@ impl FileLook {
     pub const PARTICLES: Self = Self { is_particles: true, look: None, samples: None };
 
     /// The look of a picture for which options ask for this look, these samples and this shading: that of the options, then
-    /// the file's; particles have the look `soft` unless a shading is asked for. Without a picture nothing of a look is
+    /// the file's; particles have the look `soft` unless a shading is given. Without a picture nothing of a look is
     /// computed.
     #[must_use]
     pub fn choose(
@@ -270,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Samples, and whatever else is asked for, leave the look of particles as it is.
+    /// Samples and all other options leave the look of particles as it is.
     #[test]
     fn a_look_is_the_option_s_then_the_file_s_then_that_of_particles() {
         let particles = FileLook::PARTICLES;

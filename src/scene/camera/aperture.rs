@@ -20,7 +20,7 @@ pub struct Aperture {
 }
 
 impl Aperture {
-    /// Samples of a picture where none are asked for: discs of blur of 16 pixels have no visible steps.
+    /// Samples of a picture unless a number is given: discs of blur of 16 pixels have no visible steps.
     pub const SAMPLES: u32 = 64;
 
     /// The distance of the plane in focus.
