@@ -1,4 +1,4 @@
-//! The promise of the look of particles: whatever else is asked, the picture has one look; buffers do not depend on it.
+//! The promise of the look of particles: with all other options the picture has one look; buffers do not depend on it.
 //! A fully lit sphere has its own colour, which is the legend's, and beyond it pictures of levels keep the shape of spheres.
 
 use crate::test_dir::{Output, TestDir};
