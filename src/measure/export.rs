@@ -1,7 +1,7 @@
 //! Exports a record: JSON for programs, CSV for spreadsheets.
 
 use super::record::Record;
-#[cfg(feature = "cli")]
+#[cfg(feature = "plots")]
 use super::record::{Run, Spread};
 use crate::error::{Error, Result};
 use crate::write::file::write_atomically;
@@ -22,13 +22,13 @@ pub fn json(record: &Record) -> Result<String> {
 pub fn write(record: &Record, dir: &Path) -> Result<()> {
     let text = json(record)?;
     write_atomically(&dir.join("records.json"), |out| out.write_all(text.as_bytes()))?;
-    #[cfg(feature = "cli")]
+    #[cfg(feature = "plots")]
     write_atomically(&dir.join("records.csv"), |out| csv(record, out))?;
     Ok(())
 }
 
 /// A row per run; column names contain the units, raw samples are joined by semicolons.
-#[cfg(feature = "cli")]
+#[cfg(feature = "plots")]
 fn csv(record: &Record, out: &mut dyn std::io::Write) -> std::io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     let rows: Vec<_> = record.runs.iter().map(|run| row(record, run)).collect();
@@ -42,7 +42,7 @@ fn csv(record: &Record, out: &mut dyn std::io::Write) -> std::io::Result<()> {
 }
 
 /// Names and values of the columns of a run. Infinite and missing values are empty, as in the JSON.
-#[cfg(feature = "cli")]
+#[cfg(feature = "plots")]
 fn row(record: &Record, run: &Run) -> Vec<(String, String)> {
     let mut row = Vec::new();
     let mut add = |name: &str, value: String| row.push((name.to_owned(), value));

@@ -1,7 +1,6 @@
 //! The promise of a plan: it states what rendering does, and for a tolerance it chooses the cheapest sufficient method.
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
-use crate::test_dir::{NO_ADAPTER, TestDir};
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
@@ -290,8 +289,4 @@ fn the_printed_shader_is_complete() {
     let exact = Settings { accuracy: Accuracy::Exact, ..settings(Backend::Cpu, None, &colored) };
     let error = cpu().wgsl(&weekend(), &exact).expect_err("no kernel").to_string();
     assert!(error.contains("without a kernel"), "{error}");
-    let weekend = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/weekend.toml");
-    let printed = TestDir::new(&[]).run_with(&["plan", weekend, "--aov", "depth=z.npy", "--wgsl"], &NO_ADAPTER);
-    assert_eq!(printed.code, 0, "{}", printed.err);
-    naga::front::wgsl::parse_str(&printed.text()).expect("WGSL");
 }

@@ -1,16 +1,16 @@
 //! Promises of the command line, on the CPU path.
 
-#[path = "../common/data.rs"]
+#[path = "../../../tests/common/data.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod data;
-#[path = "../common/nff.rs"]
+#[path = "../../../tests/common/nff.rs"]
 mod nff;
-#[path = "../common/random_frames.rs"]
+#[path = "../../../tests/common/random_frames.rs"]
 mod random_frames;
-#[path = "../common/rng.rs"]
+#[path = "../../../tests/common/rng.rs"]
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod rng;
-#[path = "../common/skip.rs"]
+#[path = "../../../tests/common/skip.rs"]
 mod skip;
 #[path = "../common/test_dir.rs"]
 mod test_dir;

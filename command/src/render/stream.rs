@@ -1,13 +1,13 @@
 //! `--stream`: a scene of more spheres than fit in memory, read in blocks.
 
-use crate::cli::camera_file;
-use crate::cli::clash::check_inputs;
-use crate::cli::framing::{Way, turn};
-use crate::cli::legend;
-use crate::cli::lens_args::PictureLens;
-use crate::cli::note;
-use crate::cli::scene_args::SceneArgs;
-use crate::cli::scene_frames::{Numbered, options, size};
+use crate::camera_file;
+use crate::clash::check_inputs;
+use crate::framing::{Way, turn};
+use crate::legend;
+use crate::lens_args::PictureLens;
+use crate::note;
+use crate::scene_args::SceneArgs;
+use crate::scene_frames::{Numbered, options, size};
 use glam::DVec3;
 use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};

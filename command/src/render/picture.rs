@@ -1,9 +1,9 @@
 //! One picture of `halfline render`: rendered, written, and reported in its turn.
 
 use super::Render;
-use crate::cli::bar::Bar;
-use crate::cli::scene_frames::Numbered;
-use crate::cli::{go_on, legend, note, say};
+use crate::bar::Bar;
+use crate::scene_frames::Numbered;
+use crate::{go_on, legend, note, say};
 use halfline::camera::CameraRecord;
 use halfline::error::Result;
 use halfline::frame::Frame;

@@ -1,6 +1,7 @@
 //! The promise of `halfline render` and `halfline plan` on every backend: their reports, buffers and files.
 
 use crate::adapter::{gpu, gpu_or_skip};
+use crate::data::in_checkout;
 use crate::skip::skip;
 use crate::test_dir::{NO_ADAPTER, SCENE, TestDir, failure};
 use halfline::frame::Aov;
@@ -257,10 +258,10 @@ fn a_frame_may_be_one_pixel() {
 #[test]
 fn the_same_command_writes_the_same_bytes() {
     let dir = dir();
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/inside.toml");
+    let scene = scene("inside.toml");
     for backend in backends() {
         for out in ["a.png", "b.png"] {
-            dir.good(&["render", scene, "-o", out, "--size", "160x120", "--backend", backend]);
+            dir.good(&["render", &scene, "-o", out, "--size", "160x120", "--backend", backend]);
         }
         assert_eq!(dir.get("a.png"), dir.get("b.png"), "{backend}");
     }
@@ -306,7 +307,7 @@ fn an_interrupt_is_exit_code_130_and_writes_nothing() {
 
 /// A scene of the project.
 fn scene(name: &str) -> String {
-    format!("{}/scenes/{name}", env!("CARGO_MANIFEST_DIR"))
+    in_checkout("scenes").join(name).display().to_string()
 }
 
 #[test]

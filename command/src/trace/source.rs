@@ -1,8 +1,8 @@
 //! The rays of `halfline trace`: those of a file, or the beams of a pattern.
 
 use super::BLOCK;
-use crate::cli::go_on;
-use crate::cli::scene_args::PoseArgs;
+use crate::go_on;
+use crate::scene_args::PoseArgs;
 use clap::Args;
 use halfline::camera::{Basis, Camera};
 use halfline::error::{Error, Result};

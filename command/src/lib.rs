@@ -71,7 +71,7 @@ enum Command {
 }
 
 /// Runs the command with these arguments, the first of which is its name, and prints at most one error; the exit code.
-pub(crate) fn command(given: impl Iterator<Item = OsString>) -> u8 {
+pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
     process::start(given);
     if standard::output_is_closed() {
         refuse_standard_output();
