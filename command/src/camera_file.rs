@@ -2,7 +2,7 @@
 
 use halfline::camera::{Camera, CameraRecord, Lens};
 use halfline::error::{Error, Place, Result};
-use halfline::write::image_file::ImageFile;
+use halfline_files::write::image_file::ImageFile;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;

@@ -3,9 +3,9 @@
 use clap::Args;
 use halfline::camera::{CameraRecord, Intrinsics, Lens};
 use halfline::error::{Error, Result};
-use halfline::read::cameras::{self, ListedCamera};
 use halfline::scene::{ImagePlane, Scene};
-use halfline::write::file::{is_standard_output, write_atomically};
+use halfline_files::read::cameras::{self, ListedCamera};
+use halfline_files::write::file::{is_standard_output, write_atomically};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

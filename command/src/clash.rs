@@ -2,7 +2,7 @@
 
 use super::scene_frames::{number_in, numbered};
 use halfline::error::{Error, Result};
-use halfline::write::file::{is_standard, is_standard_output};
+use halfline_files::write::file::{is_standard, is_standard_output};
 use std::path::{Path, PathBuf};
 
 /// The location of a file, existing or not, independent of how its name is written.

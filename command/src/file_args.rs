@@ -10,8 +10,8 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::scene::Scene;
-use halfline::write::file::{Target, is_special, is_standard_output};
-use halfline::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
+use halfline_files::write::file::{Target, is_special, is_standard_output};
+use halfline_files::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
 use std::path::{Path, PathBuf};
 
 /// Buffers and their file; `None` for the file of -o.

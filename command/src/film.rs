@@ -4,7 +4,7 @@ use super::go_on;
 use super::scene_args::SceneArgs;
 use super::scene_frames::check_pattern;
 use halfline::error::{Error, Result};
-use halfline::write::file::write_by_program;
+use halfline_files::write::file::write_by_program;
 use std::env;
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};

@@ -6,8 +6,8 @@ use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::quote::{list, quote};
-use halfline::read::{Mark, SceneFrame, Selection};
 use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread};
+use halfline_files::read::{Mark, SceneFrame, Selection};
 
 /// What `--at` looks at.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@ use super::process::ExitCode;
 use super::{print, watch};
 use halfline::error::{Error, Result};
 use halfline::quote::{count, list, number, printable};
-use halfline::read::info::{ColumnInfo, FileInfo, info};
-use halfline::read::{ColumnNames, Format, ReadOptions};
+use halfline_files::read::info::{ColumnInfo, FileInfo, info};
+use halfline_files::read::{ColumnNames, Format, ReadOptions};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

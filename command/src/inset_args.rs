@@ -4,10 +4,10 @@ use super::scene_args::SceneArgs;
 use super::scene_frames::Numbered;
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
-use halfline::read::SceneFrame;
-use halfline::read::style::Legend;
-use halfline::write::file::is_standard_output;
+use halfline_files::read::SceneFrame;
+use halfline_files::read::style::Legend;
+use halfline_files::write::file::is_standard_output;
+use halfline_measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use std::ffi::OsString;
 
 /// The options for what is drawn inside the picture.

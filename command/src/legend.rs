@@ -4,15 +4,16 @@ use super::clash::place;
 use super::scene_args::SceneArgs;
 use super::scene_frames::{Numbered, check_pattern, numbered};
 use halfline::error::{Error, Result};
-use halfline::read::Hold;
-use halfline::read::style::Legend;
-use halfline::write::file::check_writable;
+use halfline_files::read::Hold;
+use halfline_files::read::style::Legend;
+use halfline_files::write::file::check_writable;
+use halfline_measure::plot::legend::DrawnLegend;
 use std::path::{Path, PathBuf};
 
 /// Checks the name of the legend's file before any work.
 pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
-    Legend::check_file(path)?;
+    DrawnLegend::check_file(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
         let problem = format!("{} would be written twice", path.display());
         return Err(Error::settings(problem, "use another file for the legend"));
@@ -49,7 +50,12 @@ pub(super) fn file(args: &SceneArgs, number: u64) -> Result<Option<PathBuf>> {
 
 /// What the file does not show as it is written. An SVG takes letters from the fonts of the machine that shows it.
 pub(super) fn warning(args: &SceneArgs, legend: Option<&Legend>) -> Option<String> {
-    args.color.legend.as_deref().filter(|path| is_png(path)).and(legend).and_then(Legend::warning)
+    args.color
+        .legend
+        .as_deref()
+        .filter(|path| is_png(path))
+        .and(legend)
+        .and_then(|legend| DrawnLegend(legend).warning())
 }
 
 fn is_png(path: &Path) -> bool {

@@ -4,7 +4,7 @@ use super::light_args::LookRequest;
 use clap::Args;
 use halfline::camera::{Aperture, Look};
 use halfline::error::{Error, Result};
-use halfline::read::SceneFrame;
+use halfline_files::read::SceneFrame;
 
 /// The options for the lens.
 #[derive(Debug, Args)]

@@ -39,7 +39,7 @@ use config::Config;
 use failure::fail;
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
-use halfline::write::file::refuse_standard_output;
+use halfline_files::write::file::refuse_standard_output;
 use messages::{note, say};
 use process::ExitCode;
 use signals::go_on;

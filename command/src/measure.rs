@@ -10,14 +10,13 @@ use super::scene_args::{scene_size, tolerance};
 use super::{go_on, note, print, say, watch};
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
-use halfline::measure::record::Record;
-use halfline::measure::run::{Options, Subject, measure};
-use halfline::measure::variant::Variant;
-use halfline::measure::{export, report};
-use halfline::read::ReadOptions;
-use halfline::scene::Scene;
 use halfline::settings::{Backend, Search, Tolerance};
-use halfline::write::file::check_writable;
+use halfline_files::read::{self, ReadOptions};
+use halfline_files::write::file::check_writable;
+use halfline_measure::record::Record;
+use halfline_measure::run::{Options, Subject, measure};
+use halfline_measure::variant::Variant;
+use halfline_measure::{export, report};
 use std::io::ErrorKind;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -143,7 +142,7 @@ impl Measure {
             }
             (Some(Suite::Ladder), _) => Subject::ladder()?,
             (None, Some(path)) => {
-                let scene = Scene::read(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
+                let scene = read::scene(path, &ReadOptions { watch: watch(), ..ReadOptions::default() })?;
                 let name = path.file_name().unwrap_or(path.as_os_str());
                 Subject::scene(name.to_string_lossy(), scene)
             }
@@ -157,7 +156,7 @@ impl Measure {
 }
 
 fn read(path: &Path) -> Result<Record> {
-    let text = if halfline::write::file::is_standard(path) {
+    let text = if halfline_files::write::file::is_standard(path) {
         std::io::read_to_string(std::io::stdin())
     } else {
         std::fs::read_to_string(path)

@@ -6,9 +6,9 @@ use super::process::ExitCode;
 use super::{go_on, note, say};
 use halfline::error::{Error, Result};
 use halfline::quote::count;
-use halfline::write::file::{check_writable, is_special, is_standard_output};
-use halfline::write::format::FileFormat;
-use halfline::write::merge::{Mosaic, Tile};
+use halfline_files::write::file::{check_writable, is_special, is_standard_output};
+use halfline_files::write::format::FileFormat;
+use halfline_files::write::merge::{Mosaic, Tile};
 use std::path::PathBuf;
 
 /// Merges tiles into the full frame: byte for byte the file that rendering the whole frame would have written.

@@ -3,9 +3,11 @@
 use super::{note, watch};
 use clap::Args;
 use halfline::error::{Error, Result};
-use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};
-use halfline::read::{Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style};
 use halfline::scene::arrange::{Arrangement, Bead};
+use halfline_files::read::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline_files::read::{
+    Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
+};
 use std::ffi::OsString;
 use std::path::PathBuf;
 

@@ -21,7 +21,7 @@ use halfline::progress::Cancel;
 use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::settings::Settings;
-use halfline::write::file::{Target, is_special};
+use halfline_files::write::file::{Target, is_special};
 use picture::{Messages, Picture};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};

@@ -16,12 +16,12 @@ use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
 use halfline::progress::Cancel;
-use halfline::read::Selection;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
-use halfline::write::file::{Target, is_standard_output};
+use halfline_files::read::Selection;
+use halfline_files::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 

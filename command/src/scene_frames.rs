@@ -14,13 +14,13 @@ use halfline::camera::{Aperture, Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
-use halfline::read::style::Coloring;
-use halfline::read::style::Legend;
-use halfline::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use halfline::render::stream::StreamIds;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
+use halfline_files::read::style::Coloring;
+use halfline_files::read::style::Legend;
+use halfline_files::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 

@@ -7,7 +7,7 @@ use super::process::ExitCode;
 use clap::{Args, Command, CommandFactory};
 use clap_complete::Shell;
 use halfline::error::{Error, Result};
-use halfline::write::file::{check_writable, write_atomically};
+use halfline_files::write::file::{check_writable, write_atomically};
 use std::path::PathBuf;
 
 /// Prints the shell completions of halfline's commands and options.

@@ -4,9 +4,9 @@ use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
+use halfline_files::read::{self, ReadOptions};
 use std::path::Path;
 
 /// Spheres from 5 to 2000 radii away, without colours.
@@ -24,7 +24,7 @@ fn scene() -> Scene {
 
 fn weekend() -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
+    let scene = read::scene(&path, &ReadOptions::default()).expect("weekend");
     // Its light and its sky take rays of their own.
     Scene { lighting: Default::default(), ..scene }
 }

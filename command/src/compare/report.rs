@@ -3,9 +3,9 @@
 use crate::process::ExitCode;
 use crate::say;
 use halfline::error::{Error, Result};
-use halfline::measure::compare::{Difference, compare, sides};
-use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
-use halfline::measure::{ArrayValue, picture};
+use halfline_measure::compare::{Difference, compare, sides};
+use halfline_measure::frames::{BufferPair, FrameFile, MatchedBuffers};
+use halfline_measure::{ArrayValue, picture};
 use serde::{Serialize, Serializer};
 use std::path::Path;
 

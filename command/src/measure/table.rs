@@ -1,7 +1,7 @@
 //! A record as text: one table for a scene, one per device for a suite.
 
-use halfline::measure::record::{Errors, PlaceRecord, Record, Run, SceneRecord};
 use halfline::quote::count;
+use halfline_measure::record::{Errors, PlaceRecord, Record, Run, SceneRecord};
 use std::fmt::Write as _;
 
 /// The record as text.

@@ -8,12 +8,13 @@ use halfline::camera::CameraRecord;
 use halfline::error::Result;
 use halfline::frame::Frame;
 use halfline::frame::provenance::Origin;
-use halfline::measure::plot::inset::Panels;
 use halfline::render::{Renderer, origin};
 use halfline::report::Report;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
-use halfline::write::file::Target;
+use halfline_files::write::file::Target;
+use halfline_measure::plot::inset::Panels;
+use halfline_measure::plot::legend::DrawnLegend;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -154,7 +155,7 @@ impl Render {
 
     fn write_legend(&self, numbered: &Numbered) -> Result<()> {
         match (legend::file(&self.args, numbered.number)?, &numbered.legend) {
-            (Some(path), Some(legend)) => legend.write(&path),
+            (Some(path), Some(legend)) => DrawnLegend(legend).write(&path),
             _ => Ok(()),
         }
     }

@@ -14,14 +14,14 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
 use halfline::quote::count;
-use halfline::read::style::{Coloring, Legend};
-use halfline::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::Instances;
 use halfline::scene::{Facing, Framing, ImagePlane, Lighting, Reach, Scene, Skipped, Spheres, Spread, middle};
 use halfline::settings::{FileLook, Settings};
-use halfline::write::file::Target;
+use halfline_files::read::style::{Coloring, Legend};
+use halfline_files::read::{FrameTime, ReadOptions, SceneFrame, Sequence, SphereBlocks};
+use halfline_files::write::file::Target;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 

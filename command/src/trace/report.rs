@@ -2,12 +2,12 @@
 
 use halfline::error::Error;
 use halfline::quote::{count, number};
-use halfline::read::rays::RayBlock;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
 use halfline::scene::Spheres;
 use halfline::scene::lidar::Lidar;
 use halfline::settings::Accuracy;
-use halfline::write::hits::CloudSummary;
+use halfline_files::read::rays::RayBlock;
+use halfline_files::write::hits::CloudSummary;
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;

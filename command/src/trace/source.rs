@@ -7,10 +7,10 @@ use clap::Args;
 use halfline::camera::{Basis, Camera};
 use halfline::error::{Error, Result};
 use halfline::progress::Watch;
-use halfline::read::SceneFrame;
-use halfline::read::rays::{RayBlock, RayOptions, RayReader};
 use halfline::scene::lidar::Lidar;
-use halfline::write::rays;
+use halfline_files::read::SceneFrame;
+use halfline_files::read::rays::{RayBlock, RayOptions, RayReader};
+use halfline_files::write::rays;
 use std::path::PathBuf;
 
 /// Where the rays come from.

@@ -4,8 +4,8 @@
 use crate::adapter::gpu;
 use crate::test_dir::TestDir;
 use halfline::Method;
-use halfline::measure::record::{Record, Run};
-use halfline::measure::variant::Variant;
+use halfline_measure::record::{Record, Run};
+use halfline_measure::variant::Variant;
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

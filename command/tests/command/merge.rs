@@ -7,8 +7,8 @@ use crate::test_dir::{Output, TestDir};
 use halfline::frame::{Aov, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
-use halfline::write::file::Target;
-use halfline::write::format::{Bits, FileFormat, FormatOptions};
+use halfline_files::write::file::Target;
+use halfline_files::write::format::{Bits, FileFormat, FormatOptions};
 
 /// Cuts a window into random parts.
 fn parts(rng: &mut Rng, window: Window) -> Vec<Window> {

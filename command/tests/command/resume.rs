@@ -186,7 +186,7 @@ fn signals_leave_no_half_files() {
         let left = |name: &String| !before.contains(name) && !name.starts_with("core");
         for name in renders.names().into_iter().filter(left) {
             assert!(["a.exr", "p.npy"].contains(&name.as_str()), "{signal} left {name}");
-            halfline::write::image_file::ImageFile::read(&renders.0.path(&name))
+            halfline_files::write::image_file::ImageFile::read(&renders.0.path(&name))
                 .unwrap_or_else(|error| panic!("{error}"));
             renders.0.remove(&name);
         }
