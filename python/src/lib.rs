@@ -8,6 +8,7 @@ mod camera;
 mod cli;
 mod command;
 mod errors;
+mod fit;
 mod frame;
 mod insets;
 mod many;
@@ -18,6 +19,7 @@ mod read;
 mod renderer;
 mod reports;
 mod scene;
+mod shared;
 mod trace;
 mod work;
 
@@ -34,6 +36,8 @@ mod _halfline {
     use super::command::command;
     #[pymodule_export]
     use super::errors::{AccuracyError, AdapterError};
+    #[pymodule_export]
+    use super::fit::fit_camera;
     #[pymodule_export]
     use super::frame::Frame;
     #[pymodule_export]
