@@ -1,7 +1,7 @@
 //! `halfline adapters`.
 
-use super::print;
 use super::process::ExitCode;
+use super::standard::print;
 use halfline::error::{Error, Result};
 use halfline::{adapters, verdicts};
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! Checks before any work that no output is an input of the same command and that no two outputs are the same file.
 
-use super::scene_frames::{number_in, numbered};
+use super::names::{number_in, numbered};
 use halfline::error::{Error, Result};
 use halfline::write::file::{is_standard, is_standard_output};
 use std::path::{Path, PathBuf};

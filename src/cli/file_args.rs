@@ -2,8 +2,8 @@
 
 use super::clash::place;
 use super::film::{FPS, Film};
+use super::names::{check_pattern, numbered};
 use super::read_args::color;
-use super::scene_frames::{check_pattern, numbered};
 use clap::builder::ArgPredicate;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -151,9 +151,12 @@ impl FileArgs {
         self.output.as_deref().and_then(|path| Film::of(path, self.fps.unwrap_or(FPS)))
     }
 
-    /// Returns an error for --fps without a film.
-    pub(super) fn check_fps(&self) -> Result<()> {
-        if self.fps.is_none() || self.film().is_some() {
+    /// Returns an error for options that make no film, and for --fps without one.
+    pub(super) fn check_film(&self, is_many: bool, resume: bool) -> Result<()> {
+        if let Some(film) = self.film() {
+            return film.check(is_many, self.transparent, resume);
+        }
+        if self.fps.is_none() {
             return Ok(());
         }
         let problem = "--fps is the rate of a film, and none is written";

@@ -1,7 +1,8 @@
 //! `halfline info FILE`.
 
 use super::process::ExitCode;
-use super::{print, watch};
+use super::signals::watch;
+use super::standard::print;
 use halfline::error::{Error, Result};
 use halfline::quote::{count, list, number, printable};
 use halfline::read::info::{ColumnInfo, FileInfo, info};

@@ -4,10 +4,11 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, say};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
-use super::{go_on, note, print, say, watch};
+use super::signals::{go_on, watch};
+use super::standard::print;
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::measure::record::Record;

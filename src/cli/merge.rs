@@ -1,9 +1,9 @@
 //! `halfline merge TILE... -o FULL`.
 
 use super::clash::check_inputs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, say};
 use super::process::ExitCode;
-use super::{go_on, note, say};
+use super::signals::go_on;
 use halfline::error::{Error, Result};
 use halfline::quote::count;
 use halfline::write::file::{check_writable, is_special, is_standard_output};

@@ -1,6 +1,7 @@
 //! How a scene is read and what its particles look like, as options.
 
-use super::{note, watch};
+use super::messages::note;
+use super::signals::watch;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::read::style::{self, ColorMap, Coloring, Radii, Scale};

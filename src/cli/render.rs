@@ -7,13 +7,17 @@ use super::bar::Bar;
 use super::camera_list::WrittenCameras;
 use super::clash::check_inputs;
 use super::film::FilmWriter;
+use super::legend;
 use super::lines::ProgressOutput;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note};
+use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
-use super::scene_frames::{Numbered, SceneFrames};
-use super::{go_on, legend, note, print, threads, watch};
+use super::scene_frames::SceneFrames;
+use super::signals::{go_on, watch};
+use super::standard::print;
+use super::threads;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -22,7 +26,7 @@ use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::settings::Settings;
 use halfline::write::file::{Target, is_special};
-use picture::{Messages, Picture};
+use picture::{Messages, Picture, PictureWriter};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
@@ -63,7 +67,7 @@ pub(crate) struct Render {
 const TOGETHER: usize = 1 << 22;
 
 /// The opened file, unless it was a stream, and its first scene.
-type First<'a> = (Option<SceneFrames<'a>>, Option<Numbered>);
+type First<'a> = (Option<SceneFrames<'a>>, Option<PictureScene>);
 
 /// The heading of the options that report on the rendering.
 const REPORTING: &str = "Reporting";
@@ -138,16 +142,24 @@ impl Render {
             // Progress is that of the first.
             renderers.push(Renderer::new(&settings)?.watched_by(watch()));
         }
-        let (messages, mut cameras) = (Messages::new(&bar), WrittenCameras::default());
+        let writer = PictureWriter {
+            args: &self.args,
+            settings: &settings,
+            resume: self.resume,
+            repeat: self.repeat,
+            preview: self.preview,
+            messages: Messages::new(&bar),
+        };
+        let mut cameras = WrittenCameras::default();
         let mut next = || match picture.take() {
             Some(first) => Ok(Some(first)),
             None => scene_frames.as_mut().map_or(Ok(None), |frames| self.ready(frames)),
         };
-        let each = |renderer: &mut Renderer, numbered: Numbered| {
+        let each = |renderer: &mut Renderer, numbered: PictureScene| {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            self.picture(&numbered, &settings, renderer, &messages)
+            writer.picture(&numbered, renderer)
         };
         let mut all = |mut film: Option<&mut FilmWriter>| {
             let mut done = |picture: Picture| {
@@ -180,7 +192,7 @@ impl Render {
 
     /// What there is room for beside the first picture. Pictures that are shown, piped or timed are rendered one after
     /// the other.
-    fn room(&self, first: &Numbered, targets: &[Target]) -> Room {
+    fn room(&self, first: &PictureScene, targets: &[Target]) -> Room {
         let image = first.scene.image;
         let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
         let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
@@ -236,7 +248,7 @@ impl Render {
     }
 
     /// The next scene, once its files are known to be writable.
-    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<Numbered>> {
+    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<PictureScene>> {
         let Some(mut picture) = scene_frames.next_frame()? else { return Ok(None) };
         let targets = self.args.files.targets(picture.number)?;
         let legend = legend::file(&self.args, picture.number)?;
@@ -252,16 +264,13 @@ impl Render {
 
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
-        if let Some(film) = self.args.files.film() {
-            film.check(&self.args, self.resume)?;
-        }
-        self.args.files.check_fps()?;
+        self.args.files.check_film(self.args.is_many(), self.resume)?;
         let targets = self.args.files.targets(1)?;
         if self.args.is_many() {
             self.args.files.check_many()?;
         }
         legend::check(&self.args)?;
-        self.args.insets.check(&self.args)?;
+        self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_dpi(&targets)?;
         if targets.is_empty() && !self.json && self.preview.is_none() {

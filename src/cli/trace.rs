@@ -4,14 +4,17 @@ mod report;
 mod source;
 
 use super::bar::Bar;
+use super::camera_args::PoseArgs;
 use super::clash::{check_inputs, place};
 use super::lines::ProgressOutput;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, say};
 use super::process::ExitCode;
 use super::read_args::ReadArgs;
-use super::scene_args::{ComputeArgs, PoseArgs};
+use super::scene_args::ComputeArgs;
 use super::scene_frames::arrange;
-use super::{go_on, note, print, say, threads, watch};
+use super::signals::{go_on, watch};
+use super::standard::print;
+use super::threads;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -23,9 +26,8 @@ use halfline::settings::{Search, Settings};
 use halfline::write::file::{check_writable, is_standard};
 use halfline::write::hits::{HitFile, HitWriter, Query};
 use report::{Cloud, Tally, TraceReport};
-use source::{RaySource, SourceArgs};
+use source::{BLOCK, RaySource, SourceArgs};
 use std::path::{Path, PathBuf};
-
 use std::time::Instant;
 
 /// Traces given rays, or the beams of a spinning scanner, and writes the nearest hit of each.
@@ -223,9 +225,6 @@ impl Trace {
 fn warn(warnings: &[String]) {
     warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
 }
-
-/// The rays that are traced together. Their answers do not depend on it.
-const BLOCK: usize = 1 << 19;
 
 /// The work on all blocks.
 struct Work<'a> {

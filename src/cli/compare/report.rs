@@ -1,7 +1,7 @@
 //! The result of a comparison, as text and as JSON.
 
+use crate::cli::messages::say;
 use crate::cli::process::ExitCode;
-use crate::cli::say;
 use halfline::error::{Error, Result};
 use halfline::measure::compare::{Difference, compare, sides};
 use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
