@@ -2,7 +2,7 @@
 
 use super::camera_list::CameraListArgs;
 use super::lens_args::LensArgs;
-use super::read_args::numbers;
+use super::values::{numbers, positive, vector};
 use clap::Args;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens, Look};
@@ -36,12 +36,12 @@ pub(super) struct CameraArgs {
     vfov: Option<f64>,
     /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
     /// always certified or exact.
-    #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
+    #[arg(long, value_name = "HEIGHT", value_parser = positive("number, in the scene's unit"), num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
     pub(super) ortho: Option<Option<f64>>,
     /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
     /// viewport is narrower by that factor.
-    #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = positive("number, such as 2"), allow_negative_numbers = true)]
     zoom: Option<f64>,
     #[command(flatten)]
     pub(super) lens: LensArgs,
@@ -224,27 +224,9 @@ fn direction(text: &str) -> Result<Direction, String> {
         .map_err(|_| format!("expected three finite numbers, such as 0,0,-1, or {names}"))
 }
 
-fn vector(text: &str) -> Result<DVec3, String> {
-    numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
-}
-
 fn angle(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
         _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
-    }
-}
-
-fn zoom(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("expected a positive number, such as 2".into()),
-    }
-}
-
-fn height(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("expected a positive number, in the scene's unit".into()),
     }
 }

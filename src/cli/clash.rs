@@ -29,6 +29,26 @@ pub(super) fn check_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inpu
     Ok(())
 }
 
+/// An error for a file that two outputs name.
+///
+/// # Errors
+/// [`Error::Settings`], always.
+pub(super) fn written_twice<T>(path: &Path, mend: &str) -> Result<T> {
+    Err(Error::settings(format!("{} would be written twice", path.display()), mend))
+}
+
+/// Returns an error for several results on standard output; `what` names those before the JSON and the lines of openjd.
+///
+/// # Errors
+/// [`Error::Settings`] with all that can be there.
+pub(super) fn check_one_standard(what: &str, are_there: impl IntoIterator<Item = bool>) -> Result<()> {
+    if are_there.into_iter().filter(|is_there| *is_there).count() < 2 {
+        return Ok(());
+    }
+    let problem = format!("standard output can hold only one of: {what}, the JSON, the lines of openjd");
+    Err(Error::settings(problem, "use files for the others"))
+}
+
 /// Returns an error for name patterns that give the same file for some numbers, which may be different ones: `z%d` and
 /// `z1%d`.
 ///

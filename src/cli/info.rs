@@ -2,8 +2,8 @@
 
 use super::process::ExitCode;
 use super::signals::watch;
-use super::standard::print;
-use halfline::error::{Error, Result};
+use super::standard::{print, print_json};
+use halfline::error::Result;
 use halfline::quote::{count, list, number, printable};
 use halfline::read::info::{ColumnInfo, FileInfo, info};
 use halfline::read::{ColumnNames, Format, ReadOptions};
@@ -49,11 +49,10 @@ impl Info {
         let options =
             ReadOptions { format, columns_named, skip_invalid, model, watch: watch(), ..ReadOptions::default() };
         let found = info(&self.file, &options)?;
-        let text = match self.json {
-            true => serde_json::to_string(&found).map_err(|e| Error::write("-", e.into()))?,
-            false => text(&found),
-        };
-        print(&format!("{}\n", text.trim_end()))?;
+        match self.json {
+            true => print_json(&found)?,
+            false => print(&format!("{}\n", text(&found).trim_end()))?,
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

@@ -1,6 +1,6 @@
 //! `--legend`: checks the legend's file name and writes the file.
 
-use super::clash::place;
+use super::clash::{place, written_twice};
 use super::names::{check_pattern, numbered};
 use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
@@ -15,8 +15,7 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
     Legend::check_file(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
-        let problem = format!("{} would be written twice", path.display());
-        return Err(Error::settings(problem, "use another file for the legend"));
+        return written_twice(path, "use another file for the legend");
     }
     // Without a common range each frame has a legend of its own.
     let is_common = args.color.range().is_some() || args.read.hold != Hold::None;

@@ -4,7 +4,7 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
-use super::messages::{QuietArgs, note, say};
+use super::messages::{QuietArgs, note, warn};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
 use super::signals::{go_on, watch};
@@ -102,9 +102,7 @@ impl Measure {
             Some(path) => read(path)?,
             None => self.measure()?,
         };
-        for warning in &record.warnings {
-            say(format_args!("warning: {warning}"));
-        }
+        warn(&record.warnings);
         if let Some(folder) = &self.out {
             write(&record, folder)?;
         }

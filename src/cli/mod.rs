@@ -36,6 +36,7 @@ mod signals;
 mod standard;
 mod threads;
 mod trace;
+mod values;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;

@@ -1,11 +1,11 @@
 //! `halfline plan SCENE`.
 
-use super::messages::{QuietArgs, note, say};
+use super::messages::{QuietArgs, note, warn};
 use super::picture_scene::PictureScene;
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::SceneFrames;
-use super::standard::print;
+use super::standard::{print, print_json};
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
@@ -64,12 +64,11 @@ impl PlanArgs {
         }
         let explanation = explain(&scene, &settings)?;
         look.words().into_iter().chain(lens.words()).for_each(|words| note(format_args!("{words}")));
-        explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
-        let text = match self.json {
-            true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
-            false => PlanText(&explanation, framed.as_deref()).to_string(),
-        };
-        print(&format!("{}\n", text.trim_end()))?;
+        warn(&explanation.warnings);
+        match self.json {
+            true => print_json(&explanation)?,
+            false => print(&format!("{}\n", PlanText(&explanation, framed.as_deref()).to_string().trim_end()))?,
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

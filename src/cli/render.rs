@@ -3,20 +3,21 @@
 mod picture;
 mod stream;
 
+use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
-use super::clash::check_inputs;
+use super::clash::{check_inputs, check_one_standard};
 use super::film::FilmWriter;
 use super::legend;
-use super::lines::ProgressOutput;
-use super::messages::{QuietArgs, note};
+use super::lines::ProgressArgs;
+use super::messages::QuietArgs;
 use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
 use super::scene_frames::SceneFrames;
 use super::signals::{go_on, watch};
-use super::standard::print;
+use super::standard::print_json;
 use super::threads;
 use clap::Args;
 use halfline::error::{Error, Result};
@@ -46,11 +47,8 @@ pub(crate) struct Render {
     /// Prints one JSON object about the rendering on standard output.
     #[arg(long, help_heading = REPORTING)]
     json: bool,
-    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
-    /// Description on standard output).
-    #[arg(long, help_heading = REPORTING, value_name = "P", value_enum, hide_possible_values = true,
-        default_value = "auto")]
-    progress: ProgressOutput,
+    #[command(flatten)]
+    progress: ProgressArgs,
     /// Shows the picture in a terminal with 24-bit colours; =blocks shows it on any standard error.
     #[arg(long, help_heading = REPORTING, value_name = "blocks", num_args = 0..=1, require_equals = true,
         default_missing_value = "auto")]
@@ -131,10 +129,8 @@ impl Render {
         let (opened, renderer) = threads::both(first, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
-        let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
-        if renderer.has_no_adapter() {
-            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
-        }
+        let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
+        note_fallback(&renderer);
         let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
         let lanes = room.lanes(renderers[0].is_gpu());
@@ -196,7 +192,7 @@ impl Render {
         let image = first.scene.image;
         let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
         let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
-        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.is_lines() || is_piped;
+        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.progress.is_lines() || is_piped;
         match TOGETHER / size {
             _ if !self.args.is_many() => Room::Alone,
             0 => Room::Alone,
@@ -211,8 +207,7 @@ impl Render {
         if !self.json {
             return Ok(());
         }
-        let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
-        print(&format!("{text}\n"))
+        print_json(report)
     }
 
     /// The opened file and its first scene; a stream has no other.
@@ -277,11 +272,8 @@ impl Render {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
         }
-        let standard = targets.iter().filter(|target| target.is_standard()).count();
-        if standard + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1 {
-            let problem = "standard output can hold only one of: a picture, a buffer, the JSON, the lines of openjd";
-            return Err(Error::settings(problem, "use files for the others"));
-        }
+        let standard = targets.iter().map(Target::is_standard).chain([self.json, self.progress.is_openjd()]);
+        check_one_standard("a picture, a buffer", standard)?;
         Ok(targets)
     }
 }

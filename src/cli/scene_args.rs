@@ -9,6 +9,7 @@ use super::light_args::{LightArgs, LookRequest};
 use super::names::number_in;
 use super::picture_scene::PictureScene;
 use super::read_args::{ColorArgs, ReadArgs};
+use super::values::wholes;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
@@ -245,11 +246,8 @@ pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn crop(text: &str) -> Result<Window, String> {
-    let sides: Option<Vec<u32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
-    match sides.as_deref() {
-        Some(&[x0, y0, x1, y1]) => Ok(Window { x0, y0, x1, y1 }),
-        _ => Err("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360".into()),
-    }
+    let [x0, y0, x1, y1] = wholes(text).ok_or("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360")?;
+    Ok(Window { x0, y0, x1, y1 })
 }
 
 fn tile(text: &str) -> Result<(u32, u32), String> {

@@ -2,6 +2,7 @@
 //! that is closed, so that what is written there would be lost without an error.
 
 use halfline::error::{Error, Result};
+use serde::Serialize;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -28,6 +29,12 @@ pub(super) fn print(text: &str) -> Result<()> {
         .and_then(|()| out.write_all(text.as_bytes()))
         .and_then(|()| out.flush())
         .map_err(|error| Error::write("-", error))
+}
+
+/// Prints a report as JSON on a line.
+pub(super) fn print_json(report: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
+    print(&format!("{text}\n"))
 }
 
 #[cfg(target_os = "linux")]
