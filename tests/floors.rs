@@ -1,4 +1,5 @@
-//! The rooms of src/ import only downwards, by the table of ARCHITECTURE.md, and no files import each other in a circle.
+//! The rooms of src/ import only downwards, by the table of ARCHITECTURE.md, and no files of a crate or of the Python package
+//! import each other in a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -7,8 +8,11 @@ use std::path::Path;
 /// The path of a module: the names behind `crate::`.
 type Module = Vec<String>;
 
-/// The files of the library without comments and tests, by their modules. The root is lib.rs.
+/// The files of a crate without comments and tests, by their modules. The root is lib.rs.
 type Files = BTreeMap<Module, String>;
+
+/// The files that each file imports from.
+type Imports = BTreeMap<Module, BTreeSet<Module>>;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -37,12 +41,25 @@ fn code(text: &str) -> String {
     text.lines().filter(|line| !line.trim_start().starts_with("//")).fold(String::new(), |all, line| all + line + "\n")
 }
 
-/// Adds the files of the library under `folder`, whose module is `outer`.
+/// The folders of the crates that exist.
+fn crates() -> impl Iterator<Item = &'static str> {
+    let all = ["src", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "python/src"];
+    all.into_iter().filter(|folder| root().join(folder).is_dir())
+}
+
+/// The files of the crate in `folder`.
+fn files(folder: &str) -> Files {
+    let mut files = Files::new();
+    collect(&root().join(folder), &[], &mut files);
+    files
+}
+
+/// Adds the files of a crate under `folder`, whose module is `outer`.
 fn collect(folder: &Path, outer: &[String], files: &mut Files) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let is_apart = outer.is_empty() && name == "testing";
+        let is_apart = outer.is_empty() && ["main", "testing"].contains(&&*name);
         if name == "tests" || is_apart {
             continue;
         }
@@ -149,8 +166,8 @@ fn absolute(module: &Module, path: &[String], files: &Files) -> Option<Module> {
     }
 }
 
-/// The file that each file imports from, with re-exports followed to the file that declares the name.
-fn imports(files: &Files) -> BTreeMap<Module, BTreeSet<Module>> {
+/// The files that each file imports from: those that declare the names, and those whose re-exports lead there.
+fn imports(files: &Files) -> Imports {
     let mut exports: BTreeMap<(Module, String), Module> = BTreeMap::new();
     let mut wanted: BTreeMap<Module, Vec<Module>> = BTreeMap::new();
     for (module, code) in files {
@@ -164,34 +181,60 @@ fn imports(files: &Files) -> BTreeMap<Module, BTreeSet<Module>> {
         let paths = imported.into_iter().map(|(path, _)| path).chain(inline(&rest, &heads));
         wanted.insert(module.clone(), paths.filter_map(|path| absolute(module, &path, files)).collect());
     }
-    let declares = |path: &Module| {
-        let (mut path, mut at, mut hops) = (path.clone(), 0, 0);
+    let leads_to = |path: &Module| {
+        let (mut path, mut at, mut passed) = (path.clone(), 0, Vec::new());
         while at < path.len() {
             let key = (path[..at].to_vec(), path[at].clone());
             if files.contains_key(&path[..=at]) {
                 at += 1;
-            } else if let Some(target) = exports.get(&key).filter(|_| hops < 8) {
-                (path, at, hops) = (target.iter().chain(&path[at + 1..]).cloned().collect(), 0, hops + 1);
+            } else if let Some(target) = exports.get(&key).filter(|_| passed.len() < 8) {
+                (path, at) = (target.iter().chain(&path[at + 1..]).cloned().collect(), 0);
+                passed.push(key.0);
             } else {
                 break;
             }
         }
         path.truncate(at);
-        path
+        passed.push(path);
+        passed
     };
     let targets = |(module, paths): (Module, Vec<Module>)| {
-        let found = paths.iter().map(declares).filter(|target| *target != module).collect();
+        let found = paths.iter().flat_map(leads_to).filter(|target| *target != module).collect();
         (module, found)
     };
     wanted.into_iter().map(targets).collect()
 }
 
+/// The same for the modules of a Python package, also of imports inside of functions and for type checkers.
+fn python_imports(folder: &Path) -> Imports {
+    let name = |path: &Path| path.file_stem().expect("a name").to_string_lossy().into_owned();
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let files: BTreeMap<String, String> = entries
+        .filter(|path| path.extension().is_some_and(|ending| ending == "py" || ending == "pyi"))
+        .map(|path| (name(&path), fs::read_to_string(&path).expect("a file")))
+        .collect();
+    let targets = |text: &str| -> BTreeSet<Module> {
+        let mut found = BTreeSet::new();
+        let statements = text.lines().map(str::trim_start).filter_map(|line| line.strip_prefix("from ."));
+        for (module, names) in statements.filter_map(|line| line.split_once(" import ")) {
+            let names = names.split(',').map(|name| name.split(" as ").next().unwrap_or_default().trim());
+            match module {
+                "" => found.extend(names.map(|name| if files.contains_key(name) { name } else { "__init__" })),
+                module => _ = found.insert(module),
+            }
+        }
+        found.into_iter().map(|name| vec![name.to_owned()]).collect()
+    };
+    files.iter().map(|(name, text)| (vec![name.clone()], targets(text))).collect()
+}
+
 /// The imports that point to a room that is not below, in the order of the rooms.
-fn upward(imports: &BTreeMap<Module, BTreeSet<Module>>, order: &[String]) -> Vec<String> {
+fn upward(imports: &Imports, order: &[String]) -> Vec<String> {
     let place = |module: &Module| order.iter().position(|room| Some(room) == module.first());
     let mut faults = Vec::new();
     for (module, targets) in imports.iter().filter(|(module, _)| !module.is_empty()) {
-        for target in targets.iter().filter(|target| target.first() != module.first()) {
+        let rooms: BTreeMap<_, _> = targets.iter().map(|target| (target.first(), target)).collect();
+        for target in rooms.into_values().filter(|target| target.first() != module.first()) {
             let (from, to) = (module.join("::"), target.join("::"));
             match place(target) {
                 None => faults.push(format!("{from} imports from `crate::{to}`, which is in no room")),
@@ -203,32 +246,29 @@ fn upward(imports: &BTreeMap<Module, BTreeSet<Module>>, order: &[String]) -> Vec
     faults
 }
 
-/// The files that lie on circles or between two of them, with their imports among these.
-fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<String> {
-    let mut left: BTreeSet<&Module> = imports.keys().filter(|module| !module.is_empty()).collect();
-    loop {
-        let known = left.clone();
-        left.retain(|module| {
-            let imports_some = imports[*module].iter().any(|target| known.contains(target));
-            imports_some && known.iter().any(|other| imports[*other].contains(*module))
-        });
-        if left.len() == known.len() {
-            break;
+/// The files on circles, with their imports on the same circle.
+fn circles(imports: &Imports) -> Vec<String> {
+    let reached = |from: &Module| {
+        let (mut found, mut left) = (BTreeSet::new(), vec![from.clone()]);
+        while let Some(module) = left.pop() {
+            left.extend(imports[&module].iter().filter(|target| found.insert((*target).clone())).cloned());
         }
-    }
-    let line = |module: &&Module| {
-        let targets = imports[*module].iter().filter(|target| left.contains(target)).map(|target| target.join("::"));
-        format!("{} -> {}", module.join("::"), targets.collect::<Vec<_>>().join(" "))
+        found
     };
-    left.iter().map(line).collect()
+    let all: BTreeMap<&Module, BTreeSet<Module>> = imports.keys().map(|module| (module, reached(module))).collect();
+    let name = |module: &Module| if module.is_empty() { "the root".to_owned() } else { module.join("::") };
+    let line = |module: &Module| {
+        let targets = imports[module].iter().filter(|target| all[*target].contains(module)).map(name);
+        format!("{} -> {}", name(module), targets.collect::<Vec<_>>().join(" "))
+    };
+    all.iter().filter(|(module, found)| found.contains(**module)).map(|(module, _)| line(module)).collect()
 }
 
 #[test]
-fn rooms_import_only_downwards_and_files_in_no_circle() {
+fn rooms_import_only_downwards() {
     let floors = floors(&read("ARCHITECTURE.md"));
     let order: Vec<String> = floors.iter().flat_map(|(_, rooms)| rooms.clone()).collect();
-    let mut files = Files::new();
-    collect(&root().join("src"), &[], &mut files);
+    let files = files("src");
     let rooms: BTreeSet<_> = files.keys().filter_map(|module| module.first().cloned()).collect();
     assert_eq!(order.iter().cloned().collect::<BTreeSet<_>>(), rooms, "the table has every room of src/ and no other");
     assert_eq!(order.len(), rooms.len(), "each room is on one floor");
@@ -240,9 +280,24 @@ fn rooms_import_only_downwards_and_files_in_no_circle() {
     println!("{} files of {} rooms, {count} imports among them", files.len(), rooms.len());
     let faults = upward(&imports, &order);
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    let circles = circles(&imports);
-    assert!(circles.is_empty(), "files import each other in a circle:\n{}", circles.join("\n"));
     assert!(files.len() > 150 && count > 600, "{} files, {count} imports", files.len());
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let found = crates().map(|folder| (folder, imports(&files(folder))));
+    let package = ("python/halfline", python_imports(&root().join("python/halfline")));
+    let mut faults = Vec::new();
+    for (folder, imports) in found.chain([package]) {
+        let count: usize = imports.values().map(BTreeSet::len).sum();
+        println!("{folder}: {} files, {count} imports among them", imports.len());
+        assert!(count > imports.len(), "{folder}: {} files, {count} imports", imports.len());
+        let circles = circles(&imports);
+        if !circles.is_empty() {
+            faults.push(format!("{folder}: files import each other in a circle:\n{}", circles.join("\n")));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Files by their modules, as `a::b`.
@@ -266,7 +321,7 @@ fn an_import_that_points_upwards_is_found() {
     assert_eq!(count("fn f() { crate::render::render() }"), 1);
     assert_eq!(count("use crate::{\n    error::{Error, Result},\n    render,\n};"), 1);
     assert_eq!(count("use super::render;"), 1);
-    assert_eq!(count("use crate::Renderer;"), 1, "by the root's name");
+    assert_eq!(count("use crate::Renderer;"), 2, "from the root, which is in no room, and by its name");
     assert_eq!(count("pub(in crate::render) struct X;"), 0, "a visibility");
     assert_eq!(count("use crate::nothing::X;"), 1, "in no room");
     assert_eq!(count("// crate::render\n#[cfg(test)]\nmod tests {\n    use crate::render::render;\n}\n"), 0);
@@ -284,4 +339,32 @@ fn a_circle_of_files_is_found() {
     assert_eq!(count("fn f() { super::b::b() }", "fn b() { crate::room::a::f() }"), 2);
     assert_eq!(count("use super::b::B;", "use super::E;"), 0, "a name of the room's own file");
     assert_eq!(count("struct A;", "pub use super::a::A;"), 0, "a re-export is not a circle by itself");
+}
+
+#[test]
+fn a_circle_through_the_file_of_a_room_is_found() {
+    let count = |room: &str, a: &str| {
+        let room = format!("mod a;\nmod b;\npub use b::B;\n{room}");
+        circles(&imports(&tree(&[("", ""), ("room", &room), ("room::a", a), ("room::b", "")]))).len()
+    };
+    assert_eq!(count("", "use super::B;"), 0);
+    assert_eq!(count("use a::A;", "use super::b::B;"), 0);
+    assert_eq!(count("use a::A;", "use super::B;"), 2, "by a name that the room re-exports");
+    assert_eq!(count("fn f() { a::f() }", "use super::B;"), 2);
+    assert_eq!(count("use a::A;", "use super::E;"), 2, "by a name of the room's own file");
+}
+
+#[test]
+fn a_circle_of_python_modules_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let count = |a: &str, b: &str| {
+        for (name, text) in [("__init__.py", "from .a import A\n"), ("a.py", a), ("b.py", b), ("_native.pyi", "")] {
+            fs::write(folder.path().join(name), text).expect("written");
+        }
+        circles(&python_imports(folder.path())).len()
+    };
+    assert_eq!(count("from .b import B\n", "from . import _native\n"), 0);
+    assert_eq!(count("from .b import B\n", "def f():\n    from .a import A\n"), 2);
+    assert_eq!(count("from . import b as c, _native\n", "if TYPE_CHECKING:\n    from .a import A\n"), 2);
+    assert_eq!(count("from . import A\n", ""), 2, "by a name of the package");
 }

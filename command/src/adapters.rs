@@ -1,10 +1,18 @@
 //! `halfline adapters`.
 
-use super::print;
+use super::messages::note;
 use super::process::ExitCode;
+use super::standard::print;
 use halfline::error::{Error, Result};
-use halfline::{adapters, verdicts};
+use halfline::{Renderer, adapters, verdicts};
 use std::fmt::Write as _;
+
+/// Says that a renderer uses the CPU path for want of an adapter.
+pub(super) fn note_fallback(renderer: &Renderer) {
+    if renderer.has_no_adapter() {
+        note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
+    }
+}
 
 /// Lists every adapter: driver, limits, subgroups, f64, and the measured properties of its arithmetic.
 ///

@@ -1,8 +1,8 @@
 //! Progress on a terminal: a line on standard error that appears after a second and is cleared at the end.
 
-use super::go_on;
 use super::lines::{ProgressLines, ProgressOutput};
 use super::messages::is_quiet;
+use super::signals::watch;
 use halfline::progress::{Progress, Step, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -68,7 +68,7 @@ impl Bar {
 
     /// Ends work on an interrupt, and stores progress for the line.
     pub(super) fn watch(&self) -> Watch {
-        let watch = Watch::default().while_true(go_on);
+        let watch = watch();
         if let Some(lines) = self.lines.clone() {
             return watch
                 .on_progress(move |progress| lines.lock().unwrap_or_else(PoisonError::into_inner).record(progress));

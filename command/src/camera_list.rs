@@ -1,5 +1,6 @@
 //! `--cameras`: a picture for each camera of a list, and the list `cameras.json` beside the pictures.
 
+use super::values::numbers;
 use clap::Args;
 use halfline::camera::{CameraRecord, Intrinsics, Lens};
 use halfline::error::{Error, Result};
@@ -75,9 +76,7 @@ impl CameraListArgs {
 }
 
 fn intrinsics(text: &str) -> Result<Intrinsics, String> {
-    let numbers =
-        super::read_args::numbers(text).ok_or("expected four finite numbers FX,FY,CX,CY, such as 525,525,320,240")?;
-    let [fx, fy, cx, cy] = numbers;
+    let [fx, fy, cx, cy] = numbers(text).ok_or("expected four finite numbers FX,FY,CX,CY, such as 525,525,320,240")?;
     Ok(Intrinsics { fx, fy, cx, cy })
 }
 

@@ -1,6 +1,6 @@
 //! Checks before any work that no output is an input of the same command and that no two outputs are the same file.
 
-use super::scene_frames::{number_in, numbered};
+use super::names::{number_in, numbered};
 use halfline::error::{Error, Result};
 use halfline_files::write::file::{is_standard, is_standard_output};
 use std::path::{Path, PathBuf};
@@ -27,6 +27,26 @@ pub(super) fn check_inputs<'a>(outputs: impl IntoIterator<Item = &'a Path>, inpu
         }
     }
     Ok(())
+}
+
+/// An error for a file that two outputs name.
+///
+/// # Errors
+/// [`Error::Settings`], always.
+pub(super) fn written_twice<T>(path: &Path, mend: &str) -> Result<T> {
+    Err(Error::settings(format!("{} would be written twice", path.display()), mend))
+}
+
+/// Returns an error for several results on standard output; `what` names those before the JSON and the lines of openjd.
+///
+/// # Errors
+/// [`Error::Settings`] with all that can be there.
+pub(super) fn check_one_standard(what: &str, are_there: impl IntoIterator<Item = bool>) -> Result<()> {
+    if are_there.into_iter().filter(|is_there| *is_there).count() < 2 {
+        return Ok(());
+    }
+    let problem = format!("standard output can hold only one of: {what}, the JSON, the lines of openjd");
+    Err(Error::settings(problem, "use files for the others"))
 }
 
 /// Returns an error for name patterns that give the same file for some numbers, which may be different ones: `z%d` and

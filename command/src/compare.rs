@@ -4,8 +4,8 @@ mod report;
 
 use super::clash::check_inputs;
 use super::messages::{QuietArgs, is_quiet};
-use super::print;
 use super::process::ExitCode;
+use super::standard::print;
 use halfline::error::{Error, Result};
 use halfline_files::write::file::{is_standard, is_standard_output};
 use halfline_measure::frames::FrameFile;

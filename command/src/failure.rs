@@ -1,7 +1,7 @@
 //! Failures: the exit codes, the message on standard error, and with `--json` an object on standard output.
 
+use super::messages::say;
 use super::process::{ExitCode, arguments};
-use super::say;
 use halfline::error::Error;
 use serde_json::json;
 use std::ffi::OsStr;

@@ -1,9 +1,9 @@
 //! The output files of `render`: which buffers go where, and how they are stored.
 
-use super::clash::place;
+use super::clash::{place, written_twice};
 use super::film::{FPS, Film};
-use super::read_args::color;
-use super::scene_frames::{check_pattern, numbered};
+use super::names::{check_pattern, numbered};
+use super::values::{color, positive};
 use clap::builder::ArgPredicate;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -39,7 +39,7 @@ pub(super) struct FileArgs {
     #[command(flatten)]
     dpi: DpiArgs,
     /// Scene units per level of distance and depth in PNG, up to level 65535; 0 is a miss.
-    #[arg(long, value_name = "X", default_value = "0.001", value_parser = unit, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value = "0.001", value_parser = positive("number, such as 0.001"), allow_negative_numbers = true)]
     unit: f64,
     /// Distance and depth of a miss: inf, nan (as in ROS), zero (as in OpenCV); in PNG always 0.
     #[arg(long, value_name = "V", default_value = "inf")]
@@ -115,8 +115,7 @@ impl FileArgs {
                     together.extend(aovs)
                 }
                 Some(_) => {
-                    let problem = format!("{} would be written twice", path.display());
-                    return Err(Error::settings(problem, "use a separate file for each buffer, or one .exr or .npz"));
+                    return written_twice(&path, "use a separate file for each buffer, or one .exr or .npz");
                 }
                 None => files.push((path, aovs)),
             }
@@ -151,9 +150,12 @@ impl FileArgs {
         self.output.as_deref().and_then(|path| Film::of(path, self.fps.unwrap_or(FPS)))
     }
 
-    /// Returns an error for --fps without a film.
-    pub(super) fn check_fps(&self) -> Result<()> {
-        if self.fps.is_none() || self.film().is_some() {
+    /// Returns an error for options that make no film, and for --fps without one.
+    pub(super) fn check_film(&self, is_many: bool, resume: bool) -> Result<()> {
+        if let Some(film) = self.film() {
+            return film.check(is_many, self.transparent, resume);
+        }
+        if self.fps.is_none() {
             return Ok(());
         }
         let problem = "--fps is the rate of a film, and none is written";
@@ -234,12 +236,5 @@ fn fps(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(x) if x > 0.0 && x <= 1000.0 => Ok(x),
         _ => Err("expected a number of pictures per second, such as 25".into()),
-    }
-}
-
-fn unit(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("expected a positive number, such as 0.001".into()),
     }
 }

@@ -1,8 +1,7 @@
 //! Films: the pictures of a sequence, piped to the program ffmpeg as PNG, one after the other.
 
-use super::go_on;
-use super::scene_args::SceneArgs;
-use super::scene_frames::check_pattern;
+use super::names::check_pattern;
+use super::signals::go_on;
 use halfline::error::{Error, Result};
 use halfline_files::write::file::write_by_program;
 use std::env;
@@ -86,13 +85,13 @@ impl<'a> Film<'a> {
     }
 
     /// Returns an error for options that make no film, and where ffmpeg is missing.
-    pub(super) fn check(&self, args: &SceneArgs, resume: bool) -> Result<()> {
+    pub(super) fn check(&self, is_many: bool, is_transparent: bool, resume: bool) -> Result<()> {
         let name = self.path.display();
         let refuse = |problem: String, mend: &str| Err(Error::settings(problem, mend));
         if check_pattern(self.path).is_ok() {
             return refuse(format!("{name} is one film, not a file for each picture"), "use a name without %d");
         }
-        if !args.is_many() {
+        if !is_many {
             let mend = "use .png for a picture, or --frames A-B, --spin N or --cameras FILE for a film";
             return refuse(format!("{name} is a film, but there is one picture"), mend);
         }
@@ -101,7 +100,7 @@ impl<'a> Film<'a> {
             let mend = format!("remove --resume, or resume pictures, -o {}", stem.display());
             return refuse(format!("--resume: {name} is made in one run"), &mend);
         }
-        if args.files.is_transparent() {
+        if is_transparent {
             return refuse(format!("{name} cannot be transparent"), "use --background, or .png for the pictures");
         }
         let folders = env::var_os("PATH").unwrap_or_default();

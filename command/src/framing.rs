@@ -1,28 +1,12 @@
-//! Where the camera is: directions in words, points and selections to look at, and what is framed.
+//! What the camera shows: points and selections that are looked at, and what is framed.
 
-use super::read_args::numbers;
-use super::scene_args::{CameraArgs, PoseArgs, SceneArgs};
+use super::camera_args::{Aimed, CameraArgs, Direction, PoseArgs, upright};
 use glam::DVec3;
 use halfline::camera::{Camera, Look};
 use halfline::error::{Error, Result};
-use halfline::quote::{list, quote};
+use halfline::quote::quote;
 use halfline::scene::{Facing, Framing, ImagePlane, NamedView, Outlook, Spheres, Spread};
-use halfline_files::read::{Mark, SceneFrame, Selection};
-
-/// What `--at` looks at.
-#[derive(Debug, Clone)]
-pub(super) enum Aimed {
-    Point(DVec3),
-    /// The centre of the selected spheres.
-    Selected(Selection),
-}
-
-/// The direction of `--view`.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Direction {
-    Vector(DVec3),
-    Named(NamedView),
-}
+use halfline_files::read::{Mark, SceneFrame};
 
 /// How a camera gets its direction.
 pub(super) enum Way {
@@ -40,101 +24,7 @@ const FOCUS_MARGIN: f64 = 0.25;
 /// A focus of which less than this share is seen has a warning.
 const HIDDEN: f64 = 0.5;
 
-pub(super) fn target(text: &str) -> Result<Aimed, String> {
-    if let Some(point) = numbers(text) {
-        return Ok(Aimed::Point(DVec3::from_array(point)));
-    }
-    // No expression has a comma between numbers.
-    if text.split(',').all(|part| part.trim().parse::<f64>().is_ok()) {
-        return Err("expected three finite numbers, such as 1,-2,3.5, or an expression such as `resname HEM`".into());
-    }
-    text.parse().map(Aimed::Selected).map_err(|e: Error| e.to_string())
-}
-
-pub(super) fn direction(text: &str) -> Result<Direction, String> {
-    if let Some(vector) = numbers(text) {
-        return Ok(Direction::Vector(DVec3::from_array(vector)));
-    }
-    let names = list(NamedView::ALL.iter().map(|view| view.name()));
-    text.trim()
-        .parse()
-        .map(Direction::Named)
-        .map_err(|_| format!("expected three finite numbers, such as 0,0,-1, or {names}"))
-}
-
-impl PoseArgs {
-    /// The direction and the up vector of these options alone, for a camera or a scanner with an eye: `at` takes precedence.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for a direction that depends on the spheres, which a scanner does not have.
-    pub(super) fn turn(&self, camera: &mut Camera, has_camera: bool) -> Result<()> {
-        let problem =
-            |what: &str| Err(Error::settings(format!("{what} depends on the spheres of a picture"), "use X,Y,Z"));
-        camera.eye = self.eye.unwrap_or(camera.eye);
-        if self.at.is_some() && self.view.is_some() {
-            return Err(Error::settings("--at and --view give two directions", "remove one of them"));
-        }
-        let up = match (&self.at, self.view) {
-            (Some(Aimed::Selected(_)), _) => return problem("--at EXPR"),
-            (Some(Aimed::Point(at)), _) => {
-                camera.look = Look::At(*at);
-                None
-            }
-            (None, Some(Direction::Vector(view))) => {
-                camera.look = Look::View(view);
-                None
-            }
-            (None, Some(Direction::Named(view))) => {
-                let Some(facing) = view.facing() else { return problem("--view auto") };
-                camera.look = Look::View(facing.view);
-                Some(facing.up)
-            }
-            (None, None) => None,
-        };
-        camera.up = self.up.or(up).unwrap_or_else(|| upright(camera.look, camera.up, has_camera));
-        Ok(())
-    }
-}
-
-/// The up vector of a camera whose options give none: its own, or z where it is not a file's and looks along its own.
-fn upright(look: Look, up: DVec3, has_camera: bool) -> DVec3 {
-    match look {
-        Look::View(view) if !has_camera && view.cross(up).length() <= 1e-6 * view.length() => DVec3::Z,
-        _ => up,
-    }
-}
-
 impl CameraArgs {
-    /// Checks the combination of the eye, the point and the direction.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] for all three.
-    pub(super) fn check(&self) -> Result<()> {
-        let PoseArgs { eye, at, view, .. } = &self.pose;
-        if eye.is_some() && at.is_some() && view.is_some() {
-            let problem = "--eye and --at give the direction, and --view another one";
-            return Err(Error::settings(problem, "remove one of the three"));
-        }
-        Ok(())
-    }
-
-    /// The selections that are looked at, in the order of a frame's marks.
-    pub(super) fn marks(&self) -> Vec<Selection> {
-        let at = match &self.pose.at {
-            Some(Aimed::Selected(selection)) => Some(selection),
-            _ => None,
-        };
-        at.into_iter().chain(&self.focus).cloned().collect()
-    }
-
-    /// The point to look at, where it is given by its coordinates.
-    pub(super) fn point(&self) -> Option<DVec3> {
-        match &self.pose.at {
-            Some(Aimed::Point(at)) => Some(*at),
-            _ => None,
-        }
-    }
-
     /// The point to look at.
     fn at(&self, frame: &SceneFrame) -> Result<Option<DVec3>> {
         match &self.pose.at {
@@ -224,8 +114,7 @@ fn center(spheres: &Spheres) -> DVec3 {
 ///
 /// # Errors
 /// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].
-pub(super) fn point(args: &SceneArgs, frame: &mut SceneFrame, aside: [f64; 2]) -> Result<Option<Framing>> {
-    let options = &args.camera;
+pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, aside: [f64; 2]) -> Result<Option<Framing>> {
     options.apply_lens(&mut frame.scene.camera);
     let at = options.at(frame)?;
     let framing = options.framing(frame.has_camera, at, aside)?;
@@ -294,9 +183,8 @@ fn look_at_focus(
 }
 
 /// What the options frame, in words, for `halfline plan`; `None` where the eye is given.
-pub(super) fn words(args: &SceneArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
+pub(super) fn words(options: &CameraArgs, frame: &SceneFrame, framing: Option<&Framing>) -> Option<String> {
     let framing = framing?;
-    let options = &args.camera;
     let what = match (&options.focus, frame.marks.last()) {
         (Some(_), Some(mark)) => format!("{} ({} of the spheres)", quote(&mark.text), mark.spheres.len()),
         _ => "all spheres".to_owned(),

@@ -1,8 +1,9 @@
 //! `halfline info FILE`.
 
 use super::process::ExitCode;
-use super::{print, watch};
-use halfline::error::{Error, Result};
+use super::signals::watch;
+use super::standard::{print, print_json};
+use halfline::error::Result;
 use halfline::quote::{count, list, number, printable};
 use halfline_files::read::info::{ColumnInfo, FileInfo, info};
 use halfline_files::read::{ColumnNames, Format, ReadOptions};
@@ -48,11 +49,10 @@ impl Info {
         let options =
             ReadOptions { format, columns_named, skip_invalid, model, watch: watch(), ..ReadOptions::default() };
         let found = info(&self.file, &options)?;
-        let text = match self.json {
-            true => serde_json::to_string(&found).map_err(|e| Error::write("-", e.into()))?,
-            false => text(&found),
-        };
-        print(&format!("{}\n", text.trim_end()))?;
+        match self.json {
+            true => print_json(&found)?,
+            false => print(&format!("{}\n", text(&found).trim_end()))?,
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

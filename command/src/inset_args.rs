@@ -1,7 +1,7 @@
 //! Legend, label and scale bar inside the picture, as options.
 
-use super::scene_args::SceneArgs;
-use super::scene_frames::Numbered;
+use super::file_args::FileArgs;
+use super::picture_scene::PictureScene;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline_files::read::SceneFrame;
@@ -9,6 +9,7 @@ use halfline_files::read::style::Legend;
 use halfline_files::write::file::is_standard_output;
 use halfline_measure::plot::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar};
 use std::ffi::OsString;
+use std::path::Path;
 
 /// The options for what is drawn inside the picture.
 #[derive(Debug, Args)]
@@ -35,11 +36,11 @@ impl InsetArgs {
         self.legend_in.is_some() || self.label.is_some() || self.scale_bar.is_some()
     }
 
-    /// Checks the combination with other options before any work.
+    /// Checks the combination with other options before any work; `is_part` says whether a part of the picture is rendered.
     ///
     /// # Errors
     /// [`Error::Settings`] for a part of a picture, and for a picture that is neither PNG nor EXR.
-    pub(super) fn check(&self, args: &SceneArgs) -> Result<()> {
+    pub(super) fn check(&self, is_part: bool, files: &FileArgs) -> Result<()> {
         if !self.is_given() {
             return Ok(());
         }
@@ -47,15 +48,15 @@ impl InsetArgs {
             let what = "--legend-in, --label and --scale-bar";
             Err(Error::settings(format!("{what} {problem}"), mend))
         };
-        if args.image.is_part() {
+        if is_part {
             return refuse("are drawn into whole pictures, because parts would not merge", "remove --crop or --tile");
         }
-        let is_picture = |path: &std::path::Path| {
+        let is_picture = |path: &Path| {
             let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
             is_standard_output(path) || ending.is_some_and(|ending| ending == "png" || ending == "exr")
         };
-        match args.files.picture() {
-            Some(path) if is_picture(path) && !args.files.is_raw() => Ok(()),
+        match files.picture() {
+            Some(path) if is_picture(path) && !files.is_raw() => Ok(()),
             _ => refuse("are drawn into a PNG or EXR picture", "use -o with the file name extension .png or .exr"),
         }
     }
@@ -75,12 +76,12 @@ impl InsetArgs {
         insets.aside(frame.scene.image.width, frame.scene.image.height)
     }
 
-    /// What is drawn into one picture; `None` for nothing.
+    /// What is drawn into one picture of the scene file; `None` for nothing.
     ///
     /// # Errors
     /// [`Error::Settings`] for a picture that is too small for it, a time that the frame does not have, and a scale bar of
     /// a scene that is not in front of the camera.
-    pub(super) fn panels(&self, args: &SceneArgs, picture: &Numbered) -> Result<Option<Panels>> {
+    pub(super) fn panels(&self, file: &Path, picture: &PictureScene) -> Result<Option<Panels>> {
         if !self.is_given() {
             return Ok(None);
         }
@@ -88,14 +89,14 @@ impl InsetArgs {
         let legend = |legend: &Legend| self.legend_in.map(|corner| (legend.clone(), corner));
         let insets = Insets {
             legend: picture.legend.as_ref().and_then(legend),
-            label: self.label.as_ref().map(|label| label.text(&values(args, picture))).transpose()?,
+            label: self.label.as_ref().map(|label| label.text(&values(file, picture))).transpose()?,
             scale_bar: self.scale_bar.as_ref().map(|unit| ScaleBar::of(scene, unit)).transpose()?,
         };
         insets.panels(scene.image.width, scene.image.height).map(Some)
     }
 
     /// What the panels of a picture do not show everywhere or leave free, in sentences.
-    pub(super) fn words(&self, picture: &Numbered) -> impl Iterator<Item = String> {
+    pub(super) fn words(&self, picture: &PictureScene) -> impl Iterator<Item = String> {
         let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
         let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
         let covers = self.legend_in.is_some() && picture.legend.is_some() && picture.framed.is_none();
@@ -105,8 +106,8 @@ impl InsetArgs {
 }
 
 /// What the names in braces of a label stand for.
-fn values(args: &SceneArgs, picture: &Numbered) -> LabelValues {
-    let name = args.scene.file_name().unwrap_or(args.scene.as_os_str());
+fn values(file: &Path, picture: &PictureScene) -> LabelValues {
+    let name = file.file_name().unwrap_or(file.as_os_str());
     LabelValues {
         frame: picture.number,
         file: Some(name.to_string_lossy().into_owned()),

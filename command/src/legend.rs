@@ -1,8 +1,9 @@
 //! `--legend`: checks the legend's file name and writes the file.
 
-use super::clash::place;
+use super::clash::{place, written_twice};
+use super::names::{check_pattern, numbered};
+use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
-use super::scene_frames::{Numbered, check_pattern, numbered};
 use halfline::error::{Error, Result};
 use halfline_files::read::Hold;
 use halfline_files::read::style::Legend;
@@ -15,8 +16,7 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     let Some(path) = &args.color.legend else { return Ok(()) };
     DrawnLegend::check_file(path)?;
     if args.files.names()?.iter().any(|other| place(other) == place(path)) {
-        let problem = format!("{} would be written twice", path.display());
-        return Err(Error::settings(problem, "use another file for the legend"));
+        return written_twice(path, "use another file for the legend");
     }
     // Without a common range each frame has a legend of its own.
     let is_common = args.color.range().is_some() || args.read.hold != Hold::None;
@@ -30,7 +30,7 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Settings`] for spheres without elements, a column and colours of selections.
-pub(super) fn check_content(args: &SceneArgs, picture: &Numbered) -> Result<()> {
+pub(super) fn check_content(args: &SceneArgs, picture: &PictureScene) -> Result<()> {
     let is_requested = args.insets.has_legend() || args.color.legend.is_some();
     if !is_requested || args.color.is_by_column() || picture.legend.is_some() || picture.scene.spheres.is_empty() {
         return Ok(());

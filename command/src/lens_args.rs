@@ -1,6 +1,7 @@
 //! `--aperture` and `--focus-distance`: a lens with a size.
 
 use super::light_args::LookRequest;
+use super::values::length;
 use clap::Args;
 use halfline::camera::{Aperture, Look};
 use halfline::error::{Error, Result};
@@ -77,9 +78,4 @@ impl PictureLens {
         let samples = self.samples.map(|samples| format!(", --samples {samples}")).unwrap_or_default();
         Some(format!("lens of diameter {diameter}: what is {focus} away is in focus{samples}"))
     }
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    let length = text.parse().ok().filter(|length: &f64| *length > 0.0 && length.is_finite());
-    length.ok_or_else(|| "expected a positive length, in the scene's unit".into())
 }

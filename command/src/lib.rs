@@ -2,6 +2,7 @@
 
 mod adapters;
 mod bar;
+mod camera_args;
 mod camera_file;
 mod camera_list;
 mod clash;
@@ -21,6 +22,8 @@ mod lines;
 mod measure;
 mod merge;
 mod messages;
+mod names;
+mod picture_scene;
 mod plan;
 mod preview;
 mod process;
@@ -33,16 +36,14 @@ mod signals;
 mod standard;
 mod threads;
 mod trace;
+mod values;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;
 use failure::fail;
-use halfline::error::{Error, Result};
-use halfline::progress::Watch;
+use halfline::error::Result;
 use halfline_files::write::file::refuse_standard_output;
-use messages::{note, say};
 use process::ExitCode;
-use signals::go_on;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use tracing_subscriber::filter::Targets;
@@ -107,7 +108,7 @@ fn end(told: &clap::Error) -> ! {
         std::process::exit(2);
     }
     failure::print_usage(told);
-    let arrived = told.print().and_then(|()| io::stdout().flush()).and_then(|()| check_output());
+    let arrived = told.print().and_then(|()| io::stdout().flush()).and_then(|()| standard::check_output());
     std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
 }
 
@@ -130,29 +131,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
         Command::Measure(measure) => measure.run(),
         Command::Plan(plan) => plan.run(),
         Command::Trace(trace) => trace.run(),
-        Command::Completions(completions) => completions.run(),
-        Command::Man(man) => man.run(),
+        Command::Completions(completions) => completions.run(Arguments::command()),
+        Command::Man(man) => man.run(Arguments::command()),
     }
-}
-
-/// Ends work on ctrl-C or a request to terminate.
-fn watch() -> Watch {
-    Watch::default().while_true(go_on)
-}
-
-/// An error for a standard output that is closed.
-fn check_output() -> io::Result<()> {
-    match standard::output_is_closed() {
-        true => Err(io::Error::other("standard output is closed")),
-        false => Ok(()),
-    }
-}
-
-/// Prints a result on standard output; failing to do so is an error.
-fn print(text: &str) -> Result<()> {
-    let mut out = io::stdout().lock();
-    check_output()
-        .and_then(|()| out.write_all(text.as_bytes()))
-        .and_then(|()| out.flush())
-        .map_err(|error| Error::write("-", error))
 }

@@ -1,6 +1,6 @@
 //! Lights, sky and lines of the picture as options, and the looks that stand for several of them.
 
-use super::read_args::numbers;
+use super::values::{length, numbers, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
@@ -21,11 +21,11 @@ pub(super) struct LightArgs {
     look: Option<Look>,
     /// Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point [default: the scene
     /// file's, else 16].
-    #[arg(long, value_name = "N", value_parser = rays, num_args = 0..=1)]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_RAYS), num_args = 0..=1)]
     occlusion: Option<Option<u32>>,
     /// Spheres farther than this from a point, in scene units, hide nothing of the sky [default: the scene file's, else
     /// no limit].
-    #[arg(long, value_name = "R", value_parser = reach, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = length, allow_negative_numbers = true)]
     reach: Option<f64>,
     /// Adds a white light infinitely far in this direction; may be repeated.
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
@@ -34,7 +34,7 @@ pub(super) struct LightArgs {
     #[arg(long)]
     shadows: bool,
     /// The most bounces of a ray at mirrors and in glass, up to 64; 0 switches them off [default: 6].
-    #[arg(long, value_name = "N", value_parser = bounces)]
+    #[arg(long, value_name = "N", value_parser = whole(0..=MOST_BOUNCES))]
     bounces: Option<u32>,
     /// Draws dark lines where the depth jumps.
     #[arg(long)]
@@ -206,19 +206,4 @@ fn looks() -> impl TypedValueParser<Value = Look> {
 fn direction(text: &str) -> Result<DVec3, String> {
     let vector = numbers(text).map(DVec3::from_array).filter(|sun| *sun != DVec3::ZERO);
     vector.ok_or_else(|| "expected three finite numbers, not all 0, that point toward the light, such as -1,2,1".into())
-}
-
-fn rays(text: &str) -> Result<u32, String> {
-    let rays = text.parse().ok().filter(|rays| (1..=MOST_RAYS).contains(rays));
-    rays.ok_or_else(|| format!("expected a whole number between 1 and {MOST_RAYS}"))
-}
-
-fn bounces(text: &str) -> Result<u32, String> {
-    let bounces = text.parse().ok().filter(|bounces| (0..=MOST_BOUNCES).contains(bounces));
-    bounces.ok_or_else(|| format!("expected a whole number between 0 and {MOST_BOUNCES}"))
-}
-
-fn reach(text: &str) -> Result<f64, String> {
-    let reach = text.parse().ok().filter(|reach: &f64| *reach > 0.0 && reach.is_finite());
-    reach.ok_or_else(|| "expected a positive length, in the scene's unit".into())
 }

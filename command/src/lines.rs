@@ -5,6 +5,23 @@ use halfline::progress::{Progress, Step};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
+/// The option `--progress`.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reporting")]
+pub(super) struct ProgressArgs {
+    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
+    /// Description on standard output).
+    #[arg(long, value_name = "P", value_enum, hide_possible_values = true, default_value = "auto")]
+    pub(super) progress: ProgressOutput,
+}
+
+impl ProgressArgs {
+    /// Whether standard output receives the lines.
+    pub(super) fn is_openjd(&self) -> bool {
+        self.progress == ProgressOutput::Openjd
+    }
+}
+
 /// The form of progress reporting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum ProgressOutput {

@@ -4,10 +4,11 @@ mod table;
 
 use super::bar::Bar;
 use super::clash::check_inputs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, warn};
 use super::process::{ExitCode, arguments};
 use super::scene_args::{scene_size, tolerance};
-use super::{go_on, note, print, say, watch};
+use super::signals::{go_on, watch};
+use super::standard::print;
 use clap::{Args, ValueEnum};
 use halfline::error::{Error, Result};
 use halfline::settings::{Backend, Search, Tolerance};
@@ -100,9 +101,7 @@ impl Measure {
             Some(path) => read(path)?,
             None => self.measure()?,
         };
-        for warning in &record.warnings {
-            say(format_args!("warning: {warning}"));
-        }
+        warn(&record.warnings);
         if let Some(folder) = &self.out {
             write(&record, folder)?;
         }

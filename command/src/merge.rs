@@ -1,9 +1,9 @@
 //! `halfline merge TILE... -o FULL`.
 
 use super::clash::check_inputs;
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, warn};
 use super::process::ExitCode;
-use super::{go_on, note, say};
+use super::signals::go_on;
 use halfline::error::{Error, Result};
 use halfline::quote::count;
 use halfline_files::write::file::{check_writable, is_special, is_standard_output};
@@ -52,7 +52,7 @@ impl Merge {
             let problem = format!("the tiles are {} files, but {output} is not", format.ending());
             return Err(Error::settings(problem, format!("use the file name extension {}", format.ending())));
         }
-        mosaic.warnings().iter().for_each(|warning| say(format_args!("warning: {warning}")));
+        warn(mosaic.warnings());
         mosaic.write(&self.output, &go_on)?;
         let ([width, height], n) = (mosaic.size(), mosaic.len());
         note(format_args!("merged {} into {output}, {width} x {height} pixels", count(n as u64, "tile")));

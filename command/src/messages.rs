@@ -36,6 +36,11 @@ pub(crate) fn say(message: fmt::Arguments<'_>) {
     let _ = io::stderr().write_all(format!("halfline: {}\n", printable(&message.to_string())).as_bytes());
 }
 
+/// Prints warnings on standard error.
+pub(super) fn warn<T: fmt::Display>(warnings: impl IntoIterator<Item = T>) {
+    warnings.into_iter().for_each(|warning| say(format_args!("warning: {warning}")));
+}
+
 /// Prints a message that is neither an error nor a warning, unless `--quiet` is given.
 pub(super) fn note(message: fmt::Arguments<'_>) {
     if !is_quiet() {

@@ -1,15 +1,17 @@
 //! `halfline plan SCENE`.
 
-use super::messages::QuietArgs;
+use super::messages::{QuietArgs, note, warn};
+use super::picture_scene::PictureScene;
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
-use super::scene_frames::Numbered;
-use super::{note, print, say};
+use super::scene_frames::SceneFrames;
+use super::standard::{print, print_json};
 use clap::builder::ArgPredicate;
 use clap::{Arg, Command};
 use halfline::error::{Error, Result};
 use halfline::explain::{DeviceBuffer, Explanation, MaterialCounts, PixelRays, Room, ShaderFile, explain, wgsl};
 use halfline::frame::tone::Tone;
+use halfline::progress::Cancel;
 use halfline::quote::{count, number};
 use halfline::scene::{Sky, SkyColors};
 use std::fmt::{self, Display};
@@ -52,21 +54,21 @@ impl PlanArgs {
         let targets = self.args.files.targets(1)?;
         self.args.files.check_dpi(&targets)?;
         let settings = self.args.settings(&targets);
-        let picture = self.args.first(&settings)?;
+        let first = SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?;
+        let picture = first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let Numbered { scene, look, lens, framed, .. } = picture;
+        let PictureScene { scene, look, lens, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
         let explanation = explain(&scene, &settings)?;
         look.words().into_iter().chain(lens.words()).for_each(|words| note(format_args!("{words}")));
-        explanation.warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
-        let text = match self.json {
-            true => serde_json::to_string(&explanation).map_err(|e| Error::write("-", e.into()))?,
-            false => PlanText(&explanation, framed.as_deref()).to_string(),
-        };
-        print(&format!("{}\n", text.trim_end()))?;
+        warn(&explanation.warnings);
+        match self.json {
+            true => print_json(&explanation)?,
+            false => print(&format!("{}\n", PlanText(&explanation, framed.as_deref()).to_string().trim_end()))?,
+        }
         Ok(ExitCode::SUCCESS)
     }
 }

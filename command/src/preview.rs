@@ -1,7 +1,7 @@
 //! Shows the picture in the terminal with half blocks in 24-bit colours, two pixels per character. Crates for this also
 //! contain decoders and protocols that are not needed here.
 
-use super::note;
+use super::messages::note;
 use console::Term;
 use halfline::frame::srgb::level;
 use halfline::frame::{Aov, Frame};

@@ -1,10 +1,12 @@
 //! How a scene is read and what its particles look like, as options.
 
-use super::{note, watch};
+use super::messages::note;
+use super::signals::watch;
+use super::values::{color, numbers, positive, wholes};
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::scene::arrange::{Arrangement, Bead};
-use halfline_files::read::style::{self, ColorMap, Coloring, Radii, Scale};
+use halfline_files::read::style::{ColorMap, Coloring, Radii, Scale};
 use halfline_files::read::{
     Altloc, ColumnNames, Format, FrameRange, Hold, Keep, Periodic, ReadOptions, Selection, Style,
 };
@@ -68,7 +70,7 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "[EXPR=]X", value_parser = radius_rule, allow_negative_numbers = true)]
     radius: Vec<Rule<f64>>,
     /// Multiplies every radius.
-    #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive,
+    #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive("number"),
         allow_negative_numbers = true)]
     radius_scale: f64,
     /// Moves every particle into the periodic cell of the file, before --copies.
@@ -85,11 +87,11 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
     clip: Vec<[f64; 4]>,
     /// Draws the edges of the file's periodic cell with beads, of this radius if given.
-    #[arg(long, help_heading = LOOK, value_name = "RADIUS", value_parser = positive, num_args = 0..=1,
+    #[arg(long, help_heading = LOOK, value_name = "RADIUS", value_parser = positive("number"), num_args = 0..=1,
         require_equals = true)]
     cell: Option<Option<f64>>,
     /// The earlier name of --cell.
-    #[arg(long, hide = true, value_name = "RADIUS", value_parser = positive, num_args = 0..=1, require_equals = true,
+    #[arg(long, hide = true, value_name = "RADIUS", value_parser = positive("number"), num_args = 0..=1, require_equals = true,
         conflicts_with = "cell")]
     outline: Option<Option<f64>>,
 }
@@ -268,25 +270,11 @@ impl<T: Copy> Rule<T> {
 }
 
 fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
-    Rule::parse(text, positive)
+    Rule::parse(text, positive("number"))
 }
 
 fn color_rule(text: &str) -> Result<Rule<[f32; 3]>, String> {
     Rule::parse(text, color)
-}
-
-/// Finite numbers separated by commas, exactly `N` of them.
-pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
-    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
-    <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite()).ok_or_else(|| "expected a positive number".into())
-}
-
-pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
-    style::color(text).map_err(|e| e.to_string())
 }
 
 fn range(text: &str) -> Result<[f64; 2], String> {
@@ -318,7 +306,6 @@ fn plane(text: &str) -> Result<[f64; 4], String> {
 }
 
 fn copies(text: &str) -> Result<[u32; 3], String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok().filter(|n| *n > 0)).collect();
-    let numbers = numbers.and_then(|numbers| <[u32; 3]>::try_from(numbers).ok());
+    let numbers = wholes(text).filter(|numbers| !numbers.contains(&0));
     numbers.ok_or_else(|| "expected three positive whole numbers, such as 2,2,1".into())
 }

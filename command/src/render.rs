@@ -3,17 +3,22 @@
 mod picture;
 mod stream;
 
+use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
-use super::clash::check_inputs;
+use super::clash::{check_inputs, check_one_standard};
 use super::film::FilmWriter;
-use super::lines::ProgressOutput;
+use super::legend;
+use super::lines::ProgressArgs;
 use super::messages::QuietArgs;
+use super::picture_scene::PictureScene;
 use super::preview::Preview;
 use super::process::ExitCode;
 use super::scene_args::SceneArgs;
-use super::scene_frames::{Numbered, SceneFrames};
-use super::{go_on, legend, note, print, threads, watch};
+use super::scene_frames::SceneFrames;
+use super::signals::{go_on, watch};
+use super::standard::print_json;
+use super::threads;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -22,7 +27,7 @@ use halfline::render::Renderer;
 use halfline::report::Report;
 use halfline::settings::Settings;
 use halfline_files::write::file::{Target, is_special};
-use picture::{Messages, Picture};
+use picture::{Messages, Picture, PictureWriter};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
@@ -42,11 +47,8 @@ pub(crate) struct Render {
     /// Prints one JSON object about the rendering on standard output.
     #[arg(long, help_heading = REPORTING)]
     json: bool,
-    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
-    /// Description on standard output).
-    #[arg(long, help_heading = REPORTING, value_name = "P", value_enum, hide_possible_values = true,
-        default_value = "auto")]
-    progress: ProgressOutput,
+    #[command(flatten)]
+    progress: ProgressArgs,
     /// Shows the picture in a terminal with 24-bit colours; =blocks shows it on any standard error.
     #[arg(long, help_heading = REPORTING, value_name = "blocks", num_args = 0..=1, require_equals = true,
         default_missing_value = "auto")]
@@ -63,7 +65,7 @@ pub(crate) struct Render {
 const TOGETHER: usize = 1 << 22;
 
 /// The opened file, unless it was a stream, and its first scene.
-type First<'a> = (Option<SceneFrames<'a>>, Option<Numbered>);
+type First<'a> = (Option<SceneFrames<'a>>, Option<PictureScene>);
 
 /// The heading of the options that report on the rendering.
 const REPORTING: &str = "Reporting";
@@ -127,10 +129,8 @@ impl Render {
         let (opened, renderer) = threads::both(first, || Renderer::new(&settings));
         // Errors of the scene are reported before those of the adapter.
         let ((mut scene_frames, mut picture), renderer) = (opened?, renderer?);
-        let bar = Bar::with_output(self.progress, self.repeat.get().saturating_mul(self.args.expected()));
-        if renderer.has_no_adapter() {
-            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
-        }
+        let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
+        note_fallback(&renderer);
         let room = picture.as_ref().map_or(Room::Alone, |first| self.room(first, &targets));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
         let lanes = room.lanes(renderers[0].is_gpu());
@@ -138,16 +138,24 @@ impl Render {
             // Progress is that of the first.
             renderers.push(Renderer::new(&settings)?.watched_by(watch()));
         }
-        let (messages, mut cameras) = (Messages::new(&bar), WrittenCameras::default());
+        let writer = PictureWriter {
+            args: &self.args,
+            settings: &settings,
+            resume: self.resume,
+            repeat: self.repeat,
+            preview: self.preview,
+            messages: Messages::new(&bar),
+        };
+        let mut cameras = WrittenCameras::default();
         let mut next = || match picture.take() {
             Some(first) => Ok(Some(first)),
             None => scene_frames.as_mut().map_or(Ok(None), |frames| self.ready(frames)),
         };
-        let each = |renderer: &mut Renderer, numbered: Numbered| {
+        let each = |renderer: &mut Renderer, numbered: PictureScene| {
             if !go_on() {
                 return Err(Error::Interrupted);
             }
-            self.picture(&numbered, &settings, renderer, &messages)
+            writer.picture(&numbered, renderer)
         };
         let mut all = |mut film: Option<&mut FilmWriter>| {
             let mut done = |picture: Picture| {
@@ -180,11 +188,11 @@ impl Render {
 
     /// What there is room for beside the first picture. Pictures that are shown, piped or timed are rendered one after
     /// the other.
-    fn room(&self, first: &Numbered, targets: &[Target]) -> Room {
+    fn room(&self, first: &PictureScene, targets: &[Target]) -> Room {
         let image = first.scene.image;
         let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
         let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
-        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.is_lines() || is_piped;
+        let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.progress.is_lines() || is_piped;
         match TOGETHER / size {
             _ if !self.args.is_many() => Room::Alone,
             0 => Room::Alone,
@@ -199,8 +207,7 @@ impl Render {
         if !self.json {
             return Ok(());
         }
-        let text = serde_json::to_string(report).map_err(|e| Error::write("-", e.into()))?;
-        print(&format!("{text}\n"))
+        print_json(report)
     }
 
     /// The opened file and its first scene; a stream has no other.
@@ -236,7 +243,7 @@ impl Render {
     }
 
     /// The next scene, once its files are known to be writable.
-    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<Numbered>> {
+    fn ready(&self, scene_frames: &mut SceneFrames<'_>) -> Result<Option<PictureScene>> {
         let Some(mut picture) = scene_frames.next_frame()? else { return Ok(None) };
         let targets = self.args.files.targets(picture.number)?;
         let legend = legend::file(&self.args, picture.number)?;
@@ -252,27 +259,21 @@ impl Render {
 
     /// The files of the first picture; checks combinations of options.
     fn check(&self) -> Result<Vec<Target>> {
-        if let Some(film) = self.args.files.film() {
-            film.check(&self.args, self.resume)?;
-        }
-        self.args.files.check_fps()?;
+        self.args.files.check_film(self.args.is_many(), self.resume)?;
         let targets = self.args.files.targets(1)?;
         if self.args.is_many() {
             self.args.files.check_many()?;
         }
         legend::check(&self.args)?;
-        self.args.insets.check(&self.args)?;
+        self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_dpi(&targets)?;
         if targets.is_empty() && !self.json && self.preview.is_none() {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
         }
-        let standard = targets.iter().filter(|target| target.is_standard()).count();
-        if standard + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1 {
-            let problem = "standard output can hold only one of: a picture, a buffer, the JSON, the lines of openjd";
-            return Err(Error::settings(problem, "use files for the others"));
-        }
+        let standard = targets.iter().map(Target::is_standard).chain([self.json, self.progress.is_openjd()]);
+        check_one_standard("a picture, a buffer", standard)?;
         Ok(targets)
     }
 }

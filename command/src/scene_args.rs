@@ -1,26 +1,23 @@
 //! The options that `render` and `plan` share: the scene, the camera, the image and its buffers, and the accuracy.
 
-use super::camera_list::{CameraListArgs, list_in};
+use super::camera_args::CameraArgs;
+use super::camera_list::list_in;
 use super::clash::{check_inputs, check_numbered, place};
 use super::file_args::FileArgs;
-use super::framing::{self, Aimed, Direction};
 use super::inset_args::InsetArgs;
-use super::lens_args::LensArgs;
 use super::light_args::{LightArgs, LookRequest};
-use super::read_args::{ColorArgs, ReadArgs, numbers};
-use super::scene_frames::{Numbered, SceneFrames, number_in};
+use super::names::number_in;
+use super::picture_scene::PictureScene;
+use super::read_args::{ColorArgs, ReadArgs};
+use super::values::wholes;
 use clap::Args;
-use glam::DVec3;
-use halfline::camera::{Camera, Lens};
 use halfline::error::{Error, Result};
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
-use halfline::progress::Cancel;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
-use halfline_files::read::Selection;
 use halfline_files::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -51,65 +48,6 @@ pub(super) struct SceneArgs {
     pub(super) accuracy: AccuracyArgs,
     #[command(flatten)]
     pub(super) files: FileArgs,
-}
-
-/// The camera options, which replace parts of the scene's camera.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Camera")]
-pub(super) struct CameraArgs {
-    #[command(flatten)]
-    pub(super) pose: PoseArgs,
-    /// Frames the spheres that an expression selects, with a margin, within the whole scene; --view auto, the default of
-    /// molecules, looks from where least of them is hidden. Where the eye would be inside of a sphere it steps back, and the
-    /// viewport narrows.
-    #[arg(long, value_name = "EXPR", conflicts_with_all = ["eye", "fit"])]
-    pub(super) focus: Option<Selection>,
-    /// Moves the eye so that all spheres are in view; the default for files without a camera.
-    #[arg(long, conflicts_with = "eye")]
-    pub(super) fit: bool,
-    /// Takes the camera and the size of a picture or buffer that halfline wrote, or of a report of --json.
-    #[arg(long = "camera-from", value_name = "FILE",
-        conflicts_with_all = ["eye", "at", "view", "up", "focus", "fit", "vfov", "ortho"])]
-    pub(super) from: Option<PathBuf>,
-    /// Vertical field of view, degrees; makes the camera a perspective one.
-    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true)]
-    vfov: Option<f64>,
-    /// Orthographic camera with a view of this height in scene units; without HEIGHT it shows all spheres. Answers are
-    /// always certified or exact.
-    #[arg(long, value_name = "HEIGHT", value_parser = height, num_args = 0..=1, allow_negative_numbers = true,
-        conflicts_with = "vfov")]
-    pub(super) ortho: Option<Option<f64>>,
-    /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
-    /// viewport is narrower by that factor.
-    #[arg(long, value_name = "X", value_parser = zoom, allow_negative_numbers = true)]
-    zoom: Option<f64>,
-    #[command(flatten)]
-    pub(super) lens: LensArgs,
-    #[command(flatten)]
-    pub(super) list: CameraListArgs,
-    /// Renders N pictures in a full turn about the up axis; with --frames, the frame's number gives the angle.
-    #[arg(long, value_name = "N")]
-    pub(super) spin: Option<NonZeroU32>,
-}
-
-/// The pose of a camera or of a scanner.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Camera")]
-pub(super) struct PoseArgs {
-    /// Position of the eye.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub(super) eye: Option<DVec3>,
-    /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye all fits,
-    /// with the point in the middle.
-    #[arg(long, value_name = "X,Y,Z|EXPR", value_parser = framing::target, allow_hyphen_values = true)]
-    pub(super) at: Option<Aimed>,
-    /// Direction to look in: X,Y,Z, or front (along -z, y up), back, left, right, top, bottom, iso, which frame all; auto
-    /// turns the largest face to the eye and the longest axis across, the default for molecules.
-    #[arg(long, value_name = "X,Y,Z|WORD", value_parser = framing::direction, allow_hyphen_values = true)]
-    pub(super) view: Option<Direction>,
-    /// Up direction of the scene.
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub(super) up: Option<DVec3>,
 }
 
 /// The image options.
@@ -195,12 +133,6 @@ impl ComputeArgs {
 }
 
 impl SceneArgs {
-    /// The scene with the options applied, for these settings; of several, the first.
-    pub(super) fn first(&self, settings: &Settings) -> Result<Numbered> {
-        let first = SceneFrames::open(self, settings, &Cancel::default())?.next_frame()?;
-        first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))
-    }
-
     /// What decides about the look of a picture of a file that says this.
     pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
         let Self { image, .. } = self;
@@ -264,7 +196,12 @@ impl SceneArgs {
     }
 
     /// The settings for one picture, whose frame is written to these files.
-    pub(super) fn settings_for(&self, picture: &Numbered, settings: &Settings, targets: &[Target]) -> Result<Settings> {
+    pub(super) fn settings_for(
+        &self,
+        picture: &PictureScene,
+        settings: &Settings,
+        targets: &[Target],
+    ) -> Result<Settings> {
         let scene = &picture.scene;
         let window = self.window(scene)?;
         let columns = window.map_or(scene.image.width, |window| window.x1.saturating_sub(window.x0));
@@ -298,51 +235,6 @@ impl ImageArgs {
     }
 }
 
-impl CameraArgs {
-    /// The number of pictures of one scene: the turns, or the cameras of a list; `None` without either. A list that
-    /// cannot be read counts as several, and is reported when it is opened.
-    pub(super) fn turns(&self) -> Option<u32> {
-        let listed = || match self.list.listed() {
-            Ok(listed) => listed.map(|listed| u32::try_from(listed.len()).unwrap_or(u32::MAX)),
-            Err(_) => Some(2),
-        };
-        self.spin.map(NonZeroU32::get).or_else(listed)
-    }
-
-    /// The lens of `--vfov`.
-    pub(super) fn vfov(&self) -> Option<Lens> {
-        self.vfov.map(|degrees| Lens::Vfov { degrees, distance: 1.0 })
-    }
-
-    /// Narrows the viewport of the scene's final camera and image by --zoom.
-    pub(super) fn zoom(&self, scene: &mut Scene) -> Result<()> {
-        let (width, height) = (scene.image.width, scene.image.height);
-        self.zoom.map_or(Ok(()), |factor| scene.camera.zoom(factor, width, height))
-    }
-
-    /// Replaces the eye and the lens that the options give.
-    pub(super) fn apply_lens(&self, camera: &mut Camera) {
-        camera.eye = self.pose.eye.unwrap_or(camera.eye);
-        if let Some(degrees) = self.vfov {
-            let distance = match camera.lens {
-                Lens::Viewport { distance, .. } | Lens::Vfov { distance, .. } => distance,
-                Lens::RowCentres { .. } | Lens::Orthographic { .. } | Lens::Intrinsics { .. } => 1.0,
-            };
-            camera.lens = Lens::Vfov { degrees, distance };
-        }
-        if let Some(height) = self.ortho {
-            camera.lens = Lens::Orthographic { height: height.unwrap_or(1.0) };
-        }
-    }
-}
-
-impl PoseArgs {
-    /// Whether an option is given.
-    pub(super) fn is_given(&self) -> bool {
-        self.eye.is_some() || self.up.is_some() || self.at.is_some() || self.view.is_some()
-    }
-}
-
 pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let sides = sides.ok_or("expected WxH, such as 1920x1080")?;
@@ -354,20 +246,13 @@ pub(super) fn scene_size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn crop(text: &str) -> Result<Window, String> {
-    let sides: Option<Vec<u32>> = text.split(',').map(|x| x.trim().parse().ok()).collect();
-    match sides.as_deref() {
-        Some(&[x0, y0, x1, y1]) => Ok(Window { x0, y0, x1, y1 }),
-        _ => Err("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360".into()),
-    }
+    let [x0, y0, x1, y1] = wholes(text).ok_or("expected four whole numbers X0,Y0,X1,Y1, such as 0,0,640,360")?;
+    Ok(Window { x0, y0, x1, y1 })
 }
 
 fn tile(text: &str) -> Result<(u32, u32), String> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
     numbers.ok_or_else(|| "expected I/N, such as 3/16".into())
-}
-
-fn vector(text: &str) -> Result<DVec3, String> {
-    numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
 }
 
 fn stops(text: &str) -> Result<f64, String> {
@@ -378,25 +263,4 @@ fn stops(text: &str) -> Result<f64, String> {
 pub(super) fn tolerance(text: &str) -> Result<Tolerance, String> {
     let number = text.parse().map_err(|_| "expected a number".to_owned())?;
     Tolerance::new(number).map_err(|e| e.to_string())
-}
-
-fn angle(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && x < 180.0 => Ok(x),
-        _ => Err("expected an angle between 0 and 180 degrees, ends excluded".into()),
-    }
-}
-
-fn zoom(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("expected a positive number, such as 2".into()),
-    }
-}
-
-fn height(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(x) if x > 0.0 && f64::is_finite(x) => Ok(x),
-        _ => Err("expected a positive number, in the scene's unit".into()),
-    }
 }

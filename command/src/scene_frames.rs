@@ -4,23 +4,21 @@
 use super::camera_file;
 use super::framing;
 use super::legend;
-use super::lens_args::PictureLens;
-use super::light_args::{PictureLook, SphereLights};
+use super::light_args::SphereLights;
+use super::picture_scene::PictureScene;
 use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
-use super::watch;
+use super::signals::watch;
 use glam::{DQuat, DVec3};
 use halfline::camera::{Aperture, Camera, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
-use halfline::render::stream::StreamIds;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
 use halfline_files::read::style::Coloring;
-use halfline_files::read::style::Legend;
-use halfline_files::read::{FrameTime, HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
+use halfline_files::read::{HeldCamera, Hold, ReadOptions, SceneFrame, Sequence};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -42,21 +40,6 @@ pub(super) struct SceneFrames<'a> {
     aperture: Option<Aperture>,
     /// What the last camera that was found frames, in words.
     framed: Option<String>,
-}
-
-/// A scene that is ready to render, and its number for file names.
-pub(super) struct Numbered {
-    /// The number of the frame or the turn, from 1.
-    pub(super) number: u64,
-    pub(super) scene: Scene,
-    pub(super) legend: Option<Legend>,
-    pub(super) look: PictureLook,
-    pub(super) lens: PictureLens,
-    pub(super) when: FrameTime,
-    /// What the camera frames, in words, if that is not given.
-    pub(super) framed: Option<String>,
-    /// The ids of the spheres, where the scene is what is left of a stream.
-    pub(super) ids: Option<StreamIds>,
 }
 
 /// The options for reading.
@@ -107,7 +90,7 @@ impl<'a> SceneFrames<'a> {
     }
 
     /// The next scene; `None` after the last.
-    pub(super) fn next_frame(&mut self) -> Result<Option<Numbered>> {
+    pub(super) fn next_frame(&mut self) -> Result<Option<PictureScene>> {
         let (camera, count) = (&self.args.camera, self.count);
         self.count += 1;
         let turns = camera.turns().filter(|_| self.args.read.frames().is_none());
@@ -143,7 +126,7 @@ impl<'a> SceneFrames<'a> {
         let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
         let framed = self.framed.clone();
-        let picture = Numbered { number, scene, legend, look, lens, when, framed, ids: None };
+        let picture = PictureScene { number, scene, legend, look, lens, when, framed, ids: None };
         legend::check_content(self.args, &picture)?;
         Ok(Some(picture))
     }
@@ -156,7 +139,7 @@ impl<'a> SceneFrames<'a> {
             self.held.see(frame, &args.read.arrangement(), &watch(), |whole| {
                 size(image, args, whole);
                 let aside = args.insets.aside(whole)?;
-                framing::point(args, whole, aside).map(drop)
+                framing::point(&args.camera, whole, aside).map(drop)
             })?;
         }
         arrange(&args.read, frame)?;
@@ -173,8 +156,8 @@ impl<'a> SceneFrames<'a> {
             let framed = &mut self.framed;
             self.held.apply(frame, |frame| {
                 let aside = args.insets.aside(frame)?;
-                let framing = framing::point(args, frame, aside)?;
-                *framed = framing::words(args, frame, framing.as_ref());
+                let framing = framing::point(&args.camera, frame, aside)?;
+                *framed = framing::words(&args.camera, frame, framing.as_ref());
                 Ok(())
             })?;
         }
@@ -254,7 +237,7 @@ impl AllFrames {
                 frame.scene.camera = first.scene.camera;
                 *framing
             }
-            None => framing::point(args, &mut frame, aside)?,
+            None => framing::point(&args.camera, &mut frame, aside)?,
         };
         let (image, mut camera) = (frame.scene.image, frame.scene.camera);
         if let Some(framing) = &framing {
@@ -312,60 +295,4 @@ fn spin(scene: &mut Scene, middle: DVec3, share: f64) {
     };
     camera.look = Look::View(turn * look);
     camera.eye = middle + turn * (camera.eye - middle);
-}
-
-/// `path` with the number in place of `%d`, or of `%04d` with at least that many digits; unchanged where there is no
-/// such place.
-pub(super) fn numbered(path: &Path, number: u64) -> PathBuf {
-    let Some((place, width)) = path.to_str().and_then(pattern) else { return path.to_path_buf() };
-    let text = path.to_string_lossy();
-    PathBuf::from(format!("{}{number:0width$}{}", &text[..place.0], &text[place.1..]))
-}
-
-/// The number that turns `path` into `file`, if there is one.
-pub(super) fn number_in(path: &Path, file: &Path) -> Option<u64> {
-    let ((start, end), _) = path.to_str().and_then(pattern)?;
-    let text = path.to_str()?;
-    let digits = file.to_str()?.strip_prefix(&text[..start])?.strip_suffix(&text[end..])?;
-    digits.parse().ok().filter(|number| numbered(path, *number) == file)
-}
-
-/// The position of the pattern and its digits.
-fn pattern(text: &str) -> Option<((usize, usize), usize)> {
-    text.match_indices('%').find_map(|(at, _)| {
-        let digits = text[at + 1..].find(|c: char| !c.is_ascii_digit())?;
-        let width = &text[at + 1..at + 1 + digits];
-        let end = at + 1 + digits;
-        text[end..].starts_with('d').then(|| ((at, end + 1), width.parse().unwrap_or(0).min(32)))
-    })
-}
-
-/// Returns an error for a name without a place for the number when there are several pictures.
-pub(super) fn check_pattern(path: &Path) -> Result<()> {
-    if path.to_str().and_then(pattern).is_some() || path == Path::new("-") {
-        return Ok(());
-    }
-    let name = path.display();
-    let (stem, ending) = (path.file_stem().unwrap_or_default(), path.extension().unwrap_or_default());
-    let mend = format!("use a name with a place for the number: {}.%04d.{}", stem.display(), ending.display());
-    Err(Error::settings(format!("several pictures cannot have the same name {name}"), mend))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_go_into_names() {
-        let name = |text: &str| numbered(Path::new(text), 7).display().to_string();
-        assert_eq!(name("a.%04d.png"), "a.0007.png");
-        assert_eq!(name("100%-%d.png"), "100%-7.png");
-        assert_eq!(name("plain.png"), "plain.png");
-        assert_eq!(name("%99999999999999999999d"), "7");
-        let number = |pattern: &str, file: &str| number_in(Path::new(pattern), Path::new(file));
-        assert_eq!((number("a.%04d.png", "a.0007.png"), number("a.%04d.png", "a.7.png")), (Some(7), None));
-        assert_eq!((number("a%d", "a+7"), number("a%d", "a"), number("a", "a")), (None, None, None));
-        check_pattern(Path::new("x.png")).expect_err("no place");
-        check_pattern(Path::new("x%d.png")).expect("a place");
-    }
 }

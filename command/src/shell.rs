@@ -1,10 +1,9 @@
 //! `halfline completions SHELL` and `halfline man`: shell completions and manual pages, generated from the definition
 //! of the options.
 
-use super::Arguments;
 use super::config::Config;
 use super::process::ExitCode;
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use halfline::error::{Error, Result};
 use halfline_files::write::file::{check_writable, write_atomically};
@@ -37,17 +36,19 @@ pub(crate) struct Man {
 }
 
 impl Completions {
-    pub(crate) fn run(&self) -> Result<ExitCode> {
+    /// Prints the completions of this command.
+    pub(crate) fn run(&self, mut command: Command) -> Result<ExitCode> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Arguments::command(), "halfline", &mut text);
+        clap_complete::generate(self.shell, &mut command, "halfline", &mut text);
         write_atomically("-".as_ref(), |out| out.write_all(&text))?;
         Ok(ExitCode::SUCCESS)
     }
 }
 
 impl Man {
-    pub(crate) fn run(&self) -> Result<ExitCode> {
-        let command = Config::default().apply(Arguments::command())?;
+    /// Writes the pages of this command.
+    pub(crate) fn run(&self, command: Command) -> Result<ExitCode> {
+        let command = Config::default().apply(command)?;
         let Some(folder) = &self.out else {
             write_page(command, "-".into())?;
             return Ok(ExitCode::SUCCESS);

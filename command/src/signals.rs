@@ -3,6 +3,7 @@
 
 #[cfg(unix)]
 use halfline::Error;
+use halfline::progress::Watch;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag::{register, register_conditional_shutdown};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,13 +53,18 @@ fn end_after_grace() -> io::Result<()> {
         if requests.read_exact(&mut [0]).is_ok() {
             thread::sleep(GRACE);
             // If standard error or output is a full pipe, the message blocks this thread and not the process.
-            if thread::Builder::new().spawn(|| super::fail(&Error::Interrupted)).is_ok() {
+            if thread::Builder::new().spawn(|| super::failure::fail(&Error::Interrupted)).is_ok() {
                 thread::sleep(GRACE / 10);
             }
             signal_hook::low_level::exit(130);
         }
     };
     thread::Builder::new().name("signals".into()).stack_size(1 << 16).spawn(wait).map(drop)
+}
+
+/// Ends work when termination is requested.
+pub(super) fn watch() -> Watch {
+    Watch::default().while_true(go_on)
 }
 
 /// Whether no termination was requested.

@@ -1,7 +1,7 @@
 //! The worker threads: as many as there are cores or as `RAYON_NUM_THREADS` says, up to a limit, and at most as many as
 //! the system allows the process.
 
-use super::say;
+use super::messages::say;
 use halfline::error::Result;
 use halfline::progress::Cancel;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};

@@ -3,15 +3,19 @@
 mod report;
 mod source;
 
+use super::adapters::note_fallback;
 use super::bar::Bar;
-use super::clash::{check_inputs, place};
-use super::lines::ProgressOutput;
-use super::messages::QuietArgs;
+use super::camera_args::PoseArgs;
+use super::clash::{check_inputs, check_one_standard, place, written_twice};
+use super::lines::ProgressArgs;
+use super::messages::{QuietArgs, note, warn};
 use super::process::ExitCode;
 use super::read_args::ReadArgs;
-use super::scene_args::{ComputeArgs, PoseArgs};
+use super::scene_args::ComputeArgs;
 use super::scene_frames::arrange;
-use super::{go_on, note, print, say, threads, watch};
+use super::signals::{go_on, watch};
+use super::standard::print_json;
+use super::threads;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
@@ -23,9 +27,8 @@ use halfline_files::read::{SceneFrame, Sequence};
 use halfline_files::write::file::{check_writable, is_standard};
 use halfline_files::write::hits::{HitFile, HitWriter, Query};
 use report::{Cloud, Tally, TraceReport};
-use source::{RaySource, SourceArgs};
+use source::{BLOCK, RaySource, SourceArgs};
 use std::path::{Path, PathBuf};
-
 use std::time::Instant;
 
 /// Traces given rays, or the beams of a spinning scanner, and writes the nearest hit of each.
@@ -54,17 +57,8 @@ pub(crate) struct Trace {
     /// Prints one JSON object about the rays on standard output.
     #[arg(long, help_heading = "Reporting")]
     json: bool,
-    /// Progress reporting: auto (a line on a terminal), none, json (lines on standard error), openjd (Open Job
-    /// Description on standard output).
-    #[arg(
-        long,
-        help_heading = "Reporting",
-        value_name = "P",
-        value_enum,
-        hide_possible_values = true,
-        default_value = "auto"
-    )]
-    progress: ProgressOutput,
+    #[command(flatten)]
+    progress: ProgressArgs,
     #[command(flatten)]
     quiet: QuietArgs,
 }
@@ -100,9 +94,7 @@ impl Trace {
         let (frame, inputs) = opened?;
         check_inputs(self.outputs(), &inputs)?;
         let mut renderer = renderer?.watched_by(watch());
-        if renderer.has_no_adapter() {
-            note(format_args!("no Vulkan, Metal or DX12 adapter was found: falling back to the CPU path"));
-        }
+        note_fallback(&renderer);
         self.outputs().into_iter().try_for_each(check_writable)?;
         let cancel = Cancel::default();
         let mut source = self.source.open(&self.pose, &frame, watch().cancelled_by(&cancel))?;
@@ -120,7 +112,7 @@ impl Trace {
         let mut warnings = skipped.warnings();
         warnings.extend_from_slice(renderer.passed_over());
         warn(&warnings);
-        let bar = Bar::with_output(self.progress, 1);
+        let bar = Bar::with_output(self.progress.progress, 1);
         let mut tracer = renderer.tracer(&spheres, &settings)?;
         let passed_over: Vec<String> = tracer.warning().map(str::to_owned).into_iter().collect();
         warn(&passed_over);
@@ -157,8 +149,7 @@ impl Trace {
         };
         bar.finish();
         if self.json {
-            let text = serde_json::to_string(&report).map_err(|e| Error::write("-", e.into()))?;
-            print(&format!("{text}\n"))?;
+            print_json(&report)?;
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -171,11 +162,7 @@ impl Trace {
             return Err(Error::settings("no output is requested", "use -o for the hits, or --json for a report"));
         }
         let prints_hits = file.as_ref().is_some_and(HitFile::is_standard);
-        if usize::from(prints_hits) + usize::from(self.json) + usize::from(self.progress == ProgressOutput::Openjd) > 1
-        {
-            let problem = "standard output can hold only one of: the hits, the JSON, the lines of openjd";
-            return Err(Error::settings(problem, "use files for the others"));
-        }
+        check_one_standard("the hits", [prints_hits, self.json, self.progress.is_openjd()])?;
         if self.read.frames().is_some_and(|frames| frames.count() > 1) {
             return Err(Error::settings("rays are traced in one frame", "use --frames with a single number"));
         }
@@ -190,8 +177,7 @@ impl Trace {
         if let [hits, beams] = outputs[..]
             && place(hits) == place(beams)
         {
-            let problem = format!("{} would be written twice", hits.display());
-            return Err(Error::settings(problem, "use another file for the beams"));
+            return written_twice(hits, "use another file for the beams");
         }
         check_inputs(outputs, &inputs)?;
         Ok(file)
@@ -219,13 +205,6 @@ impl Trace {
         Ok((frame, sequence.files().to_vec()))
     }
 }
-
-fn warn(warnings: &[String]) {
-    warnings.iter().for_each(|warning| say(format_args!("warning: {warning}")));
-}
-
-/// The rays that are traced together. Their answers do not depend on it.
-const BLOCK: usize = 1 << 19;
 
 /// The work on all blocks.
 struct Work<'a> {

@@ -23,7 +23,8 @@ from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
 from .columns import Columns
 from .frame import Frame
-from .renderer import Aov, Hits, Occlusion, Options, Renderer, measure, plan, render, trace
+from .options import Aov, Options
+from .renderer import Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
 from .scene import Scene, read, read_frames
 

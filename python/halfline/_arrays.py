@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _halfline
 
+Color = str | ArrayLike
 Vector = tuple[float, float, float]
 Number = TypeVar("Number", np.float32, np.float64)
+
+
+class Spheres(Protocol):
+    """What cameras need of a `Scene`, which has cameras itself."""
+
+    def __len__(self) -> int: ...
+
+    def select(self, expression: str) -> NDArray[np.bool_]: ...
+
+
+def native_scene(scene: Spheres) -> _halfline.Scene:
+    """The native part of a `Scene`."""
+    native = getattr(scene, "_native", None)
+    if not isinstance(native, _halfline.Scene):
+        raise TypeError(f"scene is a {type(scene).__name__}; give a Scene")
+    return native
 
 
 def array(name: str, values: ArrayLike, dtype: type[Number], shape: str) -> NDArray[Number]:
@@ -125,7 +142,7 @@ def cell_radius(cell: Any) -> float | None:
     return positive("cell", cell)
 
 
-def color(name: str, value: str | ArrayLike) -> Vector:
+def color(name: str, value: Color) -> Vector:
     """Linear RGB: three numbers, or a CSS name or ``#rrggbb`` in sRGB."""
     if isinstance(value, str):
         return _halfline.color(value)

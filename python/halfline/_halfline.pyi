@@ -33,17 +33,6 @@ class Camera:
     ) -> Camera: ...
     @property
     def size(self) -> Size | None: ...
-    @staticmethod
-    def fit(
-        scene: Scene,
-        view: Vector | None,
-        named: str | None,
-        up: Vector | None,
-        lens: Lens,
-        size: Size,
-        margin: float,
-        focus: list[bool] | None,
-    ) -> Camera: ...
     def record(self, size: Size) -> str: ...
 
 @final
@@ -165,6 +154,16 @@ def color(text: str) -> Vector: ...
 def command(arguments: Seq[str]) -> int: ...
 def elements(symbols: list[str], radii: str) -> tuple[list[float], list[Vector]]: ...
 def png(pixels: NDArray[np.uint8]) -> bytes: ...
+def fit_camera(
+    scene: Scene,
+    view: Vector | None,
+    named: str | None,
+    up: Vector | None,
+    lens: Lens,
+    size: Size,
+    margin: float,
+    focus: list[bool] | None,
+) -> Camera: ...
 def infer(
     names: list[str],
     symbols: list[str],

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _halfline
-from ._arrays import shown
-from .scene import Color, Scene
+from ._arrays import Color, shown
+from .scene import Scene
 
 
 def from_ase(

@@ -5,17 +5,14 @@ from __future__ import annotations
 import json
 import math
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _halfline
-from ._arrays import number, vector
+from ._arrays import Spheres, native_scene, number, vector
 from ._arrays import size as checked_size
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 
 class Camera:
@@ -223,7 +220,7 @@ class Camera:
     @classmethod
     def fit(
         cls,
-        scene: Scene,
+        scene: Spheres,
         *,
         focus: ArrayLike | str | None = None,
         view: ArrayLike | str | None = None,
@@ -254,8 +251,8 @@ class Camera:
         """
         if orthographic and vfov is not None:
             raise ValueError("vfov and orthographic exclude each other; give one of them")
-        native_scene = _native_scene(scene)
-        image = native_scene.size if size is None else checked_size("size", size)
+        native = native_scene(scene)
+        image = native.size if size is None else checked_size("size", size)
         lens = (
             ("height", [1.0])
             if orthographic
@@ -265,8 +262,8 @@ class Camera:
             view = "front" if focus is None else "auto"
         if margin is None:
             margin = 0.04 if focus is None else 0.25
-        native = _halfline.Camera.fit(
-            native_scene,
+        fitted = _halfline.fit_camera(
+            native,
             None if isinstance(view, str) else vector("view", view),
             view if isinstance(view, str) else None,
             None if up is None else vector("up", up),
@@ -275,7 +272,7 @@ class Camera:
             number("margin", margin),
             None if focus is None else _mask(scene, focus),
         )
-        return cls._of(native, None)
+        return cls._of(fitted, None)
 
     @classmethod
     def _of(cls, native: _halfline.Camera, words: str | None) -> Camera:
@@ -375,7 +372,7 @@ def _intrinsics_of(matrix: ArrayLike) -> dict[str, Any]:
     return {"fx": float(fx), "fy": float(fy), "cx": float(cx), "cy": float(cy)}
 
 
-def _mask(scene: Scene, focus: ArrayLike | str) -> list[bool]:
+def _mask(scene: Spheres, focus: ArrayLike | str) -> list[bool]:
     """The flags of ``focus``, one for each sphere."""
     mask = np.asarray(scene.select(focus) if isinstance(focus, str) else focus)
     if mask.dtype != np.bool_ or mask.shape != (len(scene),):
@@ -384,13 +381,6 @@ def _mask(scene: Scene, focus: ArrayLike | str) -> list[bool]:
             f"give a mask of bool with the shape ({len(scene)},)"
         )
     return [bool(flag) for flag in mask]
-
-
-def _native_scene(scene: Any) -> _halfline.Scene:
-    native = getattr(scene, "_native", None)
-    if not isinstance(native, _halfline.Scene):
-        raise TypeError(f"scene is a {type(scene).__name__}; give a Scene")
-    return native
 
 
 def _two(name: str, values: Any) -> tuple[float, float]:

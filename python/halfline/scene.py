@@ -11,13 +11,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _halfline
-from ._arrays import array, cell_radius, number, positive, shown, whole, wholes, word, words
+from ._arrays import (
+    Color,
+    array,
+    cell_radius,
+    number,
+    positive,
+    shown,
+    whole,
+    wholes,
+    word,
+    words,
+)
 from ._arrays import color as checked_color
 from ._arrays import size as checked_size
 from .camera import Camera
 from .columns import Columns
+from .frame import Frame
+from .options import checked
 
-Color = str | ArrayLike
 Path = str | PathLike[str]
 
 # The longer side of the picture in a notebook, pixels.
@@ -104,13 +116,13 @@ class Scene:
 
     def _repr_png_(self) -> bytes | None:
         """A small picture for notebooks, by the CPU path; nothing where none can be made."""
-        from .renderer import Renderer
-
         width, height = self.size
         shrink = _PREVIEW / max(width, height)
         size = max(round(width * shrink), 1), max(round(height * shrink), 1)
         try:
-            return Renderer("cpu").render(self, size=size)._repr_png_()
+            picture, accurate = checked({"size": size})
+            native = _halfline.Renderer("cpu", None)
+            return Frame._of(native.render(self._native, None, picture, accurate, None))._repr_png_()
         except Exception:
             # A notebook then shows the text.
             return None

@@ -2,7 +2,8 @@
 
 use crate::arrays::shown;
 use crate::errors::OrRaise;
-use crate::renderer::{Shared, keep_if_forked};
+use crate::options::Rendered;
+use crate::shared::Shared;
 use crate::work::{Job, begin};
 use halfline::error::{Error, Result};
 use halfline::frame::Data;
@@ -31,13 +32,6 @@ pub(crate) struct Frame {
     panels: Option<Panels>,
     /// Lengths rounded to float32, where they are requested so, once they were.
     rounded: Option<Rounded>,
-}
-
-/// A rendered scene.
-pub(crate) struct Rendered {
-    pub(crate) scene: Scene,
-    pub(crate) frame: Exact,
-    pub(crate) panels: Option<Panels>,
 }
 
 /// Distance, depth and position in float32.
@@ -101,12 +95,8 @@ impl Frame {
 
 impl Drop for Frame {
     fn drop(&mut self) {
-        keep_if_forked(&self.renderer);
-        // A renderer that is at work does not wait for memory.
-        if let (Some(frame), Ok(mut place)) = (self.frame.take(), self.renderer.try_lock())
-            && let Some(renderer) = place.as_mut()
-        {
-            renderer.recycle(frame);
+        if let Some(frame) = self.frame.take() {
+            self.renderer.recycle(frame);
         }
     }
 }

@@ -6,6 +6,7 @@ mod atoms;
 mod camera;
 mod command;
 mod errors;
+mod fit;
 mod frame;
 mod insets;
 mod many;
@@ -16,6 +17,7 @@ mod read;
 mod renderer;
 mod reports;
 mod scene;
+mod shared;
 mod trace;
 mod work;
 
@@ -32,6 +34,8 @@ mod _halfline {
     use super::command::command;
     #[pymodule_export]
     use super::errors::{AccuracyError, AdapterError};
+    #[pymodule_export]
+    use super::fit::fit_camera;
     #[pymodule_export]
     use super::frame::Frame;
     #[pymodule_export]

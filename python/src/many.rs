@@ -2,15 +2,15 @@
 
 use crate::camera::Camera;
 use crate::errors::{OrRaise, exception};
-use crate::frame::{Frame, Rendered};
-use crate::options::Picture;
-use crate::renderer::{Shared, keep_if_forked, with};
+use crate::frame::Frame;
+use crate::options::{Picture, Rendered};
 use crate::scene::Scene;
+use crate::shared::Shared;
 use crate::work::{Job, SLICE, begin, is_forked, no_thread};
 use halfline::settings::Settings;
 use pyo3::prelude::*;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 
 /// The frames of many cameras, one ahead of the caller.
@@ -45,12 +45,12 @@ impl Frames {
         // A frame is handed over when the one before it is done, so there are at most two.
         let (sender, frames) = sync_channel(0);
         let (job, count, single) = (Job::default(), cameras.len(), picture.single);
-        let (own, shared, same) = (job.clone(), Arc::clone(&renderer), settings.clone());
+        let (own, shared, same) = (job.clone(), renderer.clone(), settings.clone());
         let work = move || {
             for (number, camera) in (1..).zip(&cameras) {
                 let settings = picture.through(scene.get(), Some(camera), &same);
                 let mut rendered = picture.render(scene.get(), Some(camera), number, |exact| {
-                    with(&shared, &own, |renderer| renderer.render(exact, &settings))
+                    shared.with(&own, |renderer| renderer.render(exact, &settings))
                 });
                 // All frames have the same legend.
                 if number == 1 {
@@ -98,7 +98,7 @@ impl Frames {
             });
             match next {
                 Some(Ok(Ok(rendered))) => {
-                    let (settings, renderer) = (self.settings.clone(), Arc::clone(&self.renderer));
+                    let (settings, renderer) = (self.settings.clone(), self.renderer.clone());
                     return Ok(Some(Frame::new(rendered, self.single, settings, renderer)));
                 }
                 Some(Ok(Err(error))) => {
@@ -131,7 +131,6 @@ impl Drop for Frames {
             // Neither end of the channel nor the thread can be waited for.
             std::mem::forget(self.frames.get_mut().map(|frames| frames.take()).ok());
             std::mem::forget(self.worker.get_mut().map(|worker| worker.take()).ok());
-            keep_if_forked(&self.renderer);
             return;
         }
         // Without an interpreter there is nobody to wait for it.

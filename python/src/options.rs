@@ -1,12 +1,12 @@
 //! The settings of a rendering from keywords, which have the names and values of the command's options.
 
 use crate::camera::Camera;
-use crate::frame::Rendered;
 use crate::insets::Insets;
 use crate::scene::Scene;
 use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
+use halfline_measure::plot::inset::Panels;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
 use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Search, Settings, Tolerance};
 use halfline::window::Window;
@@ -34,6 +34,13 @@ impl Accurate {
             ..Settings::default()
         })
     }
+}
+
+/// A rendered scene, and what is drawn into its pictures.
+pub(crate) struct Rendered {
+    pub(crate) scene: halfline::Scene,
+    pub(crate) frame: halfline::Frame,
+    pub(crate) panels: Option<Panels>,
 }
 
 /// What a picture looks like, and which part of it is rendered.
@@ -122,7 +129,7 @@ impl Picture {
 
     /// The scene with this camera, size, background and light.
     pub(crate) fn scene(&self, scene: &Scene, camera: Option<&Camera>) -> Result<halfline::Scene> {
-        let mut exact = scene.exact(camera, self.size, self.background)?;
+        let mut exact = scene.sized(camera, self.size, self.background)?;
         if camera.is_none() {
             let aside = self.insets.aside(scene, exact.image)?;
             scene.frame_beside(&mut exact, aside)?;

@@ -6,38 +6,11 @@ use crate::frame::Frame;
 use crate::many::Frames;
 use crate::options::{Accurate, Picture};
 use crate::scene::Scene;
-use crate::work::{Job, is_forked};
+use crate::shared::Shared;
+use crate::work::Job;
+use halfline::Renderer as Exact;
 use halfline::settings::{Backend, Settings};
-use halfline::{Error, Renderer as Exact};
 use pyo3::prelude::*;
-use std::sync::{Arc, Mutex};
-
-/// The renderer, which one thread uses at a time; the others wait.
-pub(crate) type Shared = Arc<Mutex<Option<Exact>>>;
-
-/// Runs `work` with the renderer, which reports to the job.
-pub(crate) fn with<T>(
-    shared: &Shared,
-    job: &Job,
-    work: impl FnOnce(&mut Exact) -> halfline::Result<T>,
-) -> halfline::Result<T> {
-    let mut place = job.lock(shared)?;
-    let renderer = place.take().ok_or_else(|| Error::Adapter {
-        problem: "an earlier failure of the program ended this renderer".into(),
-        mend: "make another one".into(),
-    })?;
-    let mut renderer = renderer.watched_by(job.watch());
-    let result = work(&mut renderer);
-    *place = Some(renderer);
-    result
-}
-
-/// Keeps a renderer of a process that this one was forked from: its device would wait for threads that are not here.
-pub(crate) fn keep_if_forked(shared: &Shared) {
-    if is_forked() {
-        std::mem::forget(Arc::clone(shared));
-    }
-}
 
 /// A renderer.
 #[pyclass(frozen)]
@@ -53,12 +26,6 @@ pub(crate) struct Renderer {
     /// Why adapters that were found are not used.
     #[pyo3(get)]
     warnings: Vec<String>,
-}
-
-impl Drop for Renderer {
-    fn drop(&mut self) {
-        keep_if_forked(&self.shared);
-    }
 }
 
 impl Renderer {
@@ -81,7 +48,7 @@ impl Renderer {
             driver: exact.driver(),
             is_gpu: exact.is_gpu(),
             warnings: exact.passed_over().to_vec(),
-            shared: Arc::new(Mutex::new(Some(exact))),
+            shared: Shared::new(exact),
         })
     }
 
@@ -100,12 +67,12 @@ impl Renderer {
             let outlined = picture.begin(scene)?;
             let scene = outlined.as_ref().unwrap_or(scene);
             let rendered = picture.render(scene, camera, scene.number, |exact| {
-                with(&self.shared, &job, |renderer| renderer.render(exact, &settings))
+                self.shared.with(&job, |renderer| renderer.render(exact, &settings))
             })?;
             picture.insets.write(scene)?;
             Ok(rendered)
         })?;
-        Ok(Frame::new(rendered, picture.single, settings, Arc::clone(&self.shared)))
+        Ok(Frame::new(rendered, picture.single, settings, self.shared.clone()))
     }
 
     /// Renders a picture for each camera, one ahead of the caller.
@@ -118,7 +85,7 @@ impl Renderer {
         accurate: Accurate,
     ) -> PyResult<Frames> {
         let settings = self.settings(scene.get(), &picture, &accurate)?;
-        Frames::start(py, Arc::clone(&self.shared), scene, cameras, picture, settings)
+        Frames::start(py, self.shared.clone(), scene, cameras, picture, settings)
     }
 
     /// What a picture of the scene requires, as JSON.
@@ -135,7 +102,7 @@ impl Renderer {
         let plan = job.run(py, None, || {
             let outlined = picture.begin(scene)?;
             let scene = picture.scene(outlined.as_ref().unwrap_or(scene), camera)?;
-            with(&self.shared, &job, |renderer| renderer.explain(&scene, &settings))
+            self.shared.with(&job, |renderer| renderer.explain(&scene, &settings))
         })?;
         crate::reports::json(&plan)
     }

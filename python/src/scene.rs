@@ -103,7 +103,7 @@ impl Scene {
 
     /// Frames the spheres beside a legend that takes these shares of the picture's width, unless the file has a camera.
     pub(crate) fn frame_beside(&self, exact: &mut ExactScene, aside: [f64; 2]) -> halfline::Result<()> {
-        if self.held || aside == [0.0; 2] {
+        if self.held {
             return Ok(());
         }
         exact.frame_by_default(self.is_molecule, &Framing { aside, ..Framing::default() })
@@ -119,8 +119,17 @@ impl Scene {
         &self.scene.spheres
     }
 
-    /// The scene with another camera, size or background. The spheres are shared.
-    pub(crate) fn exact(
+    /// The scene with another camera or size; its own camera shows all spheres, unless it is the file's.
+    pub(crate) fn exact(&self, camera: Option<&Camera>, size: Option<(u32, u32)>) -> halfline::Result<ExactScene> {
+        let mut exact = self.sized(camera, size, None)?;
+        if camera.is_none() {
+            self.frame_beside(&mut exact, [0.0; 2])?;
+        }
+        Ok(exact)
+    }
+
+    /// The scene with another camera, size or background; its own camera is still to be framed. The spheres are shared.
+    pub(crate) fn sized(
         &self,
         camera: Option<&Camera>,
         size: Option<(u32, u32)>,
@@ -143,10 +152,10 @@ impl Scene {
         match camera {
             Some(camera) => scene.camera = camera.camera,
             None if self.held => {}
+            // A size without pixels has no shape; it is refused before the camera is.
             None => {
-                // A size without pixels has no shape; it is refused before the camera is.
-                halfline::scene::check_size([scene.image.width.into(), scene.image.height.into()], || "size".into())?;
-                scene.frame_by_default(self.is_molecule, &Default::default())?;
+                let size = [scene.image.width.into(), scene.image.height.into()];
+                halfline::scene::check_size(size, || "size".into())?;
             }
         }
         Ok(scene)
@@ -303,7 +312,7 @@ impl Scene {
     /// The camera for an image of this size.
     fn camera(&self, size: Option<(u32, u32)>) -> PyResult<Camera> {
         begin()?;
-        let scene = self.exact(None, size, None).or_raise()?;
+        let scene = self.exact(None, size).or_raise()?;
         Ok(Camera { camera: scene.camera, aperture: self.aperture, size: None, in_pixels: false })
     }
 

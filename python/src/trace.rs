@@ -3,7 +3,7 @@
 use crate::arrays::{list, owned};
 use crate::errors::OrRaise;
 use crate::options::Accurate;
-use crate::renderer::{Renderer, with};
+use crate::renderer::Renderer;
 use crate::scene::Scene;
 use crate::work::Job;
 use halfline::error::{Error, Result};
@@ -110,7 +110,7 @@ pub(crate) fn trace<'py>(
     let answers = job.run(py, progress.as_ref(), || {
         check(&Rays { origins: &origins, directions: &directions, limits: &limits })?;
         let mut answers = Answers::with_room(count, any)?;
-        with(&renderer.shared, &job, |renderer| {
+        renderer.shared.with(&job, |renderer| {
             let mut tracer = renderer.tracer(scene.spheres(), &settings)?;
             for start in (0..count).step_by(BLOCK) {
                 let part = start..count.min(start + BLOCK);

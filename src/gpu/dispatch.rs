@@ -7,7 +7,7 @@ use crate::gpu::compose::compose;
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, is_texture};
-use crate::gpu::selftest::Verdict;
+use crate::gpu::selftest::verdict::Verdict;
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Band, Bands, BindingLimits, Entries, uploads};
 use crate::gpu::validate::{compile, validate};

@@ -9,7 +9,7 @@ mod pace;
 #[cfg(test)]
 mod tests;
 mod twin;
-mod verdict;
+pub(super) mod verdict;
 
 pub(crate) use pace::Pace;
 pub use verdict::{Check, Rounding, Usable, Verdict};

@@ -1,7 +1,7 @@
 //! The result of a comparison, as text and as JSON.
 
+use crate::messages::say;
 use crate::process::ExitCode;
-use crate::say;
 use halfline::error::{Error, Result};
 use halfline_measure::compare::{Difference, compare, sides};
 use halfline_measure::frames::{BufferPair, FrameFile, MatchedBuffers};

@@ -1,9 +1,12 @@
 //! One picture of `halfline render`: rendered, written, and reported in its turn.
 
-use super::Render;
 use crate::bar::Bar;
-use crate::scene_frames::Numbered;
-use crate::{go_on, legend, note, say};
+use crate::legend;
+use crate::messages::{note, say};
+use crate::picture_scene::PictureScene;
+use crate::preview::Preview;
+use crate::scene_args::SceneArgs;
+use crate::signals::go_on;
 use halfline::camera::CameraRecord;
 use halfline::error::Result;
 use halfline::frame::Frame;
@@ -18,6 +21,7 @@ use halfline_measure::plot::legend::DrawnLegend;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -64,26 +68,31 @@ pub(super) struct Picture {
     pub(super) still: Option<Vec<u8>>,
 }
 
-impl Render {
+/// Renders and writes pictures.
+pub(super) struct PictureWriter<'a> {
+    pub(super) args: &'a SceneArgs,
+    /// Those of all pictures.
+    pub(super) settings: &'a Settings,
+    pub(super) resume: bool,
+    pub(super) repeat: NonZeroU32,
+    pub(super) preview: Option<Preview>,
+    pub(super) messages: Messages<'a>,
+}
+
+impl PictureWriter<'_> {
     /// Renders one scene and writes its files, unless all exist.
-    pub(super) fn picture(
-        &self,
-        numbered: &Numbered,
-        settings: &Settings,
-        renderer: &mut Renderer,
-        messages: &Messages<'_>,
-    ) -> Result<Picture> {
+    pub(super) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
         let (scene, image, number) = (&numbered.scene, numbered.scene.image, numbered.number);
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
         let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
         let camera = camera.through(numbered.lens.aperture, &scene.camera)?;
         let written = |files, report, still| Picture { number, files, camera, report, still };
-        let panels = self.args.insets.panels(&self.args, numbered)?;
+        let panels = self.args.insets.panels(&self.args.scene, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
         }
-        let settings = &self.args.settings_for(numbered, settings, &targets)?;
+        let settings = &self.args.settings_for(numbered, self.settings, &targets)?;
         if self.resume && !targets.is_empty() {
             let mut report = renderer.dry_run(scene, settings)?;
             report.look = numbered.look.name();
@@ -91,12 +100,12 @@ impl Render {
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
             targets.retain(|target| !target.is_there_while(&origin, &go_on));
             if targets.is_empty() {
-                messages.note(number, already_there(&files));
+                self.messages.note(number, already_there(&files));
                 self.write_legend(numbered)?;
                 return Ok(written(files, Report { resumed: true, number, ..report }, None));
             }
         }
-        messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         if let Some(ids) = &numbered.ids {
             ids.restore(&mut frame);
@@ -105,7 +114,7 @@ impl Render {
         frame.report.hold = self.args.read.hold();
         frame.report.look = numbered.look.name();
         frame.report.warnings.extend(panels.as_ref().and_then(Panels::warning));
-        let of_legend = legend::warning(&self.args, numbered.legend.as_ref());
+        let of_legend = legend::warning(self.args, numbered.legend.as_ref());
         frame.report.warnings.extend(of_legend.filter(|words| !frame.report.warnings.contains(words)));
         self.args
             .read
@@ -113,18 +122,19 @@ impl Render {
             .into_iter()
             .chain(numbered.look.words())
             .chain(numbered.lens.words())
-            .for_each(|words| messages.note(number, words));
+            .for_each(|words| self.messages.note(number, words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
-            messages.note(number, frame.report.reason.clone());
+            self.messages.note(number, frame.report.reason.clone());
         }
-        frame.report.warnings.iter().for_each(|warning| messages.warn(number, warning));
+        frame.report.warnings.iter().for_each(|warning| self.messages.warn(number, warning));
         let mut still = None;
         if !targets.is_empty() {
-            self.args.insets.words(numbered).for_each(|words| messages.note(number, words));
+            self.args.insets.words(numbered).for_each(|words| self.messages.note(number, words));
             let (report, window) = (frame.report.clone(), frame.window);
             still = self.write(&mut frame, &targets, panels.as_ref(), &origin(scene, settings, &report, window))?;
             if still.is_some() && (window.width() % 2 == 1 || window.height() % 2 == 1) {
-                messages.note(number, "a film has even sides, so the last column or row of pixels is left out".into());
+                self.messages
+                    .note(number, "a film has even sides, so the last column or row of pixels is left out".into());
             }
         }
         self.write_legend(numbered)?;
@@ -153,8 +163,8 @@ impl Render {
         Ok(frame)
     }
 
-    fn write_legend(&self, numbered: &Numbered) -> Result<()> {
-        match (legend::file(&self.args, numbered.number)?, &numbered.legend) {
+    fn write_legend(&self, numbered: &PictureScene) -> Result<()> {
+        match (legend::file(self.args, numbered.number)?, &numbered.legend) {
             (Some(path), Some(legend)) => DrawnLegend(legend).write(&path),
             _ => Ok(()),
         }

@@ -5,9 +5,10 @@ use crate::clash::check_inputs;
 use crate::framing::{Way, turn};
 use crate::legend;
 use crate::lens_args::PictureLens;
-use crate::note;
+use crate::messages::note;
+use crate::picture_scene::PictureScene;
 use crate::scene_args::SceneArgs;
-use crate::scene_frames::{Numbered, options, size};
+use crate::scene_frames::{options, size};
 use glam::DVec3;
 use halfline::camera::{Camera, CameraRecord};
 use halfline::error::{Error, Result};
@@ -89,7 +90,7 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// Those of reading and of [`Stream`].
-    pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<Numbered> {
+    pub(super) fn visible(mut self, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
         let inputs: Vec<PathBuf> =
             [Some(&self.args.scene), self.args.camera.from.as_ref()].into_iter().flatten().cloned().collect();
         check_inputs(targets.iter().map(Target::path), &inputs)?;
@@ -139,17 +140,17 @@ impl<'a> Source<'a> {
         scene.skipped = about.skipped;
         (picture.legend, picture.when) = (about.legend, about.when);
         let framed = framed.then(|| "all spheres".to_owned());
-        let picture = Numbered { scene, framed, ids: Some(ids), ..picture };
+        let picture = PictureScene { scene, framed, ids: Some(ids), ..picture };
         legend::check_content(self.args, &picture)?;
         Ok(picture)
     }
 
     /// The picture of a scene whose spheres are still to come.
-    fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(Numbered, Stream)> {
+    fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(PictureScene, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
         let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
         let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request)?;
-        let picture = Numbered {
+        let picture = PictureScene {
             number: 1,
             scene,
             legend: None,

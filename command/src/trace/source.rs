@@ -1,8 +1,7 @@
 //! The rays of `halfline trace`: those of a file, or the beams of a pattern.
 
-use super::BLOCK;
-use crate::go_on;
-use crate::scene_args::PoseArgs;
+use crate::camera_args::PoseArgs;
+use crate::signals::go_on;
 use clap::Args;
 use halfline::camera::{Basis, Camera};
 use halfline::error::{Error, Result};
@@ -12,6 +11,9 @@ use halfline_files::read::SceneFrame;
 use halfline_files::read::rays::{RayBlock, RayOptions, RayReader};
 use halfline_files::write::rays;
 use std::path::PathBuf;
+
+/// The rays that are traced together. Their answers do not depend on it.
+pub(super) const BLOCK: usize = 1 << 19;
 
 /// Where the rays come from.
 #[derive(Debug, Args)]

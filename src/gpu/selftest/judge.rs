@@ -1,9 +1,8 @@
 //! Evaluates the answers of the self-test on the host without rounding errors: sums and products of f32 in
 //! double-double, integers in i128. A wrong answer is counted and never causes a panic.
 
-use super::Check;
 use super::cases::{COUNT, ROUNDING, SPECIAL, SUBNORMAL, ahead, power, quadratic};
-use super::verdict::{DIV_ULP, SQRT_ULP};
+use super::verdict::{Check, DIV_ULP, SQRT_ULP};
 use crate::double_double::Dd;
 use crate::intersect::double_float::Pair;
 use crate::number::Arithmetic;

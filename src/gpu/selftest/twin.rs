@@ -1,7 +1,7 @@
 //! Compares the kernels that plans select by default, fast and certified, with their CPU twins bit for bit, on a cloud
 //! of spheres.
 
-use super::Check;
+use super::verdict::Check;
 use crate::answers::raw::Raw;
 use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;

@@ -1,0 +1,63 @@
+//! Cameras that show a scene.
+
+use crate::camera::{Camera, LensArgument, lens_of};
+use crate::errors::OrRaise;
+use crate::scene::Scene;
+use crate::work::begin;
+use halfline::camera::Look;
+use halfline::scene::{Facing, Framing, NamedView, Outlook, Spread};
+use halfline::{Camera as Exact, Error};
+use pyo3::prelude::*;
+
+/// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "those of `Camera.fit` in Python")]
+pub(crate) fn fit_camera(
+    scene: &Scene,
+    view: Option<[f64; 3]>,
+    named: Option<&str>,
+    up: Option<[f64; 3]>,
+    lens: LensArgument,
+    size: (u32, u32),
+    margin: f64,
+    focus: Option<Vec<bool>>,
+) -> PyResult<Camera> {
+    begin()?;
+    if !(0.0..1.0).contains(&margin) {
+        let problem = format!("margin is {margin}");
+        return Err(Error::settings(problem, "give a share of the image from 0 to less than 1")).or_raise();
+    }
+    let framed = scene.sized(None, Some(size), None).or_raise()?;
+    let framing = Framing { margin, ..Framing::default() };
+    let image = framed.image;
+    let mut camera = Exact { lens: lens_of(&lens, None).or_raise()?, ..framed.camera };
+    let named = named.map(str::parse::<NamedView>).transpose().or_raise()?;
+    let fixed = match (view, named) {
+        (Some(view), _) => Some(Facing { view: view.into(), ..Facing::FRONT }),
+        (None, named) => named.unwrap_or(NamedView::Front).facing(),
+    };
+    let with_up = |facing: Facing| Facing { up: up.map_or(facing.up, Into::into), ..facing };
+    let Some(focus) = focus else {
+        let facing = fixed.unwrap_or_else(|| Spread::of(&framed.spheres).facing(size.1 > size.0));
+        with_up(facing).turn(&mut camera);
+        camera.fit(image, &framed.spheres, &framing).or_raise()?;
+        return Ok(Camera { camera, aperture: None, size: None, in_pixels: false });
+    };
+    let part = framed.spheres.part(&focus);
+    if part.is_empty() {
+        return Err(Error::settings("focus selects no sphere", "give a mask with a sphere in it")).or_raise();
+    }
+    let facing = match fixed {
+        Some(facing) => facing,
+        None => {
+            let found = Outlook::least_hidden(&camera, image, &part, &framed.spheres, &framing).or_raise()?.camera;
+            let view = match found.look {
+                Look::View(view) => view,
+                Look::At(at) => at - found.eye,
+            };
+            Facing { view, up: found.up }
+        }
+    };
+    let found = Outlook::from(with_up(facing), &camera, image, &part, &framed.spheres, &framing).or_raise()?;
+    Ok(Camera { camera: found.camera, aperture: None, size: None, in_pixels: false })
+}
