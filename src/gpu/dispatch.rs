@@ -426,13 +426,8 @@ mod tests {
                     true => Some(CandidateList::Certified(&binned)),
                     false => kernel.tiles.then(tile_candidates),
                 };
-                let input = Input {
-                    view: &view,
-                    colors: scene.spheres.colors.as_deref(),
-                    rays: Rays::Viewing,
-                    candidates,
-                    tree: None,
-                };
+                let input =
+                    Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: Rays::Viewing, candidates };
                 let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");
                 raws.push(raw);

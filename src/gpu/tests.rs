@@ -44,8 +44,7 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
         true => binned.as_ref().map(CandidateList::Certified),
         false => binned.as_ref().filter(|_| kernel.tiles).map(tile_candidates),
     };
-    let input =
-        Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: Rays::Viewing, candidates, tree: None };
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: Rays::Viewing, candidates };
     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
     let told = Cell::new(Vec::new());
     let next = |done| {

@@ -302,14 +302,14 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     match input.rays {
         Rays::Viewing => {}
         Rays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
-        Rays::Certified { rays, spheres } => {
+        Rays::Certified { rays, boxes, nodes, spheres } => {
             all.push(("certified_rays", bytemuck::cast_slice(rays)));
             all.push(("placed", bytemuck::cast_slice(spheres)));
+            if kernel.tree {
+                all.push(("nodes", bytemuck::cast_slice(nodes)));
+                all.push(("boxes", bytemuck::cast_slice(boxes)));
+            }
         }
-    }
-    if let (true, Some(tree)) = (kernel.tree, input.tree) {
-        all.push(("nodes", bytemuck::cast_slice(tree.nodes)));
-        all.push(("boxes", bytemuck::cast_slice(tree.boxes)));
     }
     if kernel.reads_residuals() && !kernel.tiles {
         all.push(("residuals", bytemuck::cast_slice(&input.view.residuals)));

@@ -250,7 +250,7 @@ impl Renderer {
         let kernel = self.kernel_of(setup);
         match &mut self.place {
             Executor::Gpu(gpu) => {
-                let input = Input { view, colors, rays: Rays::Viewing, candidates, tree: None };
+                let input = Input { view, colors, rays: Rays::Viewing, candidates };
                 let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
                 match kernel.winners {
                     true => gpu.find_winners(&kernel, &plan.kernel, &input, &mut output, &pool, &go_on)?,

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::intersect::{Method, Visit};
     use crate::number::Number;
-    use crate::search::nearest::{closer_hit_any_order, nearest_of};
+    use crate::search::nearest::nearest_of;
     use crate::testing::Rng;
     use crate::view::ray::Hit;
     use crate::view::{SphereRecord, SphereResiduals};
@@ -125,6 +125,14 @@ mod tests {
         let scale = 2f32.powi(rng.below(21) as i32 - 10);
         let record = SphereRecord { center_radius, power: parts(power)[0], scale, id: 0, unused: 0 };
         (record, SphereResiduals { center_radius: rest, power: parts(power)[1], unused: [0.0; 3] })
+    }
+
+    /// Keeps the closer hit, and for equal t the lower id.
+    fn closer_hit_any_order<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
+        let t = V::intersect(ray, s);
+        let met = Hit { t: t.scaled(s.scale), id };
+        let closer = t < R::MISS && met.t < R::MISS && (met.t < hit.t || met.t == hit.t && id < hit.id);
+        if closer { met } else { hit }
     }
 
     /// Some spheres, the last of them again the first, and eight rays.

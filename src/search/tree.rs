@@ -10,7 +10,6 @@ mod build;
 pub(crate) mod device;
 pub(crate) mod device_rays;
 pub(crate) mod lanes;
-mod method_rays;
 mod order;
 #[cfg(test)]
 mod tests;
@@ -18,7 +17,6 @@ pub(crate) mod walk;
 
 use crate::view::placement::Placement;
 pub(crate) use box_ray::BoxRay;
-pub(crate) use method_rays::MethodRays;
 pub(crate) use order::order;
 
 /// Children of a node, and spheres of a block: the lanes of a vector.

@@ -22,6 +22,7 @@ mod skip;
 #[expect(dead_code, reason = "the other test programs use more of it")]
 mod test_dir;
 
+mod by_method;
 mod cloud;
 mod command;
 mod crop;
@@ -46,6 +47,5 @@ mod selftest;
 mod stream;
 mod tiles;
 mod trace;
-mod tree;
 mod truth;
 mod twins;

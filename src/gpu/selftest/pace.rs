@@ -127,7 +127,7 @@ impl Gpu {
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..=FRAMES {
             let candidates = Some(CandidateList::Certified(&binned));
-            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates, tree: None };
+            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates };
             let start = Instant::now();
             let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
             match on_adapter.winners {

@@ -88,7 +88,7 @@ impl Gpu {
                 }
                 None => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
-            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates, tree: None };
+            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates };
             let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {

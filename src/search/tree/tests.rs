@@ -1,7 +1,6 @@
 //! The tree holds every sphere, is the same for any number of threads, and its padding is needed.
 
 mod device;
-mod method;
 mod sure;
 
 use super::lanes::{LANE, Lanes, NEVER, Portable};
