@@ -87,27 +87,32 @@ pub trait Number: Arithmetic<Mask = bool> + PartialOrd {
     }
 }
 
-impl Arithmetic for f32 {
-    type Mask = bool;
-    const MISS: Self = f32::MAX;
-    const ZERO: Self = 0.0;
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        x
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn less(self, b: Self) -> bool {
-        self < b
-    }
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
-    }
+macro_rules! arithmetic {
+    ($($number:ty)*) => {$(
+        impl Arithmetic for $number {
+            type Mask = bool;
+            const MISS: Self = f32::MAX as Self;
+            const ZERO: Self = 0.0;
+            #[inline(always)]
+            fn from_f32(x: f32) -> Self {
+                x.into()
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn less(self, b: Self) -> bool {
+                self < b
+            }
+            #[inline(always)]
+            fn equal(self, b: Self) -> bool {
+                self == b
+            }
+        }
+    )*};
 }
+arithmetic! { f32 f64 }
 
 impl Number for f32 {
     const HALF: Self = 0.5;
@@ -125,28 +130,6 @@ impl Number for f32 {
     /// keep their distance.
     fn difference(a: [f32; 2], b: [f32; 2], power: f32) -> Self {
         (a[0] - power * b[0]) + (a[1] - power * b[1])
-    }
-}
-
-impl Arithmetic for f64 {
-    type Mask = bool;
-    const MISS: Self = f32::MAX as f64;
-    const ZERO: Self = 0.0;
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        x.into()
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn less(self, b: Self) -> bool {
-        self < b
-    }
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
     }
 }
 

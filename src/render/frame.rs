@@ -20,6 +20,7 @@ use crate::frame::{Aov, Buffer, Data, Frame};
 use crate::gpu::input::{Input, Output, Rays};
 use crate::progress::Step;
 use crate::scene::Scene;
+use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::view::raster::Raster;
@@ -197,7 +198,7 @@ impl Renderer {
             shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
-            camera: lens::record(scene, settings).ok(),
+            camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture).ok(),
             lights: scene.lighting.lights.len() as u64,
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,

@@ -9,17 +9,18 @@ pub(crate) const TASK: usize = 256;
 /// Work that is compiled for vectors of each kind. A trait, because a closure would not be compiled with
 /// the vector instructions of its caller.
 pub(crate) trait Work {
-    fn work<L: Lanes>(self, lanes: L);
+    type Output;
+    fn work<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
 /// Does the work with the processor's widest vectors.
 #[inline(always)]
-pub(crate) fn dispatch(work: impl Work) {
+pub(crate) fn dispatch<W: Work>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(lanes) = pulp::x86::V3::try_new() {
         return lanes.vectorize(avx2::Vectorized { lanes, work });
     }
-    work.work(Portable);
+    work.work(Portable)
 }
 
 /// Eight numbers, with every operation rounded as that of a single f32.
@@ -121,10 +122,10 @@ mod avx2 {
     }
 
     impl<W: Work> NullaryFnOnce for Vectorized<W> {
-        type Output = ();
+        type Output = W::Output;
         #[inline(always)]
-        fn call(self) {
-            self.work.work(self.lanes);
+        fn call(self) -> W::Output {
+            self.work.work(self.lanes)
         }
     }
 
