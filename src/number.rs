@@ -5,18 +5,18 @@ pub mod vector;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Truth values: one for each number that was compared.
-pub trait Truth: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait TruthValue: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any of them is true.
     fn any(self) -> bool;
 }
 
 /// Truth values that choose numbers.
-pub trait Mask<R>: Truth {
+pub trait Mask<R>: TruthValue {
     /// `yes` where it is true, else `no`.
     fn pick(self, yes: R, no: R) -> R;
 }
 
-impl Truth for bool {
+impl TruthValue for bool {
     #[inline(always)]
     fn any(self) -> bool {
         self

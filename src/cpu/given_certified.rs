@@ -124,7 +124,7 @@ impl Given<'_> {
             return Vec::new();
         };
         let nearest = ray.limit[1];
-        let mut search = Candidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
+        let mut search = NearestCandidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
         walk::<false, _>(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
         let near = search.all.into_iter().filter(|(low, _)| *low <= search.nearest);
         let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
@@ -217,7 +217,7 @@ impl<L: Lanes, F: Fn(usize) -> bool> Test for AnySearch<'_, L, F> {
 }
 
 /// The search for all spheres that may be hit first.
-struct Candidates<'a, 'b> {
+struct NearestCandidates<'a, 'b> {
     given: &'a Given<'b>,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
@@ -226,7 +226,7 @@ struct Candidates<'a, 'b> {
     all: Vec<(f64, u32)>,
 }
 
-impl Test for Candidates<'_, '_> {
+impl Test for NearestCandidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
             if let Some(bounds) = self.given.meet(self.ray, place) {

@@ -42,7 +42,7 @@ impl LightRay<'_> {
             return Vec::new();
         };
         let limit = boxes.limit(self.ray.limit[1]);
-        let mut search = Candidates { of: self, limit, all: Vec::new() };
+        let mut search = HidingSpheres { of: self, limit, all: Vec::new() };
         walk::<false, _>(Portable, self.tree, &boxes, limit, &mut search);
         search.all
     }
@@ -83,13 +83,13 @@ impl Work for Others<'_> {
     }
 }
 
-struct Candidates<'a> {
+struct HidingSpheres<'a> {
     of: &'a LightRay<'a>,
     limit: f32,
     all: Vec<([f64; 3], f64)>,
 }
 
-impl Test for Candidates<'_> {
+impl Test for HidingSpheres<'_> {
     fn test(&mut self, block: u32) -> f32 {
         let LightRay { tree, ray, .. } = *self.of;
         for place in tree.places(block).filter(|place| self.of.counts(*place)) {

@@ -16,14 +16,14 @@ pub(crate) struct Input<'a> {
     pub(crate) view: &'a View,
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
-    pub(crate) rays: Rays<'a>,
+    pub(crate) rays: KernelRays<'a>,
     /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
 }
 
 /// The rays of a dispatch.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Rays<'a> {
+pub(crate) enum KernelRays<'a> {
     /// Those of the view.
     Viewing,
     /// For a method.
@@ -39,7 +39,7 @@ pub(crate) enum Rays<'a> {
     },
 }
 
-impl Rays<'_> {
+impl KernelRays<'_> {
     /// The number of given rays.
     pub(super) fn given(&self) -> usize {
         match self {

@@ -1,6 +1,6 @@
 //! Uploads, readbacks and the division into bands: `halfline plan` prints them, dispatch.rs performs them.
 
-use super::input::{GROUP, Input, Rays};
+use super::input::{GROUP, Input, KernelRays};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
@@ -300,9 +300,9 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
         all.push(("colors", bytemuck::cast_slice(colors)));
     }
     match input.rays {
-        Rays::Viewing => {}
-        Rays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
-        Rays::Certified { rays, boxes, nodes, spheres } => {
+        KernelRays::Viewing => {}
+        KernelRays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
+        KernelRays::Certified { rays, boxes, nodes, spheres } => {
             all.push(("certified_rays", bytemuck::cast_slice(rays)));
             all.push(("placed", bytemuck::cast_slice(spheres)));
             if kernel.tree {

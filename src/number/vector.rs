@@ -4,7 +4,7 @@
 //! Loops over indices, and masks of bits instead of truth values: of iterators and of `bool` the compiler makes scalar
 //! code.
 
-use super::{Arithmetic, Mask, Number, Truth};
+use super::{Arithmetic, Mask, Number, TruthValue};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
@@ -146,7 +146,7 @@ impl Vector<u32> {
     }
 }
 
-impl<B: Bits> Truth for Vector<B> {
+impl<B: Bits> TruthValue for Vector<B> {
     #[inline(always)]
     fn any(self) -> bool {
         let mut any = 0;
@@ -157,12 +157,18 @@ impl<B: Bits> Truth for Vector<B> {
     }
 }
 
+/// `yes` where the bits are set, else `no`.
+#[inline(always)]
+pub fn pick<T: Lane>(bits: T::Bits, yes: T, no: T) -> T {
+    let other = no.bits();
+    T::of_bits(other ^ ((other ^ yes.bits()) & bits))
+}
+
 impl<T: Lane> Mask<Vector<T>> for Vector<T::Bits> {
     #[inline(always)]
     fn pick(self, yes: Vector<T>, mut no: Vector<T>) -> Vector<T> {
         for l in 0..LANES {
-            let bits = no.0[l].bits();
-            no.0[l] = T::of_bits(bits ^ ((bits ^ yes.0[l].bits()) & self.0[l]));
+            no.0[l] = pick(self.0[l], yes.0[l], no.0[l]);
         }
         no
     }

@@ -17,7 +17,7 @@ use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::progress::Step;
 use crate::scene::Scene;
 use crate::scene::camera::CameraRecord;
@@ -251,7 +251,7 @@ impl Renderer {
         let kernel = self.kernel_of(setup);
         match &mut self.place {
             Executor::Gpu(gpu) => {
-                let input = Input { view, colors, rays: Rays::Viewing, candidates };
+                let input = Input { view, colors, rays: KernelRays::Viewing, candidates };
                 let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
                 match kernel.winners {
                     true => gpu.find_winners(&kernel, &plan.kernel, &input, &mut output, &pool, &go_on)?,

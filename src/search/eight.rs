@@ -2,13 +2,13 @@
 
 use crate::intersect::Intersect;
 use crate::number::vector::{LANES, Laned, Vector};
-use crate::number::{Arithmetic, Mask, Truth};
+use crate::number::{Arithmetic, Mask, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{NONE, Ray};
 
 /// The closest hits of eight rays.
 #[derive(Clone, Copy)]
-pub(crate) struct Hits<N: Laned> {
+pub(crate) struct EightHits<N: Laned> {
     /// t in the frame's unit; [`Arithmetic::MISS`] on a miss.
     pub(crate) t: N::Vector,
     /// The spheres' indices in the scene's order; [`NONE`] on a miss.
@@ -29,7 +29,7 @@ fn pick(mask: Vector<u32>, yes: u32, no: Vector<u32>) -> Vector<u32> {
     (Vector([yes; LANES]) & mask) | (no & !mask)
 }
 
-impl<N: Laned> Hits<N> {
+impl<N: Laned> EightHits<N> {
     /// No hit.
     pub(crate) const NONE: Self =
         Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]), place: Vector([0; LANES]) };
@@ -171,9 +171,9 @@ mod tests {
             for n in 0..3000 {
                 let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
-                let all = Hits::among_all::<V>(&eight, &spheres);
+                let all = EightHits::among_all::<V>(&eight, &spheres);
                 // Any order: the spheres backwards, and some of the rays closed.
-                let mut any = Hits::NONE;
+                let mut any = EightHits::NONE;
                 let open = Vector(std::array::from_fn(|_| if rng.below(4) == 0 { 0 } else { u32::MAX }));
                 let backwards = || (0..spheres.len() as u32).rev().zip(0..);
                 for (id, place) in backwards() {

@@ -20,7 +20,7 @@ pub(crate) use box_ray::BoxRay;
 pub(crate) use order::order;
 
 /// Children of a node, and spheres of a block: the lanes of a vector.
-pub(crate) const WIDE: usize = 8;
+pub(crate) const WIDE: usize = crate::number::vector::LANES;
 
 /// The most levels of nodes: blocks number at most 2^28, and eight of them make a node.
 pub(crate) const LEVELS: usize = 10;

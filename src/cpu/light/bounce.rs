@@ -2,7 +2,7 @@
 
 use super::super::foremost::Foremost;
 use super::super::given_certified::NearestSearch;
-use super::lighting::Lighting;
+use super::lighting::LitScene;
 use super::point::PointLight;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
@@ -86,7 +86,7 @@ impl Bounces {
     }
 
     /// Adds the rays that go on where `ray` meets a point.
-    fn push(&mut self, lighting: &Lighting<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
+    fn push(&mut self, lighting: &LitScene<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
         let (normal, along) = (DVec3::from_array(point.normal), ray.along);
         let depth = ray.depth + 1;
         let mirror = |weight: DVec3| Onward {

@@ -8,7 +8,7 @@ use super::{Hits, Rays, Tracer};
 use crate::answers::raw::Raw;
 use crate::error::Result;
 use crate::frame::report::Timings;
-use crate::gpu::input::{self, Input, Output};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, RaySource};
 use crate::render::place::Executor;
 use crate::view::View;
@@ -41,7 +41,7 @@ impl Tracer<'_> {
             match &mut self.renderer.place {
                 Executor::Gpu(gpu) => {
                     gpu.check_method(kernel.method)?;
-                    let rays = input::Rays::Given(&records);
+                    let rays = KernelRays::Given(&records);
                     let input = Input { view: &view, colors: None, rays, candidates: None };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;

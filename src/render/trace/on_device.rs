@@ -6,7 +6,7 @@ use crate::cpu::given_certified::{Given, Query};
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::intersect::Method;
 use crate::kernel::{Kernel, RaySource};
 use crate::memory::Pool;
@@ -56,7 +56,7 @@ impl OnDevice {
         let input = Input {
             view: &view,
             colors: None,
-            rays: Rays::Certified { rays: &rays, boxes: &boxes, nodes: &nodes, spheres: &spheres },
+            rays: KernelRays::Certified { rays: &rays, boxes: &boxes, nodes: &nodes, spheres: &spheres },
             candidates: None,
         };
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;

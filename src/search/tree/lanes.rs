@@ -55,9 +55,16 @@ pub(crate) const NEVER: u32 = u32::MAX;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
 
-#[inline(always)]
-fn each(a: [f32; WIDE], b: [f32; WIDE], f: impl Fn(f32, f32) -> f32) -> [f32; WIDE] {
-    std::array::from_fn(|lane| f(a[lane], b[lane]))
+macro_rules! by_lane {
+    ($($name:ident($a:ident, $b:ident) $result:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, a: Self::Number, b: Self::Number) -> Self::Number {
+            std::array::from_fn(|lane| {
+                let ($a, $b) = (a[lane], b[lane]);
+                $result
+            })
+        }
+    )*};
 }
 
 impl Lanes for Portable {
@@ -71,25 +78,12 @@ impl Lanes for Portable {
     fn splat(self, number: f32) -> Self::Number {
         [number; WIDE]
     }
-    #[inline(always)]
-    fn add(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn min(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| if a > b { a } else { b })
+    by_lane! {
+        add(a, b) a + b;
+        sub(a, b) a - b;
+        mul(a, b) a * b;
+        min(a, b) if a < b { a } else { b };
+        max(a, b) if a > b { a } else { b };
     }
     #[inline(always)]
     fn at_most(self, a: Self::Number, b: Self::Number) -> u32 {
@@ -129,6 +123,15 @@ mod avx2 {
         }
     }
 
+    macro_rules! by_instruction {
+        ($($name:ident $instruction:ident)*) => {$(
+            #[inline(always)]
+            fn $name(self, a: __m256, b: __m256) -> __m256 {
+                self.avx.$instruction(a, b)
+            }
+        )*};
+    }
+
     impl Lanes for V3 {
         type Number = __m256;
         type Keys = __m256i;
@@ -140,25 +143,12 @@ mod avx2 {
         fn splat(self, number: f32) -> __m256 {
             self.avx._mm256_set1_ps(number)
         }
-        #[inline(always)]
-        fn add(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_add_ps(a, b)
-        }
-        #[inline(always)]
-        fn sub(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_sub_ps(a, b)
-        }
-        #[inline(always)]
-        fn mul(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_mul_ps(a, b)
-        }
-        #[inline(always)]
-        fn min(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_min_ps(a, b)
-        }
-        #[inline(always)]
-        fn max(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_max_ps(a, b)
+        by_instruction! {
+            add _mm256_add_ps
+            sub _mm256_sub_ps
+            mul _mm256_mul_ps
+            min _mm256_min_ps
+            max _mm256_max_ps
         }
         #[inline(always)]
         fn at_most(self, a: __m256, b: __m256) -> u32 {
