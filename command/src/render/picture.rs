@@ -85,8 +85,7 @@ impl PictureWriter<'_> {
         let (scene, image, number) = (&numbered.scene, numbered.scene.image, numbered.number);
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
-        let camera = CameraRecord::new(&scene.camera, image.width, image.height)?;
-        let camera = camera.through(numbered.lens.aperture, &scene.camera)?;
+        let camera = CameraRecord::new(&scene.camera, [image.width, image.height], numbered.lens.aperture)?;
         let written = |files, report, still| Picture { number, files, camera, report, still };
         let panels = self.args.insets.panels(&self.args.scene, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
