@@ -1,11 +1,11 @@
 //! The input of `compare`, `merge` and `--resume`: files that halfline wrote, possibly damaged.
 
 use super::{Allowed, allowed, check_error, desk};
-use halfline::measure::frames::FrameFile;
 use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
+use halfline::write::buffers::FrameFile;
 use halfline::write::file::Target;
 use halfline::write::format::FormatOptions;
 use halfline::write::image_file::ImageFile;
@@ -92,15 +92,16 @@ pub(crate) fn merge(data: &[u8]) -> Allowed {
     match write() {
         // The merged file must be valid and contain the pixels of the tile.
         Ok([width, height]) => {
-            let (_, whole) = ImageFile::read(&whole).expect("a whole file");
-            let (_, left) = ImageFile::from_bytes(content, "fuzzed").expect("it was merged");
-            assert_eq!((whole.window, whole.full), (Window::full(width, height), [width, height]));
-            for (whole, part) in whole.layers.iter().zip(&left.layers) {
-                let pixel = part.kind.size() * part.channels;
-                let rows = part.bytes.chunks_exact(pixel * left.window.width() as usize);
-                for (row, y) in rows.zip(left.window.y0..) {
-                    let place = (y as usize * width as usize + left.window.x0 as usize) * pixel;
-                    assert_eq!(&whole.bytes[place..place + row.len()], row, "row {y}");
+            let whole = ImageFile::read(&whole).expect("a whole file");
+            let left = ImageFile::from_bytes(content, "fuzzed").expect("it was merged");
+            assert_eq!((whole.head.window, whole.head.full), (Window::full(width, height), [width, height]));
+            let window = left.head.window;
+            for ((form, part), whole) in left.head.forms.iter().zip(&left.samples).zip(&whole.samples) {
+                let pixel = form.pixel();
+                let rows = part.chunks_exact(pixel * window.width() as usize);
+                for (row, y) in rows.zip(window.y0..) {
+                    let place = (y as usize * width as usize + window.x0 as usize) * pixel;
+                    assert_eq!(&whole[place..place + row.len()], row, "row {y}");
                 }
             }
         }

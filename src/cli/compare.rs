@@ -7,8 +7,9 @@ use super::messages::{QuietArgs, is_quiet};
 use super::print;
 use super::process::ExitCode;
 use halfline::error::{Error, Result};
-use halfline::measure::frames::FrameFile;
+use halfline::measure::frames::MatchedBuffers;
 use halfline::measure::picture;
+use halfline::write::buffers::FrameFile;
 use halfline::write::file::{is_standard, is_standard_output};
 use report::FrameComparison;
 use std::io::{self, Write};
@@ -71,7 +72,7 @@ impl Compare {
         check_inputs(self.output.as_deref(), &[self.a.clone(), self.b.clone()])?;
         self.output.as_deref().map_or(Ok(()), picture::check)?;
         let (a, b) = (FrameFile::read(&self.a)?, FrameFile::read(&self.b)?);
-        let pairs = FrameFile::pairs(&a, &b, &self.aov)?;
+        let pairs = MatchedBuffers::of(&a, &b, &self.aov)?;
         let found = FrameComparison::of(&a, &b, pairs, self.tolerance);
         if let Some(path) = &self.output {
             found.draw(path)?;

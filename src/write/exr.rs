@@ -3,6 +3,8 @@
 //! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
 //! others, with the number of the light in `shadow`. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
+mod any;
+
 use super::format::FileFormat;
 use super::layer::LayerFormat;
 use super::rows::{EXR_ROWS, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
@@ -18,6 +20,8 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
+
+pub(super) use any::read;
 
 /// The signature of OpenEXR files.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];

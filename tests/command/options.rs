@@ -3,7 +3,7 @@
 
 use crate::nff;
 use crate::test_dir::{SCENE, SPHERE, TestDir};
-use halfline::measure::Array;
+use halfline::write::buffers::FrameFile;
 use halfline::write::{npy, png};
 use serde_json::Value;
 
@@ -41,7 +41,7 @@ fn options_replace_the_camera() {
     dir.put("written.toml", written);
     dir.good(&["render", "written.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
-    assert_eq!(Array::read(&dir.path("a.npy")).expect("an array").shape(), [10, 20, 3]);
+    assert_eq!(FrameFile::read(&dir.path("a.npy")).expect("an array").buffers[0].array.shape(), [10, 20, 3]);
     dir.good(&["render", "scene.toml", "-o", "a.npy", "--backend", "cpu", "--at=-1,0,-3", "--vfov", "60"]);
 }
 
@@ -53,7 +53,7 @@ fn an_orthographic_camera_by_file_and_by_option() {
     dir.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
     // The ray of the middle pixel goes through the sphere's centre, at a distance of 3.
-    let distance = Array::read(&dir.path("d.npy")).expect("an array");
+    let distance = FrameFile::read(&dir.path("d.npy")).expect("an array").buffers.remove(0).array;
     let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
     assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
     // --vfov makes the camera a perspective one.

@@ -4,8 +4,9 @@ use crate::cli::process::ExitCode;
 use crate::cli::say;
 use halfline::error::{Error, Result};
 use halfline::measure::compare::{Difference, compare, sides};
-use halfline::measure::frames::{BufferPair, FrameFile, MatchedBuffers};
+use halfline::measure::frames::{BufferPair, MatchedBuffers};
 use halfline::measure::{ArrayValue, picture};
+use halfline::write::buffers::FrameFile;
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
