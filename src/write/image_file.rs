@@ -2,7 +2,7 @@
 
 use super::digest::Digest;
 use super::format::FileFormat;
-use super::rows::{SeekRead, pulled};
+use super::rows::{Found, SeekRead, pulled};
 use super::{exr, npy, npz, pfm, png};
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
@@ -49,7 +49,7 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// See [`ImageFile::read`].
     pub(super) fn new(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Self> {
-        type OpenFile = for<'b> fn(Box<dyn SeekRead + 'b>, &str) -> Result<Option<(Head, Box<dyn Rows + 'b>)>>;
+        type OpenFile = for<'b> fn(Box<dyn SeekRead + 'b>, &str) -> Result<Found<'b>>;
         let formats: [(&[u8], FileFormat, OpenFile); 6] = [
             (png::MAGIC, FileFormat::Png, png::open),
             (exr::MAGIC, FileFormat::Exr, exr::open),

@@ -4,8 +4,8 @@
 use super::encode::Encoder;
 use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
-use super::plain::{self, Plain};
-use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
+use super::plain;
+use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::frame::Buffer;
 use crate::frame::array::{Array, Values};
@@ -69,21 +69,14 @@ pub(super) fn header(form: LayerFormat, [width, height]: [usize; 2]) -> io::Resu
 }
 
 /// Opens a file that [`write_sheet`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
-    let (bytes, length) = plain::start(&mut *input, name)?;
-    let (array, numbers) = Layout::of(&bytes, name)?;
-    let (first, size) = ((bytes.len() - numbers.len()) as u64, array.bytes);
-    let Some(end) = first.checked_add(size).filter(|end| *end <= length) else {
-        return Err(array.short(length.saturating_sub(first), name));
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
+    let layout = |bytes: &[u8], length: u64| {
+        let (array, numbers) = Layout::of(bytes, name)?;
+        let first = (bytes.len() - numbers.len()) as u64;
+        let end = first.checked_add(array.bytes).filter(|end| *end <= length);
+        end.map(|end| [first, end]).ok_or_else(|| array.short(length.saturating_sub(first), name))
     };
-    let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
-    let Some(head) = words.and_then(|words| Head::new(FileFormat::Npy, words)) else { return Ok(None) };
-    if !head.form().and_then(|form| header(form, head.size())).is_ok_and(|header| bytes.starts_with(&header)) {
-        return Ok(None);
-    }
-    let layers = vec![(first, head.row(0))];
-    let rows = Plain { input, name: name.into(), layers, bottom_up: None, samples: Vec::new() };
-    Ok(Some((head, Box::new(rows))))
+    plain::open(input, name, FileFormat::Npy, layout, |head| header(head.form()?, head.size()))
 }
 
 /// Reads the array in `bytes`, a complete .npy file; errors refer to it by `name`. Booleans become 0 and 1, integers

@@ -5,7 +5,7 @@ use super::format::FileFormat;
 use super::layer::LayerFormat;
 use super::npy;
 use super::plain::Plain;
-use super::rows::{Head, Rows, SeekRead, Sink, malformed};
+use super::rows::{Found, Head, Rows, SeekRead, Sink, malformed};
 use crate::error::Result;
 use crate::frame::array::Array;
 use crate::frame::provenance::Provenance;
@@ -93,7 +93,7 @@ fn member(form: &LayerFormat) -> String {
 }
 
 /// Opens a file that [`write`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
     let mut zip = ZipArchive::new(input).map_err(|error| fail(&error))?;
     let json = match zip.by_name(PROVENANCE) {

@@ -4,8 +4,8 @@
 
 use super::format::FileFormat;
 use super::layer::SampleType;
-use super::plain::{self, Plain, reverse};
-use super::rows::{Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
+use super::plain::{self, reverse};
+use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use crate::error::Result;
 use crate::frame::array::{Array, Values};
 use crate::frame::provenance::Provenance;
@@ -69,25 +69,17 @@ impl Layout {
 }
 
 /// Opens a file that [`write`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
-    let fail = |why: &str| malformed(name, "PFM", why);
-    let (bytes, length) = plain::start(&mut *input, name)?;
-    if bytes.split(|byte| *byte == b'\n').nth(2) != Some(&b"-1.0"[..]) {
-        return Err(fail("the header was not written by halfline"));
-    }
-    let Layout { start, size, .. } = Layout::of(&bytes).map_err(fail)?;
-    let first = start as u64;
-    let Some(end) = first.checked_add(size as u64).filter(|end| *end <= length) else {
-        return Err(fail("it ends before its last number"));
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
+    let layout = |bytes: &[u8], length: u64| {
+        let fail = |why: &str| malformed(name, "PFM", why);
+        if bytes.split(|byte| *byte == b'\n').nth(2) != Some(&b"-1.0"[..]) {
+            return Err(fail("the header was not written by halfline"));
+        }
+        let Layout { start, size, .. } = Layout::of(bytes).map_err(fail)?;
+        let end = (start as u64).checked_add(size as u64).filter(|end| *end <= length);
+        end.map(|end| [start as u64, end]).ok_or_else(|| fail("it ends before its last number"))
     };
-    let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
-    let Some(head) = words.and_then(|words| Head::new(FileFormat::Pfm, words)) else { return Ok(None) };
-    if !header(&head).is_ok_and(|header| bytes.starts_with(header.as_bytes())) {
-        return Ok(None);
-    }
-    let (layers, bottom_up) = (vec![(first, head.row(0))], Some(head.size()[1]));
-    let rows = Plain { input, name: name.into(), layers, bottom_up, samples: Vec::new() };
-    Ok(Some((head, Box::new(rows))))
+    plain::open(input, name, FileFormat::Pfm, layout, |head| header(head).map(String::into_bytes))
 }
 
 /// Reads the numbers in `bytes`, a complete file of any program.

@@ -253,13 +253,13 @@ fn a_truncated_file_is_not_read() {
         let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
         let (bytes, _) = written(&part, &target);
         let (settings, step) = (Settings::default(), bytes.len() / 60 + 1);
-        assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
+        assert!(target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?}");
         for n in (0..bytes.len()).step_by(step).chain([bytes.len() - 1]) {
             std::fs::write(&path, &bytes[..n]).expect("written");
             let error = ImageFile::read(&path).expect_err("must not be read");
             assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?} after {n}: {error}");
             assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
-            assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} after {n}");
+            assert!(!target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?} after {n}");
         }
     }
 }
@@ -307,7 +307,7 @@ fn raw_is_the_numbers_alone() {
     let bytes = std::fs::read(target.path()).expect("there");
     let numbers: Vec<u8> = values(&whole, Aov::Depth).iter().flat_map(|x| x.to_le_bytes()).collect();
     assert_eq!(bytes, numbers);
-    assert!(!target.is_there(&origin(&whole, &settings, "scene")), "it has no provenance");
+    assert!(!target.is_there(&origin(&whole, &settings, "scene"), &|| true), "it has no provenance");
 }
 
 #[test]
@@ -430,16 +430,23 @@ fn a_changed_bit_is_found() {
             // Only some are written to a file, which takes a hundred times as long.
             if bit as usize == n % 8 {
                 std::fs::write(&path, &changed).expect("written");
-                assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?}, bit {bit} of byte {n}");
+                assert!(
+                    !target.is_there(&origin(&part, &settings, "scene"), &|| true),
+                    "{format:?}, bit {bit} of byte {n}"
+                );
             }
             flips += 1;
         }
         for more in [&b"\0"[..], b"\n", b"more", &bytes] {
             std::fs::write(&path, [&bytes[..], more].concat()).expect("written");
-            assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} and {} bytes more", more.len());
+            assert!(
+                !target.is_there(&origin(&part, &settings, "scene"), &|| true),
+                "{format:?} and {} bytes more",
+                more.len()
+            );
         }
         std::fs::write(&path, &bytes).expect("written");
-        assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
+        assert!(target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?}");
     }
     println!("{flips} flipped bits");
 }
