@@ -20,7 +20,7 @@ pub(super) fn read(path: &Path) -> Result<CameraRecord> {
     let mend = "use a picture or a buffer that halfline wrote, or the output of render --json";
     let record = match report(path)? {
         Some(report) => report.get("camera").cloned().and_then(|camera| serde_json::from_value(camera).ok()),
-        None => ImageFile::read(path)?.1.provenance.camera(),
+        None => ImageFile::read(path)?.head.provenance.camera(),
     };
     let record: CameraRecord =
         record.ok_or_else(|| Error::scene(place.clone().named("camera"), "the file has no camera", mend))?;

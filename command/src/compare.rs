@@ -7,8 +7,9 @@ use super::messages::{QuietArgs, is_quiet};
 use super::process::ExitCode;
 use super::standard::print;
 use halfline::error::{Error, Result};
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::{is_standard, is_standard_output};
-use halfline_measure::frames::FrameFile;
+use halfline_measure::frames::MatchedBuffers;
 use halfline_measure::picture;
 use report::FrameComparison;
 use std::io::{self, Write};
@@ -71,7 +72,7 @@ impl Compare {
         check_inputs(self.output.as_deref(), &[self.a.clone(), self.b.clone()])?;
         self.output.as_deref().map_or(Ok(()), picture::check)?;
         let (a, b) = (FrameFile::read(&self.a)?, FrameFile::read(&self.b)?);
-        let pairs = FrameFile::pairs(&a, &b, &self.aov)?;
+        let pairs = MatchedBuffers::of(&a, &b, &self.aov)?;
         let found = FrameComparison::of(&a, &b, pairs, self.tolerance);
         if let Some(path) = &self.output {
             found.draw(path)?;

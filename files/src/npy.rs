@@ -2,9 +2,11 @@
 //! dictionary with three entries: `descr` (the type of the values), `fortran_order` and `shape`.
 
 mod literal;
+mod scalar;
 
 use crate::quote::quote;
 use literal::Literal;
+pub(crate) use scalar::{NumberKind, Scalar};
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, Read};
 
@@ -156,6 +158,13 @@ impl DType {
             Self::Array(count, inner) => inner.bytes()?.checked_mul(usize::try_from(*count).ok()?),
             Self::Record(fields) => fields.iter().try_fold(0usize, |sum, field| sum.checked_add(field.dtype.bytes()?)),
         }
+    }
+}
+
+impl DType {
+    /// The type of numbers that it is one of, if it is.
+    pub(crate) fn scalar(&self) -> Option<Scalar> {
+        if let Self::Plain(name) = self { Scalar::of_numpy(name) } else { None }
     }
 }
 

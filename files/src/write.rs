@@ -2,6 +2,7 @@
 //! hits and of rays.
 
 mod atomic;
+pub mod buffers;
 mod digest;
 mod encode;
 mod exr;

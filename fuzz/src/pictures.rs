@@ -6,11 +6,11 @@ use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
 use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
 use halfline_files::write::image_file::ImageFile;
 use halfline_files::write::merge::{Mosaic, Tile};
-use halfline_measure::frames::FrameFile;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;
@@ -92,15 +92,16 @@ pub(crate) fn merge(data: &[u8]) -> Allowed {
     match write() {
         // The merged file must be valid and contain the pixels of the tile.
         Ok([width, height]) => {
-            let (_, whole) = ImageFile::read(&whole).expect("a whole file");
-            let (_, left) = ImageFile::from_bytes(content, "fuzzed").expect("it was merged");
-            assert_eq!((whole.window, whole.full), (Window::full(width, height), [width, height]));
-            for (whole, part) in whole.layers.iter().zip(&left.layers) {
-                let pixel = part.kind.size() * part.channels;
-                let rows = part.bytes.chunks_exact(pixel * left.window.width() as usize);
-                for (row, y) in rows.zip(left.window.y0..) {
-                    let place = (y as usize * width as usize + left.window.x0 as usize) * pixel;
-                    assert_eq!(&whole.bytes[place..place + row.len()], row, "row {y}");
+            let whole = ImageFile::read(&whole).expect("a whole file");
+            let left = ImageFile::from_bytes(content, "fuzzed").expect("it was merged");
+            assert_eq!((whole.head.window, whole.head.full), (Window::full(width, height), [width, height]));
+            let window = left.head.window;
+            for ((form, part), whole) in left.head.forms.iter().zip(&left.samples).zip(&whole.samples) {
+                let pixel = form.pixel();
+                let rows = part.chunks_exact(pixel * window.width() as usize);
+                for (row, y) in rows.zip(window.y0..) {
+                    let place = (y as usize * width as usize + window.x0 as usize) * pixel;
+                    assert_eq!(&whole[place..place + row.len()], row, "row {y}");
                 }
             }
         }
@@ -123,7 +124,7 @@ pub(crate) fn resume(data: &[u8]) -> Allowed {
     fs::write(&found, content).expect("a file of our own");
     let settings = settings(WINDOWS[0], aovs);
     let target = Target::new(aovs, &found, FormatOptions::default()).expect("a target");
-    let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]));
+    let taken = target.is_there(&origin(&desk.scene, &settings, &desk.reports[format], WINDOWS[0]), &|| true);
     let wanted = fs::read(&desk.left[format]).expect("there");
     assert_eq!(taken, content == wanted, "the wanted file and no other is taken");
     allowed(content.len(), PER_BYTE)

@@ -1,9 +1,9 @@
 //! Exports a record: JSON for programs, CSV for spreadsheets.
 
-use super::record::Record;
-use super::record::{Run, Spread};
+use super::record::{Record, Run, Spread};
 use halfline::error::{Error, Result};
 use halfline_files::write::file::write_atomically;
+use std::borrow::Cow;
 use std::path::Path;
 
 /// The record as one JSON object, one line per field.
@@ -14,28 +14,29 @@ pub fn json(record: &Record) -> Result<String> {
     serde_json::to_string(record).map(|text| text + "\n").map_err(|e| Error::write("-", e.into()))
 }
 
-/// Writes `records.json` (and with the feature `cli` `records.csv`) atomically into the folder `dir`.
+/// Writes `records.json` and `records.csv` atomically into the folder `dir`.
 ///
 /// # Errors
 /// [`Error::Io`] naming the file.
 pub fn write(record: &Record, dir: &Path) -> Result<()> {
-    let text = json(record)?;
-    write_atomically(&dir.join("records.json"), |out| out.write_all(text.as_bytes()))?;
-    write_atomically(&dir.join("records.csv"), |out| csv(record, out))?;
-    Ok(())
+    let files = [("records.json", json(record)?), ("records.csv", csv(record))];
+    files.iter().try_for_each(|(name, text)| write_atomically(&dir.join(name), |out| out.write_all(text.as_bytes())))
 }
 
 /// A row per run; column names contain the units, raw samples are joined by semicolons.
-fn csv(record: &Record, out: &mut dyn std::io::Write) -> std::io::Result<()> {
-    let mut table = csv::Writer::from_writer(out);
+fn csv(record: &Record) -> String {
     let rows: Vec<_> = record.runs.iter().map(|run| row(record, run)).collect();
-    if let Some(row) = rows.first() {
-        table.write_record(row.iter().map(|(name, _)| name))?;
+    let line = |fields: Vec<&String>| fields.into_iter().map(|text| field(text)).collect::<Vec<_>>().join(",") + "\n";
+    let header = rows.first().map(|row| line(row.iter().map(|(name, _)| name).collect()));
+    header.into_iter().chain(rows.iter().map(|row| line(row.iter().map(|(_, value)| value).collect()))).collect()
+}
+
+/// A field of CSV: in quotes where it has a comma, a quote or a line break (RFC 4180).
+fn field(text: &str) -> Cow<'_, str> {
+    match text.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")).into(),
+        false => text.into(),
     }
-    for row in &rows {
-        table.write_record(row.iter().map(|(_, value)| value))?;
-    }
-    table.flush()
 }
 
 /// Names and values of the columns of a run. Infinite and missing values are empty, as in the JSON.

@@ -7,10 +7,10 @@ use crate::skip::skip;
 use halfline::frame::{Aov, Data, Frame};
 use halfline::settings::Settings;
 use halfline::window::Window;
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
-use halfline_files::write::image_file::{ImageFile, Layer, SampleType};
-use halfline_measure::array_of;
+use halfline_files::write::image_file::{ImageFile, SampleType};
 use std::path::Path;
 use std::process::Command;
 
@@ -21,17 +21,17 @@ fn random_window(rng: &mut Rng, [width, height]: [u32; 2]) -> Window {
 }
 
 /// Writes the file of `frame` and reads it back.
-pub(crate) fn written(frame: &Frame, target: &Target) -> (Vec<u8>, ImageFile<'static>) {
+pub(crate) fn written(frame: &Frame, target: &Target) -> (Vec<u8>, ImageFile) {
     let settings = Settings::default();
     target.write(frame, &origin(frame, &settings, "scene")).expect("written");
     let bytes = std::fs::read(target.path()).expect("there");
-    let (format, image_file) = read(target.path());
-    assert_eq!(format, target.format());
+    let image_file = read(target.path());
+    assert_eq!(image_file.format, target.format());
     (bytes, image_file)
 }
 
-/// The file's format and content.
-fn read(path: &Path) -> (FileFormat, ImageFile<'static>) {
+/// The file's content.
+fn read(path: &Path) -> ImageFile {
     ImageFile::read(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -46,9 +46,10 @@ fn values(frame: &Frame, aov: Aov) -> Vec<f64> {
     }
 }
 
-/// Every sample of a layer, in f64.
-pub(crate) fn samples(layer: &Layer) -> Vec<f64> {
-    let number = |bytes: &[u8]| match layer.kind {
+/// Every sample of a buffer, in f64.
+pub(crate) fn samples(file: &ImageFile, layer: usize) -> Vec<f64> {
+    let kind = file.head.forms[layer].kind;
+    let number = |bytes: &[u8]| match kind {
         SampleType::U8 => f64::from(bytes[0]),
         SampleType::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
         SampleType::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
@@ -57,7 +58,7 @@ pub(crate) fn samples(layer: &Layer) -> Vec<f64> {
         SampleType::F64 => f64::from_le_bytes(bytes.try_into().expect("eight")),
         _ => panic!("a new kind of sample"),
     };
-    layer.bytes.chunks_exact(layer.kind.size()).map(number).collect()
+    file.samples[layer].chunks_exact(kind.size()).map(number).collect()
 }
 
 /// The transfer function of IEC 61966-2-1 in this number of levels.
@@ -137,8 +138,8 @@ fn random_parts_of_random_frames_are_read_back() {
                     let part = if (format, aov) == (FileFormat::Png, Aov::Id) { &few } else { &whole };
                     let target = Target::new(&[aov], &path, style).expect("a target");
                     let (bytes, image_file) = written(part, &target);
-                    assert_eq!((image_file.window, image_file.full), (window, full));
-                    let found = samples(&image_file.layers[0]);
+                    assert_eq!((image_file.head.window, image_file.head.full), (window, full));
+                    let found = samples(&image_file, 0);
                     let what = format!("{aov} as {format:?} of {window} in {full:?} with {style:?}");
                     let wanted = expected(part, aov, format, &style);
                     // A level of the normal may fall between two: n + 1 is rounded once, in f32.
@@ -196,10 +197,10 @@ fn one_file_holds_all_buffers() {
         let path = folder.path().join(format!("all{}", format.ending()));
         let target = Target::new(&Aov::ALL, &path, FormatOptions::default()).expect("a target");
         let (bytes, image_file) = written(frame, &target);
-        assert_eq!(image_file.layers.iter().map(|layer| layer.aov).collect::<Vec<_>>(), Aov::ALL);
-        for layer in &image_file.layers {
-            let wanted = expected(frame, layer.aov, format, &FormatOptions::default());
-            assert!(same(&samples(layer), &wanted), "{} as {format:?}", layer.aov);
+        assert_eq!(image_file.head.forms.iter().map(|form| form.aov).collect::<Vec<_>>(), Aov::ALL);
+        for (layer, aov) in Aov::ALL.into_iter().enumerate() {
+            let wanted = expected(frame, aov, format, &FormatOptions::default());
+            assert!(same(&samples(&image_file, layer), &wanted), "{aov} as {format:?}");
         }
         assert_eq!(written(frame, &target).0, bytes, "the same bytes");
     }
@@ -212,7 +213,7 @@ fn provenance_names_all_that_the_bytes_depend_on() {
     let style = styles()[1];
     let says = |aov: Aov, name: &str| {
         let target = Target::new(&[aov], &folder.path().join(name), style).expect("a target");
-        written(&part, &target).1.provenance
+        written(&part, &target).1.head.provenance
     };
     let color = says(Aov::Color, "a.png");
     let words: Vec<_> = color.words().iter().map(|(key, text)| [key.as_str(), text.as_str()]).collect();
@@ -252,13 +253,13 @@ fn a_truncated_file_is_not_read() {
         let target = Target::new(&[Aov::Color], &path, FormatOptions::default()).expect("a target");
         let (bytes, _) = written(&part, &target);
         let (settings, step) = (Settings::default(), bytes.len() / 60 + 1);
-        assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
+        assert!(target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?}");
         for n in (0..bytes.len()).step_by(step).chain([bytes.len() - 1]) {
             std::fs::write(&path, &bytes[..n]).expect("written");
             let error = ImageFile::read(&path).expect_err("must not be read");
             assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?} after {n}: {error}");
             assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
-            assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} after {n}");
+            assert!(!target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?} after {n}");
         }
     }
 }
@@ -285,12 +286,12 @@ fn bytes_behind_the_provenance_are_refused() {
         let target = Target::new(&[Aov::Depth], &folder.path().join(name), FormatOptions::default()).expect("a target");
         let (mut bytes, _) = written(&whole, &target);
         if name.ends_with("npy") {
-            assert_eq!(array_of(&bytes, name).expect("readable").shape(), [4, 6]);
+            assert_eq!(FrameFile::from_bytes(&bytes, name).expect("readable").buffers[0].array.shape(), [4, 6]);
         }
         bytes.push(b'\n');
         ImageFile::from_bytes(&bytes, name).expect_err("more than we wrote");
         if name.ends_with("npy") {
-            array_of(&bytes, name).expect_err("more than we wrote");
+            FrameFile::from_bytes(&bytes, name).expect_err("more than we wrote");
         }
     }
 }
@@ -306,7 +307,7 @@ fn raw_is_the_numbers_alone() {
     let bytes = std::fs::read(target.path()).expect("there");
     let numbers: Vec<u8> = values(&whole, Aov::Depth).iter().flat_map(|x| x.to_le_bytes()).collect();
     assert_eq!(bytes, numbers);
-    assert!(!target.is_there(&origin(&whole, &settings, "scene")), "it has no provenance");
+    assert!(!target.is_there(&origin(&whole, &settings, "scene"), &|| true), "it has no provenance");
 }
 
 #[test]
@@ -394,7 +395,7 @@ fn a_file_of_another_program_has_no_provenance() {
     }
     let ours = folder.path().join("ours.png");
     written(&frame(1, [2, 2]), &Target::new(&[Aov::Color], &ours, FormatOptions::default()).expect("a target"));
-    assert_eq!(read(&ours).0, FileFormat::Png);
+    assert_eq!(read(&ours).format, FileFormat::Png);
 }
 
 /// With any one bit changed, the file does not count as rendered, and reading it gives the old content or an error.
@@ -420,22 +421,32 @@ fn a_changed_bit_is_found() {
             let mut changed = bytes.clone();
             changed[n] ^= 1 << bit;
             match ImageFile::from_bytes(&changed, "changed") {
-                Ok((_, read)) => assert_eq!(read.layers, image_file.layers, "{format:?}, bit {bit} of byte {n}"),
+                Ok(read) => assert!(
+                    read.head.forms == image_file.head.forms && read.samples == image_file.samples,
+                    "{format:?}, bit {bit} of byte {n}"
+                ),
                 Err(error) => assert!(matches!(error, halfline::Error::Scene { .. }), "{format:?}: {error}"),
             }
             // Only some are written to a file, which takes a hundred times as long.
             if bit as usize == n % 8 {
                 std::fs::write(&path, &changed).expect("written");
-                assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?}, bit {bit} of byte {n}");
+                assert!(
+                    !target.is_there(&origin(&part, &settings, "scene"), &|| true),
+                    "{format:?}, bit {bit} of byte {n}"
+                );
             }
             flips += 1;
         }
         for more in [&b"\0"[..], b"\n", b"more", &bytes] {
             std::fs::write(&path, [&bytes[..], more].concat()).expect("written");
-            assert!(!target.is_there(&origin(&part, &settings, "scene")), "{format:?} and {} bytes more", more.len());
+            assert!(
+                !target.is_there(&origin(&part, &settings, "scene"), &|| true),
+                "{format:?} and {} bytes more",
+                more.len()
+            );
         }
         std::fs::write(&path, &bytes).expect("written");
-        assert!(target.is_there(&origin(&part, &settings, "scene")), "{format:?}");
+        assert!(target.is_there(&origin(&part, &settings, "scene"), &|| true), "{format:?}");
     }
     println!("{flips} flipped bits");
 }

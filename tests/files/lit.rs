@@ -4,11 +4,11 @@
 use crate::formats::{samples, written};
 use crate::random_frames::frame;
 use halfline::frame::{Aov, Buffer, Data, Frame};
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
 use halfline_files::write::image_file::ImageFile;
 use halfline_measure::Values;
-use halfline_measure::frames::FrameFile;
 
 #[test]
 fn shadows_have_a_component_for_each_light() {
@@ -26,8 +26,8 @@ fn shadows_have_a_component_for_each_light() {
         assert_eq!(frame.buffers[0].shape, [3, 4, lights]);
         for name in ["s.npy", "s.npz", "s.exr"] {
             let (_, image_file) = write(&frame, name);
-            assert_eq!(image_file.provenance.lights(), lights, "{name}");
-            assert_eq!(samples(&image_file.layers[0]), shares.iter().map(|x| f64::from(*x)).collect::<Vec<_>>());
+            assert_eq!(image_file.head.provenance.lights(), lights, "{name}");
+            assert_eq!(samples(&image_file, 0), shares.iter().map(|x| f64::from(*x)).collect::<Vec<_>>());
             let file = FrameFile::read(&path(name)).expect("readable");
             let array = &file.buffers[0].array;
             assert_eq!((array.shape(), array.values()), (&[3, 4, lights][..], &Values::F32(shares.clone())), "{name}");
@@ -75,7 +75,7 @@ fn provenance_names_lights_sky_and_lines_where_bytes_depend_on_them() {
         (Aov::Depth, [None; 4]),
     ] {
         let target = Target::new(&[aov], &folder.path().join("a.npy"), FormatOptions::default()).expect("a target");
-        let words = written(&whole, &target).1.provenance;
+        let words = written(&whole, &target).1.head.provenance;
         assert_eq!(keys.map(|key| words.get(key)), expected, "{aov}");
     }
 }

@@ -3,8 +3,9 @@
 use crate::messages::say;
 use crate::process::ExitCode;
 use halfline::error::{Error, Result};
+use halfline_files::write::buffers::FrameFile;
 use halfline_measure::compare::{Difference, compare, sides};
-use halfline_measure::frames::{BufferPair, FrameFile, MatchedBuffers};
+use halfline_measure::frames::{BufferPair, MatchedBuffers};
 use halfline_measure::{ArrayValue, picture};
 use serde::{Serialize, Serializer};
 use std::path::Path;

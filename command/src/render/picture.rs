@@ -97,7 +97,7 @@ impl PictureWriter<'_> {
             report.look = numbered.look.name();
             report.spheres = numbered.ids.as_ref().map_or(report.spheres, |ids| ids.count);
             let origin = origin(scene, settings, &report, settings.window_of(scene)?);
-            targets.retain(|target| !target.is_there_while(&origin, &go_on));
+            targets.retain(|target| !target.is_there(&origin, &go_on));
             if targets.is_empty() {
                 self.messages.note(number, already_there(&files));
                 self.write_legend(numbered)?;

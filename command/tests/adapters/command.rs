@@ -5,8 +5,9 @@ use crate::data::in_checkout;
 use crate::skip::skip;
 use crate::test_dir::{NO_ADAPTER, SCENE, TestDir, failure};
 use halfline::frame::Aov;
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::{npy, png};
-use halfline_measure::{ArrayValue, read_array};
+use halfline_measure::ArrayValue;
 use serde_json::Value;
 
 fn dir() -> TestDir {
@@ -251,7 +252,7 @@ fn a_frame_may_be_one_pixel() {
     let dir = dir();
     for backend in backends() {
         dir.good(&["render", "scene.toml", "-o", "out.png", "--size", "1x1", "--backend", backend]);
-        assert_eq!(read_array(&dir.path("out.png")).expect("a PNG").shape(), [1, 1, 3]);
+        assert_eq!(FrameFile::read(&dir.path("out.png")).expect("a PNG").buffers[0].array.shape(), [1, 1, 3]);
     }
 }
 

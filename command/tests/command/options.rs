@@ -3,8 +3,8 @@
 
 use crate::nff;
 use crate::test_dir::{SCENE, SPHERE, TestDir};
+use halfline_files::write::buffers::FrameFile;
 use halfline_files::write::{npy, png};
-use halfline_measure::read_array;
 use serde_json::Value;
 
 const NFF: &str = "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 30\nhither 0.1\nresolution 32 24\nf 1 0.5 0 1 0 0 0 1
@@ -41,7 +41,7 @@ fn options_replace_the_camera() {
     dir.put("written.toml", written);
     dir.good(&["render", "written.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
-    assert_eq!(read_array(&dir.path("a.npy")).expect("an array").shape(), [10, 20, 3]);
+    assert_eq!(FrameFile::read(&dir.path("a.npy")).expect("an array").buffers[0].array.shape(), [10, 20, 3]);
     dir.good(&["render", "scene.toml", "-o", "a.npy", "--backend", "cpu", "--at=-1,0,-3", "--vfov", "60"]);
 }
 
@@ -53,7 +53,7 @@ fn an_orthographic_camera_by_file_and_by_option() {
     dir.good(&["render", "ortho.toml", "-o", "b.npy", "--backend", "cpu"]);
     assert_eq!(dir.get("a.npy"), dir.get("b.npy"));
     // The ray of the middle pixel goes through the sphere's centre, at a distance of 3.
-    let distance = read_array(&dir.path("d.npy")).expect("an array");
+    let distance = FrameFile::read(&dir.path("d.npy")).expect("an array").buffers.remove(0).array;
     let middle = distance.values().get(15 * 45 + 22).expect("a pixel").to_f64();
     assert!((middle - 2.0).abs() <= 1e-5 * 2.0, "{middle}");
     // --vfov makes the camera a perspective one.

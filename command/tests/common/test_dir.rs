@@ -1,6 +1,7 @@
 //! The command line under test: a temporary folder to run it in, and the results of a run.
 
-use halfline_measure::{ArrayValue, read_array};
+use halfline_files::write::buffers::FrameFile;
+use halfline_measure::ArrayValue;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -234,7 +235,7 @@ impl TestDir {
 
     /// The numbers of an array file, and its shape.
     pub(crate) fn array(&self, name: &str) -> (Vec<f64>, Vec<usize>) {
-        let array = read_array(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
+        let array = FrameFile::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}")).buffers.remove(0).array;
         let values = (0..array.values().len()).filter_map(|k| array.values().get(k)).map(ArrayValue::to_f64).collect();
         (values, array.shape().to_vec())
     }

@@ -30,6 +30,23 @@ const LARGE: usize = 1 << 20;
 /// The interval at which waiting for a silent pipe checks for cancellation.
 const PATIENCE: Duration = Duration::from_millis(50);
 
+/// Fills `bytes`, less at the end of the stream; returns how many bytes there were.
+///
+/// # Errors
+/// Those of the reader.
+pub(crate) fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < bytes.len() {
+        match reader.read(&mut bytes[filled..]) {
+            Ok(0) => break,
+            Ok(read) => filled += read,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}
+
 /// An opened file, pipe or standard input.
 pub(crate) struct Input {
     reader: Box<dyn BufRead + Send>,

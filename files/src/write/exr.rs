@@ -3,9 +3,11 @@
 //! threads. Channels are named as in the technical introduction to OpenEXR: R, G, B, A, Z, and `layer.channel` for
 //! others, with the number of the light in `shadow`. File layout: <https://openexr.com/en/latest/OpenEXRFileLayout.html>.
 
+mod any;
+
 use super::format::FileFormat;
 use super::layer::LayerFormat;
-use super::rows::{EXR_ROWS, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
+use super::rows::{EXR_ROWS, Found, Head, Rows, SeekRead, Sink, invalid, malformed, pulled};
 use crate::error::Result;
 use crate::frame::Aov;
 use crate::frame::provenance::Provenance;
@@ -18,6 +20,8 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
+
+pub(super) use any::read;
 
 /// The signature of OpenEXR files.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
@@ -211,7 +215,7 @@ pub(super) fn memory(row: u64) -> u64 {
 }
 
 /// Opens a file that [`write`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
     let meta = MetaData::read_from_buffered(&mut input, true).map_err(|error| fail(&error))?;
     let [found] = &meta.headers[..] else { return Ok(None) };

@@ -139,13 +139,8 @@ impl Target {
     }
 
     /// Whether the file exists, has the same provenance as `origin`, and is byte for byte what encoding its own content
-    /// again gives.
-    pub fn is_there(&self, origin: &Origin<'_>) -> bool {
-        self.is_there_while(origin, &|| true)
-    }
-
-    /// As [`Target::is_there`], but false when `go_on` returns false before all of it is read.
-    pub fn is_there_while(&self, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
+    /// again gives; false when `go_on` returns false before all of it is read.
+    pub fn is_there(&self, origin: &Origin<'_>, go_on: &(dyn Fn() -> bool + Sync)) -> bool {
         !self.is_standard() && self.is_whole(origin, go_on).unwrap_or(false)
     }
 

@@ -2,14 +2,10 @@
 
 use super::digest::Digest;
 use super::format::FileFormat;
-use super::rows::{SeekRead, pulled};
+use super::rows::{Found, SeekRead, pulled};
 use super::{exr, npy, npz, pfm, png};
 use crate::error::{Error, Place, Result};
-use crate::frame::Aov;
-use crate::frame::provenance::Provenance;
 use crate::memory::check;
-use crate::window::Window;
-use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
@@ -53,7 +49,7 @@ impl<'a> Opened<'a> {
     /// # Errors
     /// See [`ImageFile::read`].
     pub(super) fn new(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Self> {
-        type OpenFile = for<'b> fn(Box<dyn SeekRead + 'b>, &str) -> Result<Option<(Head, Box<dyn Rows + 'b>)>>;
+        type OpenFile = for<'b> fn(Box<dyn SeekRead + 'b>, &str) -> Result<Found<'b>>;
         let formats: [(&[u8], FileFormat, OpenFile); 6] = [
             (png::MAGIC, FileFormat::Png, png::open),
             (exr::MAGIC, FileFormat::Exr, exr::open),
@@ -80,39 +76,24 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// One buffer as a file stores it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layer<'a> {
-    /// The buffer. Colour with four channels has alpha as the last.
-    pub aov: Aov,
-    /// The type of its samples.
-    pub kind: SampleType,
-    /// Samples per pixel.
-    pub channels: usize,
-    /// The samples in little-endian bytes, row by row from the top, channels innermost.
-    pub bytes: Cow<'a, [u8]>,
-}
-
 /// The content of one file, in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ImageFile<'a> {
-    /// The buffers, in the order of [`Aov::ALL`].
-    pub layers: Vec<Layer<'a>>,
-    /// Their provenance.
-    pub provenance: Provenance,
-    /// The window in the full frame.
-    pub window: Window,
-    /// W and H of the full frame.
-    pub full: [u32; 2],
+pub struct ImageFile {
+    /// Its format, which its content shows.
+    pub format: FileFormat,
+    /// Everything but its samples.
+    pub head: Head,
+    /// The samples of each buffer in little-endian bytes, row by row from the top, channels innermost.
+    pub samples: Vec<Vec<u8>>,
 }
 
-impl ImageFile<'static> {
+impl ImageFile {
     /// Reads a complete file that halfline wrote; the format is detected from the content.
     ///
     /// # Errors
     /// [`Error::Io`] for a file that cannot be read, [`Error::Limits`] for one that does not fit into memory,
     /// [`Error::Scene`] at the file for one that is malformed, truncated, changed, or has no provenance.
-    pub fn read(path: &Path) -> Result<(FileFormat, Self)> {
+    pub fn read(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         Self::of(Opened::file(path, &name)?, &name)
     }
@@ -121,27 +102,23 @@ impl ImageFile<'static> {
     ///
     /// # Errors
     /// As [`ImageFile::read`].
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<(FileFormat, Self)> {
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self> {
         Self::of(Opened::new(Box::new(Cursor::new(bytes)), name)?, name)
     }
 
-    fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<(FileFormat, Self)> {
+    fn of(Opened { format, head, mut rows }: Opened<'_>, name: &str) -> Result<Self> {
         check(head.bytes(), || format!("the samples of {name}"))?;
-        let mut layers: Vec<Layer<'static>> = Vec::new();
-        for LayerFormat { aov, kind, channels } in head.forms.iter().copied() {
-            layers.push(Layer { aov, kind, channels, bytes: Cow::Owned(Vec::new()) });
-        }
-        let mut digest = Digest::new(layers.len());
+        let mut samples = vec![Vec::new(); head.forms.len()];
+        let mut digest = Digest::new(samples.len());
         for band in head.bands() {
-            for (n, layer) in layers.iter_mut().enumerate() {
-                let samples = rows.rows(n, band.clone())?;
-                digest.update(n, &samples);
-                layer.bytes.to_mut().extend_from_slice(&samples);
+            for (layer, all) in samples.iter_mut().enumerate() {
+                let some = rows.rows(layer, band.clone())?;
+                digest.update(layer, &some);
+                all.extend_from_slice(&some);
             }
         }
         digest.check(&head.provenance, name)?;
-        let Head { provenance, window, full, .. } = head;
-        Ok((format, Self { layers, provenance, window, full }))
+        Ok(Self { format, head, samples })
     }
 }
 

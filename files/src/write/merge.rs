@@ -271,22 +271,18 @@ fn missing(full: Window, windows: impl Iterator<Item = Window>) -> Vec<Window> {
     }
     loop {
         let before = rest.len();
-        rest.sort_by_key(|part| (part.y0, part.y1, part.x0));
-        rest.dedup_by(|next, part| {
-            let beside = part.x1 == next.x0 && (part.y0, part.y1) == (next.y0, next.y1);
-            if beside {
-                part.x1 = next.x1;
+        // Those beside each other, then those above each other.
+        for _ in 0..2 {
+            rest.sort_by_key(|part| (part.y0, part.y1, part.x0));
+            rest.dedup_by(|next, part| {
+                let beside = part.x1 == next.x0 && (part.y0, part.y1) == (next.y0, next.y1);
+                part.x1 = if beside { next.x1 } else { part.x1 };
+                beside
+            });
+            for part in &mut rest {
+                *part = Window { x0: part.y0, y0: part.x0, x1: part.y1, y1: part.x1 };
             }
-            beside
-        });
-        rest.sort_by_key(|part| (part.x0, part.x1, part.y0));
-        rest.dedup_by(|next, part| {
-            let below = part.y1 == next.y0 && (part.x0, part.x1) == (next.x0, next.x1);
-            if below {
-                part.y1 = next.y1;
-            }
-            below
-        });
+        }
         if rest.len() == before {
             break;
         }

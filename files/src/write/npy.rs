@@ -4,14 +4,14 @@
 use super::encode::Encoder;
 use super::format::{FileFormat, FormatOptions};
 use super::layer::{LayerFormat, SampleType};
-use super::plain::{self, Plain};
-use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
+use super::plain;
+use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::frame::Buffer;
 use crate::frame::array::{Array, Values};
 use crate::frame::provenance::Provenance;
 use crate::memory::check;
-use crate::npy::{DType, Header};
+use crate::npy::{Header, NumberKind, Scalar};
 use std::io::{self, Write};
 
 pub use crate::npy::MAGIC;
@@ -69,21 +69,14 @@ pub(super) fn header(form: LayerFormat, [width, height]: [usize; 2]) -> io::Resu
 }
 
 /// Opens a file that [`write_sheet`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(mut input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
-    let (bytes, length) = plain::start(&mut *input, name)?;
-    let (array, numbers) = Layout::of(&bytes, name)?;
-    let (first, size) = ((bytes.len() - numbers.len()) as u64, array.bytes);
-    let Some(end) = first.checked_add(size).filter(|end| *end <= length) else {
-        return Err(array.short(length.saturating_sub(first), name));
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
+    let layout = |bytes: &[u8], length: u64| {
+        let (array, numbers) = Layout::of(bytes, name)?;
+        let first = (bytes.len() - numbers.len()) as u64;
+        let end = first.checked_add(array.bytes).filter(|end| *end <= length);
+        end.map(|end| [first, end]).ok_or_else(|| array.short(length.saturating_sub(first), name))
     };
-    let words = plain::tail(&mut *input, end, length, name)?.and_then(|tail| Provenance::from_trailer(&tail));
-    let Some(head) = words.and_then(|words| Head::new(FileFormat::Npy, words)) else { return Ok(None) };
-    if !head.form().and_then(|form| header(form, head.size())).is_ok_and(|header| bytes.starts_with(&header)) {
-        return Ok(None);
-    }
-    let layers = vec![(first, head.row(0))];
-    let rows = Plain { input, name: name.into(), layers, bottom_up: None, samples: Vec::new() };
-    Ok(Some((head, Box::new(rows))))
+    plain::open(input, name, FileFormat::Npy, layout, |head| header(head.form()?, head.size()))
 }
 
 /// Reads the array in `bytes`, a complete .npy file; errors refer to it by `name`. Booleans become 0 and 1, integers
@@ -110,25 +103,9 @@ fn malformed(name: &str, problem: String) -> Error {
     Error::scene(Place::file(name), problem, "use a .npy file of plain numbers")
 }
 
-/// The supported number types: NumPy's letter and size.
-#[derive(Clone, Copy)]
-enum Type {
-    Bool,
-    U8,
-    I8,
-    U16,
-    I16,
-    I32,
-    U32,
-    I64,
-    F32,
-    F64,
-}
-
 /// The layout of an array in its file.
 struct Layout {
-    of: Type,
-    big_endian: bool,
+    of: Scalar,
     fortran: bool,
     shape: Vec<usize>,
     /// Bytes of all values.
@@ -140,31 +117,13 @@ impl Layout {
     fn of<'b>(bytes: &'b [u8], name: &str) -> Result<(Self, &'b [u8])> {
         let mut data = bytes;
         let header = Header::read(&mut data).map_err(|fault| malformed(name, fault.to_string()))?;
+        let readable = |of: &Scalar| (of.kind, of.size()) != (NumberKind::Unsigned, 8);
         let unknown = || malformed(name, format!("values of type {} cannot be read", header.dtype));
-        let DType::Plain(text) = &header.dtype else { return Err(unknown()) };
-        let (order, kind) = text.split_at_checked(1).ok_or_else(unknown)?;
-        let of = match kind {
-            "b1" => Type::Bool,
-            "u1" => Type::U8,
-            "i1" => Type::I8,
-            "u2" => Type::U16,
-            "i2" => Type::I16,
-            "i4" => Type::I32,
-            "u4" => Type::U32,
-            "i8" => Type::I64,
-            "f4" => Type::F32,
-            "f8" => Type::F64,
-            _ => return Err(unknown()),
-        };
-        let big_endian = match order {
-            "<" | "|" => false,
-            ">" => true,
-            _ => return Err(unknown()),
-        };
+        let of = header.dtype.scalar().filter(readable).ok_or_else(unknown)?;
         let large = || malformed(name, format!("an array of shape {:?} is too large", header.shape));
         let bytes = header.data_bytes().ok_or_else(large)?;
         let shape = header.shape.iter().map(|side| usize::try_from(*side).ok()).collect::<Option<_>>();
-        Ok((Self { of, big_endian, fortran: header.fortran, shape: shape.ok_or_else(large)?, bytes }, data))
+        Ok((Self { of, fortran: header.fortran, shape: shape.ok_or_else(large)?, bytes }, data))
     }
 
     /// The error for a file that has only `found` bytes of values.
@@ -173,35 +132,31 @@ impl Layout {
     }
 
     fn values(&self, data: &[u8]) -> Values {
-        match self.of {
-            Type::Bool => Values::U8(self.ordered(data.iter().map(|x| u8::from(*x != 0)).collect())),
-            Type::U8 => Values::U8(self.ordered(data.to_vec())),
-            Type::I8 => Values::I32(self.ordered(data.iter().map(|x| i32::from(*x as i8)).collect())),
-            Type::U16 => Values::U16(self.numbers(data, u16::from_le_bytes)),
-            Type::I16 => Values::I32(self.numbers(data, |b| i16::from_le_bytes(b).into())),
-            Type::I32 => Values::I32(self.numbers(data, i32::from_le_bytes)),
-            Type::U32 => Values::I64(self.numbers(data, |b| u32::from_le_bytes(b).into())),
-            Type::I64 => Values::I64(self.numbers(data, i64::from_le_bytes)),
-            Type::F32 => Values::F32(self.numbers(data, f32::from_le_bytes)),
-            Type::F64 => Values::F64(self.numbers(data, f64::from_le_bytes)),
+        match (self.of.kind, self.of.size()) {
+            (NumberKind::Bool, _) => Values::U8(self.numbers(data, |[x]: [u8; 1]| u8::from(x != 0))),
+            (NumberKind::Unsigned, 1) => Values::U8(self.numbers(data, |[x]: [u8; 1]| x)),
+            (NumberKind::Unsigned, 2) => Values::U16(self.numbers(data, u16::from_le_bytes)),
+            (NumberKind::Unsigned, _) => Values::I64(self.numbers(data, |b| u32::from_le_bytes(b).into())),
+            (NumberKind::Signed, 1) => Values::I32(self.numbers(data, |[x]: [u8; 1]| (x as i8).into())),
+            (NumberKind::Signed, 2) => Values::I32(self.numbers(data, |b| i16::from_le_bytes(b).into())),
+            (NumberKind::Signed, 4) => Values::I32(self.numbers(data, i32::from_le_bytes)),
+            (NumberKind::Signed, _) => Values::I64(self.numbers(data, i64::from_le_bytes)),
+            (NumberKind::Float, 4) => Values::F32(self.numbers(data, f32::from_le_bytes)),
+            (NumberKind::Float, _) => Values::F64(self.numbers(data, f64::from_le_bytes)),
         }
     }
 
-    fn numbers<T: Copy, const N: usize>(&self, data: &[u8], little: impl Fn([u8; N]) -> T) -> Vec<T> {
+    /// The values in C order.
+    fn numbers<T, const N: usize>(&self, data: &[u8], little: impl Fn([u8; N]) -> T) -> Vec<T> {
         let (values, _) = data.as_chunks::<N>();
         let native = |mut bytes: [u8; N]| {
-            if self.big_endian {
+            if self.of.big {
                 bytes.reverse();
             }
             little(bytes)
         };
-        self.ordered(values.iter().map(|bytes| native(*bytes)).collect())
-    }
-
-    /// The values in C order.
-    fn ordered<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
         if !self.fortran || self.shape.len() < 2 {
-            return values;
+            return values.iter().map(|bytes| native(*bytes)).collect();
         }
         let from = |mut index: usize| {
             let (mut place, mut stride) = (0, values.len());
@@ -212,6 +167,6 @@ impl Layout {
             }
             place
         };
-        (0..values.len()).map(|index| values[from(index)]).collect()
+        (0..values.len()).map(|index| native(values[from(index)])).collect()
     }
 }

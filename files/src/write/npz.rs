@@ -5,11 +5,15 @@ use super::format::FileFormat;
 use super::layer::LayerFormat;
 use super::npy;
 use super::plain::Plain;
-use super::rows::{Head, Rows, SeekRead, Sink, malformed};
+use super::rows::{Found, Head, Rows, SeekRead, Sink, malformed};
 use crate::error::Result;
+use crate::frame::array::Array;
 use crate::frame::provenance::Provenance;
+use crate::memory::check;
+use flate2::CrcReader;
+use flate2::read::DeflateDecoder;
 use std::cell::Cell;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, DateTime, System, ZipArchive, ZipWriter};
 
@@ -89,7 +93,7 @@ fn member(form: &LayerFormat) -> String {
 }
 
 /// Opens a file that [`write`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
     let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
     let mut zip = ZipArchive::new(input).map_err(|error| fail(&error))?;
     let json = match zip.by_name(PROVENANCE) {
@@ -129,6 +133,41 @@ pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Opti
     let input = zip.into_inner();
     let rows = Plain { input, name: name.into(), layers, bottom_up: None, samples: Vec::new() };
     Ok(Some((head, Box::new(rows))))
+}
+
+/// Reads the arrays of any program, stored or deflated. Members that are not arrays are skipped.
+pub(super) fn read(bytes: &[u8], name: &str) -> Result<Vec<(Option<String>, Array)>> {
+    let fail = |why: &dyn std::fmt::Display| malformed(name, "NPZ", why);
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| fail(&error))?;
+    let mut buffers = Vec::new();
+    for n in 0..archive.len() {
+        let file = archive.by_index_raw(n).map_err(|error| fail(&error))?;
+        let path = file.name().map_err(|error| fail(&error))?.into_owned();
+        let (size, sum) = (file.size(), file.crc32());
+        let Some(buffer) = path.strip_suffix(".npy") else { continue };
+        // Deflate expands by a factor of 1032 at most.
+        if size > 1032 * (file.compressed_size() + 1) {
+            return Err(fail(&format!("{path} claims to have {size} bytes")));
+        }
+        check(2 * size, || format!("{path} of {name}"))?;
+        let reader: Box<dyn Read> = match file.compression() {
+            CompressionMethod::Stored => Box::new(file),
+            CompressionMethod::DEFLATE => Box::new(DeflateDecoder::new(file)),
+            other => return Err(fail(&format!("{path} is compressed with {other:?}, which is not supported"))),
+        };
+        let mut content = Vec::new();
+        let mut reader = CrcReader::new(reader.take(size + 1));
+        reader.read_to_end(&mut content).map_err(|error| fail(&format!("{path}: {error}")))?;
+        if content.len() as u64 != size || reader.crc().sum() != sum {
+            return Err(fail(&format!("{path} does not match its checksum")));
+        }
+        let array = npy::read(&content, &format!("{name}:{path}"))?;
+        buffers.push((Some(buffer.to_owned()), array));
+    }
+    if buffers.is_empty() {
+        return Err(fail(&"it holds no arrays"));
+    }
+    Ok(buffers)
 }
 
 /// The longest provenance.

@@ -1,9 +1,11 @@
 //! Samples that a file holds uncompressed: .npy, .npz and .pfm.
 
-use super::rows::{Rows, SeekRead, malformed};
+use super::format::FileFormat;
+use super::rows::{Found, Head, Rows, SeekRead, malformed};
 use crate::error::{Error, Result};
+use crate::frame::provenance::Provenance;
 use std::borrow::Cow;
-use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 
 /// Their positions.
@@ -45,29 +47,38 @@ pub(super) fn reverse(samples: &mut [u8], row: usize) {
     }
 }
 
-/// The first bytes of a file, up to the longest header, and the file's length.
-pub(super) fn start(input: &mut dyn SeekRead, name: &str) -> Result<(Vec<u8>, u64)> {
-    let mut bytes = Vec::new();
-    let mut read = |input: &mut dyn SeekRead| {
-        input.rewind()?;
-        Read::take(&mut *input, HEADER).read_to_end(&mut bytes)?;
-        input.seek(SeekFrom::End(0))
-    };
-    let length = read(input).map_err(|error| Error::read(name, error))?;
-    Ok((bytes, length))
+/// Opens a file of one buffer. `layout` has the positions of the first number and of the end of all, from the first bytes
+/// of the file and its length; `header` is the one that the file's head would give.
+pub(super) fn open<'a>(
+    mut input: Box<dyn SeekRead + 'a>,
+    name: &str,
+    format: FileFormat,
+    layout: impl FnOnce(&[u8], u64) -> Result<[u64; 2]>,
+    header: impl FnOnce(&Head) -> io::Result<Vec<u8>>,
+) -> Result<Found<'a>> {
+    let failed = |error| Error::read(name, error);
+    let mut start = Vec::new();
+    input.rewind().and_then(|()| Read::take(&mut input, HEADER).read_to_end(&mut start)).map_err(failed)?;
+    let length = input.seek(SeekFrom::End(0)).map_err(failed)?;
+    let [first, end] = layout(&start, length)?;
+    if length - end > LONGEST {
+        return Ok(None);
+    }
+    let mut tail = Vec::new();
+    input.seek(SeekFrom::Start(end)).and_then(|_| input.read_to_end(&mut tail)).map_err(failed)?;
+    let words = Provenance::from_trailer(&tail);
+    let Some(head) = words.and_then(|words| Head::new(format, words)) else { return Ok(None) };
+    if !header(&head).is_ok_and(|header| start.starts_with(&header)) {
+        return Ok(None);
+    }
+    let bottom_up = (format == FileFormat::Pfm).then_some(head.size()[1]);
+    let layers = vec![(first, head.row(0))];
+    let rows = Plain { input, name: name.into(), layers, bottom_up, samples: Vec::new() };
+    Ok(Some((head, Box::new(rows))))
 }
 
 /// The longest header that halfline writes.
 const HEADER: u64 = 1 << 12;
-
-/// The bytes after `from`, if they are no longer than a provenance.
-pub(super) fn tail(input: &mut dyn SeekRead, from: u64, length: u64, name: &str) -> Result<Option<Vec<u8>>> {
-    let Some(left) = length.checked_sub(from).filter(|left| *left <= LONGEST) else { return Ok(None) };
-    let mut bytes = Vec::with_capacity(left as usize);
-    let read = input.seek(SeekFrom::Start(from)).and_then(|_| Read::take(&mut *input, left).read_to_end(&mut bytes));
-    read.map_err(|error| Error::read(name, error))?;
-    Ok(Some(bytes))
-}
 
 /// The longest provenance with its delimiters.
 const LONGEST: u64 = 1 << 17;

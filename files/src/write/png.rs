@@ -6,7 +6,7 @@ mod strips;
 
 use super::format::{Dpi, FileFormat};
 use super::layer::SampleType;
-use super::rows::{Head, Rows, SeekRead, Sink, invalid, pulled};
+use super::rows::{Found, Head, Rows, SeekRead, Sink, invalid, pulled};
 use crate::error::{Error, Place, Result};
 use crate::frame::array::{Array, Values};
 use crate::frame::srgb::levels;
@@ -140,7 +140,7 @@ impl SampleFormat {
 }
 
 /// Opens a file that [`write_sheet`] wrote; `None` where it has no provenance.
-pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Option<(Head, Box<dyn Rows + 'a>)>> {
+pub(super) fn open<'a>(input: Box<dyn SeekRead + 'a>, name: &str) -> Result<Found<'a>> {
     let mut options = png::DecodeOptions::default();
     // A failed checksum is an error in text chunks too.
     options.set_skip_ancillary_crc_failures(false);
@@ -211,40 +211,6 @@ impl Rows for PngRows<'_> {
 /// # Errors
 /// [`Error::Scene`] at the file, with the decoder's error, for anything malformed or truncated.
 pub fn read(bytes: &[u8], name: &str) -> Result<Array> {
-    let picture = decode(bytes, name)?;
-    let mut shape = vec![picture.height, picture.width];
-    if picture.channels > 1 {
-        shape.push(picture.channels);
-    }
-    let values = match picture.depth {
-        BitDepth::Sixteen => {
-            Values::U16(picture.samples.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)).collect())
-        }
-        _ => Values::U8(picture.samples),
-    };
-    Array::new(name, shape, values).map(Array::picture)
-}
-
-fn malformed(name: &str, source: png::DecodingError) -> Error {
-    Error::Scene {
-        place: Box::new(Place::file(name)),
-        problem: format!("the PNG file is damaged or incomplete: {source}"),
-        mend: "use a PNG that other programs can open".into(),
-        source: Some(source.into()),
-    }
-}
-
-/// A decoded file, with big-endian samples.
-struct Picture {
-    width: usize,
-    height: usize,
-    channels: usize,
-    depth: BitDepth,
-    samples: Vec<u8>,
-}
-
-/// The picture with its palette resolved.
-fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
     // Deflate expands by a factor of 1032 at most, so a larger claim is rejected and not allocated.
     let limit = bytes.len().saturating_mul(1032).saturating_add(1 << 16);
     let fail = |source: png::DecodingError| malformed(name, source);
@@ -259,11 +225,22 @@ fn decode(bytes: &[u8], name: &str) -> Result<Picture> {
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(fail)?;
     reader.finish().map_err(fail)?;
-    Ok(Picture {
-        width: frame.width as usize,
-        height: frame.height as usize,
-        channels: frame.color_type.samples(),
-        depth: frame.bit_depth,
-        samples,
-    })
+    let mut shape = vec![frame.height as usize, frame.width as usize];
+    shape.extend(Some(frame.color_type.samples()).filter(|channels| *channels > 1));
+    let values = match frame.bit_depth {
+        BitDepth::Sixteen => {
+            Values::U16(samples.as_chunks().0.iter().map(|bytes| u16::from_be_bytes(*bytes)).collect())
+        }
+        _ => Values::U8(samples),
+    };
+    Array::new(name, shape, values).map(Array::picture)
+}
+
+fn malformed(name: &str, source: png::DecodingError) -> Error {
+    Error::Scene {
+        place: Box::new(Place::file(name)),
+        problem: format!("the PNG file is damaged or incomplete: {source}"),
+        mend: "use a PNG that other programs can open".into(),
+        source: Some(source.into()),
+    }
 }

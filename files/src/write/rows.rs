@@ -88,6 +88,9 @@ pub trait Rows: Send {
     fn rows(&mut self, layer: usize, rows: Range<usize>) -> Result<Cow<'_, [u8]>>;
 }
 
+/// The head and the rows of an opened file; `None` where it has no provenance.
+pub(super) type Found<'a> = Option<(Head, Box<dyn Rows + 'a>)>;
+
 /// Rows for a writer, with errors wrapped as the system's; [`super::atomic`] unwraps them.
 pub(super) fn pulled(rows: &mut dyn Rows, layer: usize, range: Range<usize>) -> io::Result<Cow<'_, [u8]>> {
     rows.rows(layer, range).map_err(io::Error::other)

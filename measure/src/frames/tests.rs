@@ -1,5 +1,7 @@
 use super::*;
-use halfline::frame::array::Values;
+use crate::Values;
+use halfline::error::Error;
+use halfline_files::write::buffers::NamedBuffer;
 
 fn array(values: &[f32], shape: &[usize]) -> Array {
     Array::new("made", shape.to_vec(), Values::F32(values.to_vec())).expect("whole")
@@ -15,24 +17,24 @@ fn frames(name: &str, buffers: &[(Option<&str>, f32)]) -> FrameFile {
 fn buffers_of_one_name_are_compared() {
     let a = frames("a.npz", &[(Some("color"), 1.0), (Some("depth"), 2.0), (Some("id"), 3.0)]);
     let b = frames("b.exr", &[(Some("depth"), 4.0), (Some("bound"), 5.0), (Some("color"), 6.0)]);
-    let found = FrameFile::pairs(&a, &b, &[]).expect("pairs");
+    let found = MatchedBuffers::of(&a, &b, &[]).expect("pairs");
     let names: Vec<_> = found.common.iter().map(|pair| pair.name.expect("a name")).collect();
     assert_eq!((names, found.missing), (vec!["color", "depth"], vec![("id", "a.npz"), ("bound", "b.exr")]));
     assert_eq!(found.common[1].b, &array(&[4.0], &[1]));
     let wanted = ["depth".to_owned()];
-    let found = FrameFile::pairs(&a, &b, &wanted).expect("pairs");
+    let found = MatchedBuffers::of(&a, &b, &wanted).expect("pairs");
     assert_eq!((found.common.len(), found.missing.len()), (1, 0));
     let wanted = ["id".to_owned()];
-    let error = FrameFile::pairs(&a, &b, &wanted).expect_err("b has none").to_string();
+    let error = MatchedBuffers::of(&a, &b, &wanted).expect_err("b has none").to_string();
     assert!(error.contains("b.exr has no buffer `id`; the file has depth, bound, color"), "{error}");
     // Single buffers are compared whatever their names; a buffer without a name matches none of several.
     let (one, nameless) = (frames("one.npy", &[(Some("depth"), 7.0)]), frames("x.npy", &[(None, 8.0)]));
-    assert_eq!(FrameFile::pairs(&one, &nameless, &[]).expect("a pair").common[0].name, Some("depth"));
-    let error = FrameFile::pairs(&nameless, &b, &[]).expect_err("which").to_string();
+    assert_eq!(MatchedBuffers::of(&one, &nameless, &[]).expect("a pair").common[0].name, Some("depth"));
+    let error = MatchedBuffers::of(&nameless, &b, &[]).expect_err("which").to_string();
     assert!(error.contains("x.npy has an unnamed buffer"), "{error}");
     let wanted = ["bound".to_owned()];
-    assert_eq!(FrameFile::pairs(&nameless, &b, &wanted).expect("a pair").common[0].b, &array(&[5.0], &[1]));
-    let found = FrameFile::pairs(&one, &b, &[]).expect("a pair");
+    assert_eq!(MatchedBuffers::of(&nameless, &b, &wanted).expect("a pair").common[0].b, &array(&[5.0], &[1]));
+    let found = MatchedBuffers::of(&one, &b, &[]).expect("a pair");
     assert_eq!((found.common.len(), found.missing.len()), (1, 2));
 }
 

@@ -1,15 +1,15 @@
 //! A NumPy array as a scene: rows of numbers, or records with named fields.
 
 use super::{MEND, Npy};
-use crate::error::{Error, Result, relocate};
-use crate::memory::{check, reserve};
-use crate::npy::{DType, Field, Header};
+use crate::error::Result;
+use crate::npy::{DType, Field, Header, Scalar};
 use crate::read::input::Input;
 use crate::read::options::ReadOptions;
-use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Scalar, Survey, wanted};
+use crate::read::particles::{Layout, ParticleFrames, Particles, Role, Survey, component, wanted};
 use crate::read::source::SceneSource;
+use crate::read::style::color::light_of;
 use crate::scene::Spheres;
-use std::io::{self, BufRead, Read};
+use std::io::ErrorKind;
 
 /// The reader.
 pub(in crate::read) struct Array {
@@ -33,7 +33,7 @@ impl ParticleFrames for Array {
             return npy.records(&header, fields, &self.wanted, self.survey.as_ref()).map(Some);
         }
         let mut spheres = Spheres::default();
-        let width = npy.read(&header, &[3, 4, 7], &mut spheres, self.survey.as_ref())?;
+        let width = npy.spheres(&header, &[3, 4, 7], &mut spheres, self.survey.as_ref())?;
         let Spheres { centers, radii, colors, .. } = spheres;
         let radii = if width == 3 { Vec::new() } else { radii.into_vec() };
         let colors = colors.unwrap_or_default().into_vec();
@@ -43,9 +43,6 @@ impl ParticleFrames for Array {
 
 /// The longest record in bytes.
 const MOST: usize = 1 << 16;
-
-/// Numbers per read.
-const BLOCK: usize = 1 << 16;
 
 impl Npy<Input> {
     fn records(
@@ -75,58 +72,25 @@ impl Npy<Input> {
             return Err(self.fail("dtype", "the fields x, y and z are missing"));
         }
         let mut particles = layout.begin(survey);
-        let (mut record, mut numbers) = (vec![0; size], vec![0.0; places.len()]);
-        for row in 0..rows {
-            self.reader.read_exact(&mut record).map_err(|e| self.cut(e, row, rows))?;
-            for (number, (place, scalar, role)) in numbers.iter_mut().zip(&places) {
-                *number = scalar.number(&record[*place..]);
-                if matches!(role, Role::Color(_)) {
-                    *number = scalar.light(*number);
+        let (mut block, mut numbers, mut row) = (Vec::new(), vec![0.0; places.len()], 0);
+        while row < rows {
+            let read = self.block(rows - row, size, &mut block).map_err(|error| self.cut(error, row, rows))?;
+            if read == 0 {
+                return Err(self.cut(ErrorKind::UnexpectedEof.into(), row, rows));
+            }
+            for record in block.chunks_exact(size) {
+                for (number, (place, scalar, role)) in numbers.iter_mut().zip(&places) {
+                    *number = scalar.number(&record[*place..]);
+                    if matches!(role, Role::Color(_)) {
+                        *number = light_of(*number, *scalar);
+                    }
                 }
+                layout.numbers(&numbers, &mut particles).map_err(|error| self.in_row(row, error))?;
+                row += 1;
             }
-            let located = |e| relocate(e, |field| self.place(format!("row {row} {field}")));
-            layout.numbers(&numbers, &mut particles).map_err(located)?;
-            self.counts.found();
         }
-        self.finish(Ok(()), rows)?;
+        self.end(rows)?;
         Ok(particles)
-    }
-}
-
-impl<R: BufRead> Npy<R> {
-    /// The numbers of an array of one or two dimensions, row by row. Memory grows with the data read.
-    pub(in crate::read) fn numbers(&mut self, header: &Header) -> Result<Vec<f64>> {
-        let DType::Plain(name) = &header.dtype else {
-            return Err(self.fail("dtype", format!("found {}, expected numbers", header.dtype)));
-        };
-        let Some(scalar) = Scalar::of_numpy(name) else {
-            return Err(self.fail("dtype", format!("found {}, expected integers, float32 or float64", header.dtype)));
-        };
-        let (rows, width) = match header.shape[..] {
-            [n] => (n, 1),
-            [n, width @ 1..=16] => (n, width),
-            ref other => return Err(self.fail("shape", format!("found {other:?}, expected (n,) or (n, 3)"))),
-        };
-        let total = rows.saturating_mul(width);
-        let (mut numbers, mut bytes) = (Vec::new(), Vec::new());
-        while (numbers.len() as u64) < total {
-            let wanted = (total - numbers.len() as u64).min(BLOCK as u64) * scalar.size() as u64;
-            bytes.clear();
-            self.counts.found();
-            (&mut self.reader).take(wanted).read_to_end(&mut bytes).map_err(|e| Error::read(&self.path, e))?;
-            reserve(&mut numbers, bytes.len() / scalar.size())?;
-            numbers.extend(bytes.chunks_exact(scalar.size()).map(|number| scalar.number(number)));
-            if (bytes.len() as u64) < wanted {
-                let found = numbers.len() as u64 / width;
-                return Err(self.cut(io::ErrorKind::UnexpectedEof.into(), found, rows));
-            }
-        }
-        if header.fortran && width > 1 {
-            let (rows, width) = (rows as usize, width as usize);
-            check(8 * total, || "the array in the order of its rows".into())?;
-            numbers = (0..rows * width).map(|at| numbers[at % width * rows + at / width]).collect();
-        }
-        Ok(numbers)
     }
 }
 
@@ -134,26 +98,22 @@ impl<R: BufRead> Npy<R> {
 fn columns(field: &Field) -> Vec<(usize, Scalar, String, Role)> {
     let name = field.name.to_lowercase();
     match &field.dtype {
-        DType::Plain(of) => {
-            let role = Role::of_field(&name);
-            Scalar::of_numpy(of).map(|scalar| (0, scalar, name, role)).into_iter().collect()
-        }
-        DType::Array(3, inner) => match &**inner {
-            DType::Plain(of) => {
-                let Some(scalar) = Scalar::of_numpy(of) else { return Vec::new() };
-                let column = |k: usize| {
-                    let (called, role) = match name.as_str() {
-                        "pos" | "position" | "xyz" => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
-                        "color" | "rgb" => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
-                        _ => (crate::read::particles::component(&name, k), Role::Other),
-                    };
-                    (k * scalar.size(), scalar, called, role)
+        DType::Array(3, inner) => {
+            let Some(scalar) = inner.scalar() else { return Vec::new() };
+            let column = |k: usize| {
+                let (called, role) = match name.as_str() {
+                    "pos" | "position" | "xyz" => (["x", "y", "z"][k].to_owned(), Role::Position(k)),
+                    "color" | "rgb" => (["r", "g", "b"][k].to_owned(), Role::Color(k)),
+                    _ => (component(&name, k), Role::Other),
                 };
-                (0..3).map(column).collect()
-            }
-            _ => Vec::new(),
-        },
-        _ => Vec::new(),
+                (k * scalar.size(), scalar, called, role)
+            };
+            (0..3).map(column).collect()
+        }
+        dtype => {
+            let role = Role::of_field(&name);
+            dtype.scalar().map(|scalar| (0, scalar, name, role)).into_iter().collect()
+        }
     }
 }
 

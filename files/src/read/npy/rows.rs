@@ -1,88 +1,80 @@
 //! The rows of an array as spheres: read in blocks, converted on all cores.
 
+use super::{Npy, Table};
 use crate::error::{Error, Place, Result};
-use crate::memory::reserve;
+use crate::memory::check_spheres;
+use crate::npy::Header;
 use crate::read::csv::COLUMNS;
-use crate::read::input::Counts;
-use crate::read::particles::{Scalar, Survey};
+use crate::read::input::Input;
+use crate::read::particles::Survey;
 use crate::scene::{Spheres, check_color, check_sphere, is_center, is_radius};
 use rayon::prelude::*;
-use std::io::{self, BufRead, ErrorKind, Read};
-
-/// Bytes of a block, so that two of them fit into a core's cache.
-const BLOCK: u64 = 1 << 20;
+use std::io::ErrorKind;
 
 /// Numbers that one job tests.
 const TOGETHER: usize = 1 << 12;
 
-/// Why reading the rows stopped.
-pub(super) enum Fault {
-    /// The stream ended after this number of complete rows.
-    Numbers(u64, io::Error),
-    /// The row is not a valid sphere.
-    Row(u64, Error),
-}
-
-/// The layout of an array in its file.
-pub(super) struct Form<'a> {
-    pub(super) rows: u64,
-    pub(super) width: usize,
-    pub(super) scalar: Scalar,
-    pub(super) counts: &'a Counts,
-    pub(super) survey: Option<&'a Survey>,
-}
-
-/// Appends the spheres of an array that is stored row by row: all cores convert a block of rows while the next is read.
-pub(super) fn fill_rows(reader: &mut (impl Read + Send), form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let blocks = RowBlocks::new(form);
-    let (mut block, mut next) = (Vec::new(), Vec::new());
-    let mut done = 0;
-    let mut read = blocks.read(reader, done, &mut block);
-    loop {
-        read.map_err(|e| Fault::Numbers(done, e))?;
-        let found = blocks.complete(&block);
-        if found == 0 && done < form.rows {
-            return Err(Fault::Numbers(done, io::ErrorKind::UnexpectedEof.into()));
-        } else if found == 0 {
-            return Ok(());
+impl Npy<Input> {
+    /// Appends the spheres of an array with one of these widths, which is returned; for a width of 3 the radii are 1.
+    /// For a survey the spheres of an array in C order are counted or passed on, block by block.
+    pub(super) fn spheres(
+        &mut self,
+        header: &Header,
+        widths: &[u64],
+        spheres: &mut Spheres,
+        survey: Option<&Survey>,
+    ) -> Result<usize> {
+        let table = self.table(header, widths)?;
+        let there = table.rows.min(self.bytes / table.row() as u64);
+        if survey.is_none() {
+            check_spheres(spheres.len() as u64 + there, table.width == COLUMNS.len())?;
+            spheres.grow(there as usize, table.width == COLUMNS.len())?;
         }
-        form.counts.found();
-        let after = done + found;
-        let converted;
-        (converted, read) =
-            rayon::join(|| blocks.convert(&block, done, spheres), || blocks.read(reader, after, &mut next));
-        converted?;
-        if let Some(survey) = form.survey {
-            survey.take_spheres(spheres, form.width > 3).map_err(|e| Fault::Row(done, e))?;
+        if header.fortran {
+            self.by_columns(&table, spheres)?;
+        } else {
+            self.by_rows(&table, spheres, survey)?;
         }
-        done = after;
-        std::mem::swap(&mut block, &mut next);
+        self.end(table.rows).map(|()| table.width)
     }
-}
 
-/// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
-pub(super) fn fill_columns(reader: &mut impl BufRead, form: &Form<'_>, spheres: &mut Spheres) -> Result<(), Fault> {
-    let &Form { rows, width, scalar, counts, .. } = form;
-    let mut columns = Vec::new();
-    let mut bytes = [0; 8];
-    let bytes = &mut bytes[..scalar.size()];
-    for column in 0..width {
+    /// Appends the spheres of an array that is stored row by row: all cores convert a block of rows while the next is
+    /// read.
+    fn by_rows(&mut self, table: &Table, spheres: &mut Spheres, survey: Option<&Survey>) -> Result<()> {
+        let (mut block, mut next, mut done) = (Vec::new(), Vec::new(), 0);
+        let mut read = self.block(table.rows, table.row(), &mut block);
+        loop {
+            let found = read.map_err(|error| self.cut(error, done, table.rows))?;
+            if found == 0 && done < table.rows {
+                return Err(self.cut(ErrorKind::UnexpectedEof.into(), done, table.rows));
+            } else if found == 0 {
+                return Ok(());
+            }
+            let left = table.rows - done - found;
+            let converted;
+            (converted, read) =
+                rayon::join(|| table.convert(&block, spheres), || self.block(left, table.row(), &mut next));
+            converted.map_err(|(row, error)| self.in_row(done + row, error))?;
+            if let Some(survey) = survey {
+                survey.take_spheres(spheres, table.width > 3).map_err(|error| self.in_row(done, error))?;
+            }
+            done += found;
+            std::mem::swap(&mut block, &mut next);
+        }
+    }
+
+    /// Appends the spheres of an array that is stored column by column: no row is complete before the last column begins.
+    fn by_columns(&mut self, table: &Table, spheres: &mut Spheres) -> Result<()> {
+        let before_last = (table.width as u64 - 1) * table.rows;
+        let columns = self.stored(table, |numbers| numbers.saturating_sub(before_last))?;
+        let rows = columns.len() / table.width;
         for row in 0..rows {
-            reserve(&mut columns, 1).map_err(|e| Fault::Row(row, e))?;
-            reader.read_exact(bytes).map_err(|e| Fault::Numbers(if column + 1 == width { row } else { 0 }, e))?;
-            columns.push(scalar.number(bytes));
-            counts.found();
+            let mut values = [0.0; 7];
+            values[..table.width].iter_mut().zip(columns[row..].iter().step_by(rows)).for_each(|(to, x)| *to = *x);
+            push(values, table.width, spheres).map_err(|error| self.in_row(row as u64, error))?;
         }
+        Ok(())
     }
-    let rows = columns.len() / width;
-    for row in 0..rows {
-        let mut values = [0.0; 7];
-        for (column, value) in values[..width].iter_mut().enumerate() {
-            *value = columns[column * rows + row];
-        }
-        push(values, width, spheres).map_err(|e| Fault::Row(row as u64, e))?;
-    }
-    Ok(())
 }
 
 fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Spheres) -> Result<()> {
@@ -94,55 +86,19 @@ fn push([x, y, z, radius, r, g, b]: [f64; 7], width: usize, spheres: &mut Sphere
     }
     spheres.add([x, y, z], radius, color)
 }
-/// The blocks of an array that is stored row by row.
-struct RowBlocks<'a> {
-    form: &'a Form<'a>,
-    /// Bytes of a row.
-    row: usize,
-}
 
-impl<'a> RowBlocks<'a> {
-    fn new(form: &'a Form<'a>) -> Self {
-        Self { form, row: form.width * form.scalar.size() }
-    }
-
-    /// Number of complete rows in `block`.
-    fn complete(&self, block: &[u8]) -> u64 {
-        (block.len() / self.row) as u64
-    }
-
-    /// Replaces the content of `block` by the rows after the first `done`; by less at the end of the stream.
+impl Table {
+    /// Appends the spheres of a block of rows.
     ///
     /// # Errors
-    /// Those of the reader.
-    fn read(&self, reader: &mut impl Read, done: u64, block: &mut Vec<u8>) -> io::Result<()> {
-        let rows = (self.form.rows - done).min((BLOCK / self.row as u64).max(1)) as usize;
-        // The content of an earlier block is overwritten, not cleared.
-        block.resize(rows * self.row, 0);
-        let mut filled = 0;
-        while filled < block.len() {
-            match reader.read(&mut block[filled..]) {
-                Ok(0) => break,
-                Ok(read) => filled += read,
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-        block.truncate(filled);
-        Ok(())
-    }
-
-    /// Appends the spheres of the complete rows in `block`, whose first one has the number `first`.
-    ///
-    /// # Errors
-    /// [`Fault::Row`] for the first row that is not a valid sphere, and where memory is short.
-    fn convert(&self, block: &[u8], first: u64, spheres: &mut Spheres) -> Result<(), Fault> {
-        let &Form { width, scalar, .. } = self.form;
-        spheres.grow(block.len() / self.row, false).map_err(|e| Fault::Row(first, e))?;
+    /// The number in the block of the first row that is not a valid sphere, and why; or that memory is short.
+    fn convert(&self, block: &[u8], spheres: &mut Spheres) -> Result<(), (u64, Error)> {
+        let &Self { width, scalar, .. } = self;
+        spheres.grow(block.len() / self.row(), false).map_err(|error| (0, error))?;
         let is_plain = width <= 4 && spheres.colors.is_none() && spheres.materials.is_none();
         // The types are constants of the loops, which take a third of the time that way.
         let appended = is_plain
-            && match (scalar.size(), scalar.is_big()) {
+            && match (scalar.size(), scalar.big) {
                 (4, false) => self.append(block, spheres, |number| f64::from(f32::from_le_bytes(number))),
                 (4, true) => self.append(block, spheres, |number| f64::from(f32::from_be_bytes(number))),
                 (_, false) => self.append(block, spheres, f64::from_le_bytes),
@@ -151,11 +107,11 @@ impl<'a> RowBlocks<'a> {
         if appended {
             return Ok(());
         }
-        for (row, bytes) in (first..).zip(block.chunks_exact(self.row)) {
+        for (row, bytes) in (0..).zip(block.chunks_exact(self.row())) {
             let mut values = [0.0; 7];
             let numbers = bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes));
             values.iter_mut().zip(numbers).for_each(|(value, number)| *value = number);
-            push(values, width, spheres).map_err(|e| Fault::Row(row, e))?;
+            push(values, width, spheres).map_err(|error| (row, error))?;
         }
         Ok(())
     }
@@ -167,9 +123,9 @@ impl<'a> RowBlocks<'a> {
         spheres: &mut Spheres,
         number: impl Fn([u8; N]) -> f64 + Sync,
     ) -> bool {
-        let (before, has_radii) = (spheres.len(), self.form.width == 4);
+        let (before, has_radii) = (spheres.len(), self.width == 4);
         let at = |row: &[u8], column: usize| row.as_chunks().0.get(column).map_or(1.0, |bytes| number(*bytes));
-        let rows = block.par_chunks_exact(self.row);
+        let rows = block.par_chunks_exact(self.row());
         let (centers, radii) = (spheres.centers.to_mut(), spheres.radii.to_mut());
         centers.par_extend(rows.clone().map(|row| [at(row, 0), at(row, 1), at(row, 2)]));
         radii.par_extend(rows.map(|row| if has_radii { at(row, 3) } else { 1.0 }));

@@ -3,9 +3,9 @@
 
 use crate::error::{Error, Place, Result};
 use crate::memory::reserve;
-use crate::read::input::Input;
+use crate::read::input::{Input, fill};
 use crate::read::source::SceneSource;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::PathBuf;
 
 /// A binary file.
@@ -60,16 +60,11 @@ impl BinaryFile {
     /// # Errors
     /// [`Error::Scene`] where the file ends before, and those of reading.
     pub(super) fn fill(&mut self, bytes: &mut [u8], field: &str) -> Result<()> {
-        let (began, mut done) = (self.at(), 0);
-        while done < bytes.len() {
-            match self.reader.read(&mut bytes[done..]) {
-                Ok(0) => return Err(self.ends(began, done as u64, bytes.len() as u64, field)),
-                Ok(read) => done += read,
-                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(e) => return Err(Error::read(&self.path, e)),
-            }
+        let began = self.at();
+        match fill(&mut self.reader, bytes).map_err(|e| Error::read(&self.path, e))? {
+            found if found < bytes.len() => Err(self.ends(began, found as u64, bytes.len() as u64, field)),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// Reads a field of `N` bytes.
@@ -94,14 +89,9 @@ impl BinaryFile {
             let step = (count - done as u64).min(STEP as u64) as usize;
             reserve(into, step)?;
             into.resize(done + step, 0);
-            let mut read = done;
-            while read < done + step {
-                match self.reader.read(&mut into[read..]) {
-                    Ok(0) => return Err(self.ends(began, read as u64, count, field)),
-                    Ok(more) => read += more,
-                    Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
-                    Err(e) => return Err(Error::read(&self.path, e)),
-                }
+            let found = fill(&mut self.reader, &mut into[done..]).map_err(|e| Error::read(&self.path, e))?;
+            if found < step {
+                return Err(self.ends(began, (done + found) as u64, count, field));
             }
         }
         Ok(())

@@ -8,14 +8,15 @@ mod lzf;
 use super::bytes::BinaryFile;
 use super::layout::{Role, wanted};
 use super::rows::surplus;
-use super::scalar::Scalar;
 use super::{ParticleFrames, Particles};
 use crate::error::{Error, Place, Result, relocate};
 use crate::memory::check;
+use crate::npy::Scalar;
 use crate::read::input::Input;
 use crate::read::lines::{Lines, Words};
 use crate::read::options::ReadOptions;
 use crate::read::source::SceneSource;
+use crate::read::style::color::light;
 use header::{PcdEncoding, PcdHeader, PcdKind, header};
 use std::path::PathBuf;
 
@@ -195,11 +196,7 @@ impl Points<'_> {
     /// Adds the three components of a packed colour, in linear light.
     fn color(&mut self, bits: u32) {
         let [_, red, green, blue] = bits.to_be_bytes();
-        let byte = Scalar::of_ply("uchar", false);
-        self.numbers.extend([red, green, blue].map(|level| {
-            let level = f64::from(level);
-            byte.map_or(level, |byte| byte.light(level))
-        }));
+        self.numbers.extend([red, green, blue].map(light));
     }
 
     /// Adds the point of the current numbers, if it has coordinates.

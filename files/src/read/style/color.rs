@@ -1,8 +1,10 @@
 //! Colours in sRGB and in text.
 
 use crate::error::{Error, Result};
+use crate::npy::{NumberKind, Scalar};
 use crate::quote::quote;
 use color_name::css::COLORS_DATA;
+use std::sync::LazyLock;
 use strsim::damerau_levenshtein;
 
 /// Converts 8-bit sRGB to linear RGB.
@@ -12,6 +14,20 @@ pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
         // IEC 61966-2-1.
         (if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
     })
+}
+
+/// A level of sRGB in linear light.
+pub(crate) fn light(level: u8) -> f64 {
+    // A table, not a power for every point.
+    static LIGHT: LazyLock<Vec<f64>> =
+        LazyLock::new(|| (0..=255).map(|level| f64::from(linear([level; 3])[0])).collect());
+    LIGHT[usize::from(level)]
+}
+
+/// A component of a colour in linear light: bytes are sRGB, other numbers are linear already.
+pub(crate) fn light_of(number: f64, of: Scalar) -> f64 {
+    let is_byte = of.size() == 1 && matches!(of.kind, NumberKind::Unsigned | NumberKind::Bool);
+    if is_byte { light(number as u8) } else { number }
 }
 
 /// Parses a colour: a CSS name such as `rebeccapurple`, in any case, or `#rgb` or `#rrggbb`, all in sRGB; or `r,g,b` in

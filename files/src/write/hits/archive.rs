@@ -43,12 +43,12 @@ impl Spool {
             Some(sides) => sides.map(u64::from).to_vec(),
             None => vec![self.rows],
         };
-        for (file, column) in self.columns.iter_mut().zip(query.columns()) {
+        for (file, &(name, dtype, numbers)) in self.columns.iter_mut().zip(query.columns()) {
             let mut shape = sides.clone();
-            shape.extend((column.numbers > 1).then_some(column.numbers));
-            let header = Header::bytes(column.dtype, &shape);
-            let mut left = self.rows * column.size;
-            let out = archive.member(&format!("{}.npy", column.name), header.len() as u64 + left)?;
+            shape.extend((numbers > 1).then_some(numbers));
+            let header = Header::bytes(dtype, &shape);
+            let mut left = file.stream_position()?;
+            let out = archive.member(&format!("{name}.npy"), header.len() as u64 + left)?;
             out.write_all(&header)?;
             file.rewind()?;
             while left > 0 {

@@ -21,28 +21,19 @@ pub enum Query {
 /// The certainty of a row without a valid ray, and of an answer that is not certified.
 const UNCERTIFIED: u8 = 255;
 
-/// A column of the answers: its name in .npz, its type by NumPy's name, its bytes and its numbers per row.
-pub(super) struct Column {
-    pub(super) name: &'static str,
-    pub(super) dtype: &'static str,
-    pub(super) size: u64,
-    pub(super) numbers: u64,
-}
-
-const fn column(name: &'static str, dtype: &'static str, size: u64, numbers: u64) -> Column {
-    Column { name, dtype, size, numbers }
-}
+/// A column of the answers: its name in .npz, its type by NumPy's name, and its numbers per row.
+pub(super) type Column = (&'static str, &'static str, u64);
 
 const NEAREST: [Column; 6] = [
-    column("id", "<i4", 4, 1),
-    column("t", "<f8", 8, 1),
-    column("distance", "<f8", 8, 1),
-    column("normal", "<f4", 12, 3),
-    column("position", "<f8", 24, 3),
-    column("certainty", "|u1", 1, 1),
+    ("id", "<i4", 1),
+    ("t", "<f8", 1),
+    ("distance", "<f8", 1),
+    ("normal", "<f4", 3),
+    ("position", "<f8", 3),
+    ("certainty", "|u1", 1),
 ];
 
-const ANY: [Column; 2] = [column("hit", "|u1", 1, 1), column("certainty", "|u1", 1, 1)];
+const ANY: [Column; 2] = [("hit", "|u1", 1), ("certainty", "|u1", 1)];
 
 impl Query {
     pub(super) fn columns(self) -> &'static [Column] {

@@ -3,9 +3,9 @@
 
 use crate::error::{Error, Place, Result};
 use crate::memory::check;
+use crate::npy::Scalar;
 use crate::quote::quote;
 use crate::read::particles::bytes::BinaryFile;
-use crate::read::particles::scalar::Scalar;
 use std::collections::HashMap;
 
 /// A file in memory.

@@ -2,12 +2,12 @@
 
 use crate::error::{Error, Place, Result};
 use crate::memory::check_ids;
+use crate::npy::Scalar;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::particles::component;
 use crate::read::particles::layout::{Layout, Role};
-use crate::read::particles::scalar::Scalar;
 
 /// How the points are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,12 @@
 //! The header of a polygon file: its elements and their properties.
 
 use crate::error::{Error, Place, Result};
+use crate::npy::Scalar;
 use crate::quote::quote;
 use crate::read::input::Input;
 use crate::read::lines::Lines;
 use crate::read::particles::layout::{Layout, Role};
-use crate::read::particles::scalar::Scalar;
+use crate::read::style::color::light_of;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PlyEncoding {
@@ -112,7 +113,7 @@ impl Property {
     /// The value of a column: bytes of colours are converted from sRGB to linear.
     pub(super) fn light(&self, layout: &Layout, column: usize, number: f64) -> f64 {
         match layout.role(column) {
-            Role::Color(_) => self.scalar.light(number),
+            Role::Color(_) => light_of(number, self.scalar),
             _ => number,
         }
     }

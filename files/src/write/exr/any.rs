@@ -2,18 +2,16 @@
 //! are `color`, A is `alpha`, Z is `depth`, and `layer.X`, `layer.Y`, `layer.Z` are the components of `layer`, as are
 //! `layer.0`, `layer.1` and so on. In files with several parts the name of a buffer includes its part's name.
 
-use super::super::{Array, Values};
-use super::file::{FrameFile, NamedBuffer};
+use crate::error::Result;
+use crate::frame::array::{Array, Values};
+use crate::memory::check;
+use crate::write::rows::malformed;
 use exr::prelude::*;
-use halfline::error::{Error, Place, Result};
-use halfline::memory::check;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
-pub(super) fn read(bytes: &[u8], name: &str) -> Result<FrameFile> {
-    let fail = |why: &dyn std::fmt::Display| {
-        Error::scene(Place::file(name), format!("the EXR file is damaged or incomplete: {why}"), "render it again")
-    };
+pub(in crate::write) fn read(bytes: &[u8], name: &str) -> Result<(Vec<(Option<String>, Array)>, Option<[i32; 2]>)> {
+    let fail = |why: &dyn std::fmt::Display| malformed(name, "EXR", why);
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), true).map_err(|error| fail(&error))?;
     // A size beyond any compression ratio is rejected and not allocated.
     let most = 1032 * bytes.len() as u64;
@@ -58,13 +56,13 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<FrameFile> {
             let is_vector = samples.len() > 1 || buffer == "shadow";
             let shape = if is_vector { vec![height, width, samples.len()] } else { vec![height, width] };
             let array = Array::new(name, shape, values(&buffer, &samples))?;
-            buffers.push(NamedBuffer { name: Some(format!("{prefix}{buffer}")), array });
+            buffers.push((Some(format!("{prefix}{buffer}")), array));
         }
     }
     if buffers.is_empty() {
         return Err(fail(&"it has no channels"));
     }
-    Ok(FrameFile { name: name.to_owned(), buffers, origin })
+    Ok((buffers, origin))
 }
 
 /// The buffer of a channel, and the channel's index in it.

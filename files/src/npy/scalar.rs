@@ -1,19 +1,19 @@
 //! Numbers in binary files: the type names of PLY and NumPy, and their decoding.
 
-use crate::read::style::color::linear;
-use std::sync::LazyLock;
-
 /// A binary number type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Scalar {
-    kind: NumberKind,
+    pub(crate) kind: NumberKind,
     /// 1, 2, 4 or 8 bytes.
     size: usize,
-    big: bool,
+    /// Whether the most significant byte comes first.
+    pub(crate) big: bool,
 }
 
+/// The kind of a binary number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum NumberKind {
+pub(crate) enum NumberKind {
+    Bool,
     Signed,
     Unsigned,
     Float,
@@ -43,12 +43,17 @@ impl Scalar {
         let (kind, size) = rest.split_at_checked(1)?;
         let kind = match kind {
             "i" => NumberKind::Signed,
-            "u" | "b" => NumberKind::Unsigned,
+            "u" => NumberKind::Unsigned,
+            "b" => NumberKind::Bool,
             "f" => NumberKind::Float,
             _ => return None,
         };
         let size = size.parse().ok()?;
-        let sizes: &[usize] = if kind == NumberKind::Float { &[4, 8] } else { &[1, 2, 4, 8] };
+        let sizes: &[usize] = match kind {
+            NumberKind::Bool => &[1],
+            NumberKind::Float => &[4, 8],
+            _ => &[1, 2, 4, 8],
+        };
         let big = match order {
             "<" => false,
             ">" => true,
@@ -64,22 +69,9 @@ impl Scalar {
         self.size
     }
 
-    /// A component of a colour in linear light: bytes are sRGB, other numbers are linear already.
-    pub(crate) fn light(self, number: f64) -> f64 {
-        // A table, not a power for every point.
-        static LIGHT: LazyLock<Vec<f64>> =
-            LazyLock::new(|| (0..=255).map(|level| f64::from(linear([level; 3])[0])).collect());
-        if self.kind == NumberKind::Unsigned && self.size == 1 { LIGHT[number as usize & 255] } else { number }
-    }
-
     /// Whether it is an integer type.
     pub(crate) fn is_whole(self) -> bool {
         self.kind != NumberKind::Float
-    }
-
-    /// Whether the most significant byte comes first.
-    pub(crate) fn is_big(self) -> bool {
-        self.big
     }
 
     /// Decodes [`Scalar::size`] bytes; whole numbers above 2^53 are rounded.
@@ -92,7 +84,7 @@ impl Scalar {
         let whole = u64::from_le_bytes(little);
         let unused = 64 - 8 * self.size as u32;
         match self.kind {
-            NumberKind::Unsigned => whole as f64,
+            NumberKind::Bool | NumberKind::Unsigned => whole as f64,
             NumberKind::Signed => ((whole << unused) as i64 >> unused) as f64,
             NumberKind::Float if self.size == 4 => f64::from(f32::from_bits(whole as u32)),
             NumberKind::Float => f64::from_bits(whole),
@@ -130,6 +122,7 @@ mod tests {
             ("<c16", None),
             ("|S4", None),
             ("|f8", None),
+            ("<b2", None),
             ("f8", None),
             ("", None),
             ("\u{fc}", None),
