@@ -1,16 +1,16 @@
 //! The input of `compare`, `merge` and `--resume`: files that halfline wrote, possibly damaged.
 
 use super::{Allowed, allowed, check_error, desk};
-use halfline::measure::frames::FrameFile;
 use halfline::render::origin;
 use halfline::report::Report;
 use halfline::settings::Backend;
 use halfline::window::Window;
-use halfline::write::file::Target;
-use halfline::write::format::FormatOptions;
-use halfline::write::image_file::ImageFile;
-use halfline::write::merge::{Mosaic, Tile};
 use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Skipped, Spheres};
+use halfline_files::write::file::Target;
+use halfline_files::write::format::FormatOptions;
+use halfline_files::write::image_file::ImageFile;
+use halfline_files::write::merge::{Mosaic, Tile};
+use halfline_measure::frames::FrameFile;
 use std::fs;
 use std::path::PathBuf;
 use std::sync::LazyLock;

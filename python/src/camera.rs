@@ -2,8 +2,8 @@
 
 use crate::errors::OrRaise;
 use halfline::camera::{Aperture, CameraRecord, Intrinsics, Lens, Look};
-use halfline::read::cameras::{self, ListedCamera, ListedLens};
 use halfline::{Camera as Exact, Error};
+use halfline_files::read::cameras::{self, ListedCamera, ListedLens};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 

@@ -6,11 +6,11 @@ use crate::scene::Scene;
 use halfline::camera::Aperture;
 use halfline::error::{Error, Result};
 use halfline::intersect::Method;
-use halfline::measure::plot::inset::Panels;
 use halfline::scene::{MOST_BOUNCES, MOST_RAYS};
 use halfline::settings::{Accuracy, AddedLight, Backend, ChosenLook, Search, Settings, Tolerance};
 use halfline::window::Window;
 use halfline::{Aov, Shade};
+use halfline_measure::plot::inset::Panels;
 use pyo3::prelude::*;
 
 /// How answers are computed.

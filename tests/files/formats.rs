@@ -5,12 +5,12 @@ use crate::random_frames::{cut, frame, origin};
 use crate::rng::Rng;
 use crate::skip::skip;
 use halfline::frame::{Aov, Data, Frame};
-use halfline::measure::Array;
 use halfline::settings::Settings;
 use halfline::window::Window;
-use halfline::write::file::Target;
-use halfline::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
-use halfline::write::image_file::{ImageFile, Layer, SampleType};
+use halfline_files::write::file::Target;
+use halfline_files::write::format::{Bits, FileFormat, FormatOptions, NoReturn};
+use halfline_files::write::image_file::{ImageFile, Layer, SampleType};
+use halfline_measure::array_of;
 use std::path::Path;
 use std::process::Command;
 
@@ -285,12 +285,12 @@ fn bytes_behind_the_provenance_are_refused() {
         let target = Target::new(&[Aov::Depth], &folder.path().join(name), FormatOptions::default()).expect("a target");
         let (mut bytes, _) = written(&whole, &target);
         if name.ends_with("npy") {
-            assert_eq!(Array::from_bytes(&bytes, name).expect("readable").shape(), [4, 6]);
+            assert_eq!(array_of(&bytes, name).expect("readable").shape(), [4, 6]);
         }
         bytes.push(b'\n');
         ImageFile::from_bytes(&bytes, name).expect_err("more than we wrote");
         if name.ends_with("npy") {
-            Array::from_bytes(&bytes, name).expect_err("more than we wrote");
+            array_of(&bytes, name).expect_err("more than we wrote");
         }
     }
 }

@@ -1,0 +1,21 @@
+//! The scene of one picture, with all options applied.
+
+use super::light_args::PictureLook;
+use halfline::render::stream::StreamIds;
+use halfline::scene::Scene;
+use halfline_files::read::FrameTime;
+use halfline_files::read::style::Legend;
+
+/// A scene that is ready to render, and its number for file names.
+pub(super) struct PictureScene {
+    /// The number of the frame or the turn, from 1.
+    pub(super) number: u64,
+    pub(super) scene: Scene,
+    pub(super) legend: Option<Legend>,
+    pub(super) look: PictureLook,
+    pub(super) when: FrameTime,
+    /// What the camera frames, in words, if that is not given.
+    pub(super) framed: Option<String>,
+    /// The ids of the spheres, where the scene is what is left of a stream.
+    pub(super) ids: Option<StreamIds>,
+}

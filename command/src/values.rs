@@ -1,0 +1,46 @@
+//! Values of options.
+
+use glam::DVec3;
+use halfline_files::read::style;
+use std::ops::RangeInclusive;
+
+/// Finite numbers separated by commas, exactly `N` of them.
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Vec<f64> = text.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
+    <[f64; N]>::try_from(numbers).ok().filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+}
+
+/// Whole numbers separated by commas, exactly `N` of them.
+pub(super) fn wholes<const N: usize>(text: &str) -> Option<[u32; N]> {
+    let numbers: Vec<u32> = text.split(',').map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+    numbers.try_into().ok()
+}
+
+pub(super) fn vector(text: &str) -> Result<DVec3, String> {
+    numbers(text).map(DVec3::from_array).ok_or_else(|| "expected three finite numbers, such as 1,-2,3.5".into())
+}
+
+/// A finite number above 0, which the message calls `what`.
+pub(super) fn positive(what: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+        number.ok_or_else(|| format!("expected a positive {what}"))
+    }
+}
+
+/// A finite length above 0.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    positive("length, in the scene's unit")(text)
+}
+
+/// A whole number in a range.
+pub(super) fn whole(range: RangeInclusive<u32>) -> impl Fn(&str) -> Result<u32, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("expected a whole number between {} and {}", range.start(), range.end()))
+    }
+}
+
+pub(super) fn color(text: &str) -> Result<[f32; 3], String> {
+    style::color(text).map_err(|e| e.to_string())
+}
