@@ -18,7 +18,6 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, FileLook, Search, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
-use halfline_files::read::Selection;
 use halfline_files::write::file::{Target, is_standard_output};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
