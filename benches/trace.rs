@@ -1,9 +1,9 @@
-//! 1e5 given rays and spheres in a unit cube: by a method, by a search of all spheres and by a tree, which is rebuilt for every
-//! call.
+//! 1e5 given rays and spheres in a unit cube: by a method among all spheres, and certified by a tree, which is rebuilt for
+//! every call.
 //!
 //! ```sh
 //! cargo bench --bench trace             # cases of more than some seconds a call are left out
-//! cargo bench --bench trace -- 1e4/tree
+//! cargo bench --bench trace -- 1e4/certified
 //! ```
 
 #[path = "../examples/cloud/mod.rs"]
@@ -11,7 +11,7 @@ mod cloud;
 
 use cloud::cloud;
 use criterion::{Criterion, criterion_group, criterion_main};
-use halfline::{Backend, Method, Renderer, Search, Settings};
+use halfline::{Accuracy, Backend, Renderer, Settings};
 use std::time::Duration;
 
 const RAYS: usize = 100_000;
@@ -45,15 +45,15 @@ fn traces(criterion: &mut Criterion) {
                     continue;
                 }
             };
-            for search in [Search::Tree, Search::All] {
-                if search == Search::All && spheres.len() * RAYS > PATIENCE {
-                    println!("SKIPPED {count}/all/{}: more than {PATIENCE} tests", backend.name());
+            for accuracy in [Accuracy::Certified, Accuracy::Fast] {
+                if accuracy == Accuracy::Fast && spheres.len() * RAYS > PATIENCE {
+                    println!("SKIPPED {count}/fast/{}: more than {PATIENCE} tests", backend.name());
                     continue;
                 }
-                let settings = Settings { backend, search, method: Some(Method::Stable), ..Settings::default() };
+                let settings = Settings { backend, accuracy, ..Settings::default() };
                 for (name, spread) in [("shared", false), ("spread", true)] {
                     let (origins, directions) = rays(spread);
-                    group.bench_function(format!("{}/{name}/{}", search.name(), backend.name()), |bencher| {
+                    group.bench_function(format!("{}/{name}/{}", accuracy.name(), backend.name()), |bencher| {
                         bencher.iter(|| renderer.trace(&spheres, &origins, &directions, &settings).expect("hits"));
                     });
                 }

@@ -15,7 +15,7 @@ use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::Number;
 use crate::number::vector::{LANES, Laned};
-use crate::search::eight::{Hits, together};
+use crate::search::eight::{EightHits, together};
 use crate::shade::Surface;
 use crate::view::ray::{Hit, NONE, Ray, viewing_ray};
 use crate::view::{Sphere, View, ViewRecord};
@@ -132,7 +132,7 @@ impl<V: Intersect> NullaryFnOnce for Row<'_, V> {
         for (first, (ids, (ts, lows))) in (0..).step_by(LANES).zip(strips) {
             // Rays beyond the row are computed too; their hits are not written.
             let rays = std::array::from_fn(|l| ray_of::<V::Number>(view, i, first + l));
-            let hits = Hits::among_all::<V>(&together(&rays), spheres);
+            let hits = EightHits::among_all::<V>(&together(&rays), spheres);
             for (l, (id, (t, low))) in ids.iter_mut().zip(ts.iter_mut().zip(lows)).enumerate() {
                 (*id, (*t, *low)) = (hits.id.0[l], V::Number::lane(&hits.t, l).to_hi_lo());
             }

@@ -180,6 +180,33 @@ pub fn by_name<T: Copy>(kind: &str, name: &str, all: &[T], of: impl Fn(T) -> &'s
     })
 }
 
+/// The list of a type's variants and their names on the command line, and the variant of a name; `$kind` is what an unknown
+/// name is said to be none of.
+macro_rules! named {
+    ($type:ident, $kind:literal, $($variant:ident $name:literal)*) => {
+        impl $type {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// The name on the command line.
+            #[must_use]
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = crate::error::Error;
+            fn from_str(name: &str) -> crate::error::Result<Self> {
+                crate::error::by_name($kind, name, Self::ALL, Self::name)
+            }
+        }
+    };
+}
+pub(crate) use named;
+
 /// Moves an error of a check that knows only the field to that field's place in the file.
 pub fn relocate(error: Error, place: impl FnOnce(&str) -> Place) -> Error {
     match error {

@@ -84,7 +84,7 @@ pub(crate) struct Kernel {
     pub(crate) tiles: bool,
     /// Writes the width of the depth interval.
     pub(crate) depth_interval: bool,
-    /// Given rays traverse a tree instead of testing every sphere.
+    /// Certified given rays traverse a tree instead of testing every sphere.
     pub(crate) tree: bool,
     /// Certified given rays: whether anything is hit, instead of what is hit first.
     pub(crate) any: bool,

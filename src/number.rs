@@ -7,18 +7,18 @@ pub use crate::double_double::exponent;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Truth values: one for each number that was compared.
-pub trait Truth: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait TruthValue: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any of them is true.
     fn any(self) -> bool;
 }
 
 /// Truth values that choose numbers.
-pub trait Mask<R>: Truth {
+pub trait Mask<R>: TruthValue {
     /// `yes` where it is true, else `no`.
     fn pick(self, yes: R, no: R) -> R;
 }
 
-impl Truth for bool {
+impl TruthValue for bool {
     #[inline(always)]
     fn any(self) -> bool {
         self
@@ -89,27 +89,32 @@ pub trait Number: Arithmetic<Mask = bool> + PartialOrd {
     }
 }
 
-impl Arithmetic for f32 {
-    type Mask = bool;
-    const MISS: Self = f32::MAX;
-    const ZERO: Self = 0.0;
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        x
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn less(self, b: Self) -> bool {
-        self < b
-    }
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
-    }
+macro_rules! arithmetic {
+    ($($number:ty)*) => {$(
+        impl Arithmetic for $number {
+            type Mask = bool;
+            const MISS: Self = f32::MAX as Self;
+            const ZERO: Self = 0.0;
+            #[inline(always)]
+            fn from_f32(x: f32) -> Self {
+                x.into()
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn less(self, b: Self) -> bool {
+                self < b
+            }
+            #[inline(always)]
+            fn equal(self, b: Self) -> bool {
+                self == b
+            }
+        }
+    )*};
 }
+arithmetic! { f32 f64 }
 
 impl Number for f32 {
     const HALF: Self = 0.5;
@@ -127,28 +132,6 @@ impl Number for f32 {
     /// keep their distance.
     fn difference(a: [f32; 2], b: [f32; 2], power: f32) -> Self {
         (a[0] - power * b[0]) + (a[1] - power * b[1])
-    }
-}
-
-impl Arithmetic for f64 {
-    type Mask = bool;
-    const MISS: Self = f32::MAX as f64;
-    const ZERO: Self = 0.0;
-    #[inline(always)]
-    fn from_f32(x: f32) -> Self {
-        x.into()
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn less(self, b: Self) -> bool {
-        self < b
-    }
-    #[inline(always)]
-    fn equal(self, b: Self) -> bool {
-        self == b
     }
 }
 

@@ -4,7 +4,7 @@ mod look;
 
 pub use look::{AddedLight, ChosenLook, FileLook, Look};
 
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, named};
 use crate::frame::tone::{Tone, Toning};
 use crate::frame::{Aov, MOST_LIGHTS};
 use crate::intersect::Method;
@@ -14,7 +14,6 @@ use crate::shade::Shade;
 use crate::tile::WHOLE;
 use crate::window::Window;
 use serde::Serialize;
-use std::str::FromStr;
 
 /// Where to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,27 +27,7 @@ pub enum Backend {
     Cpu,
 }
 
-impl Backend {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Auto, Self::Gpu, Self::Cpu];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Gpu => "gpu",
-            Self::Cpu => "cpu",
-        }
-    }
-}
-
-impl FromStr for Backend {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("backend", name, Self::ALL, Self::name)
-    }
-}
+named! { Backend, "backend", Auto "auto" Gpu "gpu" Cpu "cpu" }
 
 /// The accuracy of the answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -65,28 +44,7 @@ pub enum Accuracy {
     Exact,
 }
 
-impl Accuracy {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Auto, Self::Fast, Self::Certified, Self::Exact];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Fast => "fast",
-            Self::Certified => "certified",
-            Self::Exact => "exact",
-        }
-    }
-}
-
-impl FromStr for Accuracy {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("accuracy", name, Self::ALL, Self::name)
-    }
-}
+named! { Accuracy, "accuracy", Auto "auto" Fast "fast" Certified "certified" Exact "exact" }
 
 /// The settings of a rendering, besides its scene.
 #[derive(Debug, Clone, Default)]
@@ -252,30 +210,11 @@ pub enum Search {
     Tree,
 }
 
+named! { Search, "search", Auto "auto" All "all" Tiles "tiles" Tree "tree" }
+
 impl Search {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Auto, Self::All, Self::Tiles, Self::Tree];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::All => "all",
-            Self::Tiles => "tiles",
-            Self::Tree => "tree",
-        }
-    }
-
     /// The level of the candidate lists: tiles, or one list for the whole image.
     pub(crate) fn level(self) -> u32 {
         if self == Self::All { WHOLE } else { 0 }
-    }
-}
-
-impl FromStr for Search {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("search", name, Self::ALL, Self::name)
     }
 }

@@ -3,13 +3,12 @@
 pub(crate) mod lit;
 pub(crate) mod optics;
 
-use crate::error::Error;
+use crate::error::named;
 use crate::intersect::Intersect;
 use crate::number::{Arithmetic, Number};
 use crate::scene::DEFAULT_COLOR;
 use crate::view::ray::{Hit, Ray, dot3, positive, times, unit3};
 use crate::view::{Sphere, ViewRecord};
-use std::str::FromStr;
 
 /// The shading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -23,31 +22,13 @@ pub enum Shade {
     Headlight,
 }
 
+named! { Shade, "shading", Flat "flat" Normal "normal" Headlight "headlight" }
+
 impl Shade {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Flat, Self::Normal, Self::Headlight];
-
-    /// The name on the command line and of the file in shaders/shade/.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Normal => "normal",
-            Self::Headlight => "headlight",
-        }
-    }
-
     /// Whether it uses the spheres' colours.
     #[must_use]
     pub fn needs_colors(self) -> bool {
         self != Self::Normal
-    }
-}
-
-impl FromStr for Shade {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self, Error> {
-        crate::error::by_name("shading", name, Self::ALL, Self::name)
     }
 }
 

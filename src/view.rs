@@ -195,14 +195,6 @@ impl View {
         self.residuals = spheres.par_iter().zip(moved).map(|(s, moved)| moved.residuals(s)).collect();
     }
 
-    /// Puts the spheres into the order of `ids`.
-    pub(crate) fn sort_spheres(&mut self, ids: &[u32]) {
-        self.spheres = ids.par_iter().map(|&id| self.spheres[id as usize]).collect();
-        if !self.residuals.is_empty() {
-            self.residuals = ids.par_iter().map(|&id| self.residuals[id as usize]).collect();
-        }
-    }
-
     /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
     /// (0, 0, -1) for parallel rays.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {

@@ -8,7 +8,7 @@ use std::path::Path;
 /// The path of a module: the names behind `crate::`.
 type Module = Vec<String>;
 
-/// The files of a crate without comments and tests, by their modules. The root is lib.rs, main.rs or mod.rs.
+/// The files of a crate without comments and tests, by their modules. The root is lib.rs.
 type Files = BTreeMap<Module, String>;
 
 /// The files that each file imports from.
@@ -41,9 +41,9 @@ fn code(text: &str) -> String {
     text.lines().filter(|line| !line.trim_start().starts_with("//")).fold(String::new(), |all, line| all + line + "\n")
 }
 
-/// The folders of the crates that exist; the command is a crate or a folder of the library's.
+/// The folders of the crates that exist.
 fn crates() -> impl Iterator<Item = &'static str> {
-    let all = ["src", "src/cli", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "python/src"];
+    let all = ["src", "command/src", "drawing/src", "files/src", "measure/src", "viewer/src", "python/src"];
     all.into_iter().filter(|folder| root().join(folder).is_dir())
 }
 
@@ -51,9 +51,6 @@ fn crates() -> impl Iterator<Item = &'static str> {
 fn files(folder: &str) -> Files {
     let mut files = Files::new();
     collect(&root().join(folder), &[], &mut files);
-    if folder == "src/cli" {
-        files.values_mut().for_each(|code| *code = code.replace("crate::cli::", "crate::"));
-    }
     files
 }
 
@@ -62,13 +59,12 @@ fn collect(folder: &Path, outer: &[String], files: &mut Files) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let is_library = outer.is_empty() && folder.join("lib.rs").exists();
-        let is_apart = is_library && ["main", "cli", "testing"].contains(&&*name);
+        let is_apart = outer.is_empty() && ["main", "testing"].contains(&&*name);
         if name == "tests" || is_apart {
             continue;
         }
         let mut module = outer.to_vec();
-        if !outer.is_empty() || !["lib", "main", "mod"].contains(&&*name) {
+        if !outer.is_empty() || name != "lib" {
             module.push(name);
         }
         if path.is_dir() {

@@ -66,8 +66,7 @@ impl Camera {
 
     /// The camera in numbers for an image of this size, as JSON.
     fn record(&self, size: (u32, u32)) -> PyResult<String> {
-        let record = CameraRecord::new(&self.camera, size.0, size.1);
-        let record = record.and_then(|record| record.through(self.aperture, &self.camera)).or_raise()?;
+        let record = CameraRecord::new(&self.camera, size.into(), self.aperture).or_raise()?;
         Ok(serde_json::to_string(&record).unwrap_or_default())
     }
 }

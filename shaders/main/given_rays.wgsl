@@ -12,15 +12,11 @@ struct GivenRay {
 @group(0) @binding(BIND_RAYS) var<storage, read> rays: array<GivenRay>;
 
 var<private> given: GivenRay;
-var<private> ray_number: u32;
-var<private> local_index: u32; // of this ray in its workgroup
 
 // Here view.width is the number of rays of this dispatch, and view.first_row the number of rays before it.
 fn render(group: vec3<u32>, index: u32) {
     let n = group.x * GROUP + index;
-    local_index = index;
-    ray_number = view.first_row + min(n, view.width - 1u);
-    given = rays[ray_number];
+    given = rays[view.first_row + min(n, view.width - 1u)];
     let d = given.direction;
     let ray = Ray(Number3(
         from_hi_lo(d.x, d.w), from_hi_lo(d.y, given.origin.w), from_hi_lo(d.z, given.origin_low.w),

@@ -16,9 +16,9 @@ struct Node {
 
 // A ray in the tree's unit.
 struct BoxRay {
-    enter: vec4<f32>,              // a point of the line, moved back by the padding; w: its t
-    leave: vec4<f32>,              // the same moved ahead; w: the frame's unit of t in the tree's
-    inverse: vec4<f32>,            // of the direction's components; w unused
+    enter: vec4<f32>,              // a point of the line, moved back by the padding; w unused in all three
+    leave: vec4<f32>,              // the same moved ahead
+    inverse: vec4<f32>,            // of the direction's components
 }
 
 @group(0) @binding(BIND_NODES) var nodes: texture_2d<u32>;  // four texels each

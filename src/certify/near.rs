@@ -8,7 +8,7 @@ use super::general::GeneralRecord;
 use super::projection::{ProjectionBounds, host_cull_margin};
 use super::tiles::Grid;
 use crate::tile::TILE;
-use cell::{Cell, NearSphere};
+use cell::{NearSphere, TileBlock};
 use rayon::prelude::*;
 
 /// Slots of one level of cells beyond eight per sphere: 8 MiB. A cell whose list is longer than its share of them is not
@@ -57,9 +57,9 @@ impl<'a> Near<'a> {
     }
 
     /// The rays of a square of 2^`level` tiles.
-    fn cell(&self, level: u32, at: [u32; 2]) -> Cell {
+    fn cell(&self, level: u32, at: [u32; 2]) -> TileBlock {
         let ends = [0, 1].map(|k| ((at[k] + 1) << level).min(self.tiles[k]));
-        Cell::new(self.projection, at.map(|n| n << level), ends)
+        TileBlock::new(self.projection, at.map(|n| n << level), ends)
     }
 
     /// The spheres of `slots` that rays of the cell may hit first.

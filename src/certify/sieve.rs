@@ -3,10 +3,11 @@
 use super::TERMS;
 use super::projection::ProjectionBounds;
 use super::projection::enclose::Enclosed;
-use super::projection::project::{Eight, LANES};
+use super::projection::project::Eight;
 use super::projection::pyramid::DepthPyramid;
 use super::projection::stage::Staged;
 use crate::error::Result;
+use crate::number::vector::LANES;
 use crate::scene::Scene;
 use crate::scene::instances::enclosure::Enclosure;
 use crate::view::raster::Raster;

@@ -2,19 +2,18 @@
 //! vectorize for the widest vectors of the processor. Vector and scalar operations round alike, so the bits equal the
 //! device's.
 
-mod lanes;
 mod pixels;
-mod vector;
+mod strip;
 
 use crate::answers::raw::{Piece, Raw};
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
 use crate::tile::TILE;
 use crate::view::View;
-use lanes::{Lanes, NearestTwos};
-use pixels::{Frame, Pixels};
+use pixels::{Pixels, StripFrame};
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
+use strip::{NearestTwos, Strip};
 
 /// Fills `raw` with certified answers; pixels without a proof get [`UNSURE`] as id. `go_on` is called before every row.
 pub(crate) fn certified(
@@ -25,7 +24,7 @@ pub(crate) fn certified(
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    each_row(&Frame::new(kernel, view, binned, colors, None), raw, go_on);
+    each_row(&StripFrame::new(kernel, view, binned, colors, None), raw, go_on);
 }
 
 /// The same where a device has searched: `found` holds the winners and the two smallest bounds of depth.
@@ -37,10 +36,10 @@ pub(crate) fn finish(
     found: &Raw,
     raw: &mut Raw,
 ) {
-    each_row(&Frame::new(kernel, view, binned, colors, Some(found)), raw, &|| true);
+    each_row(&StripFrame::new(kernel, view, binned, colors, Some(found)), raw, &|| true);
 }
 
-fn each_row(frame: &Frame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
+fn each_row(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
     match frame.certify.view.is_plain() {
         true => each_row_by::<false>(frame, raw, go_on),
         false => each_row_by::<true>(frame, raw, go_on),
@@ -48,7 +47,7 @@ fn each_row(frame: &Frame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync))
 }
 
 /// The same for pixel centres or for samples. With samples, the rays of a strip lie in several rows and columns.
-fn each_row_by<const SAMPLED: bool>(frame: &Frame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
+fn each_row_by<const SAMPLED: bool>(frame: &StripFrame<'_>, raw: &mut Raw, go_on: &(dyn Fn() -> bool + Sync)) {
     let record = frame.certify.view;
     let width = record.columns as usize;
     let rows: Vec<_> = raw.cut(width, width).collect();
@@ -61,7 +60,7 @@ fn each_row_by<const SAMPLED: bool>(frame: &Frame<'_>, raw: &mut Raw, go_on: &(d
 
 /// A row of pixels: its number in the full frame, and where its answers go.
 struct Row<'a, 'b, const SAMPLED: bool> {
-    frame: &'a Frame<'a>,
+    frame: &'a StripFrame<'a>,
     i: u32,
     row: Piece<'b>,
 }
@@ -79,21 +78,21 @@ impl<const SAMPLED: bool> NullaryFnOnce for Row<'_, '_, SAMPLED> {
         let [[left, right], _] = record.tiles();
         for tile in left..=right {
             let place = [i, tile * TILE];
-            let lanes = Lanes::<SAMPLED>::new(&frame.certify, place);
+            let strip = Strip::<SAMPLED>::new(&frame.certify, place);
             let two = match frame.found {
                 Some(found) => NearestTwos::found(found, &frame.certify, place),
-                None => lanes.nearest_two(&frame.certify, place),
+                None => strip.nearest_two(&frame.certify, place),
             };
-            Pixels::new(frame, &lanes, &two).write(&mut row, &columns, place[1]);
+            Pixels::new(frame, &strip, &two).write(&mut row, &columns, place[1]);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::vector::LANES;
     use super::*;
     use crate::certify::{Certify, TERMS};
+    use crate::number::vector::LANES;
     use crate::scene::Scene;
     use crate::settings::Settings;
     use crate::view::raster::Raster;
@@ -123,9 +122,9 @@ mod tests {
             let certify = Certify::<f32>::new(&view.record, &binned);
             let mut hits = 0;
             for (i, first) in (0..77).flat_map(|i| (0..136).step_by(LANES).map(move |first| (i, first))) {
-                let lanes = Lanes::<SAMPLED>::new(&certify, [i, first]);
-                let two = lanes.nearest_two(&certify, [i, first]);
-                let answers = lanes.certify_winners(&certify, &two);
+                let strip = Strip::<SAMPLED>::new(&certify, [i, first]);
+                let two = strip.nearest_two(&certify, [i, first]);
+                let answers = strip.certify_winners(&certify, &two);
                 for l in 0..LANES {
                     let [row, column] = view.record.sample_position(i, first + l as u32);
                     let s = certify.slopes(row, column);

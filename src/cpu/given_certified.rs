@@ -4,7 +4,7 @@
 use super::foremost::Foremost;
 use crate::certify::given::{Bounds, CertifiedRay, HitNumbers};
 use crate::search::tree::lanes::{Lanes, Portable, TASK, Work, dispatch};
-use crate::search::tree::walk::{Test, may_meet, may_pass, walk, walk_any};
+use crate::search::tree::walk::{Test, may_meet, may_pass, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
 use rayon::prelude::*;
@@ -78,12 +78,12 @@ impl Given<'_> {
             return NearestHit::Miss;
         };
         let limit = boxes.limit(ray.limit[1]);
-        let foremost = Foremost::of(None);
-        let mut search = NearestSearch { lanes, given: self, ray: &ray, boxes: &boxes, limit, foremost };
+        let (tree, counts, foremost) = (self.tree, |_| true, Foremost::of(None));
+        let mut search = NearestSearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limit, foremost };
         if self.all {
             self.test_all(&mut search);
         } else {
-            walk(lanes, self.tree, &boxes, limit, &mut search);
+            walk::<false, _>(lanes, self.tree, &boxes, limit, &mut search);
         }
         match (search.foremost.best, search.foremost.rival) {
             (None, f64::INFINITY) => NearestHit::Miss,
@@ -108,11 +108,12 @@ impl Given<'_> {
         };
         let limit = boxes.limit(ray.limit[1]);
         let limits = [boxes.limit_below(ray.limit[0]), limit];
-        let mut search = AnySearch { lanes, given: self, ray: &ray, boxes: &boxes, limits, found: AnyHit::Free };
+        let (tree, counts, found) = (self.tree, |_| true, AnyHit::Free);
+        let mut search = AnySearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limits, found };
         if self.all {
             self.test_all(&mut search);
         } else {
-            walk_any(lanes, self.tree, &boxes, limit, &mut search);
+            walk::<true, _>(lanes, self.tree, &boxes, limit, &mut search);
         }
         search.found
     }
@@ -123,8 +124,8 @@ impl Given<'_> {
             return Vec::new();
         };
         let nearest = ray.limit[1];
-        let mut search = Candidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
-        walk(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
+        let mut search = NearestCandidates { given: self, ray: &ray, boxes: &boxes, nearest, all: Vec::new() };
+        walk::<false, _>(Portable, self.tree, &boxes, boxes.limit(nearest), &mut search);
         let near = search.all.into_iter().filter(|(low, _)| *low <= search.nearest);
         let mut ids: Vec<u32> = near.map(|(_, id)| id).collect();
         ids.sort_unstable();
@@ -152,22 +153,25 @@ impl Given<'_> {
     }
 }
 
-/// The search for the nearest hit of a ray.
-struct NearestSearch<'a, 'b, L> {
-    lanes: L,
-    given: &'a Given<'b>,
-    ray: &'a CertifiedRay,
-    boxes: &'a BoxRay,
-    limit: f32,
-    foremost: Foremost,
+/// The search for the nearest hit of a ray, among the spheres whose places count.
+pub(super) struct NearestSearch<'a, L, F> {
+    pub(super) lanes: L,
+    pub(super) tree: &'a Tree,
+    pub(super) ray: &'a CertifiedRay,
+    pub(super) boxes: &'a BoxRay,
+    pub(super) counts: F,
+    pub(super) limit: f32,
+    pub(super) foremost: Foremost,
 }
 
-impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
+impl<L: Lanes, F: Fn(usize) -> bool> Test for NearestSearch<'_, L, F> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        for place in may_meet(self.lanes, self.given.tree, block, self.boxes, self.limit) {
-            if let Some(bounds) = self.given.meet(self.ray, place)
-                && self.foremost.keep(self.given.tree, self.ray, place, bounds)
+        for place in may_meet(self.lanes, self.tree, block, self.boxes, self.limit) {
+            let [x, y, z, radius] = self.tree.spheres[place];
+            if (self.counts)(place)
+                && let Some(bounds) = self.ray.meet([x, y, z], radius)
+                && self.foremost.keep(self.tree, self.ray, place, bounds)
             {
                 self.limit = self.boxes.limit(bounds.high);
             }
@@ -176,26 +180,30 @@ impl<L: Lanes> Test for NearestSearch<'_, '_, L> {
     }
 }
 
-/// The search for any hit of a ray.
-struct AnySearch<'a, 'b, L> {
-    lanes: L,
-    given: &'a Given<'b>,
-    ray: &'a CertifiedRay,
-    boxes: &'a BoxRay,
+/// The search for any hit of a ray, among the spheres whose places count.
+pub(super) struct AnySearch<'a, L, F> {
+    pub(super) lanes: L,
+    pub(super) tree: &'a Tree,
+    pub(super) ray: &'a CertifiedRay,
+    pub(super) boxes: &'a BoxRay,
+    pub(super) counts: F,
     /// What is hit before the first counts; what is hit from the second on does not.
-    limits: [f32; 2],
-    found: AnyHit,
+    pub(super) limits: [f32; 2],
+    pub(super) found: AnyHit,
 }
 
-impl<L: Lanes> Test for AnySearch<'_, '_, L> {
+impl<L: Lanes, F: Fn(usize) -> bool> Test for AnySearch<'_, L, F> {
     #[inline(always)]
     fn test(&mut self, block: u32) -> f32 {
-        let Some(places) = may_pass(self.lanes, self.given.tree, block, self.boxes, self.limits) else {
+        let Some(places) = may_pass(self.lanes, self.tree, block, self.boxes, self.limits) else {
             self.found = AnyHit::Blocked;
             return -1.0;
         };
         for place in places {
-            match AnyHit::of(self.ray, self.given.tree.spheres[place]) {
+            if !(self.counts)(place) {
+                continue;
+            }
+            match AnyHit::of(self.ray, self.tree.spheres[place]) {
                 AnyHit::Free => {}
                 AnyHit::Unsure => self.found = AnyHit::Unsure,
                 AnyHit::Blocked => {
@@ -209,7 +217,7 @@ impl<L: Lanes> Test for AnySearch<'_, '_, L> {
 }
 
 /// The search for all spheres that may be hit first.
-struct Candidates<'a, 'b> {
+struct NearestCandidates<'a, 'b> {
     given: &'a Given<'b>,
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
@@ -218,7 +226,7 @@ struct Candidates<'a, 'b> {
     all: Vec<(f64, u32)>,
 }
 
-impl Test for Candidates<'_, '_> {
+impl Test for NearestCandidates<'_, '_> {
     fn test(&mut self, block: u32) -> f32 {
         for place in self.given.tree.places(block) {
             if let Some(bounds) = self.given.meet(self.ray, place) {
@@ -288,6 +296,8 @@ struct Task<'a, 'b, Q> {
 }
 
 impl<Q: Query> Work for Task<'_, '_, Q> {
+    type Output = ();
+
     #[inline(always)]
     fn work<L: Lanes>(self, lanes: L) {
         // All at once, since in another order every ray is a wait for memory, and the processor can have many.

@@ -1,11 +1,11 @@
 //! What lies between points of surfaces and lights: rays that leave a sphere, which is left out because the side of its
 //! surface decides about it.
 
-use super::given_certified::AnyHit;
+use super::given_certified::{AnyHit, AnySearch};
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::{Own, SurfacePoint};
 use crate::search::tree::lanes::{Lanes, Portable, Work, dispatch};
-use crate::search::tree::walk::{Test, may_pass, walk, walk_any};
+use crate::search::tree::walk::{Test, walk};
 use crate::search::tree::{BoxRay, Tree};
 
 /// A ray from a point to a light.
@@ -33,11 +33,7 @@ impl LightRay<'_> {
 
     /// Whether a sphere other than that of the point hides the light.
     pub(crate) fn others(&self) -> AnyHit {
-        let mut found = AnyHit::Free;
-        if let Some(boxes) = self.boxes() {
-            dispatch(Others { of: self, boxes: &boxes, found: &mut found });
-        }
-        found
+        self.boxes().map_or(AnyHit::Free, |boxes| dispatch(Others { of: self, boxes: &boxes }))
     }
 
     /// All spheres that may hide the light, beside that of the point.
@@ -46,8 +42,8 @@ impl LightRay<'_> {
             return Vec::new();
         };
         let limit = boxes.limit(self.ray.limit[1]);
-        let mut search = Candidates { of: self, limit, all: Vec::new() };
-        walk(Portable, self.tree, &boxes, limit, &mut search);
+        let mut search = HidingSpheres { of: self, limit, all: Vec::new() };
+        walk::<false, _>(Portable, self.tree, &boxes, limit, &mut search);
         search.all
     }
 
@@ -67,64 +63,33 @@ impl LightRay<'_> {
 struct Others<'a> {
     of: &'a LightRay<'a>,
     boxes: &'a BoxRay,
-    found: &'a mut AnyHit,
 }
 
 impl Work for Others<'_> {
+    type Output = AnyHit;
+
     #[inline(always)]
-    fn work<L: Lanes>(self, lanes: L) {
-        let Self { of, boxes, found } = self;
+    fn work<L: Lanes>(self, lanes: L) -> AnyHit {
+        let Self { of, boxes } = self;
         let limit = boxes.limit(of.ray.limit[1]);
         // A sphere that is the light hides nothing, and is never met for certain: the ray ends on its surface, and what is
         // certain in f32 lies before the end with all of the sphere and the padding.
-        let certain = boxes.limit_below(of.ray.limit[0]);
-        let mut search = HiddenSearch { lanes, of, boxes, limits: [certain, limit], found: AnyHit::Free };
-        walk_any(lanes, of.tree, boxes, limit, &mut search);
-        *found = search.found;
+        let limits = [boxes.limit_below(of.ray.limit[0]), limit];
+        let LightRay { tree, ray, .. } = *of;
+        let counts = |place| of.counts(place);
+        let mut search = AnySearch { lanes, tree, ray, boxes, counts, limits, found: AnyHit::Free };
+        walk::<true, _>(lanes, tree, boxes, limit, &mut search);
+        search.found
     }
 }
 
-struct HiddenSearch<'a, L> {
-    lanes: L,
-    of: &'a LightRay<'a>,
-    boxes: &'a BoxRay,
-    /// What is hit before the first hides the light; what is hit from the second on does not.
-    limits: [f32; 2],
-    found: AnyHit,
-}
-
-impl<L: Lanes> Test for HiddenSearch<'_, L> {
-    #[inline(always)]
-    fn test(&mut self, block: u32) -> f32 {
-        let LightRay { tree, ray, .. } = *self.of;
-        let Some(places) = may_pass(self.lanes, tree, block, self.boxes, self.limits) else {
-            self.found = AnyHit::Blocked;
-            return -1.0;
-        };
-        for place in places {
-            if !self.of.counts(place) {
-                continue;
-            }
-            match AnyHit::of(ray, tree.spheres[place]) {
-                AnyHit::Free => {}
-                AnyHit::Unsure => self.found = AnyHit::Unsure,
-                AnyHit::Blocked => {
-                    self.found = AnyHit::Blocked;
-                    return -1.0;
-                }
-            }
-        }
-        self.limits[1]
-    }
-}
-
-struct Candidates<'a> {
+struct HidingSpheres<'a> {
     of: &'a LightRay<'a>,
     limit: f32,
     all: Vec<([f64; 3], f64)>,
 }
 
-impl Test for Candidates<'_> {
+impl Test for HidingSpheres<'_> {
     fn test(&mut self, block: u32) -> f32 {
         let LightRay { tree, ray, .. } = *self.of;
         for place in tree.places(block).filter(|place| self.of.counts(*place)) {

@@ -15,11 +15,11 @@ use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use bounce::Bounces;
 use glam::DVec3;
-pub(crate) use lighting::{Lighting, Wanted};
+pub(crate) use lighting::{LitScene, Wanted};
 use point::PointLight;
 use rayon::prelude::*;
 
-impl Lighting<'_> {
+impl LitScene<'_> {
     /// Fills `lit` for the pixels that show these spheres. `go_on` is called before every part of a row with its number
     /// of pixels; after `false` the rest is left unchanged.
     pub(crate) fn fill(&self, ids: &[u32], lit: &mut Lit, go_on: &(dyn Fn(u64) -> bool + Sync)) {
@@ -39,7 +39,7 @@ impl Lighting<'_> {
 
 /// Some pixels of one row or more.
 struct Task<'a, 'b, 'c> {
-    lighting: &'a Lighting<'a>,
+    lighting: &'a LitScene<'a>,
     ids: &'a [u32],
     chunk: &'b mut Chunk<'c>,
     unsure: &'b mut Vec<(u32, u8)>,

@@ -6,8 +6,8 @@ use crate::answers::raw::{Piece, Raw};
 use crate::intersect::{Intersect, Visit};
 use crate::kernel::Kernel;
 use crate::number::vector::{LANES, Laned, Vector};
-use crate::number::{Number, Truth};
-use crate::search::eight::{Hits, together};
+use crate::number::{Number, TruthValue};
+use crate::search::eight::{EightHits, together};
 use crate::search::tile_candidates::TileCandidates;
 use crate::shade::Surface;
 use crate::tile::{CHUNK, TILE};
@@ -106,7 +106,7 @@ struct Strip<'a, 'b, V: Intersect> {
 /// Their rays and hits. Those beyond the window are computed too.
 struct Answered<R: Laned> {
     rays: [Ray<R>; LANES],
-    hits: Hits<R>,
+    hits: EightHits<R>,
 }
 
 impl<V: Intersect> NullaryFnOnce for Strip<'_, '_, V> {
@@ -151,8 +151,8 @@ impl<R: Laned> Tile<'_, R> {
 
     /// The closest hits: the twin of search/tile.wgsl. Their places are those of the general spheres and then of the list.
     #[inline(always)]
-    fn nearest<V: Intersect<Number = R>>(&mut self, ray: &Ray<R::Vector>) -> Hits<R> {
-        let mut hits = Hits::NONE;
+    fn nearest<V: Intersect<Number = R>>(&mut self, ray: &Ray<R::Vector>) -> EightHits<R> {
+        let mut hits = EightHits::NONE;
         let mut behind = Vector([0; LANES]);
         for ((s, id), place) in self.generals.iter().zip(0..) {
             hits.test::<V>(ray, !behind, s, [*id, place]);
@@ -183,7 +183,7 @@ impl<R: Laned> Tile<'_, R> {
     }
 
     /// The hit of one of the rays, and its sphere.
-    fn hit(&self, hits: &Hits<R>, l: usize) -> (Hit<R>, Option<&Sphere<R>>) {
+    fn hit(&self, hits: &EightHits<R>, l: usize) -> (Hit<R>, Option<&Sphere<R>>) {
         let hit = Hit { t: R::lane(&hits.t, l), id: hits.id.0[l] };
         let place = hits.place.0[l] as usize;
         let found = self.generals.iter().chain(&self.made).nth(place).filter(|_| hit.id != NONE);

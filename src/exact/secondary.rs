@@ -143,7 +143,7 @@ impl<'a> HitPoint<'a> {
     }
 
     /// a' l, and whether the light is at infinity.
-    pub(super) fn toward(&self, light: Toward) -> Light {
+    pub(super) fn toward(&self, light: Toward) -> LightVector {
         let scaled = |direction: [f64; 3], by: &Dyadic| {
             let direction = dyadic::vector(direction);
             std::array::from_fn(|n| Tower::of(&(self.a * &direction[n]) * by))
@@ -158,11 +158,11 @@ impl<'a> HitPoint<'a> {
             Toward::Within { direction, reach } => (scaled(direction, &Dyadic::of(reach)), false),
         };
         let length2 = self.field.dot(&l, &l);
-        Light { l, length2, infinite }
+        LightVector { l, length2, infinite }
     }
 
     /// Whether the sphere of the hit hides the light.
-    pub(super) fn hides_itself(&self, light: &Light) -> bool {
+    pub(super) fn hides_itself(&self, light: &LightVector) -> bool {
         if self.field.sign(&light.length2) == Ordering::Equal {
             return false;
         }
@@ -177,7 +177,7 @@ impl<'a> HitPoint<'a> {
     }
 
     /// Whether the light is on the side of the surface that the camera does not see.
-    fn is_behind(&self, light: &Light) -> bool {
+    fn is_behind(&self, light: &LightVector) -> bool {
         let b = self.field.dot(&light.l, &self.to(&dyadic::vector(self.center)));
         self.field.sign(&b) == if self.root == Root::Near { Ordering::Greater } else { Ordering::Less }
     }
@@ -198,7 +198,7 @@ impl<'a> HitPoint<'a> {
     }
 
     /// Whether another sphere hides the light.
-    pub(super) fn is_hidden_by(&self, light: &Light, center: [f64; 3], radius: f64) -> bool {
+    pub(super) fn is_hidden_by(&self, light: &LightVector, center: [f64; 3], radius: f64) -> bool {
         let field = &self.field;
         if (center, radius) == (self.center, self.radius) {
             return self.hides_itself(light);
@@ -260,7 +260,7 @@ impl LightQuestion {
 }
 
 /// A light seen from a hit.
-pub(super) struct Light {
+pub(super) struct LightVector {
     /// a' l
     l: [Tower; 3],
     /// |a' l|^2

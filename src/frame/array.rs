@@ -1,6 +1,5 @@
 //! Arrays of numbers read from files.
 
-use super::{Buffer, Data};
 use crate::error::{Error, Result};
 use std::fmt;
 
@@ -120,21 +119,6 @@ impl Array {
             return Err(Error::settings(problem, "use as many values as the shape holds"));
         }
         Ok(Self { name: name.into(), shape, values, picture: false })
-    }
-
-    /// A frame's buffer, as its .npy file would hold it.
-    ///
-    /// # Errors
-    /// See [`Array::new`].
-    pub fn of_buffer(name: impl Into<String>, buffer: Buffer) -> Result<Self> {
-        let values = match buffer.data {
-            Data::F32(values) => Values::F32(values),
-            Data::F64(values) => Values::F64(values),
-            Data::I32(values) => Values::I32(values),
-            Data::I64(values) => Values::I64(values),
-            Data::U8(values) => Values::U8(values),
-        };
-        Self::new(name, buffer.shape, values)
     }
 
     /// Marks the values as levels of a picture: 0 is black, the maximum of their type is white.

@@ -1,10 +1,9 @@
 //! The tone of a picture: how linear light becomes the light of a picture of 8 or 16 bits, which ends at 1.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, named};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::borrow::Cow;
-use std::str::FromStr;
 
 /// The curve of light beyond 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -18,26 +17,7 @@ pub enum Tone {
     Soft,
 }
 
-impl Tone {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Linear, Self::Soft];
-
-    /// The name on the command line and in provenance.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Soft => "soft",
-        }
-    }
-}
-
-impl FromStr for Tone {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("tone", name, Self::ALL, Self::name)
-    }
-}
+named! { Tone, "tone", Linear "linear" Soft "soft" }
 
 /// Exposure and curve of a picture. Files that hold linear light are not changed by it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -28,13 +28,12 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 63] = files![
+const FILES: [(&str, &str); 62] = files![
     "view.wgsl" "math.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
     "search/closer_hit.wgsl" "search/records.wgsl" "search/records_residuals.wgsl" "search/fixed_origin.wgsl"
     "search/moved_origin.wgsl" "search/all.wgsl" "search/found.wgsl" "search/tile.wgsl" "search/tile_lists.wgsl" "search/tree.wgsl"
-    "search/tree_nearest.wgsl"
     "share/no_subgroup.wgsl" "share/subgroup.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/general_ray.wgsl" "certify/general_column.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
@@ -160,7 +159,7 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     parts
 }
 
-/// The search for the closest hit by one form of the quadratic: among all spheres, a tile's list, or a tree.
+/// The search for the closest hit by one form of the quadratic: among all spheres or a tile's list.
 fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     let form = match kernel.method {
         Method::Textbook => "form/textbook.wgsl",
@@ -175,10 +174,9 @@ fn search(kernel: &Kernel, parts: &mut Vec<Part>) {
     let records = if kernel.reads_residuals() { "search/records_residuals.wgsl" } else { "search/records.wgsl" };
     let origin = if kernel.rays == RaySource::Spread { "search/moved_origin.wgsl" } else { "search/fixed_origin.wgsl" };
     parts.extend(files([form, "search/closer_hit.wgsl", records, origin]));
-    match (kernel.tree, kernel.tiles) {
-        (true, _) => parts.extend(files(["search/found.wgsl", "search/tree.wgsl", "search/tree_nearest.wgsl"])),
-        (false, true) => parts.extend(files(["search/found.wgsl", "search/tile.wgsl"])),
-        (false, false) => parts.extend(files(["search/all.wgsl"])),
+    match kernel.tiles {
+        true => parts.extend(files(["search/found.wgsl", "search/tile.wgsl"])),
+        false => parts.extend(files(["search/all.wgsl"])),
     }
     if kernel.rays == RaySource::Camera {
         parts.extend(files(["main/viewing_rays.wgsl"]));

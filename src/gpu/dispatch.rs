@@ -363,7 +363,7 @@ mod tests {
     use crate::certify::binned::BinnedScene;
     use crate::frame::report::Timings;
     use crate::gpu::device;
-    use crate::gpu::input::Rays;
+    use crate::gpu::input::KernelRays;
     use crate::intersect::Method;
     use crate::kernel::{Generals, Sharing};
     use crate::memory::Pool;
@@ -424,9 +424,8 @@ mod tests {
                 let input = Input {
                     view: &view,
                     colors: scene.spheres.colors.as_deref(),
-                    rays: Rays::Viewing,
+                    rays: KernelRays::Viewing,
                     candidates,
-                    tree: None,
                 };
                 let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                 gpu.run(&kernel, &input, &mut output, &|_| true).expect("a frame");

@@ -16,25 +16,30 @@ pub(crate) struct Input<'a> {
     pub(crate) view: &'a View,
     /// Linear RGB per sphere.
     pub(crate) colors: Option<&'a [[f32; 3]]>,
-    pub(crate) rays: Rays<'a>,
+    pub(crate) rays: KernelRays<'a>,
     /// The candidates per tile, which replace the view's spheres.
     pub(crate) candidates: Option<CandidateList<'a>>,
-    /// The tree that given rays traverse.
-    pub(crate) tree: Option<TreeInput<'a>>,
 }
 
 /// The rays of a dispatch.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Rays<'a> {
+pub(crate) enum KernelRays<'a> {
     /// Those of the view.
     Viewing,
     /// For a method.
     Given(&'a [RayRecord]),
-    /// To be certified, with the spheres in the order of the tree; no spheres where the last call's are kept.
-    Certified { rays: &'a [CertifiedRayRecord], spheres: &'a [PlacedSphereRecord] },
+    /// To be certified, also as the boxes of a tree see them.
+    Certified {
+        rays: &'a [CertifiedRayRecord],
+        boxes: &'a [BoxRayRecord],
+        /// The tree; empty where the last call's is kept.
+        nodes: &'a [NodeRecord],
+        /// The spheres in its order; empty likewise.
+        spheres: &'a [PlacedSphereRecord],
+    },
 }
 
-impl Rays<'_> {
+impl KernelRays<'_> {
     /// The number of given rays.
     pub(super) fn given(&self) -> usize {
         match self {
@@ -43,14 +48,6 @@ impl Rays<'_> {
             Self::Certified { rays, .. } => rays.len(),
         }
     }
-}
-
-/// A tree, and the given rays as its boxes see them. The spheres of the view lie in its order.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TreeInput<'a> {
-    /// None where the last call's are kept.
-    pub(crate) nodes: &'a [NodeRecord],
-    pub(crate) boxes: &'a [BoxRayRecord],
 }
 
 impl Input<'_> {

@@ -86,16 +86,15 @@ mod tests {
     fn kernels() -> Vec<Kernel> {
         let both = [false, true];
         let shades = [None, Some(Shade::Flat), Some(Shade::Normal), Some(Shade::Headlight)];
-        let camera = Sharing::ALL.map(|sharing| (RaySource::Camera, sharing, false));
-        let given =
-            [RaySource::SharedOrigin, RaySource::Spread].map(|rays| both.map(|tree| (rays, Sharing::None, tree)));
+        let camera = Sharing::ALL.map(|sharing| (RaySource::Camera, sharing));
+        let given = [RaySource::SharedOrigin, RaySource::Spread].map(|rays| (rays, Sharing::None));
         let mut kernels = Vec::new();
         let none = Generals::None;
         let plain =
             both.into_iter().flat_map(|tiles| Method::ALL.iter().map(move |&method| (method, false, tiles, none)));
         let certified = [0, 1, 4, 5].map(|count| (Method::Stable, true, false, Generals::of(count)));
         for (method, certify, tiles, generals) in plain.chain(certified) {
-            for (rays, sharing, tree) in camera.into_iter().chain(given.into_iter().flatten()) {
+            for (rays, sharing) in camera.into_iter().chain(given) {
                 for shade in shades {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
                         let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
@@ -112,7 +111,7 @@ mod tests {
                             winners: false,
                             tiles,
                             depth_interval: t && certify,
-                            tree,
+                            tree: false,
                             any: false,
                             samples: false,
                         };
@@ -140,11 +139,11 @@ mod tests {
     #[test]
     fn every_composed_shader_validates_with_what_the_device_will_have() {
         let kernels = kernels();
-        let frames = 4 * (1 + 2 + 1 + 2);
+        let looks = 1 + 2 + 1 + 2;
         // Without a list of general spheres, with one, with four in a uniform, and with lists; by every sharing.
         let certified = 4 * 4;
-        let sampled = (Method::ALL.len() * 8 + certified) * (1 + 2 + 1 + 2) + certified;
-        let all = (Method::ALL.len() * (8 + 4) + certified) * frames + certified + sampled + 4;
+        let sampled = (Method::ALL.len() * 8 + certified) * looks + certified;
+        let all = (Method::ALL.len() * (8 + 2) + certified) * 4 * looks + certified + sampled + 4;
         assert_eq!(kernels.len(), all, "the list is complete");
         for kernel in &kernels {
             module(kernel);
@@ -207,10 +206,10 @@ mod tests {
 
     #[test]
     fn structs_have_one_layout_on_both_sides() {
-        let any = Kernel { rays: RaySource::Spread, t: true, normal: true, tree: true, ..Kernel::bare(Method::Stable) };
+        let any = Kernel { rays: RaySource::Spread, t: true, normal: true, ..Kernel::bare(Method::Stable) };
         let (certified, _) =
-            module(&Kernel { rays: RaySource::Camera, certify: true, generals: Generals::Lists, tree: false, ..any });
-        let (given, _) = module(&Kernel { certify: true, t: false, normal: false, ..any });
+            module(&Kernel { rays: RaySource::Camera, certify: true, generals: Generals::Lists, ..any });
+        let (given, _) = module(&Kernel { certify: true, tree: true, t: false, normal: false, ..any });
         let (module, _) = module(&any);
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -233,8 +232,8 @@ mod tests {
         same!(module "SphereRecord", SphereRecord, center_radius power scale id);
         same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
-        same!(module "Node", NodeRecord, origin grid planes);
-        same!(module "BoxRay", BoxRayRecord, enter leave inverse);
+        same!(given "Node", NodeRecord, origin grid planes);
+        same!(given "BoxRay", BoxRayRecord, enter leave inverse);
         same!(given "CertifiedRay", CertifiedRayRecord, steps sure_limit rest limit direction blur);
         assert_eq!(
             members(&given, "PlacedSphere"),
@@ -245,11 +244,11 @@ mod tests {
         assert_eq!((2u32 << constant(&given, "PLACED_ROW_BITS") as u32), crate::gpu::texture::ROW);
         assert_eq!(constant(&given, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         for (name, ours) in [("LEVELS", DEVICE_LEVELS), ("LANE", LANE), ("NEVER", NEVER)] {
-            assert_eq!(constant(&module, name), f64::from(ours), "{name}");
+            assert_eq!(constant(&given, name), f64::from(ours), "{name}");
         }
-        assert_eq!((4u32 << constant(&module, "ROW_BITS") as u32), crate::gpu::texture::ROW);
+        assert_eq!((4u32 << constant(&given, "ROW_BITS") as u32), crate::gpu::texture::ROW);
         for level in 0..=DEVICE_LEVELS {
-            let firsts = constant(&module, "FIRSTS") as u32;
+            let firsts = constant(&given, "FIRSTS") as u32;
             assert_eq!((firsts & ((1 << (3 * level)) - 1)) as usize, first(level as usize), "level {level}");
         }
         assert_eq!(constant(&module, "NONE"), f64::from(NONE));

@@ -6,7 +6,7 @@ use crate::certify::TERMS;
 use crate::certify::binned::BinnedScene;
 use crate::error::Error;
 use crate::frame::report::Timings;
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::gpu::{Gpu, device};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
@@ -40,8 +40,7 @@ fn frame_while(gpu: &mut Gpu, kernel: &Kernel, go_on: &dyn Fn(usize) -> bool) ->
         true => binned.as_ref().map(CandidateList::Certified),
         false => binned.as_ref().filter(|_| kernel.tiles).map(tile_candidates),
     };
-    let input =
-        Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: Rays::Viewing, candidates, tree: None };
+    let input = Input { view: &view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
     let told = Cell::new(Vec::new());
     let next = |done| {

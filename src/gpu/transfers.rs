@@ -1,6 +1,6 @@
 //! Uploads, readbacks and the division into bands: `halfline plan` prints them, dispatch.rs performs them.
 
-use super::input::{GROUP, Input, Rays};
+use super::input::{GROUP, Input, KernelRays};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::general::GeneralRecord;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
@@ -300,16 +300,16 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
         all.push(("colors", bytemuck::cast_slice(colors)));
     }
     match input.rays {
-        Rays::Viewing => {}
-        Rays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
-        Rays::Certified { rays, spheres } => {
+        KernelRays::Viewing => {}
+        KernelRays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
+        KernelRays::Certified { rays, boxes, nodes, spheres } => {
             all.push(("certified_rays", bytemuck::cast_slice(rays)));
             all.push(("placed", bytemuck::cast_slice(spheres)));
+            if kernel.tree {
+                all.push(("nodes", bytemuck::cast_slice(nodes)));
+                all.push(("boxes", bytemuck::cast_slice(boxes)));
+            }
         }
-    }
-    if let (true, Some(tree)) = (kernel.tree, input.tree) {
-        all.push(("nodes", bytemuck::cast_slice(tree.nodes)));
-        all.push(("boxes", bytemuck::cast_slice(tree.boxes)));
     }
     if kernel.reads_residuals() && !kernel.tiles {
         all.push(("residuals", bytemuck::cast_slice(&input.view.residuals)));

@@ -41,7 +41,7 @@ mod tests {
     use crate::certify::binned::BinnedScene;
     use crate::frame::report::Timings;
     use crate::gpu::device;
-    use crate::gpu::input::Rays;
+    use crate::gpu::input::KernelRays;
     use crate::gpu::submission_budget::SubmissionBudget;
     use crate::intersect::Method;
     use crate::kernel::{Generals, Sharing};
@@ -125,7 +125,7 @@ mod tests {
                 cpu::certified(&kernel, &view, &binned, colors, &mut host, &|| true);
                 assert!(host.id.iter().filter(|id| **id != NONE).count() > 1000, "the scene shows something");
                 let candidates = Some(CandidateList::Certified(&binned));
-                let input = Input { view: &view, colors, rays: Rays::Viewing, candidates, tree: None };
+                let input = Input { view: &view, colors, rays: KernelRays::Viewing, candidates };
                 let search = Kernel { generals: Generals::of(near), ..kernel }.winners();
                 let alone = Kernel { sharing: Sharing::None, ..search };
                 for (gpu, search) in [(&mut gpu, search), (&mut cut, search), (&mut other, alone)] {

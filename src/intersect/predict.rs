@@ -96,7 +96,7 @@ impl Prediction {
 
     fn of_sphere(extent: &Extent, sphere: u32, method: Method) -> Self {
         let [outline, distance] = match method.form() {
-            Form::Perpendicular => perpendicular(&Arithmetic::of(method), extent),
+            Form::Perpendicular => perpendicular(&Roundings::of(method), extent),
             Form::General => lecture(&general(extent), extent),
             Form::Normalised => lecture(&normalised(extent), extent),
         };
@@ -166,7 +166,7 @@ impl Extent {
 }
 
 /// Relative errors of an arithmetic: of its inputs and of its operations.
-struct Arithmetic {
+struct Roundings {
     /// Of p, as a vector.
     center: f64,
     radius: f64,
@@ -180,7 +180,7 @@ struct Arithmetic {
     root: f64,
 }
 
-const F32: Arithmetic = Arithmetic {
+const F32: Roundings = Roundings {
     center: HOST + ROTATED,
     radius: HOST,
     direction: HOST + U,
@@ -191,7 +191,7 @@ const F32: Arithmetic = Arithmetic {
     root: 4.6 * U,
 };
 
-const F64: Arithmetic = Arithmetic {
+const F64: Roundings = Roundings {
     center: PAIR + ROTATED,
     radius: PAIR,
     direction: PAIR + 2.0 * U64,
@@ -203,7 +203,7 @@ const F64: Arithmetic = Arithmetic {
 };
 
 /// Its operations as published (intersect/double_float.rs cites the sources), with v^3 terms in the last digit.
-const DOUBLE_FLOAT: Arithmetic = Arithmetic {
+const DOUBLE_FLOAT: Roundings = Roundings {
     center: PAIR + ROTATED,
     radius: PAIR,
     // Rounded, and a product with one f32: 1 for the one cross term, 2 for its sum.
@@ -215,7 +215,7 @@ const DOUBLE_FLOAT: Arithmetic = Arithmetic {
     root: 3.13 * PAIR,
 };
 
-impl Arithmetic {
+impl Roundings {
     fn of(method: Method) -> Self {
         match method {
             Method::Native64 => F64,
@@ -231,7 +231,7 @@ impl Arithmetic {
 }
 
 /// D = a r^2 - g.g with g = p x d, t = c/q or q/a: intersect/stable.rs in any arithmetic.
-fn perpendicular(a: &Arithmetic, s: &Extent) -> [f64; 2] {
+fn perpendicular(a: &Roundings, s: &Extent) -> [f64; 2] {
     // Of g, in r |d|: its products and both its inputs, |p||d| as large. Its differences have an error relative to g
     // itself.
     let tilt = (CROSS * a.mul + a.center + a.direction) * s.k;

@@ -7,7 +7,7 @@
 //! ray/sphere intersection*, Ray Tracing Gems (2019); the matched root as in any text on quadratics since Forsythe.
 
 use super::Intersect;
-use crate::number::{Arithmetic, Mask, Number, Truth};
+use crate::number::{Arithmetic, Mask, Number, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, cross3, dot3, minus, negated, positive, radius, times, unit3};
 

@@ -3,7 +3,7 @@
 
 use super::Intersect;
 use super::roots::{closest, normal_from_point};
-use crate::number::{Arithmetic, Mask, Number, Truth};
+use crate::number::{Arithmetic, Mask, Number, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{Ray, center, dot3, negated, radius};
 

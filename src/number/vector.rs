@@ -4,12 +4,12 @@
 //! Loops over indices, and masks of bits instead of truth values: of iterators and of `bool` the compiler makes scalar
 //! code.
 
-use super::{Arithmetic, Mask, Number, Truth};
+use super::{Arithmetic, Mask, Number, TruthValue};
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-/// Numbers in a vector.
-pub const LANES: usize = 8;
+/// Numbers in a vector: the pixels of a row of a tile.
+pub const LANES: usize = crate::tile::TILE as usize;
 
 /// Eight numbers, or their bits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,35 +37,26 @@ pub trait Bits:
     fn widen(bits: u32) -> Self;
 }
 
-impl Bits for u32 {
-    #[inline(always)]
-    fn all_if(yes: bool) -> Self {
-        u32::from(yes).wrapping_neg()
-    }
-    #[inline(always)]
-    fn narrow(self) -> u32 {
-        self
-    }
-    #[inline(always)]
-    fn widen(bits: u32) -> Self {
-        bits
-    }
+macro_rules! bits {
+    ($bits:ty, $signed:ty) => {
+        impl Bits for $bits {
+            #[inline(always)]
+            fn all_if(yes: bool) -> Self {
+                Self::from(yes).wrapping_neg()
+            }
+            #[inline(always)]
+            fn narrow(self) -> u32 {
+                self as u32
+            }
+            #[inline(always)]
+            fn widen(bits: u32) -> Self {
+                bits as i32 as $signed as Self
+            }
+        }
+    };
 }
-
-impl Bits for u64 {
-    #[inline(always)]
-    fn all_if(yes: bool) -> Self {
-        u64::from(yes).wrapping_neg()
-    }
-    #[inline(always)]
-    fn narrow(self) -> u32 {
-        self as u32
-    }
-    #[inline(always)]
-    fn widen(bits: u32) -> Self {
-        i64::from(bits as i32) as u64
-    }
-}
+bits!(u32, i32);
+bits!(u64, i64);
 
 /// A number that fits into a lane.
 pub trait Lane: Number + Debug {
@@ -79,37 +70,27 @@ pub trait Lane: Number + Debug {
     fn nearest_f32(self) -> f32;
 }
 
-impl Lane for f32 {
-    type Bits = u32;
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        self.to_bits()
-    }
-    #[inline(always)]
-    fn of_bits(bits: u32) -> Self {
-        f32::from_bits(bits)
-    }
-    #[inline(always)]
-    fn nearest_f32(self) -> f32 {
-        self
-    }
+macro_rules! lane {
+    ($number:ty, $bits:ty) => {
+        impl Lane for $number {
+            type Bits = $bits;
+            #[inline(always)]
+            fn bits(self) -> $bits {
+                self.to_bits()
+            }
+            #[inline(always)]
+            fn of_bits(bits: $bits) -> Self {
+                Self::from_bits(bits)
+            }
+            #[inline(always)]
+            fn nearest_f32(self) -> f32 {
+                self as f32
+            }
+        }
+    };
 }
-
-impl Lane for f64 {
-    type Bits = u64;
-    #[inline(always)]
-    fn bits(self) -> u64 {
-        self.to_bits()
-    }
-    #[inline(always)]
-    fn of_bits(bits: u64) -> Self {
-        f64::from_bits(bits)
-    }
-    #[inline(always)]
-    fn nearest_f32(self) -> f32 {
-        self as f32
-    }
-}
+lane!(f32, u32);
+lane!(f64, u64);
 
 macro_rules! by_lanes {
     ($($operator:ident $method:ident $sign:tt)*) => {$(
@@ -134,26 +115,23 @@ by_lanes! {
     BitOr bitor |
 }
 
-impl<T: Neg<Output = T> + Copy> Neg for Vector<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(mut self) -> Self {
-        for l in 0..LANES {
-            self.0[l] = -self.0[l];
+macro_rules! each_lane {
+    ($($operator:ident $method:ident $sign:tt)*) => {$(
+        impl<T: $operator<Output = T> + Copy> $operator for Vector<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self) -> Self {
+                for l in 0..LANES {
+                    self.0[l] = $sign self.0[l];
+                }
+                self
+            }
         }
-        self
-    }
+    )*};
 }
-
-impl<T: Not<Output = T> + Copy> Not for Vector<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn not(mut self) -> Self {
-        for l in 0..LANES {
-            self.0[l] = !self.0[l];
-        }
-        self
-    }
+each_lane! {
+    Neg neg -
+    Not not !
 }
 
 impl Vector<u32> {
@@ -168,7 +146,7 @@ impl Vector<u32> {
     }
 }
 
-impl<B: Bits> Truth for Vector<B> {
+impl<B: Bits> TruthValue for Vector<B> {
     #[inline(always)]
     fn any(self) -> bool {
         let mut any = 0;
@@ -179,12 +157,18 @@ impl<B: Bits> Truth for Vector<B> {
     }
 }
 
+/// `yes` where the bits are set, else `no`.
+#[inline(always)]
+pub fn pick<T: Lane>(bits: T::Bits, yes: T, no: T) -> T {
+    let other = no.bits();
+    T::of_bits(other ^ ((other ^ yes.bits()) & bits))
+}
+
 impl<T: Lane> Mask<Vector<T>> for Vector<T::Bits> {
     #[inline(always)]
     fn pick(self, yes: Vector<T>, mut no: Vector<T>) -> Vector<T> {
         for l in 0..LANES {
-            let bits = no.0[l].bits();
-            no.0[l] = T::of_bits(bits ^ ((bits ^ yes.0[l].bits()) & self.0[l]));
+            no.0[l] = pick(self.0[l], yes.0[l], no.0[l]);
         }
         no
     }

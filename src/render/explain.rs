@@ -6,7 +6,6 @@ mod work;
 
 use super::budget::Need;
 use super::frame::FrameRays;
-use super::lens;
 use super::place::Executor;
 use super::plan::{Plan, lights};
 use super::renderer::Renderer;
@@ -18,6 +17,7 @@ use crate::gpu::compose::compose;
 use crate::intersect::Method;
 use crate::kernel::{Kernel, Sharing};
 use crate::memory::{self, Pool};
+use crate::scene::camera::CameraRecord;
 use crate::scene::{Light, Scene, Sky};
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::shade::Shade;
@@ -106,7 +106,7 @@ impl Renderer {
             spheres: scene.spheres.len() as u64,
             skipped: scene.skipped.total(),
             size: [scene.image.width, scene.image.height],
-            camera: lens::record(scene, settings)?,
+            camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture)?,
             window: [window.x0, window.y0, window.x1, window.y1],
             rays: view.record.pixels() as u64,
             samples: samples.map_or(1, |raster| raster.count()),

@@ -17,9 +17,10 @@ use crate::cpu::light::Wanted;
 use crate::error::{Error, Result};
 use crate::frame::report::{Report, Timings, milliseconds};
 use crate::frame::{Aov, Buffer, Data, Frame};
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::progress::Step;
 use crate::scene::Scene;
+use crate::scene::camera::CameraRecord;
 use crate::search::tile_candidates::CandidateList;
 use crate::settings::{Accuracy, Backend, Settings};
 use crate::view::raster::Raster;
@@ -197,7 +198,7 @@ impl Renderer {
             shade: plan.shade_name(),
             search: plan.search.name(),
             samples: samples.map_or(1, |raster| raster.count()),
-            camera: lens::record(scene, settings).ok(),
+            camera: CameraRecord::new(&scene.camera, [scene.image.width, scene.image.height], settings.aperture).ok(),
             lights: scene.lighting.lights.len() as u64,
             occlusion: settings.sky(scene),
             silhouette: settings.silhouette,
@@ -250,7 +251,7 @@ impl Renderer {
         let kernel = self.kernel_of(setup);
         match &mut self.place {
             Executor::Gpu(gpu) => {
-                let input = Input { view, colors, rays: Rays::Viewing, candidates, tree: None };
+                let input = Input { view, colors, rays: KernelRays::Viewing, candidates };
                 let (go_on, mut output) = (|done| doing.reached(done), Output { raw, timings });
                 match kernel.winners {
                     true => gpu.find_winners(&kernel, &plan.kernel, &input, &mut output, &pool, &go_on)?,

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::frame::Aov;
 use crate::scene::Scene;
-use crate::scene::camera::{Aperture, Camera, CameraRecord, CentredFrame};
+use crate::scene::camera::{Aperture, Camera, CentredFrame};
 use crate::settings::Settings;
 use crate::view::directions::lens_point;
 use crate::view::raster::Raster;
@@ -60,15 +60,6 @@ pub(super) fn raster(samples: Option<Raster>, scene: &Scene, settings: &Settings
         }
         None => Ok(None),
     }
-}
-
-/// The camera of a picture in numbers.
-///
-/// # Errors
-/// Those of [`CameraRecord::new`] and of [`Aperture::distance`].
-pub(super) fn record(scene: &Scene, settings: &Settings) -> Result<CameraRecord> {
-    let record = CameraRecord::new(&scene.camera, scene.image.width, scene.image.height)?;
-    record.through(settings.aperture, &scene.camera)
 }
 
 #[cfg(test)]

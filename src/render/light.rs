@@ -3,7 +3,7 @@
 use super::plan::lights::{bounces, light_points};
 use super::renderer::Renderer;
 use crate::answers::lit::{Lit, OpenSky};
-use crate::cpu::light::{Lighting, Wanted};
+use crate::cpu::light::{LitScene, Wanted};
 use crate::error::Result;
 use crate::exact::Judge;
 use crate::memory::Pool;
@@ -66,7 +66,7 @@ impl Renderer {
             return Ok(lit.of_nothing(|pixel| backdrop.at(pixel)));
         };
         let judge = setup.judge(scene, view)?;
-        let lighting = Lighting {
+        let lighting = LitScene {
             scene,
             view,
             tree,

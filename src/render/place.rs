@@ -14,7 +14,7 @@ pub(super) enum Executor {
 }
 
 /// A device, and why it was chosen.
-pub(super) struct Place {
+pub(super) struct ChosenDevice {
     pub(super) executor: Executor,
     /// Why this one, in words.
     pub(super) reason: String,
@@ -24,7 +24,7 @@ pub(super) struct Place {
     pub(super) has_no_adapter: bool,
 }
 
-impl Place {
+impl ChosenDevice {
     /// The place that `settings` select. `WGPU_ADAPTER_NAME` and `WGPU_BACKEND` apply where they leave a choice.
     ///
     /// # Errors

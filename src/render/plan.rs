@@ -151,39 +151,31 @@ pub(crate) struct GivenPlan {
     pub(crate) method: &'static str,
     /// Tree or all.
     pub(crate) search: Search,
-    /// Whether normals are requested.
-    pub(crate) normal: bool,
-    base: Plan,
-    requested: Search,
+    /// What a method computes; normals are requested of certified answers too.
+    pub(crate) kernel: Kernel,
 }
 
 impl GivenPlan {
     /// Without a method answers are certified unless the accuracy is fast: what rays hit is data, not a picture.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a method together with a certificate, and for tiles.
-    pub(crate) fn new(settings: &Settings) -> Result<Self> {
-        let mut base = Plan::for_method(settings)?;
-        base.kernel.t = true;
-        base.kernel.normal = settings.aovs.contains(&Aov::Normal);
+    /// [`Error::Settings`] for a method together with a certificate, and for a search that does not apply;
+    /// [`Error::Limits`] for too many spheres.
+    pub(crate) fn new(settings: &Settings, spheres: usize) -> Result<Self> {
+        let base = Plan::for_method(settings)?;
+        let kernel = Kernel { t: true, normal: settings.aovs.contains(&Aov::Normal), ..base.kernel };
         let accuracy = match settings.accuracy {
             Accuracy::Auto if settings.method.is_none() => Accuracy::Certified,
             Accuracy::Auto => Accuracy::Fast,
             requested => requested,
         };
         let method = if accuracy == Accuracy::Fast { base.method } else { accuracy.name() };
-        let search = search::for_given_rays(settings.search, usize::MAX, usize::MAX)?;
-        Ok(Self { accuracy, method, search, normal: base.kernel.normal, base, requested: settings.search })
+        let search = search::for_given_rays(settings.search, accuracy == Accuracy::Fast, spheres)?;
+        Ok(Self { accuracy, method, search, kernel })
     }
 
     /// Whether the answers are proved.
     pub(crate) fn certifies(&self) -> bool {
         matches!(self.accuracy, Accuracy::Certified | Accuracy::Exact)
-    }
-
-    /// The plan of one call by a method.
-    pub(crate) fn by_method(&self, spheres: usize, rays: usize) -> Plan {
-        let search = search::for_given_rays(self.requested, spheres, rays).unwrap_or(self.search);
-        Plan { search, ..self.base.clone() }
     }
 }

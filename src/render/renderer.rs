@@ -1,6 +1,6 @@
 //! A device, or the CPU path, with what it keeps from frame to frame.
 
-use super::place::{Executor, Place};
+use super::place::{ChosenDevice, Executor};
 use super::plan::Plan;
 use super::setup::FrameSetup;
 use crate::cpu;
@@ -43,7 +43,7 @@ impl Renderer {
         let start = Instant::now();
         // Errors that do not depend on a device are found before one is opened.
         Plan::for_method(settings)?;
-        let Place { executor: place, reason, passed_over, has_no_adapter } = Place::of(settings)?;
+        let ChosenDevice { executor: place, reason, passed_over, has_no_adapter } = ChosenDevice::of(settings)?;
         let setup_ms = milliseconds(start);
         let (watch, pool) = (Watch::default(), Arc::default());
         Ok(Self { place, setup_ms, watch, pool, passed_over, reason, has_no_adapter })

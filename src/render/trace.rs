@@ -17,9 +17,6 @@ pub use crate::view::given::Rays;
 use on_device::OnDevice;
 use std::time::Instant;
 
-#[cfg(test)]
-pub(crate) use by_method::ray_record;
-
 /// The nearest hits of given rays, in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hits {
@@ -39,14 +36,14 @@ pub struct Hits {
 
 impl Hits {
     /// As many misses, certain ones.
-    fn none(count: usize, normal: bool) -> Self {
+    fn none(count: usize, plan: &GivenPlan) -> Self {
         Self {
             id: vec![-1; count],
             t: vec![f64::INFINITY; count],
             distance: vec![f64::INFINITY; count],
             certainty: vec![0; count],
-            normal: normal.then(|| vec![[0.0; 3]; count]),
-            search: Search::Tree,
+            normal: plan.kernel.normal.then(|| vec![[0.0; 3]; count]),
+            search: plan.search,
         }
     }
 }
@@ -65,9 +62,8 @@ pub struct Tracer<'a> {
     renderer: &'a mut Renderer,
     spheres: &'a Spheres,
     plan: GivenPlan,
+    /// Present if answers are certified and there are spheres.
     tree: Option<Tree>,
-    /// A device holds the tree for methods.
-    held: bool,
     /// Present if an adapter certifies.
     device: Option<OnDevice>,
     warning: Option<String>,
@@ -87,15 +83,6 @@ impl Tracer<'_> {
             return self.certified_hits(rays);
         }
         self.hits_by_method(rays)
-    }
-
-    /// Builds the tree, unless it is built.
-    fn build_tree(&mut self) {
-        if self.tree.is_none() {
-            let start = Instant::now();
-            self.tree = Tree::new(&self.spheres.centers, &self.spheres.radii);
-            self.build_ms += milliseconds(start);
-        }
     }
 
     /// Whether each ray hits any sphere within its limit.
@@ -154,14 +141,13 @@ impl Tracer<'_> {
         self.plan.method
     }
 
-    /// How the spheres of a ray are found: all or tree. Few rays by a method test all spheres though the plan is a
-    /// tree.
+    /// How the spheres of a ray are found: all or tree; by a method all.
     #[must_use]
     pub fn search(&self) -> Search {
         self.plan.search
     }
 
-    /// Time to build the tree in milliseconds; a method has it built when rays first need it.
+    /// Time to build the tree in milliseconds; 0 by a method.
     #[must_use]
     pub fn build_ms(&self) -> f64 {
         self.build_ms
@@ -182,20 +168,18 @@ impl Renderer {
     /// fast.
     ///
     /// # Errors
-    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction.
+    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction, [`Error::Limits`] for more spheres
+    /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;
-        let plan = GivenPlan::new(settings)?;
+        let plan = GivenPlan::new(settings, spheres.len())?;
         let tolerance = settings.promise().relative();
         let (certifies, warning) = self.certifies_given(&plan, settings.backend)?;
         let device = certifies.then(OnDevice::default);
-        let (tree, held) = (None, false);
-        let mut tracer =
-            Tracer { renderer: self, spheres, plan, tree, held, device, warning, tolerance, build_ms: 0.0 };
-        if tracer.plan.certifies() {
-            tracer.build_tree();
-        }
-        Ok(tracer)
+        let start = Instant::now();
+        let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten();
+        let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
+        Ok(Tracer { renderer: self, spheres, plan, tree, device, warning, tolerance, build_ms })
     }
 
     /// Whether an adapter certifies given rays, or why not although it might.

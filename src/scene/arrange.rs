@@ -82,15 +82,17 @@ impl Arrangement {
         let mut rows = Vec::new();
         for copy in 0..lattice.count() {
             watch.check()?;
-            let shift = lattice.shift(lattice.place(copy));
-            let stays = |center: &[f64; 3]| {
-                let center = DVec3::from_array(*center) + shift;
-                self.clip.iter().all(|plane| is_kept(*plane, center))
-            };
+            let stays = self.stays(&lattice, copy);
             let all = spheres.centers.par_iter().enumerate();
             rows.par_extend(all.filter(|(_, center)| stays(center)).map(|(row, _)| row as u32));
         }
         Ok(rows)
+    }
+
+    /// Whether the clip planes keep a copy of a centre.
+    fn stays(&self, lattice: &Lattice, copy: u64) -> impl Fn(&[f64; 3]) -> bool {
+        let shift = lattice.shift(lattice.place(copy));
+        move |center| self.clip.iter().all(|plane| is_kept(*plane, DVec3::from_array(*center) + shift))
     }
 
     /// The copies of `spheres` that the clip planes keep, numbered as by [`Arrangement::apply`], without holding them in
@@ -125,12 +127,7 @@ impl Arrangement {
         check_spheres(lattice.count().saturating_mul(spheres.len() as u64), spheres.colors.is_some())?;
         for copy in 0..lattice.count() {
             watch.check()?;
-            let shift = lattice.shift(lattice.place(copy));
-            let stays = |center: &[f64; 3]| {
-                let center = DVec3::from_array(*center) + shift;
-                self.clip.iter().all(|plane| is_kept(*plane, center))
-            };
-            if spheres.centers.par_iter().any(stays) {
+            if spheres.centers.par_iter().any(self.stays(&lattice, copy)) {
                 return Ok(false);
             }
         }

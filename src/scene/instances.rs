@@ -14,7 +14,7 @@ use crate::memory::{check_wide_ids, ids_fit};
 use clusters::{Clusters, longest};
 use enclosure::Enclosure;
 use glam::DVec3;
-use operator::{Copies, Placement};
+use operator::{Copies, CopyRule};
 
 pub(crate) use operator::Lattice;
 pub use operator::Operator;
@@ -38,7 +38,7 @@ pub type Tints = Option<Vec<[f32; 3]>>;
 struct Part {
     spheres: Spheres,
     clusters: Clusters,
-    placement: Placement,
+    placement: CopyRule,
     /// The number of its first sphere, among all with those that are clipped.
     first: u64,
     tints: Tints,
@@ -54,7 +54,7 @@ pub(crate) struct Group {
 
 /// Spheres with their numbers.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Numbered {
+pub(crate) struct NumberedSpheres {
     pub(crate) numbers: Vec<u64>,
     pub(crate) spheres: Spheres,
 }
@@ -68,7 +68,7 @@ impl Instances {
     /// # Errors
     /// Those of [`Instances::of`].
     pub(crate) fn along(spheres: Spheres, lattice: Lattice, clip: &[[f64; 4]]) -> Result<Self> {
-        Self::of(vec![(spheres, Placement::Lattice(lattice), None)], clip)
+        Self::of(vec![(spheres, CopyRule::Lattice(lattice), None)], clip)
     }
 
     /// Sets of spheres, each with its operators, and the linear RGB of every operator's copy where that is not the spheres'
@@ -78,12 +78,11 @@ impl Instances {
     /// [`Error::Limits`] for more spheres than 64-bit ids can number, and where memory is short; [`Error::Scene`] for numbers that
     /// are not finite.
     pub fn by_operators(sets: Vec<(Spheres, Vec<Operator>, Tints)>) -> Result<Self> {
-        let sets =
-            sets.into_iter().map(|(spheres, operators, tints)| (spheres, Placement::Operators(operators), tints));
+        let sets = sets.into_iter().map(|(spheres, operators, tints)| (spheres, CopyRule::Operators(operators), tints));
         Self::of(sets.collect(), &[])
     }
 
-    fn of(sets: Vec<(Spheres, Placement, Tints)>, clip: &[[f64; 4]]) -> Result<Self> {
+    fn of(sets: Vec<(Spheres, CopyRule, Tints)>, clip: &[[f64; 4]]) -> Result<Self> {
         let (mut parts, mut total) = (Vec::new(), 0u64);
         for (spheres, placement, tints) in sets {
             spheres.check()?;
@@ -141,12 +140,12 @@ impl Instances {
             to(&(colors.len() as u64).to_le_bytes());
             to(bytemuck::cast_slice(colors));
             match placement {
-                Placement::Lattice(Lattice { copies, edges }) => {
+                CopyRule::Lattice(Lattice { copies, edges }) => {
                     to(b"edges");
                     to(bytemuck::cast_slice(copies));
                     edges.iter().for_each(|edge| to(bytemuck::cast_slice(&edge.to_array())));
                 }
-                Placement::Operators(operators) => {
+                CopyRule::Operators(operators) => {
                     to(b"operators");
                     to(&(operators.len() as u64).to_le_bytes());
                     operators.iter().for_each(|operator| to(bytemuck::cast_slice(operator.0.as_flattened())));
@@ -198,7 +197,7 @@ impl Instances {
             }
             Copies::Places(places) if group.copies.count() > 1 => {
                 // The copies are divided along the edge that they extend farthest along.
-                let Placement::Lattice(Lattice { edges, .. }) = &part.placement else { return false };
+                let CopyRule::Lattice(Lattice { edges, .. }) = &part.placement else { return false };
                 let lengths = [0, 1, 2].map(|k| f64::from(places[k][1] - places[k][0] - 1) * edges[k].length());
                 let longest = longest(DVec3::from_array(lengths));
                 // Edges of no length are divided too.
@@ -223,15 +222,15 @@ impl Instances {
     }
 
     /// Adds the spheres of a group that the clip planes keep.
-    pub(crate) fn spheres_of(&self, group: &Group, to: &mut Numbered) {
+    pub(crate) fn spheres_of(&self, group: &Group, to: &mut NumberedSpheres) {
         let part = &self.parts[group.part as usize];
         let [first, end] = part.clusters.nodes[group.cluster as usize].range.map(|n| n as usize);
         self.add(part, &group.copies, part.clusters.order[first..end].iter().copied(), to);
     }
 
     /// Adds these copies of some spheres of a part, as far as the clip planes keep them.
-    fn add(&self, part: &Part, copies: &Copies, indices: impl Iterator<Item = u32> + Clone, to: &mut Numbered) {
-        let Numbered { numbers, spheres } = to;
+    fn add(&self, part: &Part, copies: &Copies, indices: impl Iterator<Item = u32> + Clone, to: &mut NumberedSpheres) {
+        let NumberedSpheres { numbers, spheres } = to;
         let (own, count) = (&part.spheres, part.spheres.len() as u64);
         let (centers, radii) = (spheres.centers.to_mut(), spheres.radii.to_mut());
         let mut colors = part.colors().then(|| spheres.colors.get_or_insert_default().to_mut());

@@ -2,9 +2,8 @@
 
 use super::Spheres;
 use super::camera::{Camera, Look};
-use crate::error::{Error, Result};
+use crate::error::named;
 use glam::DVec3;
-use std::str::FromStr;
 
 /// The middle of a box with these corners; the origin if they are not finite, as those around no spheres.
 #[must_use]
@@ -53,26 +52,9 @@ pub enum NamedView {
     Auto,
 }
 
+named! { NamedView, "view", Front "front" Back "back" Left "left" Right "right" Top "top" Bottom "bottom" Iso "iso" Auto "auto" }
+
 impl NamedView {
-    /// All of them.
-    pub const ALL: [Self; 8] =
-        [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom, Self::Iso, Self::Auto];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Back => "back",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Top => "top",
-            Self::Bottom => "bottom",
-            Self::Iso => "iso",
-            Self::Auto => "auto",
-        }
-    }
-
     /// The direction; `None` where it depends on the spheres.
     #[must_use]
     pub fn facing(self) -> Option<Facing> {
@@ -87,14 +69,6 @@ impl NamedView {
             Self::Iso => of(DVec3::NEG_ONE, DVec3::Y),
             Self::Auto => None,
         }
-    }
-}
-
-impl FromStr for NamedView {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("view", name, &Self::ALL, Self::name)
     }
 }
 
@@ -296,7 +270,7 @@ mod tests {
 
     #[test]
     fn named_views_have_a_picture_of_their_own() {
-        for view in NamedView::ALL {
+        for &view in NamedView::ALL {
             assert_eq!(view.name().parse::<NamedView>().expect("a name"), view);
             let Some(Facing { view, up }) = view.facing() else { continue };
             let camera = Camera { look: Look::View(view), up, ..Camera::CANONICAL };

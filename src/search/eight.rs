@@ -2,13 +2,13 @@
 
 use crate::intersect::Intersect;
 use crate::number::vector::{LANES, Laned, Vector};
-use crate::number::{Arithmetic, Mask, Truth};
+use crate::number::{Arithmetic, Mask, TruthValue};
 use crate::view::Sphere;
 use crate::view::ray::{NONE, Ray};
 
 /// The closest hits of eight rays.
 #[derive(Clone, Copy)]
-pub(crate) struct Hits<N: Laned> {
+pub(crate) struct EightHits<N: Laned> {
     /// t in the frame's unit; [`Arithmetic::MISS`] on a miss.
     pub(crate) t: N::Vector,
     /// The spheres' indices in the scene's order; [`NONE`] on a miss.
@@ -29,7 +29,7 @@ fn pick(mask: Vector<u32>, yes: u32, no: Vector<u32>) -> Vector<u32> {
     (Vector([yes; LANES]) & mask) | (no & !mask)
 }
 
-impl<N: Laned> Hits<N> {
+impl<N: Laned> EightHits<N> {
     /// No hit.
     pub(crate) const NONE: Self =
         Self { t: <N::Vector as Arithmetic>::MISS, id: Vector([NONE; LANES]), place: Vector([0; LANES]) };
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use crate::intersect::{Method, Visit};
     use crate::number::Number;
-    use crate::search::nearest::{closer_hit_any_order, nearest_of};
+    use crate::search::nearest::nearest_of;
     use crate::testing::Rng;
     use crate::view::ray::Hit;
     use crate::view::{SphereRecord, SphereResiduals};
@@ -125,6 +125,14 @@ mod tests {
         let scale = 2f32.powi(rng.below(21) as i32 - 10);
         let record = SphereRecord { center_radius, power: parts(power)[0], scale, id: 0, unused: 0 };
         (record, SphereResiduals { center_radius: rest, power: parts(power)[1], unused: [0.0; 3] })
+    }
+
+    /// Keeps the closer hit, and for equal t the lower id.
+    fn closer_hit_any_order<V: Intersect, R: Number>(hit: Hit<R>, ray: &Ray<R>, s: &Sphere<R>, id: u32) -> Hit<R> {
+        let t = V::intersect(ray, s);
+        let met = Hit { t: t.scaled(s.scale), id };
+        let closer = t < R::MISS && met.t < R::MISS && (met.t < hit.t || met.t == hit.t && id < hit.id);
+        if closer { met } else { hit }
     }
 
     /// Some spheres, the last of them again the first, and eight rays.
@@ -163,9 +171,9 @@ mod tests {
             for n in 0..3000 {
                 let (spheres, rays) = world::<V::Number>(&mut rng, 1 + n % 9);
                 let eight = together(&rays);
-                let all = Hits::among_all::<V>(&eight, &spheres);
+                let all = EightHits::among_all::<V>(&eight, &spheres);
                 // Any order: the spheres backwards, and some of the rays closed.
-                let mut any = Hits::NONE;
+                let mut any = EightHits::NONE;
                 let open = Vector(std::array::from_fn(|_| if rng.below(4) == 0 { 0 } else { u32::MAX }));
                 let backwards = || (0..spheres.len() as u32).rev().zip(0..);
                 for (id, place) in backwards() {

@@ -10,7 +10,6 @@ mod build;
 pub(crate) mod device;
 pub(crate) mod device_rays;
 pub(crate) mod lanes;
-mod method_rays;
 mod order;
 #[cfg(test)]
 mod tests;
@@ -18,11 +17,10 @@ pub(crate) mod walk;
 
 use crate::view::placement::Placement;
 pub(crate) use box_ray::BoxRay;
-pub(crate) use method_rays::MethodRays;
 pub(crate) use order::order;
 
 /// Children of a node, and spheres of a block: the lanes of a vector.
-pub(crate) const WIDE: usize = 8;
+pub(crate) const WIDE: usize = crate::number::vector::LANES;
 
 /// The most levels of nodes: blocks number at most 2^28, and eight of them make a node.
 pub(crate) const LEVELS: usize = 10;

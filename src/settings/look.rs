@@ -1,11 +1,10 @@
 //! The looks of a picture, and the light that options add to a scene: one rule for the command and the Python package.
 
-use crate::error::{Error, Result};
+use crate::error::{Result, named};
 use crate::frame::Aov;
 use crate::scene::{Light, LightSource, Lighting, Materials, Scene, Sky};
 use crate::shade::Shade;
 use glam::DVec3;
-use std::str::FromStr;
 
 /// Samples per pixel of the look `soft`.
 const SOFT_SAMPLES: u32 = 4;
@@ -22,20 +21,9 @@ pub enum Look {
     Figure,
 }
 
+named! { Look, "look", Plain "plain" Soft "soft" Figure "figure" }
+
 impl Look {
-    /// All of them.
-    pub const ALL: &'static [Self] = &[Self::Plain, Self::Soft, Self::Figure];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "plain",
-            Self::Soft => "soft",
-            Self::Figure => "figure",
-        }
-    }
-
     /// The shading that it stands for, if any.
     #[must_use]
     pub fn shade(self) -> Option<Shade> {
@@ -109,13 +97,6 @@ impl FileLook {
         let look = asked.filter(|_| has_picture).unwrap_or(if is_default { Look::Soft } else { Look::Plain });
         let samples = samples.or(self.samples).unwrap_or(look.samples());
         ChosenLook { look, samples, is_default }
-    }
-}
-
-impl FromStr for Look {
-    type Err = Error;
-    fn from_str(name: &str) -> Result<Self> {
-        crate::error::by_name("look", name, Self::ALL, Self::name)
     }
 }
 

@@ -42,12 +42,6 @@ pub(crate) const UNSURE: u32 = u32::MAX - 1;
 impl<R: Number> Hit<R> {
     /// No hit.
     pub const NONE: Self = Self { t: R::MISS, id: NONE };
-
-    /// Whether this hit replaces `other` where spheres are tested in any order: it is closer, or as close with the
-    /// lower id.
-    pub(crate) fn is_before(&self, other: &Self) -> bool {
-        self.t < R::MISS && (self.t < other.t || self.t == other.t && self.id < other.id)
-    }
 }
 
 /// The viewing ray of row `i` and column `j`, both from 0: u = (2j + 1 - W) vw/(2W), v = (H - 1 - 2i) vh/(2H), -d.

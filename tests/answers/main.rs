@@ -19,6 +19,7 @@ mod rng;
 #[path = "../common/skip.rs"]
 mod skip;
 
+mod by_method;
 mod cloud;
 mod crop;
 mod depth_of_field;
@@ -40,6 +41,5 @@ mod score;
 mod selftest;
 mod stream;
 mod tiles;
-mod tree;
 mod truth;
 mod twins;

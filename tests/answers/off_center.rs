@@ -227,13 +227,13 @@ fn samples_cover_the_pixels_of_the_pinhole_camera() {
 fn the_record_of_a_camera_tells_its_principal_point() {
     for point in [[18.3, 41.7], [1000.123, -2000.4], [30.0, 20.5], [3e4 + 0.3, 0.2]] {
         let scene = scene(intrinsics(point), SIZE);
-        let record = CameraRecord::new(&scene.camera, SIZE[0], SIZE[1]).expect("a record");
+        let record = CameraRecord::new(&scene.camera, SIZE, None).expect("a record");
         let found = record.intrinsics.expect("intrinsics");
         // A part is 1/256 of a pixel while 8 * 256 * (2 * distance + 2) <= 2^20, and half of it is the rounding.
         let side = 2.0 * point[0].abs().max(point[1].abs()).max(100.0) + 2.0;
         let part = if point[0].fract() == 0.0 { 0.0 } else { 1.0_f64.min(2f64.powi(-8).max(side * 2f64.powi(-16))) };
         assert!((found.cx - point[0]).abs() <= part / 2.0 && (found.cy - point[1]).abs() <= part / 2.0, "{found:?}");
-        let again = CameraRecord::new(&record.camera(), SIZE[0], SIZE[1]).expect("a record");
+        let again = CameraRecord::new(&record.camera(), SIZE, None).expect("a record");
         assert_eq!(again, record, "its rays are the same again");
     }
     let options = Options { backend: Backend::Cpu, ..Options::default() };

@@ -120,16 +120,16 @@ impl HitFile {
             match self.format {
                 HitFormat::Csv => {
                     out.write_all(self.query.header().as_bytes())?;
-                    fill(Place::Text(out))
+                    fill(Destination::Text(out))
                 }
                 HitFormat::Npz => {
                     let mut spool = Spool::new(&self.path, self.query)?;
-                    fill(Place::Spool(&mut spool))?;
+                    fill(Destination::Spool(&mut spool))?;
                     write_archive(out, |archive| spool.write(self.query, scan, archive, watch))
                 }
                 HitFormat::Cloud(format) => {
                     let mut cloud = Cloud::new(&self.path, format, scan)?;
-                    fill(Place::Cloud(&mut cloud))?;
+                    fill(Destination::Cloud(&mut cloud))?;
                     summary = Some(cloud.write(spheres, out, watch).map_err(io::Error::other)?);
                     Ok(())
                 }
@@ -142,10 +142,10 @@ impl HitFile {
 /// Receives the rows of a file of hits, block by block.
 pub struct HitWriter<'a> {
     file: &'a HitFile,
-    place: Place<'a>,
+    place: Destination<'a>,
 }
 
-enum Place<'a> {
+enum Destination<'a> {
     Text(&'a mut dyn Write),
     Spool(&'a mut Spool),
     Cloud(&'a mut Cloud),
@@ -176,9 +176,9 @@ impl HitWriter<'_> {
 
     fn rows(&mut self, rows: &Rows<'_>) -> Result<()> {
         let written = match &mut self.place {
-            Place::Text(out) => rows.write_text(out),
-            Place::Spool(spool) => spool.add(rows),
-            Place::Cloud(cloud) => return cloud.add(rows),
+            Destination::Text(out) => rows.write_text(out),
+            Destination::Spool(spool) => spool.add(rows),
+            Destination::Cloud(cloud) => return cloud.add(rows),
         };
         written.map_err(|error| Error::write(&self.file.path, error))
     }

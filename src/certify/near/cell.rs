@@ -6,7 +6,8 @@ use crate::certify::constants::{
 };
 use crate::certify::general::GeneralRecord;
 use crate::certify::projection::ProjectionBounds;
-use crate::certify::projection::project::{LANES, larger, smaller};
+use crate::certify::projection::project::{larger, smaller};
+use crate::number::vector::LANES;
 use pulp::NullaryFnOnce;
 
 /// The relative rounding of a lower bound as the kernel computes it, and of the quotients here: the kernel's is within
@@ -47,7 +48,7 @@ impl NearSphere {
 
 /// The rays through a rectangle of pixels of the view's frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct TileBlock {
     /// The middle and half of the extent, in pixels.
     middle: [f64; 2],
     half: [f64; 2],
@@ -64,7 +65,7 @@ pub(super) struct Cell {
 /// rays certainly hit, above the depths of the hits, else infinite.
 type Depths = [f64; 2];
 
-impl Cell {
+impl TileBlock {
     /// The rays of the tiles from `first` up to `ends`, by column and row.
     pub(super) fn new(projection: &ProjectionBounds, first: [u32; 2], ends: [u32; 2]) -> Self {
         let (pixels, size, slopes) = projection.cell(first, ends);
@@ -163,7 +164,7 @@ impl Cell {
 
 /// The spheres of a list, eight at a time.
 struct Weigh<'a> {
-    cell: &'a Cell,
+    cell: &'a TileBlock,
     spheres: &'a [NearSphere],
     slots: &'a [u32],
     /// The lower bounds of depth of all of them.

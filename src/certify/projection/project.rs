@@ -7,6 +7,7 @@ use super::{
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{Bin, Placed};
 use crate::double_double::{self as dd, Dd, Dd3};
+use crate::number::vector::LANES;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
 /// bound.
@@ -15,9 +16,6 @@ const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 /// The depth, relative to the reference, of a centre under parallel projection whose hits are never certified: behind
 /// all others.
 const NEVER: f64 = -((1u128 << 126) as f64);
-
-/// Spheres that are computed together.
-pub(in crate::certify) const LANES: usize = 8;
 
 /// A sphere before its projection into the image.
 #[derive(Default)]

@@ -70,14 +70,14 @@ const ROTATED: f64 = 1e-5;
 const HOST_DEPTH: f64 = 556.0 / 1024.0;
 
 /// One shot, in one order of its sums.
-struct Look<'a> {
+struct OrderedShot<'a> {
     staged: &'a Staged,
     terms: &'a Terms,
     /// `None`: the order of the source.
     order: Option<u64>,
 }
 
-impl Look<'_> {
+impl OrderedShot<'_> {
     /// The largest error of this combination of numbers by all roundings.
     fn worst(&self, given: &Given, of: &[(Traced, f64)]) -> f64 {
         self.worst_of(given, [of])
@@ -346,7 +346,7 @@ fn worst(check: Check, regime: Regime, terms: &Terms, shots: u32) -> (f64, Optio
     let look = |shot: &Shot, rng: &mut Rng| -> f64 {
         let Some(staged) = shot.staged(terms) else { return f64::NAN };
         let orders = [None; 1].into_iter().chain((0..6).map(|_| Some(rng.bits())));
-        orders.map(|order| Look { staged: &staged, terms, order }.share(check)).fold(f64::NAN, f64::max)
+        orders.map(|order| OrderedShot { staged: &staged, terms, order }.share(check)).fold(f64::NAN, f64::max)
     };
     let mut best = (f64::NEG_INFINITY, None);
     for _ in 0..shots {

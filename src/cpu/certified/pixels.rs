@@ -2,12 +2,12 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use super::lanes::{Answers, Lanes, NearestTwos};
-use super::vector::{LANES, mask, pick};
+use super::strip::{NearestTwos, Strip, StripAnswers};
 use crate::answers::raw::{Piece, Raw};
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::kernel::Kernel;
+use crate::number::vector::{Bits, LANES, pick};
 use crate::shade::{Shade, color_of, to_world};
 use crate::tile::TILE;
 use crate::view::ray::{NONE, UNSURE};
@@ -15,7 +15,7 @@ use crate::view::{View, ViewRecord};
 use std::ops::Range;
 
 /// What the strips of a frame share.
-pub(super) struct Frame<'a> {
+pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
     shade: Option<Shade>,
     normal: bool,
@@ -24,7 +24,7 @@ pub(super) struct Frame<'a> {
     pub(super) found: Option<&'a Raw>,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> StripFrame<'a> {
     pub(super) fn new(
         kernel: &Kernel,
         view: &'a View,
@@ -57,19 +57,19 @@ impl Pixels {
 
     /// Of a strip whose rays end in `two`.
     #[inline(always)]
-    pub(super) fn new<const SAMPLED: bool>(frame: &Frame<'_>, lanes: &Lanes<SAMPLED>, two: &NearestTwos) -> Self {
+    pub(super) fn new<const SAMPLED: bool>(frame: &StripFrame<'_>, strip: &Strip<SAMPLED>, two: &NearestTwos) -> Self {
         let [red, green, blue, _] = frame.certify.view.background;
         let mut pixels = Self { color: [[red; LANES], [green; LANES], [blue; LANES]], ..Self::NONE };
         if two.slot == NearestTwos::NONE.slot {
             return pixels;
         }
-        let answers = lanes.certify_winners(&frame.certify, two);
+        let answers = strip.certify_winners(&frame.certify, two);
         pixels.answer(&frame.certify, &answers, two);
         if frame.normal {
             pixels.turn(frame.certify.view, &answers, two);
         }
         if let Some(shade) = frame.shade {
-            pixels.shade(frame, shade, lanes, &answers, two);
+            pixels.shade(frame, shade, strip, &answers, two);
         }
         pixels
     }
@@ -77,15 +77,15 @@ impl Pixels {
     // The loops below read copies and select by masks: so compilers make one vector of the lanes.
 
     #[inline(always)]
-    fn answer(&mut self, certify: &Certify<'_, f32>, answers: &Answers, two: &NearestTwos) {
+    fn answer(&mut self, certify: &Certify<'_, f32>, answers: &StripAnswers, two: &NearestTwos) {
         let (two, id, numbers) = (*two, answers.id, answers.numbers);
         for l in 0..LANES {
             let proved = (two.slot[l] == NONE) | certify.certain(&answers.get(l), [two.low[l], two.second[l]]);
-            let proved = mask(proved);
+            let proved = u32::all_if(proved);
             self.id[l] = (id[l] & proved) | (UNSURE & !proved);
         }
         for l in 0..LANES {
-            let hit = mask(two.slot[l] != NONE);
+            let hit = u32::all_if(two.slot[l] != NONE);
             self.t[l] = pick(hit, numbers[0][l], f32::MAX);
             self.depth_interval[l] = pick(hit, numbers[3][l], 0.0);
         }
@@ -93,12 +93,12 @@ impl Pixels {
 
     /// World normals.
     #[inline(always)]
-    fn turn(&mut self, view: &ViewRecord, answers: &Answers, two: &NearestTwos) {
+    fn turn(&mut self, view: &ViewRecord, answers: &StripAnswers, two: &NearestTwos) {
         let (view, slot, [_, _, _, _, x, y, z]) = (*view, two.slot, answers.numbers);
         let mut normal = [[0.0; LANES]; 3];
         for l in 0..LANES {
             let [a, b, c] = to_world(&view, [x[l], y[l], z[l]]);
-            let hit = mask(slot[l] != NONE);
+            let hit = u32::all_if(slot[l] != NONE);
             (normal[0][l], normal[1][l], normal[2][l]) = (pick(hit, a, 0.0), pick(hit, b, 0.0), pick(hit, c, 0.0));
         }
         self.normal = normal;
@@ -108,10 +108,10 @@ impl Pixels {
     #[inline(always)]
     fn shade<const SAMPLED: bool>(
         &mut self,
-        frame: &Frame<'_>,
+        frame: &StripFrame<'_>,
         shade: Shade,
-        lanes: &Lanes<SAMPLED>,
-        answers: &Answers,
+        strip: &Strip<SAMPLED>,
+        answers: &StripAnswers,
         two: &NearestTwos,
     ) {
         let mut own = [[0.0; LANES]; 3];
@@ -124,12 +124,12 @@ impl Pixels {
         let behind = self.color;
         let mut color = [[0.0; LANES]; 3];
         for l in 0..LANES {
-            let s = lanes.slopes(0, l);
+            let s = strip.slopes(0, l);
             let rgb = shade.of(&view, [s.x, s.y, -1.0], [x[l], y[l], z[l]], [own[0][l], own[1][l], own[2][l]]);
             (color[0][l], color[1][l], color[2][l]) = (rgb[0], rgb[1], rgb[2]);
         }
         for l in 0..LANES {
-            let hit = mask(slot[l] != NONE);
+            let hit = u32::all_if(slot[l] != NONE);
             for k in 0..3 {
                 color[k][l] = pick(hit, color[k][l], behind[k][l]);
             }

@@ -1,13 +1,14 @@
 //! Rays that go on from mirrors and through glass.
 
 use super::super::foremost::Foremost;
-use super::lighting::Lighting;
+use super::super::given_certified::NearestSearch;
+use super::lighting::LitScene;
 use super::point::PointLight;
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
 use crate::scene::Material;
 use crate::search::tree::lanes::{Lanes, Work, dispatch};
-use crate::search::tree::walk::{Test, may_meet, walk};
+use crate::search::tree::walk::walk;
 use crate::search::tree::{BoxRay, Tree};
 use crate::shade::optics::{reflected, refracted, schlick};
 use crate::view::directions::PixelSample;
@@ -85,7 +86,7 @@ impl Bounces {
     }
 
     /// Adds the rays that go on where `ray` meets a point.
-    fn push(&mut self, lighting: &Lighting<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
+    fn push(&mut self, lighting: &LitScene<'_>, ray: &Onward, point: &SurfacePoint, at: PixelSample) {
         let (normal, along) = (DVec3::from_array(point.normal), ray.along);
         let depth = ray.depth + 1;
         let mirror = |weight: DVec3| Onward {
@@ -147,8 +148,8 @@ impl Onward {
         };
         let own = self.within.then(|| (OWN, self.from.chord(&ray)));
         let limit = boxes.limit(own.map_or(f64::INFINITY, |(_, bounds)| bounds.high));
-        let mut found = Foremost::of(own);
-        dispatch(NearestOf { tree, ray: &ray, boxes: &boxes, from: &self.from, limit, found: &mut found });
+        let found =
+            dispatch(NearestOf { tree, ray: &ray, boxes: &boxes, from: &self.from, limit, own: Foremost::of(own) });
         let Foremost { best: Some((place, bounds)), rival } = found else {
             return (None, found.rival == f64::INFINITY);
         };
@@ -173,38 +174,22 @@ struct NearestOf<'a> {
     boxes: &'a BoxRay,
     from: &'a SurfacePoint,
     limit: f32,
-    found: &'a mut Foremost,
+    /// The hit of the sphere that the ray starts from.
+    own: Foremost,
 }
 
 impl Work for NearestOf<'_> {
-    #[inline(always)]
-    fn work<L: Lanes>(self, lanes: L) {
-        let (tree, boxes, limit) = (self.tree, self.boxes, self.limit);
-        walk(lanes, tree, boxes, limit, &mut Nearest { lanes, limit, of: self });
-    }
-}
+    type Output = Foremost;
 
-struct Nearest<'a, L> {
-    lanes: L,
-    limit: f32,
-    of: NearestOf<'a>,
-}
-
-impl<L: Lanes> Test for Nearest<'_, L> {
     #[inline(always)]
-    fn test(&mut self, block: u32) -> f32 {
-        let NearestOf { tree, ray, boxes, from, ref mut found, .. } = self.of;
-        for place in may_meet(self.lanes, tree, block, boxes, self.limit) {
+    fn work<L: Lanes>(self, lanes: L) -> Foremost {
+        let Self { tree, ray, boxes, from, limit, own } = self;
+        let counts = |place: usize| {
             let [x, y, z, radius] = tree.spheres[place];
-            if ([x, y, z], radius) == (from.center, from.radius) {
-                continue;
-            }
-            if let Some(bounds) = ray.meet([x, y, z], radius)
-                && found.keep(tree, ray, place, bounds)
-            {
-                self.limit = boxes.limit(bounds.high);
-            }
-        }
-        self.limit
+            ([x, y, z], radius) != (from.center, from.radius)
+        };
+        let mut search = NearestSearch { lanes, tree, ray, boxes, counts, limit, foremost: own };
+        walk::<false, _>(lanes, tree, boxes, limit, &mut search);
+        search.foremost
     }
 }

@@ -26,7 +26,7 @@ pub(crate) struct Wanted {
 }
 
 /// A scene set up for its lights.
-pub(crate) struct Lighting<'a> {
+pub(crate) struct LitScene<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
     pub(crate) tree: &'a Tree,
@@ -58,7 +58,7 @@ impl Wanted {
     }
 }
 
-impl Lighting<'_> {
+impl LitScene<'_> {
     /// The hit point of the viewing ray of row `i` and column `j`, in the finer frame of its samples.
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = (id, self.scene.spheres.centers[id as usize], self.scene.spheres.radii[id as usize]);

@@ -2,7 +2,7 @@
 
 use super::super::given_certified::AnyHit;
 use super::super::hidden::LightRay;
-use super::lighting::Lighting;
+use super::lighting::LitScene;
 use super::surface::Surface;
 use crate::certify::given::{CertifiedRay, dot};
 use crate::certify::surface::{Own, SurfacePoint};
@@ -100,7 +100,7 @@ enum Of {
 
 /// Lights and sky at one point after the other.
 pub(super) struct PointLight<'a> {
-    pub(super) of: &'a Lighting<'a>,
+    pub(super) of: &'a LitScene<'a>,
     /// Toward each light that is infinitely far, of length 1.
     far: Vec<Option<DVec3>>,
     lights: Vec<LightShare>,
@@ -114,7 +114,7 @@ pub(super) struct PointLight<'a> {
 }
 
 impl<'a> PointLight<'a> {
-    pub(super) fn new(of: &'a Lighting<'a>) -> Self {
+    pub(super) fn new(of: &'a LitScene<'a>) -> Self {
         let lights = &of.scene.lighting.lights;
         Self {
             of,

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::frame::report::{Timings, milliseconds};
 use crate::gpu::Gpu;
 use crate::gpu::device::{self, AdapterSummary, FoundAdapter};
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::intersect::Method;
 use crate::kernel::Kernel;
 use crate::memory::Pool;
@@ -127,7 +127,7 @@ impl Gpu {
         let mut times = [Vec::new(), Vec::new()];
         for _ in 0..=FRAMES {
             let candidates = Some(CandidateList::Certified(&binned));
-            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates, tree: None };
+            let input = Input { view: &view, colors: None, rays: KernelRays::Viewing, candidates };
             let start = Instant::now();
             let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
             match on_adapter.winners {

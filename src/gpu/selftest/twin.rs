@@ -9,7 +9,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
-use crate::gpu::input::{Input, Output, Rays};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::intersect::Method;
 use crate::kernel::{Generals, Kernel};
 use crate::memory::Pool;
@@ -88,7 +88,7 @@ impl Gpu {
                 }
                 None => cpu::render(&kernel, &view, None, &mut host, &|| true),
             }
-            let input = Input { view: &view, colors: None, rays: Rays::Viewing, candidates, tree: None };
+            let input = Input { view: &view, colors: None, rays: KernelRays::Viewing, candidates };
             let mut output = Output { raw: &mut device, timings: &mut Timings::default() };
             self.run(&kernel, &input, &mut output, &|_| true)?;
             let bits = |raw: &Raw| -> Vec<u32> {

@@ -3,7 +3,7 @@
 use super::explanation::{DeviceBuffer, ShaderFile};
 use crate::gpu::Gpu;
 use crate::gpu::compose::compose;
-use crate::gpu::input::{Input, Rays};
+use crate::gpu::input::{Input, KernelRays};
 use crate::gpu::submission_budget::SubmissionBudget;
 use crate::gpu::transfers::{Bands, BindingLimits, Entries, uploads};
 use crate::kernel::{Kernel, KernelOutput};
@@ -28,8 +28,7 @@ impl Work {
         let (view, candidates) = (&setup.view, setup.candidates(scene, &pool));
         let parts = compose(kernel).files().into_iter().map(|(file, lines)| ShaderFile { file, lines }).collect();
         let pixels = view.record.pixels() as u64;
-        let input =
-            Input { view, colors: scene.spheres.colors.as_deref(), rays: Rays::Viewing, candidates, tree: None };
+        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing, candidates };
         let mut uploaded = vec![DeviceBuffer { name: "view", bytes: size_of::<ViewRecord>() as u64 }];
         let bytes = |(name, bytes): (&'static str, &[u8])| DeviceBuffer { name, bytes: bytes.len() as u64 };
         uploaded.extend(uploads(kernel, &input).into_iter().map(bytes));

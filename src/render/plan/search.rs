@@ -23,28 +23,30 @@ pub(super) fn for_viewing_rays(requested: Search, certified: bool, spheres: usiz
     }
 }
 
-/// Up to this number of spheres testing all of them is cheaper than walking a tree. Clouds, 1e5 rays, both ways of
-/// origins, CPU milliseconds per call by all and by a tree: lavapipe 33 and 41, 71 and 80 with 32 spheres, 47 and 42,
-/// 91 and 83 with 64; the CPU path 20 and 24, 70 and 58 with 32, 34 and 24, 128 and 59 with 64 (Mesa 22.3.6, 2 shared
-/// cores; an earlier tree of two boxes per node, as for the next number).
-const FEW_SPHERES: usize = 48;
+/// The most spheres that a method tests for each given ray: 1e5 rays then take 4 to 14 CPU seconds (docs/performance-log.md),
+/// and as many certified ones less than one.
+const MOST: usize = 10_000;
 
-/// Up to this number of rays testing all spheres is cheaper than building a tree, for any number of spheres: 1e5
-/// spheres and 64 rays take 37 CPU milliseconds by all and 50 by a tree on lavapipe, 43 and 49 on the CPU path; 256
-/// rays 110 and 49, 113 and 55.
-const FEW_RAYS: usize = 100;
-
-/// How given rays find candidates: as requested, else by the lower cost.
+/// How given rays find candidates: certified ones by a tree unless all spheres are requested, those of a method by testing
+/// all spheres.
 ///
 /// # Errors
-/// [`Error::Settings`] for tiles.
-pub(super) fn for_given_rays(requested: Search, spheres: usize, rays: usize) -> Result<Search> {
+/// [`Error::Settings`] for tiles, and for a tree by a method; [`Error::Limits`] for more than [`MOST`] spheres by a method.
+pub(super) fn for_given_rays(requested: Search, by_method: bool, spheres: usize) -> Result<Search> {
     match requested {
         Search::Tiles => {
             let problem = "given rays have no pixels, so --search tiles does not apply";
             Err(Error::settings(problem, "use the search tree, all or auto"))
         }
-        Search::Auto if spheres > FEW_SPHERES && rays > FEW_RAYS => Ok(Search::Tree),
+        Search::Tree if by_method => {
+            let problem = "the search tree is for certified and exact answers; a method tests all spheres";
+            Err(Error::settings(problem, "use --search all or auto, or --accuracy certified without a method"))
+        }
+        _ if by_method && spheres > MOST => Err(Error::Limits {
+            problem: format!("a method tests all spheres for every ray, at most {MOST}, and there are {spheres}"),
+            mend: "use --accuracy certified without a method, which is faster here".into(),
+        }),
+        Search::Auto if !by_method => Ok(Search::Tree),
         Search::Auto => Ok(Search::All),
         requested => Ok(requested),
     }

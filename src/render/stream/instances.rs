@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::memory::{check_wide_ids, ids_fit};
 use crate::progress::Watch;
 use crate::scene::instances::enclosure::Enclosure;
-use crate::scene::instances::{Group, Instances, Numbered};
+use crate::scene::instances::{Group, Instances, NumberedSpheres};
 use crate::scene::{Scene, Spheres};
 use crate::settings::Settings;
 
@@ -103,7 +103,7 @@ impl Stream {
     fn pass(&mut self, instances: &Instances, watch: &Watch) -> Result<()> {
         let basis = self.scene.camera.basis()?;
         let near = |group: &Group| instances.enclosure(group).along(-basis.w, basis.e)[0];
-        let (mut batch, mut parts) = (Numbered::default(), Vec::new());
+        let (mut batch, mut parts) = (NumberedSpheres::default(), Vec::new());
         // The next one is last.
         let nearest_last = |groups: &mut [Group]| groups.sort_by(|a, b| near(b).total_cmp(&near(a)));
         let mut open = instances.whole();
@@ -131,7 +131,7 @@ impl Stream {
     }
 
     /// Keeps what some ray may hit first of a batch.
-    fn take(&mut self, batch: &Numbered) -> Result<()> {
+    fn take(&mut self, batch: &NumberedSpheres) -> Result<()> {
         let sifted = super::sift(&self.sieves, &batch.spheres, true);
         let number = |n: usize| batch.numbers[n];
         self.keep(&batch.spheres, &number, &sifted)?;

@@ -8,12 +8,9 @@ use super::{Hits, Rays, Tracer};
 use crate::answers::raw::Raw;
 use crate::error::Result;
 use crate::frame::report::Timings;
-use crate::gpu::input::{self, Input, Output, TreeInput};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::kernel::{Kernel, RaySource};
 use crate::render::place::Executor;
-use crate::search::tree::device_rays::BoxRayRecord;
-use crate::search::tree::{MethodRays, order};
-use crate::settings::Search;
 use crate::view::View;
 use crate::view::ray::{NONE, RayRecord};
 use crate::{cpu, double_double as dd};
@@ -25,56 +22,31 @@ use std::collections::HashMap;
 const GROUP: usize = 64;
 
 impl Tracer<'_> {
-    /// The closest hit of each ray by the plan's method.
+    /// The closest hit of each ray among all spheres by the plan's method.
     pub(super) fn hits_by_method(&mut self, rays: &Rays) -> Result<Hits> {
-        let plan = self.plan.by_method(self.spheres.len(), rays.len());
-        if plan.search == Search::Tree {
-            self.build_tree();
-        }
-        let (spheres, tree) = (self.spheres, self.tree.as_ref().filter(|_| plan.search == Search::Tree));
-        let method = plan.kernel.method;
+        let (spheres, kernel) = (self.spheres, self.plan.kernel);
         let directions = rays.directions;
         let origin = |n: usize| rays.ray(n).origin;
-        let mut hits = Hits { certainty: vec![255; rays.len()], ..Hits::none(rays.len(), plan.kernel.normal) };
-        hits.search = if tree.is_some() { Search::Tree } else { Search::All };
-        for mut group in groups(directions.len(), origin) {
+        let none = Hits::none(rays.len(), &self.plan);
+        let mut hits = Hits { certainty: vec![255; rays.len()], ..none };
+        for group in groups(directions.len(), origin) {
+            let kernel = Kernel { rays: group.kind, ..kernel };
             let mut view = View::along_axes(group.eye, &spheres.centers, &spheres.radii)?;
-            if group.kind == RaySource::Spread || plan.kernel.is_wide() {
+            if kernel.reads_residuals() {
                 view.keep_residuals(&spheres.centers, &spheres.radii);
             }
             let record = |&n: &u32| ray_record(&view, origin(n as usize), directions[n as usize]);
-            let mut records: Vec<_> = group.rays.par_iter().map(record).collect();
-            let in_tree = tree.map(|tree| (tree, MethodRays::new(tree, &view, method)));
-            if let Some((tree, in_tree)) = &in_tree {
-                let order = order(records.len() as u32, |n| in_tree.ray(&records[n as usize]));
-                group.rays = order.par_iter().map(|&k| group.rays[k as usize]).collect();
-                records = order.par_iter().map(|&k| records[k as usize]).collect();
-                view.sort_spheres(&tree.ids);
-            }
-            let kernel = Kernel { rays: group.kind, tree: in_tree.is_some(), ..plan.kernel };
+            let records: Vec<_> = group.rays.par_iter().map(record).collect();
             let mut raw = Raw::new(&kernel, records.len(), &self.renderer.pool)?;
             match &mut self.renderer.place {
                 Executor::Gpu(gpu) => {
-                    gpu.check_method(method)?;
-                    let nodes = match &in_tree {
-                        Some((tree, _)) if !self.held => tree.device_nodes(),
-                        _ => Vec::new(),
-                    };
-                    let boxes: Vec<_> = match &in_tree {
-                        Some((_, rays)) => {
-                            let boxes = |r| BoxRayRecord::new(rays.ray(r), rays.ratio);
-                            records.par_iter().map(boxes).collect()
-                        }
-                        None => Vec::new(),
-                    };
-                    let tree = in_tree.is_some().then_some(TreeInput { nodes: &nodes, boxes: &boxes });
-                    let input =
-                        Input { view: &view, colors: None, rays: input::Rays::Given(&records), candidates: None, tree };
+                    gpu.check_method(kernel.method)?;
+                    let rays = KernelRays::Given(&records);
+                    let input = Input { view: &view, colors: None, rays, candidates: None };
                     let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
                     gpu.run(&kernel, &input, &mut output, &|_| self.renderer.watch.goes_on())?;
-                    self.held |= in_tree.is_some();
                 }
-                Executor::Cpu => cpu::given_rays(&kernel, &view, &records, in_tree, &mut raw),
+                Executor::Cpu => cpu::given_rays(&kernel, &view, &records, &mut raw),
             }
             let there = |(k, n): (usize, &u32)| {
                 let d = directions[*n as usize];
@@ -139,7 +111,7 @@ fn scale(direction: [f64; 3]) -> i32 {
 }
 
 /// A ray as the kernels read it in `view`.
-pub(crate) fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
+fn ray_record(view: &View, origin: [f64; 3], direction: [f64; 3]) -> RayRecord {
     let f = scale(direction);
     let direction = direction.map(|x| dd::ldexp(x, -f));
     let d = direction.map(|x| x as f32);

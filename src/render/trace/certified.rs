@@ -15,7 +15,7 @@ const PART: usize = 1 << 18;
 
 impl Tracer<'_> {
     pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<Hits> {
-        let mut hits = Hits { search: self.plan.search, ..Hits::none(rays.len(), self.plan.normal) };
+        let mut hits = Hits::none(rays.len(), &self.plan);
         self.each_answer(rays, |n, answer, truth| match (answer, truth) {
             (NearestHit::Miss, _) => {}
             (NearestHit::Hit { id, numbers: h }, _) => hits.set(n, id, h.t, h.distance, h.normal),

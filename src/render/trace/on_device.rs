@@ -6,7 +6,7 @@ use crate::cpu::given_certified::{Given, Query};
 use crate::error::Result;
 use crate::frame::report::Timings;
 use crate::gpu::Gpu;
-use crate::gpu::input::{Input, Output, Rays, TreeInput};
+use crate::gpu::input::{Input, KernelRays, Output};
 use crate::intersect::Method;
 use crate::kernel::{Kernel, RaySource};
 use crate::memory::Pool;
@@ -56,9 +56,8 @@ impl OnDevice {
         let input = Input {
             view: &view,
             colors: None,
-            rays: Rays::Certified { rays: &rays, spheres: &spheres },
+            rays: KernelRays::Certified { rays: &rays, boxes: &boxes, nodes: &nodes, spheres: &spheres },
             candidates: None,
-            tree: Some(TreeInput { nodes: &nodes, boxes: &boxes }),
         };
         let mut raw = Raw::new(&kernel, rays.len(), &Pool::default())?;
         let mut output = Output { raw: &mut raw, timings: &mut Timings::default() };
@@ -83,10 +82,10 @@ impl OnDevice {
 /// A ray for the kernel, without its record if f32 cannot decide it, and as the boxes see it.
 fn device_ray(given: &Given<'_>, n: u32) -> (Option<CertifiedRayRecord>, BoxRayRecord) {
     let Some((ray, boxes)) = given.ray(&given.rays.ray(n as usize)) else {
-        return (Some(CertifiedRayRecord::NOTHING), BoxRayRecord::new(None, 1.0));
+        return (Some(CertifiedRayRecord::NOTHING), BoxRayRecord::new(None));
     };
     match CertifiedRayRecord::new(ray.placed(), ray.direction, ray.limit, &boxes) {
-        Some(record) => (Some(record), BoxRayRecord::new(Some(boxes), 1.0)),
-        None => (None, BoxRayRecord::new(None, 1.0)),
+        Some(record) => (Some(record), BoxRayRecord::new(Some(boxes))),
+        None => (None, BoxRayRecord::new(None)),
     }
 }

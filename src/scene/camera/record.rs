@@ -49,13 +49,13 @@ pub struct Intrinsics {
 }
 
 impl CameraRecord {
-    /// The record of a camera for an image of `width` x `height` pixels. A principal point beside the middle is the rounded
+    /// The record of a camera, and of its lens if it has a size, for an image of so many columns and rows. A principal point beside the middle is the rounded
     /// one of the rays: to half a pixel where it is given so, else to 1/512 of a pixel, or less finely for images of more
     /// than 255 pixels: to 2^-20 of eight times the side of the smallest image around it that contains this one.
     ///
     /// # Errors
-    /// Those of [`Camera::viewport`].
-    pub fn new(camera: &Camera, width: u32, height: u32) -> Result<Self> {
+    /// Those of [`Camera::viewport`] and of [`Aperture::distance`].
+    pub fn new(camera: &Camera, [width, height]: [u32; 2], aperture: Option<Aperture>) -> Result<Self> {
         let viewport = camera.viewport(width, height)?;
         let (at, view) = match camera.look {
             Look::At(at) => (Some(at.to_array()), at - camera.eye),
@@ -76,18 +76,9 @@ impl CameraRecord {
                 Lens::Intrinsics { fx, fy, .. } => Intrinsics { fx, fy, cx, cy },
                 _ => Intrinsics { fx: d * w / viewport.vw, fy: d * h / viewport.vh, cx, cy },
             }),
-            aperture: None,
-            focus: None,
+            aperture: aperture.map(|aperture| aperture.diameter),
+            focus: aperture.map(|aperture| aperture.distance(camera)).transpose()?,
         })
-    }
-
-    /// The record with the lens of this camera, if it has a size.
-    ///
-    /// # Errors
-    /// Those of [`Aperture::distance`].
-    pub fn through(self, aperture: Option<Aperture>, camera: &Camera) -> Result<Self> {
-        let focus = aperture.map(|aperture| aperture.distance(camera)).transpose()?;
-        Ok(Self { aperture: aperture.map(|aperture| aperture.diameter), focus, ..self })
     }
 
     /// The lens, if it has a size.
@@ -135,7 +126,7 @@ mod tests {
             [Look::At(DVec3::new(0.1, 0.2, 0.3)), Look::View(DVec3::new(-1e9, 0.1, 1e-9))].map(|look| (lens, look))
         }) {
             let camera = Camera { eye: DVec3::new(1e9 / 3.0, 0.1, -7.0), look, up: DVec3::new(0.0, 1.0, 0.1), lens };
-            let record = CameraRecord::new(&camera, 640, 360).expect("a camera");
+            let record = CameraRecord::new(&camera, [640, 360], None).expect("a camera");
             let text = serde_json::to_string(&record).expect("JSON");
             let again: CameraRecord = serde_json::from_str(&text).expect(&text);
             assert_eq!(again, record);
@@ -149,7 +140,8 @@ mod tests {
     fn intrinsics_are_focal_lengths_in_pixels() {
         let lens = Lens::Viewport { vw: 4.0, vh: 3.0, distance: 2.0 };
         let camera = Camera { lens, ..Camera::CANONICAL };
-        let found = CameraRecord::new(&camera, 640, 480).expect("a camera").intrinsics.expect("a perspective camera");
+        let found =
+            CameraRecord::new(&camera, [640, 480], None).expect("a camera").intrinsics.expect("a perspective camera");
         assert_eq!(found, Intrinsics { fx: 320.0, fy: 320.0, cx: 320.0, cy: 240.0 });
     }
 }

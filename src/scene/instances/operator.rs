@@ -81,7 +81,7 @@ impl Lattice {
 
 /// The copies of a set of spheres.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Placement {
+pub(crate) enum CopyRule {
     Lattice(Lattice),
     Operators(Vec<Operator>),
 }
@@ -104,7 +104,7 @@ impl Copies {
     }
 }
 
-impl Placement {
+impl CopyRule {
     /// The number of copies.
     pub(crate) fn count(&self) -> u64 {
         match self {
@@ -184,8 +184,8 @@ mod tests {
             let lattice = Lattice { copies: [5, 4, 3], edges: [vector(), vector(), vector()].map(DVec3::from_array) };
             let rows = [vector(), vector(), vector()].map(|[a, b, c]| [a, b, c, a + b]);
             let placements = [
-                (Placement::Lattice(lattice), Copies::Places([[1, 5], [0, 3], [1, 3]])),
-                (Placement::Operators(vec![Operator(rows); 3]), Copies::Numbers([1, 3])),
+                (CopyRule::Lattice(lattice), Copies::Places([[1, 5], [0, 3], [1, 3]])),
+                (CopyRule::Operators(vec![Operator(rows); 3]), Copies::Numbers([1, 3])),
             ];
             for (placement, copies) in placements {
                 let image = placement.image(&copies, &around);

@@ -1,7 +1,7 @@
 //! Copies in the order of their ids: ids without what clip planes remove, and blocks of spheres.
 
-use super::operator::{Copies, Placement};
-use super::{Instances, Numbered, Part};
+use super::operator::{Copies, CopyRule};
+use super::{Instances, NumberedSpheres, Part};
 use crate::error::Result;
 use crate::progress::Watch;
 use crate::scene::Spheres;
@@ -64,7 +64,7 @@ fn halves(copies: &Copies) -> Option<[Copies; 2]> {
     }
 }
 
-impl Placement {
+impl CopyRule {
     /// The number of the first of these copies.
     fn first(&self, copies: &Copies) -> u64 {
         match (self, copies) {
@@ -121,8 +121,8 @@ impl Instances {
     }
 
     /// The first spheres that the clip planes keep: this many, if there are.
-    pub(crate) fn first(&self, count: usize) -> Numbered {
-        let mut found = Numbered::default();
+    pub(crate) fn first(&self, count: usize) -> NumberedSpheres {
+        let mut found = NumberedSpheres::default();
         for Run { part, copies: [first, end], .. } in self.runs() {
             let part = &self.parts[part];
             for copy in first..end {
@@ -140,7 +140,7 @@ impl Instances {
         let mut runs = self.runs();
         let (mut run, mut at): (Option<Run>, [u64; 2]) = (None, [0; 2]);
         std::iter::from_fn(move || {
-            let mut block = Numbered::default();
+            let mut block = NumberedSpheres::default();
             while block.numbers.len() < BLOCK {
                 let Some(Run { part, copies: [_, end], .. }) = run.filter(|run| at[0] < run.copies[1]) else {
                     run = runs.next();
@@ -197,7 +197,7 @@ mod tests {
             }
             assert!(all.centers == whole.centers && all.radii == whole.radii, "{clip:?}");
             assert!(whole.colors.as_ref().is_none_or(|whole| colors == whole[..]), "{clip:?}");
-            let mut found = Numbered::default();
+            let mut found = NumberedSpheres::default();
             instances.whole().iter().for_each(|group| spheres_of(&instances, group, &mut found));
             let mut order: Vec<usize> = (0..found.numbers.len()).collect();
             order.sort_by_key(|n| found.numbers[*n]);
@@ -215,7 +215,7 @@ mod tests {
     }
 
     /// The spheres of the leaves below a group.
-    fn spheres_of(instances: &Instances, group: &crate::scene::instances::Group, to: &mut Numbered) {
+    fn spheres_of(instances: &Instances, group: &crate::scene::instances::Group, to: &mut NumberedSpheres) {
         let mut parts = Vec::new();
         match instances.divide(group, &mut parts) {
             true => parts.iter().for_each(|part| spheres_of(instances, part, to)),

@@ -1,6 +1,6 @@
 //! Extremes over all spheres of copies, by branch and bound.
 
-use super::{Group, Instances, Numbered};
+use super::{Group, Instances, NumberedSpheres};
 use crate::error::Result;
 use crate::progress::Watch;
 use crate::scene::Spheres;
@@ -18,7 +18,7 @@ impl Instances {
         &self,
         watch: &Watch,
         bound: impl Fn(&Enclosure) -> f64,
-        mut score: impl FnMut(&Numbered) -> f64,
+        mut score: impl FnMut(&NumberedSpheres) -> f64,
     ) -> Result<()> {
         let of = |group: Group| {
             let around = self.enclosure(&group);
@@ -27,7 +27,7 @@ impl Instances {
         };
         let mut open: Vec<(f64, Group)> = self.whole().into_iter().map(of).collect();
         open.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut best, mut parts, mut found) = (f64::NEG_INFINITY, Vec::new(), Numbered::default());
+        let (mut best, mut parts, mut found) = (f64::NEG_INFINITY, Vec::new(), NumberedSpheres::default());
         while let Some((bound, group)) = open.pop() {
             if bound <= best {
                 continue;
@@ -98,7 +98,7 @@ impl Instances {
     }
 }
 
-impl Numbered {
+impl NumberedSpheres {
     /// Removes all spheres, and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.numbers.clear();

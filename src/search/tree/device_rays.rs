@@ -8,28 +8,18 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct BoxRayRecord {
-    /// As of [`BoxRay`]. The fourth number is the start.
+    /// As of [`BoxRay`]; the fourth numbers are unused.
     pub(crate) enter: [f32; 4],
-    /// The fourth number times t in the frame's unit is t in the tree's.
     pub(crate) leave: [f32; 4],
-    /// The fourth number is unused.
     pub(crate) inverse: [f32; 4],
 }
 
 impl BoxRayRecord {
-    /// A ray as the boxes see it, or one that meets nothing; `ratio` is the frame's unit of t in the tree's.
-    pub(crate) fn new(ray: Option<BoxRay>, ratio: f64) -> Self {
-        let four = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-        let Some(ray) = ray else {
-            return Self::NOTHING;
-        };
-        // A limit of 0 leaves nothing out where every box is entered at 0.
-        let ratio = if ray == BoxRay::EVERYTHING { 0.0 } else { ratio as f32 };
-        Self {
-            enter: four(ray.enter, ray.start as f32),
-            leave: four(ray.leave, ratio),
-            inverse: four(ray.inverse, 0.0),
-        }
+    /// A ray as the boxes see it, or one that meets nothing.
+    pub(crate) fn new(ray: Option<BoxRay>) -> Self {
+        let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        let of = |ray: BoxRay| Self { enter: four(ray.enter), leave: four(ray.leave), inverse: four(ray.inverse) };
+        ray.map_or(Self::NOTHING, of)
     }
 
     /// A ray that leaves every box before it enters it.

@@ -9,17 +9,18 @@ pub(crate) const TASK: usize = 256;
 /// Work that is compiled for vectors of each kind. A trait, because a closure would not be compiled with
 /// the vector instructions of its caller.
 pub(crate) trait Work {
-    fn work<L: Lanes>(self, lanes: L);
+    type Output;
+    fn work<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
 /// Does the work with the processor's widest vectors.
 #[inline(always)]
-pub(crate) fn dispatch(work: impl Work) {
+pub(crate) fn dispatch<W: Work>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(lanes) = pulp::x86::V3::try_new() {
         return lanes.vectorize(avx2::Vectorized { lanes, work });
     }
-    work.work(Portable);
+    work.work(Portable)
 }
 
 /// Eight numbers, with every operation rounded as that of a single f32.
@@ -54,9 +55,16 @@ pub(crate) const NEVER: u32 = u32::MAX;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
 
-#[inline(always)]
-fn each(a: [f32; WIDE], b: [f32; WIDE], f: impl Fn(f32, f32) -> f32) -> [f32; WIDE] {
-    std::array::from_fn(|lane| f(a[lane], b[lane]))
+macro_rules! by_lane {
+    ($($name:ident($a:ident, $b:ident) $result:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, a: Self::Number, b: Self::Number) -> Self::Number {
+            std::array::from_fn(|lane| {
+                let ($a, $b) = (a[lane], b[lane]);
+                $result
+            })
+        }
+    )*};
 }
 
 impl Lanes for Portable {
@@ -70,25 +78,12 @@ impl Lanes for Portable {
     fn splat(self, number: f32) -> Self::Number {
         [number; WIDE]
     }
-    #[inline(always)]
-    fn add(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn min(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max(self, a: Self::Number, b: Self::Number) -> Self::Number {
-        each(a, b, |a, b| if a > b { a } else { b })
+    by_lane! {
+        add(a, b) a + b;
+        sub(a, b) a - b;
+        mul(a, b) a * b;
+        min(a, b) if a < b { a } else { b };
+        max(a, b) if a > b { a } else { b };
     }
     #[inline(always)]
     fn at_most(self, a: Self::Number, b: Self::Number) -> u32 {
@@ -121,11 +116,20 @@ mod avx2 {
     }
 
     impl<W: Work> NullaryFnOnce for Vectorized<W> {
-        type Output = ();
+        type Output = W::Output;
         #[inline(always)]
-        fn call(self) {
-            self.work.work(self.lanes);
+        fn call(self) -> W::Output {
+            self.work.work(self.lanes)
         }
+    }
+
+    macro_rules! by_instruction {
+        ($($name:ident $instruction:ident)*) => {$(
+            #[inline(always)]
+            fn $name(self, a: __m256, b: __m256) -> __m256 {
+                self.avx.$instruction(a, b)
+            }
+        )*};
     }
 
     impl Lanes for V3 {
@@ -139,25 +143,12 @@ mod avx2 {
         fn splat(self, number: f32) -> __m256 {
             self.avx._mm256_set1_ps(number)
         }
-        #[inline(always)]
-        fn add(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_add_ps(a, b)
-        }
-        #[inline(always)]
-        fn sub(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_sub_ps(a, b)
-        }
-        #[inline(always)]
-        fn mul(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_mul_ps(a, b)
-        }
-        #[inline(always)]
-        fn min(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_min_ps(a, b)
-        }
-        #[inline(always)]
-        fn max(self, a: __m256, b: __m256) -> __m256 {
-            self.avx._mm256_max_ps(a, b)
+        by_instruction! {
+            add _mm256_add_ps
+            sub _mm256_sub_ps
+            mul _mm256_mul_ps
+            min _mm256_min_ps
+            max _mm256_max_ps
         }
         #[inline(always)]
         fn at_most(self, a: __m256, b: __m256) -> u32 {

@@ -1,7 +1,6 @@
 //! The tree holds every sphere, is the same for any number of threads, and its padding is needed.
 
 mod device;
-mod method;
 mod sure;
 
 use super::lanes::{LANE, Lanes, NEVER, Portable};
@@ -148,7 +147,7 @@ fn padding_loses_no_hit_and_is_needed() {
     let mut finds = |tree: &Tree, ray: &BoxRay, t: f64, k: u32| {
         let limit = ray.limit(t);
         let mut found = Found { tree, ray: *ray, limit, ids: Vec::new() };
-        walk(Portable, tree, ray, limit, &mut found);
+        walk::<false, _>(Portable, tree, ray, limit, &mut found);
         found.ids.contains(&k)
     };
     assert_eq!(lost(20_000, |_| 0.0, &mut finds), 0);

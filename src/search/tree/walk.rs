@@ -19,42 +19,15 @@ struct Children<L: Lanes> {
     first: u32,
 }
 
-/// Tests the blocks of spheres that the ray may meet before `limit`, roughly nearest first.
+/// Tests the blocks of spheres that the ray may meet before `limit`, roughly nearest first; with `ANY` until a test returns a
+/// negative number, for rays that end at any sphere. The blocks of a node are then not sorted, which costs more than it saves.
 ///
 /// At most one node of every level has children that wait. The nearest is found without branches, since which box is
 /// entered first cannot be predicted.
 #[inline(always)]
-pub(crate) fn walk<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
-    let mut limit = limit;
+pub(crate) fn walk<const ANY: bool, L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, mut limit: f32, test: &mut impl Test) {
     let lowest = tree.levels() - 1;
-    let root = Children::<L> { keys: enter(l, &tree.nodes[0], ray, limit), first: 0 };
-    let mut waiting = [root; LEVELS];
-    let mut level = 0;
-    loop {
-        let now = &mut waiting[level];
-        let key = l.take_least(&mut now.keys);
-        let place = now.first + (key & LANE);
-        if key == NEVER || f32::from_bits(key & !LANE) > limit {
-            if level == 0 {
-                return;
-            }
-            level -= 1;
-        } else if level == lowest {
-            limit = test.test(place);
-        } else {
-            level += 1;
-            let node = &tree.nodes[(tree.firsts[level] + place) as usize];
-            waiting[level] = Children { keys: enter(l, node, ray, limit), first: place * WIDE as u32 };
-        }
-    }
-}
-
-/// The same until a test returns a negative number: for rays that end at any sphere. Only the blocks of a node are not
-/// sorted, which costs more than it saves.
-#[inline(always)]
-pub(crate) fn walk_any<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, test: &mut impl Test) {
-    let lowest = tree.levels() - 1;
-    if lowest == 0 {
+    if ANY && lowest == 0 {
         test_blocks(l, tree, 0, ray, limit, test);
         return;
     }
@@ -65,15 +38,18 @@ pub(crate) fn walk_any<L: Lanes>(l: L, tree: &Tree, ray: &BoxRay, limit: f32, te
         let now = &mut waiting[level];
         let key = l.take_least(&mut now.keys);
         let place = now.first + (key & LANE);
-        if key == NEVER {
+        // The limit of a ray that ends at any sphere does not change.
+        if key == NEVER || !ANY && f32::from_bits(key & !LANE) > limit {
             if level == 0 {
                 return;
             }
             level -= 1;
-        } else if level + 1 == lowest {
+        } else if ANY && level + 1 == lowest {
             if !test_blocks(l, tree, place, ray, limit, test) {
                 return;
             }
+        } else if level == lowest {
+            limit = test.test(place);
         } else {
             level += 1;
             let node = &tree.nodes[(tree.firsts[level] + place) as usize];

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The cell of a point, from 0 in each direction.
-type Place = [i64; 3];
+type Cube = [i64; 3];
 
 /// Bytes per point in a map of cells while it grows.
 const POINT: u64 = 96;
@@ -24,7 +24,7 @@ pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<V
     let largest = points.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
     let side = (1.1 * reach).max(largest * 2_f64.powi(-48)).max(f64::MIN_POSITIVE);
     let cell = |point: &[f64; 3]| point.map(|x| (x / side).floor() as i64);
-    let mut cells: HashMap<Place, Vec<[f64; 3]>> = HashMap::new();
+    let mut cells: HashMap<Cube, Vec<[f64; 3]>> = HashMap::new();
     for point in points.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(point, _)| point) {
         cells.entry(cell(point)).or_default().push(*point);
     }

@@ -2,18 +2,18 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use super::vector::{LANES, mask, pick};
 use crate::answers::raw::Raw;
 use crate::certify::constants::BEYOND;
 use crate::certify::general::{general_answer, general_low};
 use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
 use crate::certify::tiles::{NO_DETAIL, NOTHING};
 use crate::certify::{Answer, Certify, GENERAL, Slopes};
+use crate::number::vector::{Bits, LANES, pick};
 use crate::tile::{CHUNK, TILE};
 use crate::view::ray::NONE;
 
 /// The rays of a strip, one array per component.
-pub(super) struct Lanes<const SAMPLED: bool> {
+pub(super) struct Strip<const SAMPLED: bool> {
     /// The components that all rays share; for pixel centres, those of the row.
     first: Slopes<f32>,
     x: [f32; LANES],
@@ -33,7 +33,7 @@ pub(super) struct NearestTwos {
     pub(super) slot: [u32; LANES],
 }
 
-impl<const SAMPLED: bool> Lanes<SAMPLED> {
+impl<const SAMPLED: bool> Strip<SAMPLED> {
     #[inline(always)]
     pub(super) fn new(certify: &Certify<'_, f32>, [i, first]: [u32; 2]) -> Self {
         let slopes = |column: u32| {
@@ -41,7 +41,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
             certify.slopes(i, j)
         };
         let none = [0.0; LANES];
-        let mut lanes = Self {
+        let mut strip = Self {
             first: slopes(first),
             x: none,
             a: none,
@@ -53,10 +53,10 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
         // Not array::from_fn, which compilers leave as a call.
         for l in 0..LANES {
             let s = slopes(first + l as u32);
-            (lanes.x[l], lanes.a[l], lanes.inverse[l]) = (s.x, s.a, s.inverse);
-            (lanes.y[l], lanes.row[l], lanes.column[l]) = (s.y, s.row, s.column);
+            (strip.x[l], strip.a[l], strip.inverse[l]) = (s.x, s.a, s.inverse);
+            (strip.y[l], strip.row[l], strip.column[l]) = (s.y, s.row, s.column);
         }
-        lanes
+        strip
     }
 
     #[inline(always)]
@@ -93,7 +93,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
             let mut behind = true;
             for l in 0..LANES {
                 let own = chunk_min_depth - k.low[l] > projection.cull_margin * (projection.depth + k.low[l]);
-                k.second[l] = pick(mask(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
+                k.second[l] = pick(u32::all_if(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
                 behind &= own;
             }
             if behind {
@@ -117,8 +117,8 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 
     /// The certified answers of the winners.
     #[inline(always)]
-    pub(super) fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> Answers {
-        let mut answers = Answers::default();
+    pub(super) fn certify_winners(&self, certify: &Certify<'_, f32>, k: &NearestTwos) -> StripAnswers {
+        let mut answers = StripAnswers::default();
         if k.slot.iter().any(|slot| slot & GENERAL == 0) {
             self.certify_projected(certify, k, &mut answers);
         }
@@ -135,10 +135,16 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
     /// Answers of the lanes whose winner is this general sphere. All lanes are computed, since usually all share the
     /// winner.
     #[inline(always)]
-    fn certify_general(&self, certify: &Certify<'_, f32>, winners: &[u32; LANES], slot: u32, answers: &mut Answers) {
+    fn certify_general(
+        &self,
+        certify: &Certify<'_, f32>,
+        winners: &[u32; LANES],
+        slot: u32,
+        answers: &mut StripAnswers,
+    ) {
         let (general, terms) = (certify.generals[(slot & !GENERAL) as usize], *certify.terms);
         let shift = certify.projection.shift;
-        let mut found = Answers::default();
+        let mut found = StripAnswers::default();
         for l in 0..LANES {
             found.set(l, &general_answer(&self.slopes(shift, l), &general, &terms));
         }
@@ -146,7 +152,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
     }
 
     #[inline(always)]
-    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos, answers: &mut Answers) {
+    fn certify_projected(&self, certify: &Certify<'_, f32>, k: &NearestTwos, answers: &mut StripAnswers) {
         let (lists, projection, terms) = (certify.lists, *certify.projection, *certify.terms);
         let mut winners = [(NOTHING, NO_DETAIL); LANES];
         for l in 0..LANES {
@@ -177,7 +183,7 @@ impl<const SAMPLED: bool> Lanes<SAMPLED> {
 }
 
 /// Answers as one array per component, a layout that compilers vectorize.
-pub(super) struct Answers {
+pub(super) struct StripAnswers {
     /// [`NONE`] where nothing is hit.
     pub(super) id: [u32; LANES],
     flags: [[u32; LANES]; 2],
@@ -185,14 +191,14 @@ pub(super) struct Answers {
     pub(super) numbers: [[f32; LANES]; 7],
 }
 
-impl Default for Answers {
+impl Default for StripAnswers {
     #[inline(always)]
     fn default() -> Self {
         Self { id: [NONE; LANES], flags: [[0; LANES]; 2], numbers: [[0.0; LANES]; 7] }
     }
 }
 
-impl Answers {
+impl StripAnswers {
     #[inline(always)]
     fn set(&mut self, l: usize, a: &Answer<f32>) {
         self.id[l] = a.id;
@@ -227,7 +233,7 @@ impl Answers {
     fn take(&mut self, other: &Self, lane: impl Fn(usize) -> bool) {
         let mut lanes = [0; LANES];
         for l in 0..LANES {
-            lanes[l] = mask(lane(l));
+            lanes[l] = u32::all_if(lane(l));
             self.id[l] ^= (self.id[l] ^ other.id[l]) & lanes[l];
         }
         for k in 0..2 {
@@ -275,10 +281,10 @@ impl NearestTwos {
         // Selects by masks and writes unconditionally: compilers may turn a comparison into a masked store, which
         // delays the loads that follow it.
         let before = self.low[l];
-        let nearer = mask(low < before);
+        let nearer = u32::all_if(low < before);
         self.low[l] = pick(nearer, low, before);
         self.slot[l] ^= (self.slot[l] ^ slot) & nearer;
         let farther = pick(nearer, before, low);
-        self.second[l] = pick(mask(farther < self.second[l]), farther, self.second[l]);
+        self.second[l] = pick(u32::all_if(farther < self.second[l]), farther, self.second[l]);
     }
 }
