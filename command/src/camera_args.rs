@@ -39,8 +39,8 @@ pub(super) struct CameraArgs {
     #[arg(long, value_name = "HEIGHT", value_parser = positive("number, in the scene's unit"), num_args = 0..=1, allow_negative_numbers = true,
         conflicts_with = "vfov")]
     pub(super) ortho: Option<Option<f64>>,
-    /// Magnifies the picture X times about its middle; below 1 it shows more. The eye stays, also where it is framed, and the
-    /// viewport is narrower by that factor.
+    /// Magnifies the picture X times about its middle; below 1 it shows more. It makes the viewport
+    /// narrower by that factor, after the scene is framed, and does not move the eye.
     #[arg(long, value_name = "X", value_parser = positive("number, such as 2"), allow_negative_numbers = true)]
     zoom: Option<f64>,
     #[command(flatten)]
@@ -59,8 +59,8 @@ pub(super) struct PoseArgs {
     /// Position of the eye.
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(super) eye: Option<DVec3>,
-    /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye all fits,
-    /// with the point in the middle.
+    /// Point to look at, or an expression such as "resname HEM" for the centre of what it selects. Without --eye, the eye
+    /// is placed so that the point is in the middle and all spheres are in view.
     #[arg(long, value_name = "X,Y,Z|EXPR", value_parser = target, allow_hyphen_values = true)]
     pub(super) at: Option<Aimed>,
     /// Direction to look in: X,Y,Z, or front (along -z, y up), back, left, right, top, bottom, iso, which frame all; auto

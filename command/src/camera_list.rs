@@ -94,7 +94,7 @@ struct WrittenCamera {
     number: u64,
     files: Vec<PathBuf>,
     #[serde(flatten)]
-    camera: CameraRecord,
+    camera: Option<CameraRecord>,
 }
 
 impl Default for WrittenCameras {
@@ -105,7 +105,7 @@ impl Default for WrittenCameras {
 
 impl WrittenCameras {
     /// Adds a picture. Files are named from the folder of the list.
-    pub(super) fn add<'a>(&mut self, number: u64, files: impl Iterator<Item = &'a Path>, camera: CameraRecord) {
+    pub(super) fn add<'a>(&mut self, number: u64, files: impl Iterator<Item = &'a Path>, camera: Option<CameraRecord>) {
         let files = files.filter(|path| !is_standard_output(path)).map(Path::to_path_buf).collect();
         self.cameras.push(WrittenCamera { number, files, camera });
     }

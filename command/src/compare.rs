@@ -19,7 +19,7 @@ use std::path::PathBuf;
 ///
 /// In files with several buffers, those of the same name are compared; a buffer that only one file has is a difference.
 /// NaN equals NaN and an infinity equals itself; against anything else they differ infinitely, beyond any tolerance.
-/// FrameFile of different shapes, and PNGs of 8 and of 16 bits, are different.
+/// Frames of different shapes, and PNGs of 8 and of 16 bits, are different.
 ///
 /// Examples:
 ///   halfline compare expected.png actual.png -o difference.png

@@ -39,9 +39,9 @@ pub(super) fn fail(error: &Error) -> ExitCode {
 }
 
 /// Prints the object of an error of clap, which prints its own message; help and version are no errors.
-pub(super) fn print_usage(told: &clap::Error) {
-    if told.use_stderr() {
-        let rendered = told.render().to_string();
+pub(super) fn print_usage(error: &clap::Error) {
+    if error.use_stderr() {
+        let rendered = error.render().to_string();
         let lines = rendered
             .lines()
             .map(str::trim)

@@ -146,20 +146,20 @@ pub(super) struct FilmWriter {
     /// Closed after the last picture.
     pictures: Option<ChildStdin>,
     /// What the encoder says.
-    said: File,
+    messages: File,
 }
 
 impl FilmWriter {
     fn start(film: &Film<'_>, name: &Path) -> io::Result<Self> {
-        let said = tempfile::tempfile()?;
+        let messages = tempfile::tempfile()?;
         let mut command = Command::new(PROGRAM);
         command.args(["-hide_banner", "-loglevel", "error", "-nostats", "-f", "image2pipe", "-c:v", "png"]);
         command.args(["-framerate", &film.fps.to_string(), "-i", "pipe:0"]).args(film.kind.encoding());
         command.args(["-f", film.kind.name(), "-y"]).arg(name);
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(said.try_clone()?);
+        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(messages.try_clone()?);
         let mut encoder = command.spawn()?;
         let pictures = encoder.stdin.take();
-        Ok(Self { path: film.path.to_path_buf(), encoder, pictures, said })
+        Ok(Self { path: film.path.to_path_buf(), encoder, pictures, messages })
     }
 
     /// Adds a picture, the bytes of a PNG.
@@ -188,12 +188,12 @@ impl FilmWriter {
         if status.success() {
             return Ok(());
         }
-        let mut said = Vec::new();
-        self.said.rewind()?;
-        (&mut self.said).take(1 << 12).read_to_end(&mut said)?;
-        let said = String::from_utf8_lossy(&said);
-        let said = said.lines().map(str::trim).find(|line| !line.is_empty());
-        Err(io::Error::other(said.map_or(format!("ffmpeg: {status}"), |said| format!("ffmpeg: {said}"))))
+        let mut messages = Vec::new();
+        self.messages.rewind()?;
+        (&mut self.messages).take(1 << 12).read_to_end(&mut messages)?;
+        let text = String::from_utf8_lossy(&messages);
+        let first = text.lines().map(str::trim).find(|line| !line.is_empty());
+        Err(io::Error::other(first.map_or(format!("ffmpeg: {status}"), |line| format!("ffmpeg: {line}"))))
     }
 }
 

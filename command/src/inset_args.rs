@@ -16,7 +16,7 @@ use std::path::Path;
 #[command(next_help_heading = "Image")]
 pub(super) struct InsetArgs {
     /// Draws the legend of the colours, of --color-by or else of the elements, inside the picture: right (the default),
-    /// top-left, top-right, bottom-left, bottom-right. What is framed lies beside it. The corner may also follow a blank.
+    /// top-left, top-right, bottom-left, bottom-right. Spheres that are framed lie beside it. CORNER may follow = or a space.
     #[arg(long, value_name = "CORNER", num_args = 0..=1, require_equals = true, default_missing_value = "right")]
     legend_in: Option<Corner>,
     /// Draws text at the top left; {frame}, {file} and {count} are replaced by the frame's number, the file's name and the

@@ -1,6 +1,5 @@
 //! `--aperture` and `--focus-distance`: a lens with a size.
 
-use super::light_args::LookRequest;
 use super::values::length;
 use clap::Args;
 use halfline::camera::{Aperture, Look};
@@ -25,8 +24,8 @@ pub(super) struct LensArgs {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PictureLens {
     pub(super) aperture: Option<Aperture>,
-    /// The samples where no one asks for any, for a note.
-    samples: Option<u32>,
+    /// The samples where no one asks for any.
+    pub(super) samples: Option<u32>,
 }
 
 impl LensArgs {
@@ -35,17 +34,12 @@ impl LensArgs {
         self.aperture.is_some() || self.focus_distance.is_some()
     }
 
-    /// The lens for a frame whose camera is final but for turns, with that of a picture whose camera was taken. The samples of `request` are
-    /// set where they are open.
+    /// The lens for a frame whose camera is final but for turns, with that of a picture whose camera was taken;
+    /// `has_samples` says whether options or the file ask for samples.
     ///
     /// # Errors
     /// [`Error::Settings`] for a focus without an aperture, and those of [`Aperture::distance`].
-    pub(super) fn lens(
-        &self,
-        frame: &SceneFrame,
-        taken: Option<Aperture>,
-        request: &mut LookRequest,
-    ) -> Result<PictureLens> {
+    pub(super) fn lens(&self, frame: &SceneFrame, taken: Option<Aperture>, has_samples: bool) -> Result<PictureLens> {
         let given = taken.or(frame.aperture);
         let Some(diameter) = self.aperture.or(given.map(|lens| lens.diameter)) else {
             return match self.focus_distance {
@@ -65,8 +59,7 @@ impl LensArgs {
         };
         let focus = self.focus_distance.or(given.and_then(|lens| lens.focus)).or_else(middle);
         let focus = Some(Aperture { diameter, focus }.distance(camera)?);
-        let samples = request.samples.or(request.file.samples).is_none().then_some(Aperture::SAMPLES);
-        request.samples = request.samples.or(samples);
+        let samples = (!has_samples).then_some(Aperture::SAMPLES);
         Ok(PictureLens { aperture: Some(Aperture { diameter, focus }), samples })
     }
 }

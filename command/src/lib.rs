@@ -101,15 +101,15 @@ fn arguments() -> Result<Arguments> {
 }
 
 /// Prints a message of clap and ends the process. Help and version are results, so failing to print them is an error.
-fn end(told: &clap::Error) -> ! {
+fn end(error: &clap::Error) -> ! {
     // Without any argument the commands that most people need say more than a list of options.
-    if told.use_stderr() && process::arguments().eq(["render"]) {
+    if error.use_stderr() && process::arguments().eq(["render"]) {
         let _ = io::stderr().write_all(render::START.as_bytes());
         std::process::exit(2);
     }
-    failure::print_usage(told);
-    let arrived = told.print().and_then(|()| io::stdout().flush()).and_then(|()| standard::check_output());
-    std::process::exit(if arrived.is_err() && !told.use_stderr() { 8 } else { told.exit_code() })
+    failure::print_usage(error);
+    let arrived = error.print().and_then(|()| io::stdout().flush()).and_then(|()| standard::check_output());
+    std::process::exit(if arrived.is_err() && !error.use_stderr() { 8 } else { error.exit_code() })
 }
 
 /// Runs the chosen subcommand.

@@ -1,5 +1,6 @@
 //! Lights, sky and lines of the picture as options, and the looks that stand for several of them.
 
+use super::lens_args::PictureLens;
 use super::values::{length, numbers, whole};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -56,10 +57,18 @@ pub(super) struct LookRequest {
     pub(super) shade: Option<Shade>,
 }
 
-/// The look of one picture: what its options stand for.
+impl LookRequest {
+    /// Whether options or the file ask for samples.
+    pub(super) fn has_samples(&self) -> bool {
+        self.samples.or(self.file.samples).is_some()
+    }
+}
+
+/// The look of one picture: what its options stand for, and its lens.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PictureLook {
     chosen: ChosenLook,
+    lens: PictureLens,
     has_picture: bool,
     shade: Option<Shade>,
     silhouette: bool,
@@ -78,9 +87,15 @@ impl LightArgs {
     ///
     /// # Errors
     /// [`Error::Settings`] for a reach without a sky; the camera's.
-    pub(super) fn apply(&self, scene: &mut Scene, aovs: &[Aov], request: LookRequest) -> Result<PictureLook> {
+    pub(super) fn apply(
+        &self,
+        scene: &mut Scene,
+        aovs: &[Aov],
+        request: LookRequest,
+        lens: PictureLens,
+    ) -> Result<PictureLook> {
         let LookRequest { file, has_picture, samples, shade } = request;
-        let chosen = file.choose(has_picture, self.look, samples, shade);
+        let chosen = file.choose(has_picture, self.look, samples.or(lens.samples), shade);
         let look = chosen.look;
         let light = AddedLight {
             look,
@@ -104,6 +119,7 @@ impl LightArgs {
         }
         Ok(PictureLook {
             chosen,
+            lens,
             has_picture,
             shade: shade.or(look.shade()),
             silhouette: self.silhouette || look.has_silhouette(),
@@ -119,6 +135,7 @@ impl PictureLook {
         Settings {
             shade: self.shade.unwrap_or(settings.shade),
             samples: self.chosen.samples,
+            aperture: self.lens.aperture,
             silhouette: self.silhouette,
             depth_cue: self.depth_cue,
             sky: self.buffer_sky,
@@ -131,8 +148,13 @@ impl PictureLook {
         self.has_picture.then(|| self.chosen.look.name())
     }
 
-    /// The options that the look stands for, in a sentence; `None` for the plain one.
-    pub(super) fn words(&self) -> Option<String> {
+    /// What the look stands for and what the lens does, in sentences.
+    pub(super) fn words(&self) -> impl Iterator<Item = String> {
+        self.look_words().into_iter().chain(self.lens.words())
+    }
+
+    /// The options that the look stands for; `None` for the plain one.
+    fn look_words(&self) -> Option<String> {
         let ChosenLook { look, is_default, .. } = self.chosen;
         let stands_for = match look {
             Look::Plain => return None,

@@ -52,12 +52,12 @@ pub(super) struct ProgressLines {
     frames: u32,
     frame: u32,
     latest: Option<Progress>,
-    told: Instant,
+    printed_at: Instant,
 }
 
 impl ProgressLines {
     pub(super) fn new(output: ProgressOutput, frames: u32) -> Self {
-        Self { output, frames, frame: 0, latest: None, told: Instant::now() }
+        Self { output, frames, frame: 0, latest: None, printed_at: Instant::now() }
     }
 
     /// Prints a line unless one was printed just before. A closed output is not an error.
@@ -89,9 +89,10 @@ impl ProgressLines {
         if latest == Some(progress) {
             return false;
         }
-        let due = latest.is_none_or(|latest| latest.step != step) || done == total || self.told.elapsed() >= PAUSE;
+        let due =
+            latest.is_none_or(|latest| latest.step != step) || done == total || self.printed_at.elapsed() >= PAUSE;
         if due {
-            self.told = Instant::now();
+            self.printed_at = Instant::now();
         }
         due
     }
@@ -123,7 +124,7 @@ impl ProgressLines {
 mod tests {
     use super::*;
 
-    fn told(output: ProgressOutput, frames: u32) -> Vec<String> {
+    fn printed(output: ProgressOutput, frames: u32) -> Vec<String> {
         let mut lines = ProgressLines::new(output, frames);
         let mut all = Vec::new();
         for _ in 0..frames {
@@ -147,7 +148,7 @@ mod tests {
 
     #[test]
     fn frames_are_counted_and_pauses_kept() {
-        let lines = told(ProgressOutput::Json, 2);
+        let lines = printed(ProgressOutput::Json, 2);
         assert_eq!(lines.len(), 12, "a quarter of a step after so short a time is not reported: {lines:?}");
         assert_eq!(lines[0], "{\"step\":\"stage\",\"done\":0,\"total\":9,\"frame\":1}");
         assert_eq!(lines[11], "{\"step\":\"settle\",\"done\":2,\"total\":2,\"frame\":2}");
@@ -163,7 +164,7 @@ mod tests {
 
     #[test]
     fn percent_never_falls() {
-        let lines = told(ProgressOutput::Openjd, 3);
+        let lines = printed(ProgressOutput::Openjd, 3);
         let percents: Vec<f64> =
             lines.iter().filter_map(|line| line.strip_prefix("openjd_progress: ")?.parse().ok()).collect();
         assert!(percents.len() == 18 && percents.is_sorted() && percents[17] < 100.0, "{percents:?}");

@@ -1,6 +1,5 @@
 //! The scene of one picture, with all options applied.
 
-use super::lens_args::PictureLens;
 use super::light_args::PictureLook;
 use halfline::render::stream::StreamIds;
 use halfline::scene::Scene;
@@ -14,7 +13,6 @@ pub(super) struct PictureScene {
     pub(super) scene: Scene,
     pub(super) legend: Option<Legend>,
     pub(super) look: PictureLook,
-    pub(super) lens: PictureLens,
     pub(super) when: FrameTime,
     /// What the camera frames, in words, if that is not given.
     pub(super) framed: Option<String>,

@@ -57,13 +57,13 @@ impl PlanArgs {
         let first = SceneFrames::open(&self.args, &settings, &Cancel::default())?.next_frame()?;
         let picture = first.ok_or_else(|| Error::settings("no frame of the file is selected", "use other --frames"))?;
         let settings = self.args.settings_for(&picture, &settings, &targets)?;
-        let PictureScene { scene, look, lens, framed, .. } = picture;
+        let PictureScene { scene, look, framed, .. } = picture;
         if self.wgsl {
             print(&wgsl(&scene, &settings)?)?;
             return Ok(ExitCode::SUCCESS);
         }
         let explanation = explain(&scene, &settings)?;
-        look.words().into_iter().chain(lens.words()).for_each(|words| note(format_args!("{words}")));
+        look.words().for_each(|words| note(format_args!("{words}")));
         warn(&explanation.warnings);
         match self.json {
             true => print_json(&explanation)?,

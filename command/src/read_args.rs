@@ -77,7 +77,7 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
     wrap: bool,
     /// Makes molecules whole that the cell cuts: by the image flags ix, iy, iz, else along bonds (by distance, where elements
-    /// are known) and by the numbers mol of molecules or by residues. What stays cut is said.
+    /// are known) and by the numbers mol of molecules or by residues. A warning says what stays cut.
     #[arg(long, help_heading = LOOK)]
     unwrap: bool,
     /// Periodic copies along the three edges of the file's cell, original included.

@@ -40,8 +40,9 @@ pub(crate) struct Render {
     /// Skips files that exist, are complete and come from the same rendering.
     #[arg(long, help_heading = "Output")]
     resume: bool,
-    /// Reads the scene in blocks and keeps only spheres that some ray may hit, so that a file of rows (npy, csv, xyz, dump,
-    /// ply, las) may be larger than memory; by itself where it is. Buffers of camera rays, with the same bytes.
+    /// Reads the scene in blocks and keeps only the spheres that some ray may hit, so that a file of rows (npy, csv, xyz,
+    /// dump, ply, las) may be larger than memory. A file that does not fit is read this way without the option. For
+    /// buffers of camera rays, whose bytes stay the same.
     #[arg(long)]
     stream: bool,
     /// Prints one JSON object about the rendering on standard output.
@@ -159,7 +160,7 @@ impl Render {
         };
         let mut all = |mut film: Option<&mut FilmWriter>| {
             let mut done = |picture: Picture| {
-                cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.camera);
+                cameras.add(picture.number, picture.files.iter().map(PathBuf::as_path), picture.report.camera);
                 if let (Some(film), Some(still)) = (&mut film, &picture.still) {
                     film.add(still)?;
                 }

@@ -209,8 +209,7 @@ impl SceneArgs {
             .iter()
             .map(|target| target.memory(columns, scene.lighting.lights.len()))
             .fold(0, u64::saturating_add);
-        let aperture = picture.lens.aperture;
-        Ok(Settings { window, reserve, aperture, ..picture.look.settings(settings) })
+        Ok(Settings { window, reserve, ..picture.look.settings(settings) })
     }
 
     /// The settings for these files, without those that depend on the scene.

@@ -10,7 +10,7 @@ use super::read_args::ReadArgs;
 use super::scene_args::SceneArgs;
 use super::signals::watch;
 use glam::{DQuat, DVec3};
-use halfline::camera::{Aperture, Camera, Look};
+use halfline::camera::{Camera, CameraRecord, Look};
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::Cancel;
@@ -31,13 +31,11 @@ pub(super) struct SceneFrames<'a> {
     /// The scene that `--spin` shows from all sides.
     standing: Option<SceneFrame>,
     /// The camera that all frames have, and the point that it turns about.
-    held: HeldCamera,
+    common: HeldCamera,
     /// Whether the colour of pictures is computed.
     has_picture: bool,
-    /// The size of the picture whose camera is taken.
-    size: Option<(u32, u32)>,
-    /// The lens of that camera.
-    aperture: Option<Aperture>,
+    /// The camera and the size of the picture that they are taken from.
+    taken: Option<CameraRecord>,
     /// What the last camera that was found frames, in words.
     framed: Option<String>,
 }
@@ -61,22 +59,20 @@ impl<'a> SceneFrames<'a> {
         let mut options = options(args, cancel)?;
         args.camera.list.listed()?;
         let taken = args.camera.from.as_deref().map(camera_file::read).transpose()?;
-        let mut held = HeldCamera::new(args.read.frames().is_some() && args.read.hold != Hold::None);
+        let mut common = HeldCamera::new(args.read.frames().is_some() && args.read.hold != Hold::None);
         if options.hold == Hold::All
             && args.read.frames().is_some()
             && let Some((camera, middle)) = hold_all(args, &mut options)?
         {
-            held.set_camera(camera);
-            held.set_middle(middle);
+            common.set_camera(camera);
+            common.set_middle(middle);
         }
         if let Some(record) = &taken {
-            held.set_camera(camera_file::resized(record, args.image.size));
+            common.set_camera(camera_file::resized(record, args.image.size));
         }
-        let aperture = taken.and_then(|record| record.lens_size());
-        let size = taken.map(|record| record.size.into());
         let sequence = Sequence::open(&args.scene, &options)?;
         let has_picture = settings.aovs.contains(&Aov::Color);
-        Ok(Self { args, sequence, count: 0, standing: None, held, has_picture, size, aperture, framed: None })
+        Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None })
     }
 
     /// Every file that is read.
@@ -114,29 +110,30 @@ impl<'a> SceneFrames<'a> {
             return if count == 0 { Err(self.sequence.nothing()) } else { Ok(None) };
         };
         self.prepare(&mut frame)?;
-        let mut request = self.args.look_request(frame.look, self.has_picture);
-        let lens = camera.lens.lens(&frame, self.aperture, &mut request)?;
+        let request = self.args.look_request(frame.look, self.has_picture);
+        let taken = self.taken.and_then(|record| record.lens_size());
+        let lens = camera.lens.lens(&frame, taken, request.has_samples())?;
         if let Some(turns) = camera.spin {
             let scene = &mut frame.scene;
             // The angle depends on the number only, so a frame rendered alone equals the same frame of the sequence.
-            let middle = self.held.middle().unwrap_or_else(|| scene.spheres.middle());
+            let middle = self.common.middle().unwrap_or_else(|| scene.spheres.middle());
             spin(scene, middle, (frame.number - 1) as f64 / f64::from(turns.get()));
         }
         // The light from above left belongs to the final camera.
-        let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request)?;
+        let look = self.args.light.apply(&mut frame.scene, &self.args.files.buffers(), request, lens)?;
         let SceneFrame { number, scene, legend, when, .. } = frame;
         let framed = self.framed.clone();
-        let picture = PictureScene { number, scene, legend, look, lens, when, framed, ids: None };
+        let picture = PictureScene { number, scene, legend, look, when, framed, ids: None };
         legend::check_content(self.args, &picture)?;
         Ok(Some(picture))
     }
 
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
-        let (args, image) = (self.args, self.args.image.size.or(self.size));
+        let (args, image) = (self.args, self.args.image.size.or(self.taken.map(|record| record.size.into())));
         let is_listed = args.camera.list.file.is_some();
         if !is_listed {
-            self.held.see(frame, &args.read.arrangement(), &watch(), |whole| {
+            self.common.see(frame, &args.read.arrangement(), &watch(), |whole| {
                 size(image, args, whole);
                 let aside = args.insets.aside(whole)?;
                 framing::point(&args.camera, whole, aside).map(drop)
@@ -148,13 +145,13 @@ impl<'a> SceneFrames<'a> {
             args.camera.list.apply(frame.number, args.image.size, args.camera.vfov(), &mut frame.scene)?;
         } else {
             // A later frame of a film may have nothing of what the first one is turned about.
-            if self.held.middle().is_none()
+            if self.common.middle().is_none()
                 && let Some(pivot) = args.camera.pivot(frame)?
             {
-                self.held.set_middle(pivot);
+                self.common.set_middle(pivot);
             }
             let framed = &mut self.framed;
-            self.held.apply(frame, |frame| {
+            self.common.apply(frame, |frame| {
                 let aside = args.insets.aside(frame)?;
                 let framing = framing::point(&args.camera, frame, aside)?;
                 *framed = framing::words(&args.camera, frame, framing.as_ref());

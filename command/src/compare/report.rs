@@ -87,8 +87,8 @@ impl<'a> FrameComparison<'a> {
             [(pair, difference)] => Some(BufferReport::of(pair, difference)),
             _ => None,
         };
-        let some = |value: fn(&Difference) -> usize| Some(self.differences.iter().map(value).sum::<usize>());
         let like = self.differences.iter().any(|difference| difference.unlike.is_none());
+        let some = |value: fn(&Difference) -> usize| like.then(|| self.differences.iter().map(value).sum());
         let most = self.differences.iter().map(|difference| difference.max).fold(0.0, f64::max);
         let inner = one.as_ref().and_then(|one| one.unlike.map(str::to_owned));
         let report = JsonReport {
@@ -98,15 +98,13 @@ impl<'a> FrameComparison<'a> {
             tolerance: Json(ArrayValue::Float(self.tolerance)),
             unlike: self.unlike.clone().or(inner),
             files: self.files,
-            shapes: one.as_ref().map(|one| one.shapes),
-            types: one.as_ref().map(|one| one.types),
-            shape: one.as_ref().and_then(|one| one.shape),
-            pixels: some(|difference| difference.pixels).filter(|_| like),
-            differing: some(|difference| difference.differing).filter(|_| like),
-            beyond: some(|difference| difference.beyond).filter(|_| like),
-            max: like.then_some(Json(ArrayValue::Float(most))),
-            mean: one.as_ref().and_then(|one| one.mean),
-            at: one.as_ref().and_then(|one| one.at),
+            values: ComparedValues {
+                pixels: some(|difference| difference.pixels),
+                differing: some(|difference| difference.differing),
+                beyond: some(|difference| difference.beyond),
+                max: like.then_some(Json(ArrayValue::Float(most))),
+                ..one.as_ref().map(|one| one.values).unwrap_or_default()
+            },
             buffers: self.each().map(|(pair, difference)| BufferReport::of(pair, difference)).collect(),
             missing: self.pairs.missing.iter().map(|(buffer, file)| Missing { buffer, only_in: file }).collect(),
         };
@@ -151,15 +149,8 @@ struct JsonReport<'a> {
     tolerance: Json,
     unlike: Option<String>,
     files: [&'a str; 2],
-    shapes: Option<[&'a [usize]; 2]>,
-    types: Option<[&'a str; 2]>,
-    shape: Option<&'a [usize]>,
-    pixels: Option<usize>,
-    differing: Option<usize>,
-    beyond: Option<usize>,
-    max: Option<Json>,
-    mean: Option<Json>,
-    at: Option<ValueLocation>,
+    #[serde(flatten)]
+    values: ComparedValues<'a>,
     buffers: Vec<BufferReport<'a>>,
     missing: Vec<Missing<'a>>,
 }
@@ -177,8 +168,15 @@ struct BufferReport<'a> {
     name: Option<&'a str>,
     equal: bool,
     unlike: Option<&'a str>,
-    shapes: [&'a [usize]; 2],
-    types: [&'a str; 2],
+    #[serde(flatten)]
+    values: ComparedValues<'a>,
+}
+
+/// What was compared, and how it differs.
+#[derive(Clone, Copy, Default, Serialize)]
+struct ComparedValues<'a> {
+    shapes: Option<[&'a [usize]; 2]>,
+    types: Option<[&'a str; 2]>,
     shape: Option<&'a [usize]>,
     pixels: Option<usize>,
     differing: Option<usize>,
@@ -195,21 +193,23 @@ impl<'a> BufferReport<'a> {
             name: pair.name,
             equal: found.is_within(),
             unlike: found.unlike.as_deref(),
-            shapes: [pair.a.shape(), pair.b.shape()],
-            types: [pair.a.values().dtype(), pair.b.values().dtype()],
-            shape: like.then(|| pair.a.shape()),
-            pixels: like.then_some(found.pixels),
-            differing: like.then_some(found.differing),
-            beyond: like.then_some(found.beyond),
-            max: like.then_some(Json(ArrayValue::Float(found.max))),
-            mean: like.then_some(Json(ArrayValue::Float(found.mean))),
-            at: found.at.map(|at| ValueLocation {
-                row: at.row,
-                column: at.column,
-                channel: at.channel,
-                a: Json(at.a),
-                b: Json(at.b),
-            }),
+            values: ComparedValues {
+                shapes: Some([pair.a.shape(), pair.b.shape()]),
+                types: Some([pair.a.values().dtype(), pair.b.values().dtype()]),
+                shape: like.then(|| pair.a.shape()),
+                pixels: like.then_some(found.pixels),
+                differing: like.then_some(found.differing),
+                beyond: like.then_some(found.beyond),
+                max: like.then_some(Json(ArrayValue::Float(found.max))),
+                mean: like.then_some(Json(ArrayValue::Float(found.mean))),
+                at: found.at.map(|at| ValueLocation {
+                    row: at.row,
+                    column: at.column,
+                    channel: at.channel,
+                    a: Json(at.a),
+                    b: Json(at.b),
+                }),
+            },
         }
     }
 }

@@ -139,16 +139,16 @@ fn heading(place: &PlaceRecord) -> String {
 
 /// Why methods did not run, each reason once.
 fn refusals(record: &Record, place: Option<usize>) -> String {
-    let mut told: Vec<String> = Vec::new();
+    let mut lines: Vec<String> = Vec::new();
     for run in record.runs.iter().filter(|run| place.is_none_or(|place| place == run.place)) {
         if let Some(reason) = &run.refused {
             let line = format!("{} is refused: {reason}", run.method);
-            if !told.contains(&line) {
-                told.push(line);
+            if !lines.contains(&line) {
+                lines.push(line);
             }
         }
     }
-    if told.is_empty() { String::new() } else { format!("\n{}\n", told.join("\n")) }
+    if lines.is_empty() { String::new() } else { format!("\n{}\n", lines.join("\n")) }
 }
 
 /// Columns as wide as their widest cell, text aligned to the left and numbers to the right.

@@ -7,7 +7,6 @@ use crate::picture_scene::PictureScene;
 use crate::preview::Preview;
 use crate::scene_args::SceneArgs;
 use crate::signals::go_on;
-use halfline::camera::CameraRecord;
 use halfline::error::Result;
 use halfline::frame::Frame;
 use halfline::frame::provenance::Origin;
@@ -62,7 +61,6 @@ pub(super) struct Picture {
     pub(super) number: u64,
     /// The files that show it.
     pub(super) files: Vec<PathBuf>,
-    pub(super) camera: CameraRecord,
     pub(super) report: Report,
     /// Its bytes in PNG, of a film.
     pub(super) still: Option<Vec<u8>>,
@@ -82,11 +80,10 @@ pub(super) struct PictureWriter<'a> {
 impl PictureWriter<'_> {
     /// Renders one scene and writes its files, unless all exist.
     pub(super) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
-        let (scene, image, number) = (&numbered.scene, numbered.scene.image, numbered.number);
+        let (scene, number) = (&numbered.scene, numbered.number);
         let mut targets = self.args.files.targets(numbered.number)?;
         let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
-        let camera = CameraRecord::new(&scene.camera, [image.width, image.height], numbered.lens.aperture)?;
-        let written = |files, report, still| Picture { number, files, camera, report, still };
+        let written = |files, report, still| Picture { number, files, report, still };
         let panels = self.args.insets.panels(&self.args.scene, numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
             target.set_drawn(panels.words());
@@ -120,7 +117,6 @@ impl PictureWriter<'_> {
             .hold_words()
             .into_iter()
             .chain(numbered.look.words())
-            .chain(numbered.lens.words())
             .for_each(|words| self.messages.note(number, words));
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             self.messages.note(number, frame.report.reason.clone());

@@ -149,17 +149,9 @@ impl<'a> Source<'a> {
     fn begin(&self, mut scene: Scene, settings: &Settings, targets: &[Target]) -> Result<(PictureScene, Stream)> {
         // The look is plain unless another is requested, which the stream refuses.
         let request = self.args.look_request(FileLook::default(), settings.aovs.contains(&Aov::Color));
-        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request)?;
-        let picture = PictureScene {
-            number: 1,
-            scene,
-            legend: None,
-            look,
-            lens: PictureLens::default(),
-            when: FrameTime::default(),
-            framed: None,
-            ids: None,
-        };
+        let look = self.args.light.apply(&mut scene, &self.args.files.buffers(), request, PictureLens::default())?;
+        let picture =
+            PictureScene { number: 1, scene, legend: None, look, when: FrameTime::default(), framed: None, ids: None };
         let settings = self.args.settings_for(&picture, settings, targets)?;
         let stream = Stream::new(&picture.scene, &settings)?;
         Ok((picture, stream))
