@@ -5,6 +5,8 @@
 mod data;
 #[path = "../common/nff.rs"]
 mod nff;
+#[path = "../common/numpy.rs"]
+mod numpy;
 #[path = "../common/random_frames.rs"]
 mod random_frames;
 #[path = "../common/rng.rs"]
