@@ -49,3 +49,4 @@ mod trace;
 mod tree;
 mod truth;
 mod twins;
+mod weekend;

@@ -2,10 +2,10 @@
 
 use crate::adapter::{cpu, gpu, gpu_or_skip, renderers};
 use crate::test_dir::{NO_ADAPTER, TestDir};
+use crate::weekend::weekend;
 use halfline::explain::{Explanation, explain};
 use halfline::frame::Aov;
 use halfline::intersect::Method;
-use halfline::read::ReadOptions;
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Backend, Search, Settings, Tolerance};
 use std::path::Path;
@@ -21,13 +21,6 @@ fn scene() -> Scene {
     scene.image.width = 40;
     scene.image.height = 24;
     scene
-}
-
-fn weekend() -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/weekend.toml");
-    let scene = Scene::read(&path, &ReadOptions::default()).expect("weekend");
-    // Its light and its sky take rays of their own.
-    Scene { lighting: Default::default(), ..scene }
 }
 
 fn settings(backend: Backend, tolerance: Option<f64>, aovs: &[Aov]) -> Settings {
